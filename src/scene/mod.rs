@@ -1,0 +1,24 @@
+//! What is rendered: mesh, camera, light and ground; loaders and built-in scenes.
+
+pub mod camera;
+pub mod light;
+pub mod mesh;
+
+pub use camera::{Camera, PixelRays};
+pub use light::Light;
+pub use mesh::{Ground, Mesh};
+
+/// A scene: one mesh, one camera, one light.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name of the built-in scene, or the file it came from.
+    pub name: String,
+    /// All casters and receivers, the ground included (its two triangles are the last) where there is one.
+    pub mesh: Mesh,
+    /// The camera.
+    pub camera: Camera,
+    /// The light.
+    pub light: Light,
+    /// The ground plane that was added, if one was.
+    pub ground: Option<Ground>,
+}
