@@ -8,6 +8,7 @@
 //! Dependencies run one way: `cli` → `report` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
 
 pub mod error;
+pub mod gpu;
 pub mod samples;
 pub mod scene;
 

@@ -1,0 +1,116 @@
+//! Joins the kernels with what they import, validates each with naga, and writes the table the host reads:
+//! source, entry points, workgroup sizes, bindings and `const` values. Any shader error fails the build.
+
+use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
+use std::collections::HashSet;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::{env, fs};
+
+fn main() {
+    println!("cargo:rerun-if-changed=kernels");
+    println!("cargo:rerun-if-changed=build.rs");
+    match table(Path::new("kernels")) {
+        Ok(text) => {
+            let out = Path::new(&env::var("OUT_DIR").expect("cargo sets OUT_DIR")).join("kernels.rs");
+            fs::write(out, text).expect("the build folder is writable");
+        }
+        Err(message) => {
+            eprintln!("{message}");
+            std::process::exit(1);
+        }
+    }
+}
+
+/// The Rust text that describes every kernel in `folder`.
+fn table(folder: &Path) -> Result<String, String> {
+    let mut files: Vec<_> = fs::read_dir(folder)
+        .map_err(|e| format!("{}: {e}", folder.display()))?
+        .filter_map(|f| f.ok().map(|f| f.path()))
+        .filter(|p| p.extension().is_some_and(|e| e == "wgsl"))
+        .collect();
+    files.sort();
+    let mut out = String::new();
+    for file in files {
+        let stem = file.file_stem().and_then(|s| s.to_str()).ok_or("kernel file name")?.to_owned();
+        let source = expand(folder, &file, &mut HashSet::new())?;
+        write_kernel(&mut out, &stem, &source)?;
+    }
+    Ok(out)
+}
+
+/// The text of `file` with each line `//@import name` replaced by `shared/name.wgsl`, once.
+fn expand(folder: &Path, file: &Path, seen: &mut HashSet<String>) -> Result<String, String> {
+    println!("cargo:rerun-if-changed={}", file.display());
+    let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let mut out = String::new();
+    for line in text.lines() {
+        match line.strip_prefix("//@import ") {
+            Some(name) if seen.insert(name.trim().to_owned()) => {
+                out += &expand(folder, &folder.join("shared").join(format!("{}.wgsl", name.trim())), seen)?;
+            }
+            Some(_) => {}
+            None => {
+                out += line;
+                out.push('\n');
+            }
+        }
+    }
+    Ok(out)
+}
+
+fn write_kernel(out: &mut String, stem: &str, source: &str) -> Result<(), String> {
+    let module = naga::front::wgsl::parse_str(source)
+        .map_err(|e| format!("kernels/{stem}.wgsl: {}", e.emit_to_string_with_path(source, stem)))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|e| format!("kernels/{stem}.wgsl: {}", e.emit_to_string_with_path(source, stem)))?;
+    let describe = |e: std::fmt::Error| e.to_string();
+    writeln!(
+        out,
+        "#[doc = \"`kernels/{stem}.wgsl`.\"]\npub mod {stem} {{\nuse crate::gpu::program::{{Access, Binding, Entry}};"
+    )
+    .map_err(describe)?;
+    writeln!(out, "const SOURCE: &str = {source:?};").map_err(describe)?;
+    for (_, constant) in module.constants.iter() {
+        if let (Some(name), naga::Expression::Literal(naga::Literal::U32(v))) =
+            (&constant.name, &module.global_expressions[constant.init])
+        {
+            writeln!(out, "/// `{name}` of the kernel.\npub const {}: u32 = {v};", name.to_uppercase())
+                .map_err(describe)?;
+        }
+    }
+    for (i, entry) in module.entry_points.iter().enumerate() {
+        let uses = info.get_entry_point(i);
+        let mut bindings = String::new();
+        for (handle, global) in module.global_variables.iter() {
+            let (Some(binding), Some(name)) = (&global.binding, &global.name) else { continue };
+            if uses[handle] == GlobalUse::empty() {
+                continue;
+            }
+            let access = match global.space {
+                naga::AddressSpace::Uniform => "Uniform",
+                naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => "ReadWrite",
+                naga::AddressSpace::Storage { .. } => "Read",
+                _ => return Err(format!("kernels/{stem}.wgsl: binding '{name}' is neither a buffer nor a uniform")),
+            };
+            if binding.group != 0 {
+                return Err(format!(
+                    "kernels/{stem}.wgsl: '{name}' is in group {}, every binding is in group 0",
+                    binding.group
+                ));
+            }
+            write!(bindings, "Binding {{ index: {}, name: {name:?}, access: Access::{access} }}, ", binding.binding)
+                .map_err(describe)?;
+        }
+        writeln!(
+            out,
+            "/// Entry point `{0}` of `kernels/{stem}.wgsl`.\npub const {1}: Entry = Entry {{ kernel: {stem:?}, name: {0:?}, source: SOURCE, workgroup: {2:?}, bindings: &[{bindings}] }};",
+            entry.name,
+            format_args!("ENTRY_{}", entry.name.to_uppercase()),
+            entry.workgroup_size,
+        )
+        .map_err(describe)?;
+    }
+    writeln!(out, "}}").map_err(describe)
+}

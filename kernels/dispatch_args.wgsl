@@ -1,0 +1,36 @@
+// dispatch_args: turns counts that lie in a buffer into arguments of indirect dispatches.
+// Reads `counts` (any words), `requests` (one per dispatch). Writes three words a request to `args`.
+// A count over 65,535 groups is folded over two dimensions, so that no dispatch is silently dropped;
+// a request runs min(count, limit) / per_group groups, rounded up.
+
+struct Request {
+    count_word: u32,   // index into `counts`
+    per_group: u32,    // items that one workgroup handles
+    limit: u32,        // the list's capacity: counts beyond it are not processed
+    args_word: u32,    // where the three words go
+}
+
+const MAX_GROUPS = 65535u;
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<storage, read> counts: array<u32>;
+@group(0) @binding(1) var<storage, read> requests: array<Request>;
+@group(0) @binding(2) var<storage, read_write> args: array<u32>;
+
+@compute @workgroup_size(WORKGROUP)
+fn fold(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&requests) { return; }
+    let request = requests[id.x];
+    if request.per_group == 0u { return; }
+    let items = min(counts[request.count_word], request.limit);
+    let groups = items / request.per_group + select(0u, 1u, items % request.per_group != 0u);
+    var x = groups;
+    var y = 1u;
+    if groups > MAX_GROUPS {
+        y = groups / MAX_GROUPS + select(0u, 1u, groups % MAX_GROUPS != 0u);
+        x = groups / y + select(0u, 1u, groups % y != 0u);
+    }
+    args[request.args_word] = x;
+    args[request.args_word + 1u] = y;
+    args[request.args_word + 2u] = 1u;
+}

@@ -1,0 +1,150 @@
+//! Typed buffers.
+
+use super::Gpu;
+use crate::{Error, Result};
+use bytemuck::Pod;
+use futures::executor::block_on;
+use std::marker::PhantomData;
+
+/// A GPU buffer of `len` elements of `T`. Never empty: a buffer of 0 elements holds one that nobody reads.
+#[derive(Debug)]
+pub struct Buffer<T> {
+    raw: wgpu::Buffer,
+    len: usize,
+    label: String,
+    element: PhantomData<T>,
+}
+
+impl<T: Pod> Buffer<T> {
+    /// A storage buffer; wgpu fills it with zeros.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if it is above the device's limits for a buffer or a binding; [`Error::Gpu`] if the device has
+    /// no memory for it.
+    pub fn storage(device: &wgpu::Device, label: &str, len: usize) -> Result<Self> {
+        use wgpu::BufferUsages as U;
+        Self::with_usage(device, label, len, U::STORAGE | U::COPY_SRC | U::COPY_DST)
+    }
+
+    /// A storage buffer that indirect dispatches may also read.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn indirect(device: &wgpu::Device, label: &str, len: usize) -> Result<Self> {
+        use wgpu::BufferUsages as U;
+        Self::with_usage(device, label, len, U::STORAGE | U::COPY_SRC | U::COPY_DST | U::INDIRECT)
+    }
+
+    /// A uniform buffer.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn uniform(device: &wgpu::Device, label: &str, len: usize) -> Result<Self> {
+        use wgpu::BufferUsages as U;
+        Self::with_usage(device, label, len, U::UNIFORM | U::COPY_DST)
+    }
+
+    /// A storage buffer that holds `data`.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn from_slice(device: &wgpu::Device, queue: &wgpu::Queue, label: &str, data: &[T]) -> Result<Self> {
+        let buffer = Self::storage(device, label, data.len())?;
+        buffer.write(queue, data);
+        Ok(buffer)
+    }
+
+    fn with_usage(device: &wgpu::Device, label: &str, len: usize, usage: wgpu::BufferUsages) -> Result<Self> {
+        let size = ((len.max(1) * size_of::<T>()) as u64).next_multiple_of(16);
+        let limits = device.limits();
+        let binding = if usage.contains(wgpu::BufferUsages::UNIFORM) {
+            limits.max_uniform_buffer_binding_size
+        } else {
+            limits.max_storage_buffer_binding_size
+        };
+        let limit = limits.max_buffer_size.min(binding);
+        if size > limit {
+            return Err(Error::Memory { what: label.to_owned(), needed: size, limit });
+        }
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let raw = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        if block_on(scope.pop()).is_some() {
+            return Err(Error::Gpu(format!("out of memory allocating '{label}' ({size} bytes)")));
+        }
+        Ok(Self { raw, len, label: label.to_owned(), element: PhantomData })
+    }
+
+    /// Writes `data` at the start; what is beyond the end is left out.
+    pub fn write(&self, queue: &wgpu::Queue, data: &[T]) {
+        let data = &data[..data.len().min(self.len)];
+        if !data.is_empty() {
+            queue.write_buffer(&self.raw, 0, bytemuck::cast_slice(data));
+        }
+    }
+
+    /// Reads all elements back, waiting for the GPU.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device fails.
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<T>> {
+        self.read_first(gpu, self.len)
+    }
+
+    /// Reads the first `count` elements back, waiting for the GPU.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device fails.
+    pub fn read_first(&self, gpu: &Gpu, count: usize) -> Result<Vec<T>> {
+        let count = count.min(self.len);
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let bytes = count * size_of::<T>();
+        let size = (bytes as u64).next_multiple_of(4);
+        let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu.encoder();
+        encoder.copy_buffer_to_buffer(&self.raw, 0, &staging, 0, size);
+        gpu.queue.submit([encoder.finish()]);
+        staging.map_async(wgpu::MapMode::Read, .., |_| {});
+        gpu.wait(None)?;
+        let view = staging.get_mapped_range(..).map_err(|e| Error::Gpu(format!("reading '{}': {e}", self.label)))?;
+        let mut out = vec![T::zeroed(); count];
+        bytemuck::cast_slice_mut::<T, u8>(&mut out).copy_from_slice(&view[..bytes]);
+        Ok(out)
+    }
+
+    /// How many elements it holds.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether it holds none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Its size in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.raw.size()
+    }
+
+    /// Its label.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// The wgpu buffer.
+    pub fn raw(&self) -> &wgpu::Buffer {
+        &self.raw
+    }
+}

@@ -1,0 +1,18 @@
+//! Mechanism that knows nothing of shadows: device, buffers, programs, recording, timing, readback.
+
+pub mod buffer;
+pub mod device;
+pub mod program;
+pub mod recorder;
+pub mod timer;
+
+pub use buffer::Buffer;
+pub use device::{AdapterSummary, Gpu};
+pub use program::{Entry, Program};
+pub use recorder::{Groups, Recorder};
+pub use timer::{StageTime, Timer};
+
+/// The table that `build.rs` writes: every kernel's source, entry points, workgroup sizes, bindings and constants.
+pub mod kernels {
+    include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+}

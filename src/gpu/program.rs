@@ -1,0 +1,127 @@
+//! A compute pipeline whose bindings are known by name.
+
+use crate::{Error, Result};
+
+/// How a kernel uses a binding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// A uniform buffer.
+    Uniform,
+    /// A storage buffer that is only read.
+    Read,
+    /// A storage buffer that is written.
+    ReadWrite,
+}
+
+/// One binding that an entry point uses.
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// `@binding` index in group 0.
+    pub index: u32,
+    /// Its name in the kernel.
+    pub name: &'static str,
+    /// How it is used.
+    pub access: Access,
+}
+
+/// An entry point of a kernel, as `build.rs` found it with naga.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// The kernel's stem.
+    pub kernel: &'static str,
+    /// The entry point.
+    pub name: &'static str,
+    /// The kernel's text, imports joined.
+    pub source: &'static str,
+    /// The workgroup size.
+    pub workgroup: [u32; 3],
+    /// The bindings it uses, in the order of the kernel.
+    pub bindings: &'static [Binding],
+}
+
+/// A compute pipeline made from an [`Entry`].
+#[derive(Debug)]
+pub struct Program {
+    entry: Entry,
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl Program {
+    /// Builds the pipeline; `constants` are values for the kernel's `override`s.
+    pub fn new(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
+        let label = format!("{}.{}", entry.kernel, entry.name);
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Wgsl(entry.source.into()),
+        });
+        let entries: Vec<_> = entry
+            .bindings
+            .iter()
+            .map(|b| wgpu::BindGroupLayoutEntry {
+                binding: b.index,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: wgpu::BindingType::Buffer {
+                    ty: match b.access {
+                        Access::Uniform => wgpu::BufferBindingType::Uniform,
+                        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                        Access::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+                    },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            })
+            .collect();
+        let layout = device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(entry.name),
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+            cache: None,
+        });
+        Self { entry, pipeline, layout }
+    }
+
+    /// The entry point it was made from.
+    pub fn entry(&self) -> &Entry {
+        &self.entry
+    }
+
+    /// Invocations in one workgroup.
+    pub fn workgroup_invocations(&self) -> u32 {
+        self.entry.workgroup.iter().product()
+    }
+
+    /// The wgpu pipeline.
+    pub fn pipeline(&self) -> &wgpu::ComputePipeline {
+        &self.pipeline
+    }
+
+    /// A bind group of the named buffers; names that the entry point does not use are left out.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if a binding of the kernel is not among the names.
+    pub fn bind(&self, device: &wgpu::Device, buffers: &[(&str, &wgpu::Buffer)]) -> Result<wgpu::BindGroup> {
+        let mut entries = Vec::with_capacity(self.entry.bindings.len());
+        for binding in self.entry.bindings {
+            let (_, buffer) = buffers.iter().find(|(name, _)| *name == binding.name).ok_or_else(|| {
+                Error::Gpu(format!("{}.{} needs a buffer '{}'", self.entry.kernel, self.entry.name, binding.name))
+            })?;
+            entries.push(wgpu::BindGroupEntry { binding: binding.index, resource: buffer.as_entire_binding() });
+        }
+        Ok(device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(self.entry.kernel),
+            layout: &self.layout,
+            entries: &entries,
+        }))
+    }
+}

@@ -1,0 +1,110 @@
+//! Recording stages into an encoder: the only place that begins compute passes.
+
+use super::{Program, Timer};
+use crate::Result;
+
+/// How many workgroups a dispatch runs.
+#[derive(Clone, Copy, Debug)]
+pub enum Groups<'a> {
+    /// Enough for this many invocations, folded over two dimensions (see `kernels/shared/dispatch.wgsl`).
+    Items(u64),
+    /// This many workgroups, folded over two dimensions.
+    Workgroups(u64),
+    /// As three `u32` at this word of a buffer say.
+    Indirect(&'a wgpu::Buffer, u64),
+}
+
+/// Most workgroups along one dimension at WebGPU's default limits.
+pub const MAX_GROUPS: u32 = 65_535;
+
+/// `groups` workgroups folded into two dimensions, neither over [`MAX_GROUPS`]; a few spare ones may be in it.
+pub fn fold(groups: u64) -> [u32; 3] {
+    if groups <= u64::from(MAX_GROUPS) {
+        return [groups as u32, 1, 1];
+    }
+    let rows = groups.div_ceil(u64::from(MAX_GROUPS));
+    [groups.div_ceil(rows) as u32, rows as u32, 1]
+}
+
+/// Appends stages to a caller's encoder. Never submits, waits or maps.
+pub struct Recorder<'a> {
+    /// The device that makes bind groups.
+    pub device: &'a wgpu::Device,
+    encoder: &'a mut wgpu::CommandEncoder,
+    timer: Option<&'a mut Timer>,
+    dispatches: u32,
+}
+
+impl<'a> Recorder<'a> {
+    /// A recorder that appends to `encoder`, with time stamps around each stage if there is a `timer`.
+    pub fn new(device: &'a wgpu::Device, encoder: &'a mut wgpu::CommandEncoder, timer: Option<&'a mut Timer>) -> Self {
+        Self { device, encoder, timer, dispatches: 0 }
+    }
+
+    /// Begins a stage. Dispatches of one stage run in order and see each other's writes.
+    pub fn stage(&mut self, name: &'static str) -> Stage<'_> {
+        let stamps = self.timer.as_mut().and_then(|t| t.begin(name));
+        let pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(name),
+            timestamp_writes: stamps.as_ref().map(|(query_set, first)| wgpu::ComputePassTimestampWrites {
+                query_set,
+                beginning_of_pass_write_index: Some(*first),
+                end_of_pass_write_index: Some(*first + 1),
+            }),
+        });
+        Stage { device: self.device, pass, dispatches: &mut self.dispatches }
+    }
+
+    /// Fills a buffer with zeros.
+    pub fn clear(&mut self, buffer: &wgpu::Buffer) {
+        self.encoder.clear_buffer(buffer, 0, None);
+    }
+
+    /// Fills a range of 32-bit words of a buffer with zeros.
+    pub fn clear_words(&mut self, buffer: &wgpu::Buffer, first: u64, count: u64) {
+        self.encoder.clear_buffer(buffer, first * 4, Some(count * 4));
+    }
+
+    /// Copies `bytes` from the start of one buffer to the start of another.
+    pub fn copy(&mut self, from: &wgpu::Buffer, to: &wgpu::Buffer, bytes: u64) {
+        self.encoder.copy_buffer_to_buffer(from, 0, to, 0, bytes);
+    }
+
+    /// Dispatches recorded so far.
+    pub fn dispatches(&self) -> u32 {
+        self.dispatches
+    }
+}
+
+/// One stage being recorded.
+pub struct Stage<'a> {
+    /// The device that makes bind groups.
+    pub device: &'a wgpu::Device,
+    pass: wgpu::ComputePass<'a>,
+    dispatches: &'a mut u32,
+}
+
+impl Stage<'_> {
+    /// Runs `program` over the named buffers. A direct dispatch of nothing is left out.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if a binding of the kernel is not among the names.
+    pub fn run(&mut self, program: &Program, buffers: &[(&str, &wgpu::Buffer)], groups: Groups) -> Result<()> {
+        let direct = match groups {
+            Groups::Items(0) | Groups::Workgroups(0) => return Ok(()),
+            Groups::Items(n) => Some(fold(n.div_ceil(u64::from(program.workgroup_invocations())))),
+            Groups::Workgroups(n) => Some(fold(n)),
+            Groups::Indirect(..) => None,
+        };
+        let bind_group = program.bind(self.device, buffers)?;
+        self.pass.set_pipeline(program.pipeline());
+        self.pass.set_bind_group(0, &bind_group, &[]);
+        match (direct, groups) {
+            (Some([x, y, z]), _) => self.pass.dispatch_workgroups(x, y, z),
+            (None, Groups::Indirect(args, word)) => self.pass.dispatch_workgroups_indirect(args, word * 4),
+            (None, _) => {}
+        }
+        *self.dispatches += 1;
+        Ok(())
+    }
+}
