@@ -1,0 +1,168 @@
+// facet_classify: makes the facets of a pixel list and settles all that need no evaluation (Pan 2009, section 3.3).
+// `one` lists one facet a pixel, from the triangle at its centre, with a full coverage mask.
+// `classify` finds for each listed facet its plane, its light-view outline and rectangle, and its state:
+//   DARK where its seen side faces away from the light;
+//   LIT where no caster is in the rectangle, or where no texel of it is marked and the facet lies before the split depth;
+//   SHADOWED where no texel of it is marked and it lies behind the split depth;
+//   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
+// There is no depth bias: the split depth was proved (front_layer) to lie between two sheets.
+// A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle.
+
+//@import frame
+//@import dispatch
+//@import rect
+//@import facet
+//@import facing
+//@import front_split
+//@import summed_area_read
+
+override WORDS: u32 = 1u;
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+@group(0) @binding(2) var<storage, read> id_keys: array<u32>;
+@group(0) @binding(3) var<storage, read> triangles: array<u32>;
+@group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> summed_area: array<u32>;
+@group(0) @binding(6) var<storage, read> splits: array<f32>;
+@group(0) @binding(7) var<storage, read_write> facets: array<Facet>;
+@group(0) @binding(8) var<storage, read_write> masks: array<u32>;   // coverage, occluded, invalid: WORDS words each
+@group(0) @binding(9) var<storage, read_write> facet_items: array<u32>;
+@group(0) @binding(10) var<storage, read_write> pixel_facets: array<u32>;  // first facet of each pixel, and the end
+
+fn full_word(word: u32) -> u32 {
+    let left = frame.sample_count - 32u * word;
+    return select((1u << left) - 1u, 0xffffffffu, left >= 32u);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn one(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    let pixels = frame.image_size.x * frame.image_size.y;
+    if pixel > pixels { return; }
+    pixel_facets[pixel] = pixel;
+    if pixel == pixels { return; }
+    facets[pixel].pixel = pixel;
+    facets[pixel].triangle = ~id_keys[pixel];
+    for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * pixel + w] = full_word(w); }
+}
+
+fn settle(f: u32, state: u32) {
+    facets[f].state = state;
+    facets[f].rect = EMPTY_RECT;
+    facet_items[f] = 0u;
+}
+
+fn sample_offset(k: u32) -> vec2<f32> {
+    let pair = samples[k >> 1u];
+    return select(pair.xy, pair.zw, (k & 1u) == 1u);
+}
+
+// Edge function through the eye at the pixel centre, per pixel right, per pixel down; from the lower index.
+fn edge(i: u32, j: u32, ray: vec3<f32>) -> vec3<f32> {
+    let low = min(i, j);
+    let p = points[low].xyz;
+    let m = cross(p, points[max(i, j)].xyz - p) * select(-1.0, 1.0, i == low);
+    return vec3(dot(m, ray), dot(m, frame.ray_x.xyz), dot(m, frame.ray_y.xyz));
+}
+
+fn keep_own_triangle(f: u32, i: vec3<u32>, ray: vec3<f32>) {
+    let e0 = edge(i.x, i.y, ray);
+    let e1 = edge(i.y, i.z, ray);
+    let e2 = edge(i.z, i.x, ray);
+    for (var w = 0u; w < WORDS; w++) {
+        var inside = select(0u, 1u, w == 0u);  // the centre always is
+        for (var k = 0u; k < 32u; k++) {
+            let at = vec3(1.0, sample_offset(32u * w + k));
+            let v = vec3(dot(e0, at), dot(e1, at), dot(e2, at));
+            if all(v >= vec3(0.0)) || all(v <= vec3(0.0)) { inside |= 1u << k; }
+        }
+        masks[3u * WORDS * f + w] &= inside;
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let f = flat_invocation(group, groups, WORKGROUP, local);
+    if f >= frame.facets_total { return; }
+    let t = facets[f].triangle;
+    for (var w = WORDS; w < 3u * WORDS; w++) { masks[3u * WORDS * f + w] = 0u; }
+    if t == NO_TRIANGLE {
+        settle(f, STATE_EMPTY);
+        return;
+    }
+    let pixel = facets[f].pixel;
+    let given = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    var i = given;
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    let a = points[i.x].xyz;
+    let b = points[i.y].xyz;
+    let c = points[i.z].xyz;
+    var normal = cross(b - a, c - a);
+    normal *= bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(normal)) & 0x7f800000u));  // a power of two: about 1
+    let to_light = frame.light.xyz - frame.light.w * a;
+    let side = dot(normal, to_light);
+    // Edge-on to the light within 2^-20: unlit by definition.
+    if !(abs(side) > 9.5367e-7 * length(normal) * length(to_light)) {
+        settle(f, STATE_DARK);
+        return;
+    }
+    normal *= sign(side);
+    let plane = vec4(normal, dot(normal, a));
+    facets[f].plane = plane;
+    if plane.w >= 0.0 {
+        settle(f, STATE_DARK);
+        return;
+    }
+    let ray = pixel_ray(pixel);
+    let depth = plane.w / dot(normal, ray);
+    let farthest = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
+    let limit = max(farthest, depth) * 1.0001;
+    var outline = facet_outline(pixel, plane, limit);
+    if !outline.whole { keep_own_triangle(f, given, ray); }
+    facets[f].limit = limit;
+    facets[f].nearest = outline.nearest;
+    facets[f].farthest = outline.farthest;
+    var rect = EMPTY_RECT;
+    if outline.in_front {
+        var low = outline.corners[0];
+        var high = low;
+        for (var k = 1u; k < outline.count; k++) {
+            low = min(low, outline.corners[k]);
+            high = max(high, outline.corners[k]);
+        }
+        rect = cells_touched(low - frame.map_margin, high + frame.map_margin, vec2(frame.map_size));
+    } else {
+        rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
+        facets[f].nearest = 0.0;
+        facets[f].farthest = 3.0e38;
+    }
+    if is_empty(rect) {
+        settle(f, STATE_LIT);
+        return;
+    }
+    if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front {
+        let r = unpack_rect(rect);
+        if rect_sum(r.low, r.high) == 0u {
+            let p = vec4(ray * depth, 1.0);
+            var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+            if (frame.flags & FLAG_PERSPECTIVE) != 0u { uvz /= dot(frame.map_w, p); }
+            let texel = floor(uvz.xy);
+            if all(texel >= vec2(0.0)) && all(texel < vec2(f32(frame.map_size))) {
+                let split = splits[u32(texel.y) * frame.map_size + u32(texel.x)];
+                if split == UNCOVERED || uvz.z < split {
+                    settle(f, STATE_LIT);
+                    return;
+                }
+                settle(f, STATE_SHADOWED);
+                return;
+            }
+        }
+    }
+    facets[f].state = STATE_UNDECIDED;
+    facets[f].rect = rect;
+    facet_items[f] = block_count(rect);
+}

@@ -1,0 +1,73 @@
+// front_layer: proves, texel by texel, that the nearest layer is one sheet that covers the texel and nothing crosses.
+// `check` marks in `mask` every texel that a caster touches (conservatively) without a layer at its centre, or touches at
+// a depth interval that holds the texel's split depth: no sheet then leads from the front group to the back one.
+// `settle` turns layers and mask into `splits` (see front_split), after silhouette_mask has marked the edges.
+// Together: a texel left unmarked has no silhouette edge before its split depth, one layer there at its centre, and no
+// triangle across the split, so one sheet covers all of it.
+
+//@import frame
+//@import dispatch
+//@import rect
+//@import work_items
+//@import front_split
+//@import conservative
+
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> triangles: array<u32>;
+@group(0) @binding(2) var<storage, read> map_points: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> light_rects: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(5) var<storage, read> nearest_keys: array<u32>;
+@group(0) @binding(6) var<storage, read> second_keys: array<u32>;
+@group(0) @binding(7) var<storage, read_write> mask: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> splits: array<f32>;
+
+fn mark(x: u32, y: u32) {
+    let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
+    let bit = 1u << (x % 32u);
+    if (atomicLoad(&mask[word]) & bit) == 0u { atomicOr(&mask[word], bit); }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let shape = cover_triangle(
+        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        for (var x = block.low.x; x <= block.high.x; x++) {
+            let centre = vec2(f32(x) + 0.5, f32(y) + 0.5);
+            if !covers(shape, centre) { continue; }
+            let texel = y * frame.map_size + x;
+            let first = nearest_keys[texel];
+            if first == 0u || !shape.in_front {
+                mark(x, y);
+                continue;
+            }
+            let split = split_depth(first, second_keys[texel]);
+            let range = depth_range(shape, centre);
+            if range.x <= split && range.y >= split { mark(x, y); }
+        }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let texel = flat_invocation(group, groups, WORKGROUP, local);
+    if texel >= frame.map_size * frame.map_size { return; }
+    let x = texel % frame.map_size;
+    let y = texel / frame.map_size;
+    let word = atomicLoad(&mask[y * ((frame.map_size + 31u) / 32u) + x / 32u]);
+    let first = nearest_keys[texel];
+    var split = UNCOVERED;
+    if (word & (1u << (x % 32u))) != 0u {
+        split = MARKED;
+    } else if first != 0u {
+        split = split_depth(first, second_keys[texel]);
+    }
+    splits[texel] = split;
+}

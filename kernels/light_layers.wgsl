@@ -1,0 +1,81 @@
+// light_layers: the nearest and the second nearest caster at every texel centre, seen from the light.
+// Two runs of the same entry point: pass 0 finds the nearest depth, pass 1 the second, and marks in `mask` every texel
+// whose layers are not certain: an edge within CENTRE_GUARD of the centre, or several casters at the nearest depth.
+// Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `tie_counts`, `mask`
+// (one bit a texel, rows padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
+
+//@import frame
+//@import dispatch
+//@import rect
+//@import work_items
+//@import front_split
+
+struct Pass { index: u32 }
+
+const WORKGROUP = 64u;
+const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> step: Pass;
+@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> light_rects: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(6) var<storage, read_write> nearest_keys: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> second_keys: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> tie_counts: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> mask: array<atomic<u32>>;
+
+fn mark(x: u32, y: u32) {
+    let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
+    atomicOr(&mask[word], 1u << (x % 32u));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[t]);
+    // Vertices in order of index, so that an edge has one value in both of its triangles.
+    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
+    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 { return; }  // front_layer marks every texel of it
+    let ab = b.xy - a.xy;
+    let bc = c.xy - b.xy;
+    let ac = c.xy - a.xy;
+    let area = ab.x * ac.y - ab.y * ac.x;
+    let nearest = min(a.z, min(b.z, c.z));
+    let farthest = max(a.z, max(b.z, c.z));
+    let guard = CENTRE_GUARD * vec3(abs(ab.x) + abs(ab.y), abs(bc.x) + abs(bc.y), abs(ac.x) + abs(ac.y));
+    let turn = select(-1.0, 1.0, area > 0.0);
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        for (var x = block.low.x; x <= block.high.x; x++) {
+            let at = vec2(f32(x) + 0.5, f32(y) + 0.5);
+            let pa = at - a.xy;
+            let pb = at - b.xy;
+            let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);
+            if any(v < -guard) { continue; }
+            if step.index == 1u && any(v <= guard) { mark(x, y); }
+            if any(v < vec3(0.0)) { continue; }
+            var depth = a.z;
+            if area != 0.0 {
+                depth = clamp(a.z + ((b.z - a.z) * v.z + (c.z - a.z) * v.x) / abs(area), nearest, farthest);
+            }
+            let key = key_of_depth(depth);
+            let texel = y * frame.map_size + x;
+            if step.index == 0u {
+                if atomicLoad(&nearest_keys[texel]) < key { atomicMax(&nearest_keys[texel], key); }
+            } else if atomicLoad(&nearest_keys[texel]) == key {
+                if atomicAdd(&tie_counts[texel], 1u) > 0u { mark(x, y); }
+            } else if atomicLoad(&second_keys[texel]) < key {
+                atomicMax(&second_keys[texel], key);
+            }
+        }
+    }
+}

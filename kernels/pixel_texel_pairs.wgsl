@@ -1,0 +1,59 @@
+// pixel_texel_pairs: lists, texel by texel, the undecided facets whose light-view outline touches it (Pan 2009, section
+// 3.3). Two runs of the same entry point around a scan: pass 0 counts, pass 1 writes.
+// Pass 0 writes `texel_counts` (pairs of each texel) and `texel_deepest` (one more than the bits of the farthest facet's
+// depth, 0 where there is no pair; after the texels, one word for each 8 x 8 block of them, not 0 where any has a pair).
+// Pass 1 writes `pairs` (facet, texel) at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
+// A texel that a facet touches makes no pair where no caster is, or where the facet lies before the split depth.
+
+//@import frame
+//@import dispatch
+//@import rect
+//@import work_items
+//@import facet
+//@import front_split
+
+struct Pass { index: u32 }
+
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> step: Pass;
+@group(0) @binding(2) var<storage, read> facets: array<Facet>;
+@group(0) @binding(3) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(4) var<storage, read> splits: array<f32>;
+@group(0) @binding(5) var<storage, read_write> texel_counts: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> texel_deepest: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read> pair_offsets: array<u32>;
+@group(0) @binding(8) var<storage, read_write> pairs: array<vec2<u32>>;
+
+@compute @workgroup_size(WORKGROUP)
+fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = work_offsets[frame.first_facet] + flat_invocation(group, groups, WORKGROUP, local);
+    let end = frame.first_facet + frame.facet_count;
+    if item >= work_offsets[end] { return; }
+    let f = owner_of(item, end);
+    let facet = facets[f];
+    let block = block_of(facet.rect, item - work_offsets[f]);
+    var outline = facet_outline(facet.pixel, facet.plane, facet.limit);
+    let reach = 0.5 + frame.map_margin;
+    let deepest = bitcast<u32>(max(facet.farthest, 0.0)) + 1u;
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        for (var x = block.low.x; x <= block.high.x; x++) {
+            let texel = y * frame.map_size + x;
+            let split = splits[texel];
+            if split == UNCOVERED { continue; }
+            if split != MARKED && facet.farthest + frame.depth_margin < split && (frame.flags & FLAG_ALL_UNDECIDED) == 0u { continue; }
+            if !outline_touches(&outline, vec2(f32(x) + 0.5, f32(y) + 0.5), reach) { continue; }
+            let rank = atomicAdd(&texel_counts[texel], 1u);
+            if step.index == 0u {
+                if atomicLoad(&texel_deepest[texel]) < deepest { atomicMax(&texel_deepest[texel], deepest); }
+                let across = (frame.map_size + BLOCK - 1u) / BLOCK;
+                let b = frame.map_size * frame.map_size + (y >> BLOCK_SHIFT) * across + (x >> BLOCK_SHIFT);
+                if atomicLoad(&texel_deepest[b]) == 0u { atomicOr(&texel_deepest[b], 1u); }
+            } else {
+                let at = pair_offsets[texel] + rank;
+                if at < frame.pixel_texel_capacity { pairs[at] = vec2(f, texel); }
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+// resolve: from masks to visibility (Pan 2009, section 3.4, last paragraphs).
+// Reads facets, their masks (coverage, occluded, invalid: WORDS words each) and which facets a pixel has. Writes
+// `visibility` (lit share of the samples that count, 1 where nothing is seen) and `lit` (WORDS words a pixel: which samples
+// are lit or see nothing). Counts into `status` how many facets each state has.
+
+//@import frame
+//@import dispatch
+//@import facet
+
+override WORDS: u32 = 1u;
+const WORKGROUP = 64u;
+const STATUS_STATES = 16u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> facets: array<Facet>;
+@group(0) @binding(2) var<storage, read> masks: array<u32>;
+@group(0) @binding(3) var<storage, read> pixel_facets: array<u32>;
+@group(0) @binding(4) var<storage, read_write> visibility: array<f32>;
+@group(0) @binding(5) var<storage, read_write> lit: array<u32>;
+@group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
+
+var<workgroup> wg_states: array<atomic<u32>, 5>;
+
+@compute @workgroup_size(WORKGROUP)
+fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel < frame.image_size.x * frame.image_size.y {
+        var seen = 0u;
+        var bright = 0u;
+        var words = vec4(0u);
+        for (var f = pixel_facets[pixel]; f < pixel_facets[pixel + 1u]; f++) {
+            let state = facets[f].state;
+            atomicAdd(&wg_states[state], 1u);
+            if state == STATE_EMPTY { continue; }
+            for (var w = 0u; w < WORDS; w++) {
+                let base = 3u * WORDS * f + w;
+                var counted = masks[base];
+                var open = counted;
+                if state == STATE_DARK || state == STATE_SHADOWED { open = 0u; }
+                if state == STATE_UNDECIDED {
+                    counted &= ~masks[base + 2u * WORDS];
+                    open = counted & ~masks[base + WORDS];
+                }
+                seen += countOneBits(counted);
+                bright += countOneBits(open);
+                words[w] |= open;
+            }
+        }
+        visibility[pixel] = select(f32(bright) / f32(seen), 1.0, seen == 0u);
+        for (var w = 0u; w < WORDS; w++) { lit[WORDS * pixel + w] = select(words[w], 0xffffffffu, seen == 0u); }
+    }
+    workgroupBarrier();
+    if local < 5u {
+        let n = atomicLoad(&wg_states[local]);
+        if n != 0u { atomicAdd(&status[STATUS_STATES + local], n); }
+    }
+}

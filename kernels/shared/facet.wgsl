@@ -1,0 +1,104 @@
+// Facets: what stands for a surface inside one pixel (Pan 2009, section 3.1). Needs `frame`.
+
+struct Facet {
+    plane: vec4<f32>,   // dot(xyz, point) = w on it; the light and the eye lie where dot(xyz, point) > w
+    pixel: u32,
+    triangle: u32,      // the triangle whose plane it is
+    rect: vec2<u32>,    // texels its light-view outline touches
+    state: u32,
+    nearest: f32,       // range of its depth from the light
+    farthest: f32,
+    limit: f32,         // view depth beyond which the plane is not followed
+}
+
+const STATE_EMPTY = 0u;      // no surface: counts as lit
+const STATE_DARK = 1u;       // faces away from the light
+const STATE_LIT = 2u;        // settled: nothing between it and the light
+const STATE_SHADOWED = 3u;   // settled: one sheet covers all of it
+const STATE_UNDECIDED = 4u;  // to be evaluated
+
+const PIXEL_REACH = 0.50390625;  // half a pixel and 1/256: samples lie well inside the outline
+
+struct Outline {
+    corners: array<vec2<f32>, 5>,  // in texels, in order around
+    count: u32,
+    nearest: f32,
+    farthest: f32,
+    in_front: bool,                // the whole outline lies in front of the light
+    whole: bool,                   // every ray of the pixel meets the plane in front of the limit
+}
+
+fn pixel_ray(pixel: u32) -> vec3<f32> {
+    let x = f32(pixel % frame.image_size.x) + 0.5;
+    let y = f32(pixel / frame.image_size.x) + 0.5;
+    return frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
+}
+
+// The pixel's footprint on `plane` as the light sees it, cut off where view depth exceeds `limit`.
+fn facet_outline(pixel: u32, plane: vec4<f32>, limit: f32) -> Outline {
+    var out: Outline;
+    out.in_front = true;
+    out.whole = true;
+    out.nearest = 3.0e38;
+    out.farthest = -3.0e38;
+    let centre = pixel_ray(pixel);
+    // A ray meets the plane nearer than the limit where `over <= 0`.
+    let bound = plane.w / limit;
+    var offsets = array<vec2<f32>, 4>(vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0));
+    for (var k = 0u; k < 4u; k++) {
+        let ray = centre + PIXEL_REACH * (offsets[k].x * frame.ray_x.xyz + offsets[k].y * frame.ray_y.xyz);
+        let next = offsets[(k + 1u) & 3u];
+        let ray_next = centre + PIXEL_REACH * (next.x * frame.ray_x.xyz + next.y * frame.ray_y.xyz);
+        let over = dot(plane.xyz, ray) - bound;
+        let over_next = dot(plane.xyz, ray_next) - bound;
+        if over <= 0.0 { outline_add(&out, ray * (plane.w / dot(plane.xyz, ray))); } else { out.whole = false; }
+        if (over <= 0.0) != (over_next <= 0.0) {
+            let cut = mix(ray, ray_next, over / (over - over_next));
+            outline_add(&out, cut * limit);
+        }
+    }
+    return out;
+}
+
+fn outline_add(out: ptr<function, Outline>, point: vec3<f32>) {
+    let p = vec4(point, 1.0);
+    var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+    if (frame.flags & FLAG_PERSPECTIVE) != 0u {
+        let w = dot(frame.map_w, p);
+        if w <= frame.light_low.w {
+            (*out).in_front = false;
+            return;
+        }
+        uvz /= w;
+    }
+    if (*out).count < 5u {
+        (*out).corners[(*out).count] = uvz.xy;
+        (*out).count += 1u;
+    }
+    (*out).nearest = min((*out).nearest, uvz.z);
+    (*out).farthest = max((*out).farthest, uvz.z);
+}
+
+// Whether the outline touches the texel around `centre`: separating axes across the outline's edges (Pan 2009, section
+// 3.3, figure 5), the texel grown by the margin; the texel's own axes are settled by the rectangle.
+fn outline_touches(out: ptr<function, Outline>, centre: vec2<f32>, reach: f32) -> bool {
+    let count = (*out).count;
+    if count < 3u || !(*out).in_front { return true; }
+    var low = vec2(3.0e38);
+    var high = vec2(-3.0e38);
+    var left = true;
+    var right = true;
+    for (var k = 0u; k < count; k++) {
+        let a = (*out).corners[k];
+        var b = (*out).corners[0];
+        if k + 1u < count { b = (*out).corners[k + 1u]; }
+        let d = b - a;
+        let e = d.x * (centre.y - a.y) - d.y * (centre.x - a.x);
+        let slack = reach * (abs(d.x) + abs(d.y));
+        left = left && e >= -slack;
+        right = right && e <= slack;
+        low = min(low, a);
+        high = max(high, a);
+    }
+    return (left || right) && all(centre >= low - reach) && all(centre <= high + reach);
+}

@@ -1,0 +1,26 @@
+// Which side of a triangle the light sees.
+
+const FRONT = 0u;
+const BACK = 1u;
+const UNSURE = 2u;   // edge-on within rounding: counts as both
+const DROPPED = 3u;  // a vertex is repeated, missing or not finite: no triangle at all
+
+fn largest(v: vec3<f32>) -> f32 {
+    let m = abs(v);
+    return max(m.x, max(m.y, m.z));
+}
+
+fn facing_of(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, light: vec4<f32>) -> u32 {
+    let ab = b - a;
+    let ac = c - a;
+    let to_light = light.xyz - light.w * a;
+    let side = dot(cross(ab, ac), to_light);
+    // Rounding of the products, and of the vertices themselves (half an ulp of the largest coordinate each).
+    let reach = max(largest(a), max(largest(b), largest(c)));
+    let la = largest(ab);
+    let lc = largest(ac);
+    let bound = largest(to_light) * (2e-6 * la * lc + 6e-7 * reach * (la + lc));
+    if side > bound { return FRONT; }
+    if side < -bound { return BACK; }
+    return UNSURE;
+}

@@ -1,0 +1,43 @@
+// Everything that is the same for all invocations of a frame. Lengths are eye-relative and scaled by a power of two, so
+// that the scene is about as large as 1: `point = (position - eye) * scale`. The camera's eye is the origin.
+
+struct Frame {
+    eye: vec4<f32>,          // xyz: eye in world units; w: scale
+    eye_low: vec4<f32>,      // xyz: what f32 leaves out of the eye
+    light: vec4<f32>,        // homogeneous: direction towards the light and 0, or its point and 1
+    light_low: vec4<f32>,    // xyz: what f32 leaves out of the light; w: nearest distance along the light view's axis
+    ray_corner: vec4<f32>,   // direction through the image's top left corner
+    ray_x: vec4<f32>,        // change of direction for one pixel to the right
+    ray_y: vec4<f32>,        // change of direction for one pixel down
+    forward: vec4<f32>,      // xyz: view direction; w: near distance
+    pixel_x: vec4<f32>,      // image x of a point = dot(point, xyz) / dot(point, forward) + w
+    pixel_y: vec4<f32>,
+    map_u: vec4<f32>,        // light view: texel x = (dot(point, xyz) + w) / light w
+    map_v: vec4<f32>,
+    map_z: vec4<f32>,        // depth from the light, 0 at the nearest caster, growing away from the light
+    map_w: vec4<f32>,
+    image_size: vec2<u32>,
+    map_size: u32,
+    sample_count: u32,
+    triangle_count: u32,
+    edge_count: u32,
+    vertex_count: u32,
+    flags: u32,
+    map_margin: f32,         // texels by which conservative tests reach out
+    depth_margin: f32,       // depth by which they do
+    first_facet: u32,        // the facets of this band
+    facet_count: u32,
+    pixel_texel_capacity: u32,
+    triangle_texel_capacity: u32,
+    round: u32,              // which slice of the triangle lists is evaluated
+    facets_total: u32,
+}
+
+const FLAG_CULL_BACK = 1u;      // the mesh is closed: triangles that face away from the light cast nothing of their own
+const FLAG_VALIDITY = 2u;       // keep the validity mask
+const FLAG_PERSPECTIVE = 4u;    // the light is at a point: divide by the light's w
+const FLAG_ALL_UNDECIDED = 8u;  // settle no facet before evaluation
+const FLAG_CLAMP = 16u;         // a facet covers only its own triangle
+
+const NO_TRIANGLE = 0xffffffffu;
+const FAR = 0x7f800000u;        // bits of +infinity: no surface at a texel

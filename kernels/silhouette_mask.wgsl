@@ -1,0 +1,101 @@
+// silhouette_mask: finds the silhouette edges and marks the texels they touch (Pan 2009, section 3.2).
+// `classify` decides for every edge whether it is a silhouette: its two triangles do not face the light alike, or one of
+// them is missing, unsure, or not known to be its only neighbour. Writes `edge_rects`, `edge_items` (8 x 8 blocks to
+// mark; 0 where the edge is none).
+// `raster` marks in `mask` every texel an edge touches (conservatively), unless the edge lies there behind the texel's
+// split depth: then it is hidden by what is in front, or front_layer marks the texel anyway.
+
+//@import frame
+//@import dispatch
+//@import rect
+//@import work_items
+//@import front_split
+//@import facing
+
+struct Edge { v0: u32, v1: u32, t0: u32, t1: u32 }
+
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> edges: array<Edge>;
+@group(0) @binding(2) var<storage, read> facing: array<u32>;
+@group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read_write> edge_rects: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read_write> edge_items: array<u32>;
+@group(0) @binding(6) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(7) var<storage, read> nearest_keys: array<u32>;
+@group(0) @binding(8) var<storage, read> second_keys: array<u32>;
+@group(0) @binding(9) var<storage, read_write> mask: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> status: array<atomic<u32>>;
+
+const STATUS_EDGES = 8u;
+
+fn is_silhouette(e: Edge) -> bool {
+    let culled = (frame.flags & FLAG_CULL_BACK) != 0u;
+    let first = facing[e.t0];
+    if e.t1 == NO_TRIANGLE { return !(culled && first == BACK) ; }
+    let second = facing[e.t1];
+    if first == DROPPED || second == DROPPED { return true; }
+    return first == UNSURE || second == UNSURE || first != second;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let k = flat_invocation(group, groups, WORKGROUP, local);
+    if k >= frame.edge_count { return; }
+    let e = edges[k];
+    var rect = EMPTY_RECT;
+    if is_silhouette(e) {
+        let a = map_points[e.v0];
+        let b = map_points[e.v1];
+        // An edge that reaches behind the light belongs to triangles whose every texel front_layer marks.
+        if a.w > 0.0 && b.w > 0.0 {
+            let low = min(a.xy, b.xy);
+            let high = max(a.xy, b.xy);
+            let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
+            rect = cells_touched(low - slack, high + slack, vec2(frame.map_size));
+        }
+        atomicAdd(&status[STATUS_EDGES], 1u);
+    }
+    edge_rects[k] = rect;
+    edge_items[k] = block_count(rect);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.edge_count] { return; }
+    let k = owner_of(item, frame.edge_count);
+    let block = block_of(edge_rects[k], item - work_offsets[k]);
+    let a = map_points[edges[k].v0];
+    let b = map_points[edges[k].v1];
+    let d = b.xy - a.xy;
+    let extent = max(max(abs(a.x), abs(a.y)), max(abs(b.x), abs(b.y)));
+    let reach = 0.5 + frame.map_margin + 4e-6 * extent;
+    let width = reach * (abs(d.x) + abs(d.y));
+    // Where along the edge it crosses a texel, by its longer axis.
+    let by_x = abs(d.x) >= abs(d.y);
+    let start = select(a.y, a.x, by_x);
+    let length = select(d.y, d.x, by_x);
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        for (var x = block.low.x; x <= block.high.x; x++) {
+            let centre = vec2(f32(x) + 0.5, f32(y) + 0.5);
+            let p = centre - a.xy;
+            if abs(d.x * p.y - d.y * p.x) > width { continue; }
+            let texel = y * frame.map_size + x;
+            let first = nearest_keys[texel];
+            if first != 0u {
+                var at = vec2(0.0, 1.0);
+                if abs(length) > 1e-3 {
+                    let middle = select(centre.y, centre.x, by_x) - start;
+                    at = clamp(vec2(middle - reach, middle + reach) / length, vec2(0.0), vec2(1.0));
+                }
+                let z = a.z + (b.z - a.z) * at;
+                if min(z.x, z.y) - frame.depth_margin > split_depth(first, second_keys[texel]) { continue; }
+            }
+            let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
+            let bit = 1u << (x % 32u);
+            if (atomicLoad(&mask[word]) & bit) == 0u { atomicOr(&mask[word], bit); }
+        }
+    }
+}

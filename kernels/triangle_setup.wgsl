@@ -1,0 +1,98 @@
+// triangle_setup: what each triangle is to the light and where it lies in both views.
+// Reads `triangles`, `points`, `map_points`. Writes per triangle: `facing` (FRONT, BACK, UNSURE or DROPPED),
+// `camera_rects` and `light_rects` (pixels and texels it may touch) and how many 8 x 8 blocks those take
+// (`camera_items`, `light_items`; 0 where the triangle has no work in that view).
+// Rectangles are conservative; a triangle that crosses the camera's near plane is clipped for its rectangle, one that
+// reaches behind the light takes the whole map.
+
+//@import frame
+//@import dispatch
+//@import rect
+//@import facing
+
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> triangles: array<u32>;
+@group(0) @binding(2) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read_write> facing: array<u32>;
+@group(0) @binding(5) var<storage, read_write> camera_rects: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read_write> light_rects: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read_write> camera_items: array<u32>;
+@group(0) @binding(8) var<storage, read_write> light_items: array<u32>;
+
+var<private> box_low: vec2<f32>;
+var<private> box_high: vec2<f32>;
+
+fn include_on_screen(p: vec3<f32>, depth: f32) {
+    let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / depth + vec2(frame.pixel_x.w, frame.pixel_y.w);
+    box_low = min(box_low, at);
+    box_high = max(box_high, at);
+}
+
+// The part of edge a-b in front of the near plane.
+fn include_edge(a: vec3<f32>, b: vec3<f32>, da: f32, db: f32, near: f32) {
+    if da >= near { include_on_screen(a, da); }
+    if (da >= near) != (db >= near) {
+        include_on_screen(mix(a, b, (near - da) / (db - da)), near);
+    }
+}
+
+fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
+    box_low = vec2(1e30);
+    box_high = vec2(-1e30);
+    let near = frame.forward.w;
+    let da = dot(a, frame.forward.xyz);
+    let db = dot(b, frame.forward.xyz);
+    let dc = dot(c, frame.forward.xyz);
+    include_edge(a, b, da, db, near);
+    include_edge(b, c, db, dc, near);
+    include_edge(c, a, dc, da, near);
+    if box_low.x > box_high.x { return EMPTY_RECT; }
+    let slack = 0.015625 + 1e-6 * max(max(abs(box_low.x), abs(box_low.y)), max(abs(box_high.x), abs(box_high.y)));
+    // A pixel can be covered only if its centre is in the box.
+    let low = ceil(box_low - 0.5 - slack);
+    let high = floor(box_high - 0.5 + slack);
+    if any(low > high) { return EMPTY_RECT; }
+    return cells_touched(low, high, frame.image_size);
+}
+
+fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> vec2<u32> {
+    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 {
+        if a.w <= 0.0 && b.w <= 0.0 && c.w <= 0.0 { return EMPTY_RECT; }
+        return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
+    }
+    let low = min(min(a.xy, b.xy), c.xy);
+    let high = max(max(a.xy, b.xy), c.xy);
+    let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
+    return cells_touched(low - slack, high + slack, vec2(frame.map_size));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn setup(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let t = flat_invocation(group, groups, WORKGROUP, local);
+    if t >= frame.triangle_count { return; }
+    let i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let bad = max(max(i.x, i.y), i.z) >= frame.vertex_count || i.x == i.y || i.y == i.z || i.z == i.x;
+    let a = points[min(i.x, frame.vertex_count - 1u)];
+    let b = points[min(i.y, frame.vertex_count - 1u)];
+    let c = points[min(i.z, frame.vertex_count - 1u)];
+    if bad || a.w * b.w * c.w == 0.0 {
+        facing[t] = DROPPED;
+        camera_rects[t] = EMPTY_RECT;
+        light_rects[t] = EMPTY_RECT;
+        camera_items[t] = 0u;
+        light_items[t] = 0u;
+        return;
+    }
+    let side = facing_of(a.xyz, b.xyz, c.xyz, frame.light);
+    facing[t] = side;
+    let in_camera = camera_rect(a.xyz, b.xyz, c.xyz);
+    camera_rects[t] = in_camera;
+    camera_items[t] = block_count(in_camera);
+    var in_light = light_rect(map_points[i.x], map_points[i.y], map_points[i.z]);
+    if (frame.flags & FLAG_CULL_BACK) != 0u && side == BACK { in_light = EMPTY_RECT; }
+    light_rects[t] = in_light;
+    light_items[t] = block_count(in_light);
+}

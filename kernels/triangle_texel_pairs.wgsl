@@ -1,0 +1,53 @@
+// triangle_texel_pairs: lists, texel by texel, the casters that touch a texel with pixel-texel pairs (Pan 2009, section
+// 3.3). Two runs of the same entry point around a scan: pass 0 counts into `texel_counts`, pass 1 writes the triangles to
+// `pair_triangles` at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
+// A caster that lies behind the farthest facet of the texel makes no pair.
+
+//@import frame
+//@import dispatch
+//@import rect
+//@import work_items
+//@import conservative
+
+struct Pass { index: u32 }
+
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> step: Pass;
+@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> light_rects: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(6) var<storage, read> texel_deepest: array<u32>;
+@group(0) @binding(7) var<storage, read_write> texel_counts: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read> pair_offsets: array<u32>;
+@group(0) @binding(9) var<storage, read_write> pair_triangles: array<u32>;
+
+@compute @workgroup_size(WORKGROUP)
+fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let across = (frame.map_size + BLOCK - 1u) / BLOCK;
+    let b = (block.low.y >> BLOCK_SHIFT) * across + (block.low.x >> BLOCK_SHIFT);
+    if texel_deepest[frame.map_size * frame.map_size + b] == 0u { return; }
+    let shape = cover_triangle(
+        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        for (var x = block.low.x; x <= block.high.x; x++) {
+            let texel = y * frame.map_size + x;
+            let deepest = texel_deepest[texel];
+            if deepest == 0u { continue; }
+            let centre = vec2(f32(x) + 0.5, f32(y) + 0.5);
+            if !covers(shape, centre) { continue; }
+            if shape.in_front && depth_range(shape, centre).x - frame.depth_margin > bitcast<f32>(deepest - 1u) { continue; }
+            let rank = atomicAdd(&texel_counts[texel], 1u);
+            if step.index == 1u {
+                let at = pair_offsets[texel] + rank;
+                if at < frame.triangle_texel_capacity { pair_triangles[at] = t; }
+            }
+        }
+    }
+}

@@ -1,0 +1,37 @@
+// vertex_project: brings vertices into the frame's eye-relative, scaled space and into the light view.
+// Reads `positions` (3 words a vertex, world units). Writes `points` (xyz; w 1 where finite, else 0) and
+// `map_points` (texel x, y, depth, w; w is 0 for a vertex that is not in front of the light).
+// The subtraction of the eye is the only rounding of `points`: half an ulp of the difference.
+
+//@import frame
+//@import dispatch
+//@import finite
+
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> positions: array<f32>;
+@group(0) @binding(2) var<storage, read_write> points: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read_write> map_points: array<vec4<f32>>;
+
+@compute @workgroup_size(WORKGROUP)
+fn project(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let v = flat_invocation(group, groups, WORKGROUP, local);
+    if v >= frame.vertex_count { return; }
+    let world = vec3(positions[3u * v], positions[3u * v + 1u], positions[3u * v + 2u]);
+    let point = ((world - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
+    if !all_finite(point) {
+        points[v] = vec4(0.0);
+        map_points[v] = vec4(0.0);
+        return;
+    }
+    points[v] = vec4(point, 1.0);
+    let p = vec4(point, 1.0);
+    let uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+    var seen = vec4(uvz, 1.0);
+    if (frame.flags & FLAG_PERSPECTIVE) != 0u {
+        let w = dot(frame.map_w, p);
+        if w > frame.light_low.w { seen = vec4(uvz / w, w); } else { seen = vec4(0.0); }
+    }
+    map_points[v] = seen;
+}
