@@ -9,8 +9,10 @@
 
 pub mod error;
 pub mod gpu;
+pub mod reference;
 pub mod samples;
 pub mod scene;
+pub mod stages;
 
 pub use error::{Error, Result};
 pub use glam;

@@ -35,6 +35,17 @@ impl<T: Pod> Buffer<T> {
         Self::with_usage(device, label, len, U::STORAGE | U::COPY_SRC | U::COPY_DST | U::INDIRECT)
     }
 
+    /// A storage buffer that may be above the device's limit for one binding; it is bound in ranges
+    /// ([`super::program::range`]).
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`], with the limit for a buffer alone.
+    pub fn banded(device: &wgpu::Device, label: &str, len: usize) -> Result<Self> {
+        use wgpu::BufferUsages as U;
+        let limit = device.limits().max_buffer_size;
+        Self::within(device, label, len, U::STORAGE | U::COPY_SRC | U::COPY_DST, limit)
+    }
+
     /// A uniform buffer.
     ///
     /// # Errors
@@ -55,14 +66,17 @@ impl<T: Pod> Buffer<T> {
     }
 
     fn with_usage(device: &wgpu::Device, label: &str, len: usize, usage: wgpu::BufferUsages) -> Result<Self> {
-        let size = ((len.max(1) * size_of::<T>()) as u64).next_multiple_of(16);
         let limits = device.limits();
         let binding = if usage.contains(wgpu::BufferUsages::UNIFORM) {
             limits.max_uniform_buffer_binding_size
         } else {
             limits.max_storage_buffer_binding_size
         };
-        let limit = limits.max_buffer_size.min(binding);
+        Self::within(device, label, len, usage, limits.max_buffer_size.min(binding))
+    }
+
+    fn within(device: &wgpu::Device, label: &str, len: usize, usage: wgpu::BufferUsages, limit: u64) -> Result<Self> {
+        let size = ((len.max(1) * size_of::<T>()) as u64).next_multiple_of(16);
         if size > limit {
             return Err(Error::Memory { what: label.to_owned(), needed: size, limit });
         }

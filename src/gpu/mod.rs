@@ -2,15 +2,18 @@
 
 pub mod buffer;
 pub mod device;
+pub mod layout;
 pub mod program;
 pub mod recorder;
 pub mod timer;
+pub mod uniforms;
 
 pub use buffer::Buffer;
 pub use device::{AdapterSummary, Gpu};
 pub use program::{Entry, Program};
-pub use recorder::{Groups, Recorder};
+pub use recorder::{Groups, Recorder, Stage};
 pub use timer::{StageTime, Timer};
+pub use uniforms::Uniforms;
 
 /// The table that `build.rs` writes: every kernel's source, entry points, workgroup sizes, bindings and constants.
 pub mod kernels {

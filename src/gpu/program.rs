@@ -111,17 +111,49 @@ impl Program {
     /// # Errors
     /// [`Error::Gpu`] if a binding of the kernel is not among the names.
     pub fn bind(&self, device: &wgpu::Device, buffers: &[(&str, &wgpu::Buffer)]) -> Result<wgpu::BindGroup> {
+        let ranges: Vec<_> = buffers.iter().map(|(name, buffer)| (*name, whole(buffer))).collect();
+        self.bind_ranges(device, &ranges)
+    }
+
+    /// As [`Program::bind`], of ranges of buffers (for buffers above the binding limit).
+    ///
+    /// # Errors
+    /// As [`Program::bind`].
+    pub fn bind_ranges(
+        &self,
+        device: &wgpu::Device,
+        ranges: &[(&str, wgpu::BufferBinding)],
+    ) -> Result<wgpu::BindGroup> {
         let mut entries = Vec::with_capacity(self.entry.bindings.len());
         for binding in self.entry.bindings {
-            let (_, buffer) = buffers.iter().find(|(name, _)| *name == binding.name).ok_or_else(|| {
+            let (_, range) = ranges.iter().find(|(name, _)| *name == binding.name).ok_or_else(|| {
                 Error::Gpu(format!("{}.{} needs a buffer '{}'", self.entry.kernel, self.entry.name, binding.name))
             })?;
-            entries.push(wgpu::BindGroupEntry { binding: binding.index, resource: buffer.as_entire_binding() });
+            entries.push(wgpu::BindGroupEntry {
+                binding: binding.index,
+                resource: wgpu::BindingResource::Buffer(range.clone()),
+            });
         }
         Ok(device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(self.entry.kernel),
             layout: &self.layout,
             entries: &entries,
         }))
+    }
+}
+
+/// The whole of a buffer, for [`Program::bind_ranges`].
+pub fn whole(buffer: &wgpu::Buffer) -> wgpu::BufferBinding<'_> {
+    wgpu::BufferBinding { buffer, offset: 0, size: None }
+}
+
+/// `len` elements of `T` from element `first` of a buffer, rounded up to 16 bytes (which every
+/// [`Buffer`](super::Buffer) has).
+pub fn range<T: bytemuck::Pod>(buffer: &super::Buffer<T>, first: usize, len: usize) -> wgpu::BufferBinding<'_> {
+    let bytes = ((len.max(1) * size_of::<T>()) as u64).next_multiple_of(16);
+    wgpu::BufferBinding {
+        buffer: buffer.raw(),
+        offset: (first * size_of::<T>()) as u64,
+        size: std::num::NonZeroU64::new(bytes),
     }
 }

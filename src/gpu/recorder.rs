@@ -1,5 +1,6 @@
 //! Recording stages into an encoder: the only place that begins compute passes.
 
+use super::program::whole;
 use super::{Program, Timer};
 use crate::Result;
 
@@ -19,10 +20,16 @@ pub const MAX_GROUPS: u32 = 65_535;
 
 /// `groups` workgroups folded into two dimensions, neither over [`MAX_GROUPS`]; a few spare ones may be in it.
 pub fn fold(groups: u64) -> [u32; 3] {
-    if groups <= u64::from(MAX_GROUPS) {
+    fold_within(groups, MAX_GROUPS)
+}
+
+/// As [`fold`], for a device that runs at most `most` workgroups along one dimension.
+pub fn fold_within(groups: u64, most: u32) -> [u32; 3] {
+    let most = u64::from(most.max(1));
+    if groups <= most {
         return [groups as u32, 1, 1];
     }
-    let rows = groups.div_ceil(u64::from(MAX_GROUPS));
+    let rows = groups.div_ceil(most);
     [groups.div_ceil(rows) as u32, rows as u32, 1]
 }
 
@@ -33,12 +40,14 @@ pub struct Recorder<'a> {
     encoder: &'a mut wgpu::CommandEncoder,
     timer: Option<&'a mut Timer>,
     dispatches: u32,
+    max_groups: u32,
 }
 
 impl<'a> Recorder<'a> {
     /// A recorder that appends to `encoder`, with time stamps around each stage if there is a `timer`.
     pub fn new(device: &'a wgpu::Device, encoder: &'a mut wgpu::CommandEncoder, timer: Option<&'a mut Timer>) -> Self {
-        Self { device, encoder, timer, dispatches: 0 }
+        let max_groups = device.limits().max_compute_workgroups_per_dimension;
+        Self { device, encoder, timer, dispatches: 0, max_groups }
     }
 
     /// Begins a stage. Dispatches of one stage run in order and see each other's writes.
@@ -52,7 +61,7 @@ impl<'a> Recorder<'a> {
                 end_of_pass_write_index: Some(*first + 1),
             }),
         });
-        Stage { device: self.device, pass, dispatches: &mut self.dispatches }
+        Stage { device: self.device, pass, dispatches: &mut self.dispatches, max_groups: self.max_groups }
     }
 
     /// Fills a buffer with zeros.
@@ -82,6 +91,7 @@ pub struct Stage<'a> {
     pub device: &'a wgpu::Device,
     pass: wgpu::ComputePass<'a>,
     dispatches: &'a mut u32,
+    max_groups: u32,
 }
 
 impl Stage<'_> {
@@ -90,13 +100,28 @@ impl Stage<'_> {
     /// # Errors
     /// [`crate::Error::Gpu`] if a binding of the kernel is not among the names.
     pub fn run(&mut self, program: &Program, buffers: &[(&str, &wgpu::Buffer)], groups: Groups) -> Result<()> {
+        let ranges: Vec<_> = buffers.iter().map(|(name, buffer)| (*name, whole(buffer))).collect();
+        self.run_ranges(program, &ranges, groups)
+    }
+
+    /// As [`Stage::run`], over ranges of buffers.
+    ///
+    /// # Errors
+    /// As [`Stage::run`].
+    pub fn run_ranges(
+        &mut self,
+        program: &Program,
+        ranges: &[(&str, wgpu::BufferBinding)],
+        groups: Groups,
+    ) -> Result<()> {
+        let fold = |groups| Some(fold_within(groups, self.max_groups));
         let direct = match groups {
             Groups::Items(0) | Groups::Workgroups(0) => return Ok(()),
-            Groups::Items(n) => Some(fold(n.div_ceil(u64::from(program.workgroup_invocations())))),
-            Groups::Workgroups(n) => Some(fold(n)),
+            Groups::Items(n) => fold(n.div_ceil(u64::from(program.workgroup_invocations()))),
+            Groups::Workgroups(n) => fold(n),
             Groups::Indirect(..) => None,
         };
-        let bind_group = program.bind(self.device, buffers)?;
+        let bind_group = program.bind_ranges(self.device, ranges)?;
         self.pass.set_pipeline(program.pipeline());
         self.pass.set_bind_group(0, &bind_group, &[]);
         match (direct, groups) {

@@ -1,0 +1,45 @@
+//! Small constant buffers, made once per content.
+
+use crate::gpu::layout::Shared;
+use std::sync::{Mutex, PoisonError};
+
+/// Hands out parameter buffers by content: equal parameters share one buffer, so that recording the same frame again
+/// allocates nothing, and a buffer is never rewritten while the GPU may read it.
+///
+/// The buffers are both `UNIFORM` and `STORAGE`: a kernel that reads a count from "some buffer, some word" can be given
+/// its own parameters as that buffer when the host knows the count.
+#[derive(Debug, Default)]
+pub struct Uniforms {
+    made: Mutex<Vec<(Vec<u8>, wgpu::Buffer)>>,
+}
+
+impl Uniforms {
+    /// Most contents that are kept; beyond it the oldest half is forgotten (what is recorded keeps its own).
+    pub const KEPT: usize = 256;
+
+    /// A buffer that holds `params`.
+    pub fn get<T: Shared>(&self, device: &wgpu::Device, params: &T) -> wgpu::Buffer {
+        let bytes = bytemuck::bytes_of(params);
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, buffer)) = made.iter().find(|(content, _)| content == bytes) {
+            return buffer.clone();
+        }
+        if made.len() >= Self::KEPT {
+            made.drain(..Self::KEPT / 2);
+        }
+        let mut content = bytes.to_vec();
+        content.resize(bytes.len().next_multiple_of(16), 0);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(T::KERNEL),
+            size: content.len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: true,
+        });
+        if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
+            view.copy_from_slice(&content);
+        }
+        buffer.unmap();
+        made.push((bytes.to_vec(), buffer.clone()));
+        buffer
+    }
+}

@@ -1,0 +1,6 @@
+//! What each stage computes, said as plainly as Rust allows: pure functions over slices, built on the standard library.
+//! Nothing here knows of GPUs, kernels or how a stage splits its work; a test that compares with these compares with
+//! the definition.
+
+pub mod prefix_scan;
+pub mod summed_area;

@@ -1,0 +1,68 @@
+//! The stages: each is a WGSL kernel, its host side here, and its CPU definition in [`crate::reference`].
+//!
+//! A stage is made once per device (`new` compiles its pipelines), is given scratch memory made once per capacity, and
+//! then only records dispatches: it never allocates list memory, submits, waits or reads back.
+
+pub mod prefix_scan;
+pub mod summed_area;
+
+pub use prefix_scan::PrefixScan;
+pub use summed_area::SummedArea;
+
+use crate::gpu::Buffer;
+use crate::{Error, Result};
+
+/// How many items of a list count.
+#[derive(Clone, Copy, Debug)]
+pub enum Count<'a> {
+    /// The host knows.
+    Exactly(usize),
+    /// This word of a buffer says; what exceeds the stage's capacity is left out. The work is sized by the capacity.
+    At(&'a Buffer<u32>, usize),
+}
+
+impl From<usize> for Count<'_> {
+    fn from(count: usize) -> Self {
+        Self::Exactly(count)
+    }
+}
+
+impl<'a> Count<'a> {
+    /// Most items there may be, given the stage's capacity.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if the host asks for more than the capacity, or the word lies outside the buffer.
+    pub(crate) fn limit(&self, stage: &str, capacity: usize) -> Result<usize> {
+        match *self {
+            Self::Exactly(n) if n > capacity => {
+                Err(Error::Config(format!("{stage}: {n} items, but the scratch memory is for {capacity}")))
+            }
+            Self::Exactly(n) => Ok(n),
+            Self::At(buffer, word) => holds(stage, "count", buffer.len(), word + 1).map(|()| capacity),
+        }
+    }
+
+    /// Which word to read: of the buffer, or of the parameters (where the limit must come first).
+    pub(crate) fn word(&self) -> u32 {
+        match *self {
+            Self::Exactly(_) => 0,
+            Self::At(_, word) => word as u32,
+        }
+    }
+
+    /// The buffer that holds the count: the caller's, or the parameters themselves.
+    pub(crate) fn buffer(&self, params: &'a wgpu::Buffer) -> &'a wgpu::Buffer {
+        match *self {
+            Self::Exactly(_) => params,
+            Self::At(buffer, _) => buffer.raw(),
+        }
+    }
+}
+
+/// Checks that the buffer a stage calls `what` has `len` elements, at least `needed`.
+pub(crate) fn holds(stage: &str, what: &str, len: usize, needed: usize) -> Result<()> {
+    if len < needed {
+        return Err(Error::Config(format!("{stage}: '{what}' holds {len} elements, {needed} are needed")));
+    }
+    Ok(())
+}

@@ -1,0 +1,111 @@
+//! What the stage tests share: the device, seeded values, poison, and comparison.
+
+use std::sync::OnceLock;
+use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage};
+use subpixel_shadows::{Result, wgpu};
+
+/// What buffers hold before a stage runs: wgpu hands out zeros, which hide missing writes.
+pub const POISON: u32 = 0xdead_beef;
+
+/// The device of all tests. Fails where there is none; build with `SUBPIXEL_SHADOWS_NO_GPU=1` to have these tests
+/// listed as ignored instead.
+pub fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| {
+        let gpu = Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)");
+        eprintln!("adapter: {} ({})", gpu.adapter.name, gpu.adapter.driver);
+        gpu
+    })
+}
+
+/// A device that runs at most `groups` workgroups along a dimension, and binds at most `binding` bytes: folding and
+/// banding at sizes a test can afford.
+pub fn small_gpu(groups: u32, binding: u64) -> Gpu {
+    let limits = wgpu::Limits {
+        max_compute_workgroups_per_dimension: groups,
+        max_storage_buffer_binding_size: binding,
+        ..wgpu::Limits::default()
+    };
+    Gpu::open_with_limits(None, Some(limits)).expect("a device with small limits")
+}
+
+/// Records one stage, submits it, waits, and fails on any error of the device.
+pub fn run(gpu: &Gpu, record: impl FnOnce(&mut Stage) -> Result<()>) {
+    let mut encoder = gpu.encoder();
+    record(&mut Recorder::new(&gpu.device, &mut encoder, None).stage("test")).expect("the stage records");
+    gpu.submit_and_wait(encoder).expect("the stage runs");
+    gpu.check().expect("no error of the device");
+}
+
+/// A buffer of `data`.
+pub fn upload<T: bytemuck::Pod>(gpu: &Gpu, data: &[T]) -> Buffer<T> {
+    let buffer = Buffer::banded(&gpu.device, "test.input", data.len()).expect("memory for the input");
+    buffer.write(&gpu.queue, data);
+    buffer
+}
+
+/// A buffer of `len` words of [`POISON`].
+pub fn poisoned(gpu: &Gpu, len: usize) -> Buffer<u32> {
+    upload(gpu, &vec![POISON; len])
+}
+
+/// Where two lists first differ, lengths before contents; `None` if they are equal.
+pub fn difference<T: PartialEq + std::fmt::Debug>(got: &[T], want: &[T]) -> Option<String> {
+    if got.len() != want.len() {
+        return Some(format!("{} elements, {} expected", got.len(), want.len()));
+    }
+    let at = got.iter().zip(want).position(|(g, w)| g != w)?;
+    let wrong = got.iter().zip(want).filter(|(g, w)| g != w).count();
+    Some(format!("{wrong} of {} differ, first at {at}: {:?}, {:?} expected", got.len(), got[at], want[at]))
+}
+
+/// Fails unless the lists are equal.
+#[track_caller]
+pub fn assert_same<T: PartialEq + std::fmt::Debug>(what: &str, got: &[T], want: &[T]) {
+    if let Some(difference) = difference(got, want) {
+        panic!("{what}: {difference}");
+    }
+}
+
+/// Seeded random values (SplitMix64), the same on every machine.
+pub struct Random(u64);
+
+impl Random {
+    /// A sequence of its own for each seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// A word.
+    pub fn word(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 32) as u32
+    }
+
+    /// A value below `end`.
+    pub fn below(&mut self, end: u32) -> u32 {
+        (u64::from(self.word()) * u64::from(end) >> 32) as u32
+    }
+
+    /// `len` values below `end`.
+    pub fn list(&mut self, len: usize, end: u32) -> Vec<u32> {
+        (0..len).map(|_| self.below(end)).collect()
+    }
+
+    /// `len` words.
+    pub fn words(&mut self, len: usize) -> Vec<u32> {
+        (0..len).map(|_| self.word()).collect()
+    }
+}
+
+/// Sizes around the multiples of a workgroup or block at which a kernel could go wrong.
+pub fn sizes_around(unit: usize) -> Vec<usize> {
+    let mut sizes: Vec<_> = [1, 2, 3].iter().flat_map(|n| [n * unit - 1, n * unit, n * unit + 1]).collect();
+    sizes.extend([2, 3, 4, 5, 7, 8, 9]);
+    sizes.sort_unstable();
+    sizes.dedup();
+    sizes
+}
