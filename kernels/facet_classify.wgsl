@@ -14,7 +14,7 @@
 //@import facet
 //@import facing
 //@import front_split
-//@import summed_area_read
+//@import summed_area
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
@@ -24,7 +24,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
 @group(0) @binding(3) var<storage, read> triangles: array<u32>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read> summed_area: array<u32>;
+@group(0) @binding(5) var<storage, read> sat: array<u32>;
 @group(0) @binding(6) var<storage, read> splits: array<f32>;
 @group(0) @binding(7) var<storage, read_write> facets: array<Facet>;
 @group(0) @binding(8) var<storage, read_write> masks: array<u32>;   // coverage, occluded, invalid: WORDS words each
@@ -146,7 +146,7 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     }
     if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front {
         let r = unpack_rect(rect);
-        if rect_sum(r.low, r.high) == 0u {
+        if rect_sum(vec2(frame.map_size), r.low, r.high) == 0u {
             let p = vec4(ray * depth, 1.0);
             var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
             if (frame.flags & FLAG_PERSPECTIVE) != 0u { uvz /= dot(frame.map_w, p); }

@@ -24,7 +24,7 @@ const ROUND_LENGTH = 1024u;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> facets: array<Facet>;
 @group(0) @binding(3) var<storage, read> pairs: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read> pair_total: array<u32>;
+@group(0) @binding(4) var<storage, read_write> status: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> triangle_offsets: array<u32>;
 @group(0) @binding(6) var<storage, read> pair_triangles: array<u32>;
 @group(0) @binding(7) var<storage, read> triangles: array<u32>;
@@ -32,6 +32,12 @@ const ROUND_LENGTH = 1024u;
 @group(0) @binding(9) var<storage, read_write> masks: array<atomic<u32>>;
 
 //@import shadow_lines
+
+const STATUS_PAIRS = 0u;         // pixel-texel pairs needed
+const STATUS_LONGEST = 9u;       // longest triangle list that was met
+const STATUS_EVALUATIONS = 10u;  // triangle and facet evaluated against each other, low and high word
+
+var<workgroup> wg_evaluations: atomic<u32>;
 
 fn word_mask(word: u32, line: vec3<f32>, strict: bool) -> u32 {
     var bits = 0u;
@@ -91,11 +97,25 @@ fn triangle_mask(g: Ground, i: vec3<u32>, invalid: ptr<function, vec4<u32>>) -> 
 @compute @workgroup_size(WORKGROUP)
 fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let k = flat_invocation(group, groups, WORKGROUP, local);
-    if k >= min(pair_total[0], frame.pixel_texel_capacity) { return; }
-    let pair = pairs[k];
-    let first = triangle_offsets[pair.y] + frame.round * ROUND_LENGTH;
-    let end = min(min(triangle_offsets[pair.y + 1u], frame.triangle_texel_capacity), first + ROUND_LENGTH);
-    if first >= end { return; }
+    var done = 0u;
+    if k < min(atomicLoad(&status[STATUS_PAIRS]), frame.pixel_texel_capacity) { done = evaluate_pair(pairs[k]); }
+    atomicAdd(&wg_evaluations, done);
+    workgroupBarrier();
+    if local == 0u {
+        let sum = atomicLoad(&wg_evaluations);
+        let before = atomicAdd(&status[STATUS_EVALUATIONS], sum);
+        if before + sum < before { atomicAdd(&status[STATUS_EVALUATIONS + 1u], 1u); }
+    }
+}
+
+// Evaluates one facet against the triangles of one texel; returns how many.
+fn evaluate_pair(pair: vec2<u32>) -> u32 {
+    let list = triangle_offsets[pair.y];
+    let list_end = min(triangle_offsets[pair.y + 1u], frame.triangle_texel_capacity);
+    if list_end > list + ROUND_LENGTH { atomicMax(&status[STATUS_LONGEST], list_end - list); }
+    let first = list + frame.round * ROUND_LENGTH;
+    let end = min(list_end, first + ROUND_LENGTH);
+    if first >= end { return 0u; }
     let facet = facets[pair.x];
     let g = ground_of(facet);
     var occluded = vec4(0u);
@@ -116,4 +136,5 @@ fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
         let v = base + 2u * WORDS + w;
         if (invalid[w] & ~atomicLoad(&masks[v])) != 0u { atomicOr(&masks[v], invalid[w]); }
     }
+    return end - first;
 }

@@ -8,7 +8,10 @@
 //! Dependencies run one way: `cli` → `report` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
 
 pub mod error;
+pub mod frame;
 pub mod gpu;
+pub mod light_view;
+pub mod methods;
 pub mod reference;
 pub mod samples;
 pub mod scene;

@@ -3,8 +3,19 @@
 //! A stage is made once per device (`new` compiles its pipelines), is given scratch memory made once per capacity, and
 //! then only records dispatches: it never allocates list memory, submits, waits or reads back.
 
+pub mod camera_visibility;
+pub mod facet_classify;
+pub mod front_layer;
+pub mod light_layers;
+pub mod pixel_texel_pairs;
 pub mod prefix_scan;
+pub mod resolve;
+pub mod silhouette_mask;
 pub mod summed_area;
+pub mod triangle_setup;
+pub mod triangle_texel_pairs;
+pub mod vertex_project;
+pub mod visibility_masks;
 
 pub use prefix_scan::PrefixScan;
 pub use summed_area::SummedArea;

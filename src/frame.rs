@@ -1,0 +1,161 @@
+//! What is the same for all kernels of a frame.
+
+use crate::light_view::LightView;
+use crate::samples::Samples;
+use crate::scene::{Camera, Light};
+use crate::shared_struct;
+use glam::{DVec3, DVec4};
+
+shared_struct! {
+    /// The uniform `frame` of every kernel. Lengths are eye-relative and scaled: `point = (position - eye) * scale`.
+    "vertex_project" => pub struct Frame {
+        /// Eye in world units, and the scale, a power of two.
+        pub eye: [f32; 4],
+        /// What `f32` leaves out of the eye.
+        pub eye_low: [f32; 4],
+        /// Direction towards the light and 0, or its point and 1.
+        pub light: [f32; 4],
+        /// What `f32` leaves out of the light; `w`: nearest distance along the light view's axis.
+        pub light_low: [f32; 4],
+        /// Direction through the image's top left corner.
+        pub ray_corner: [f32; 4],
+        /// Change of direction for one pixel to the right.
+        pub ray_x: [f32; 4],
+        /// Change of direction for one pixel down.
+        pub ray_y: [f32; 4],
+        /// View direction; `w`: near distance.
+        pub forward: [f32; 4],
+        /// Image x of a point is `dot(point, xyz) / dot(point, forward) + w`.
+        pub pixel_x: [f32; 4],
+        /// Likewise image y.
+        pub pixel_y: [f32; 4],
+        /// Light view, row of texel x.
+        pub map_u: [f32; 4],
+        /// Light view, row of texel y.
+        pub map_v: [f32; 4],
+        /// Light view, row of depth.
+        pub map_z: [f32; 4],
+        /// Light view, row of the divisor.
+        pub map_w: [f32; 4],
+        /// Pixels.
+        pub image_size: [u32; 2],
+        /// Texels a side.
+        pub map_size: u32,
+        /// Samples a pixel.
+        pub sample_count: u32,
+        /// Triangles.
+        pub triangle_count: u32,
+        /// Edges.
+        pub edge_count: u32,
+        /// Vertices.
+        pub vertex_count: u32,
+        /// What the plan asks for: see `Frame::CULL_BACK` and its neighbours.
+        pub flags: u32,
+        /// Texels by which conservative tests reach out.
+        pub map_margin: f32,
+        /// Depth by which they do.
+        pub depth_margin: f32,
+        /// First facet of this band.
+        pub first_facet: u32,
+        /// Facets of this band.
+        pub facet_count: u32,
+        /// Pixel-texel pairs the list can hold.
+        pub pixel_texel_capacity: u32,
+        /// Triangle-texel pairs the list can hold.
+        pub triangle_texel_capacity: u32,
+        /// Which slice of long triangle lists is evaluated.
+        pub round: u32,
+        /// Facets of all bands.
+        pub facets_total: u32,
+    }
+}
+
+impl Frame {
+    /// The mesh is closed: triangles that face away from the light cast nothing of their own.
+    pub const CULL_BACK: u32 = 1;
+    /// Keep the validity mask.
+    pub const VALIDITY: u32 = 2;
+    /// The light is at a point.
+    pub const PERSPECTIVE: u32 = 4;
+    /// Settle no facet before evaluation.
+    pub const ALL_UNDECIDED: u32 = 8;
+
+    /// The frame of a camera, a light and its view of a scene that lies between `lowest` and `highest`.
+    /// Counts of the mesh, lists and bands are left at 0.
+    pub fn new(
+        camera: &Camera,
+        light: &Light,
+        view: &LightView,
+        (lowest, highest): (DVec3, DVec3),
+        [width, height]: [u32; 2],
+        samples: &Samples,
+    ) -> Self {
+        let rays = camera.rays(width, height);
+        let eye = rays.eye;
+        let reach = (lowest - eye).abs().max((highest - eye).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
+        let scale = power_of_two_below(1.0 / reach);
+        let v = view.relative_to(eye, scale);
+        let l = light.homogeneous();
+        let to_light = if l.w == 0.0 {
+            l.truncate() * power_of_two_below(1.0 / l.truncate().abs().max_element())
+        } else {
+            (l.truncate() - eye) * scale
+        };
+        let across = |step: DVec3| {
+            let axis = step / step.length_squared();
+            axis.extend(-axis.dot(rays.corner))
+        };
+        // Rounding of a light-view coordinate of any point of the scene, with room to spare.
+        let noise = |row: DVec4| 2f64.powi(-20) * (row.truncate().abs().element_sum() + row.w.abs());
+        let divisor = if v.perspective { v.near } else { 1.0 };
+        let map_margin =
+            (1.0 / 64.0 + (noise(v.u).max(noise(v.v)) + noise(v.w) * f64::from(v.map_size)) / divisor).min(1.0);
+        let depth_margin = (1e-6 + (noise(v.z) + noise(v.w)) / divisor).min(0.25);
+        let (eye_high, eye_low) = split(eye);
+        let (light_high, light_low) = split(to_light);
+        Self {
+            eye: eye_high.extend(scale).as_vec4().into(),
+            eye_low: eye_low.extend(0.0).as_vec4().into(),
+            light: light_high.extend(l.w).as_vec4().into(),
+            light_low: light_low.extend(v.near).as_vec4().into(),
+            ray_corner: rays.corner.extend(0.0).as_vec4().into(),
+            ray_x: rays.step_x.extend(0.0).as_vec4().into(),
+            ray_y: rays.step_y.extend(0.0).as_vec4().into(),
+            forward: rays.forward.extend(f64::from(camera.near) * scale).as_vec4().into(),
+            pixel_x: across(rays.step_x).as_vec4().into(),
+            pixel_y: across(rays.step_y).as_vec4().into(),
+            map_u: v.u.as_vec4().into(),
+            map_v: v.v.as_vec4().into(),
+            map_z: v.z.as_vec4().into(),
+            map_w: v.w.as_vec4().into(),
+            image_size: [width, height],
+            map_size: view.map_size,
+            sample_count: samples.count(),
+            flags: if view.perspective { Self::PERSPECTIVE } else { 0 },
+            map_margin: map_margin as f32,
+            depth_margin: depth_margin as f32,
+            ..Self::default()
+        }
+    }
+}
+
+/// A vector as `f32` values and what they leave out.
+fn split(v: DVec3) -> (DVec3, DVec3) {
+    let high = v.as_vec3().as_dvec3();
+    (high, v - high)
+}
+
+/// The largest power of two that is at most `x`.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// The sample offsets as the kernels take them: relative to the pixel centre, two to a vector, 128 in all.
+pub fn sample_words(samples: &Samples) -> [[f32; 4]; 64] {
+    let mut words = [[0.0; 4]; 64];
+    for (k, o) in samples.offsets().iter().enumerate() {
+        words[k / 2][k % 2 * 2] = o[0] - 0.5;
+        words[k / 2][k % 2 * 2 + 1] = o[1] - 0.5;
+    }
+    words
+}

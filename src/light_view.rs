@@ -1,0 +1,235 @@
+//! The light view: which part of the scene the light's map covers, fitted to the casters.
+
+use crate::scene::{Light, Mesh};
+use crate::{Error, Result};
+use glam::{DMat4, DVec3, DVec4};
+
+/// Rows that take a world point `p` to the light view: texel `x = u·(p,1) / w·(p,1)`, likewise `y` and `depth`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightView {
+    /// Texels a side.
+    pub map_size: u32,
+    /// Row of texel `x`.
+    pub u: DVec4,
+    /// Row of texel `y`.
+    pub v: DVec4,
+    /// Row of depth: 0 at the nearest caster, 1 at the farthest, growing away from the light.
+    pub z: DVec4,
+    /// Row of the divisor: `(0,0,0,1)` for a directional light, else the distance along the view's axis.
+    pub w: DVec4,
+    /// Points with a smaller divisor are not in front of the light.
+    pub near: f64,
+    /// Whether the light is at a point.
+    pub perspective: bool,
+}
+
+/// Widest half angle of the view of a point or spot light, as its tangent: 80 degrees.
+const WIDEST: f64 = 5.671_281_819_617_709;
+
+impl LightView {
+    /// Fits the view to the casters of `mesh`. Triangles with the whole scene on their light side, such as a ground, cast
+    /// nothing and widen it not. A spot or point light gets one view, turned to the middle of the casters.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if the light cannot be used, [`Error::Config`] if the map has no or too many texels.
+    pub fn fit(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
+        light.check()?;
+        if !(1..=Self::LARGEST_MAP).contains(&map_size) {
+            return Err(Error::Config(format!(
+                "a map of {map_size} texels a side; 1 to {} are possible",
+                Self::LARGEST_MAP
+            )));
+        }
+        let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let casters = caster_corners(mesh, light, bounds);
+        let l = light.homogeneous();
+        Ok(if light.is_directional() {
+            Self::directional(&casters, l.truncate().normalize(), map_size)
+        } else {
+            let middle = (bounds.0 + bounds.1) * 0.5;
+            let aim = match *light {
+                Light::Spot { target, .. } => glam::Vec3::from(target).as_dvec3(),
+                _ => casters.iter().sum::<DVec3>() / casters.len().max(1) as f64,
+            };
+            let towards = aim - l.truncate();
+            let axis = if towards == DVec3::ZERO { middle - l.truncate() } else { towards };
+            Self::perspective(&casters, l.truncate(), axis.try_normalize().unwrap_or(DVec3::NEG_Y), map_size)
+        })
+    }
+
+    /// Most texels a side.
+    pub const LARGEST_MAP: u32 = 8192;
+
+    fn directional(casters: &[DVec3], towards: DVec3, map_size: u32) -> Self {
+        let (right, up) = axes(towards);
+        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &p in casters {
+            let q = DVec3::new(p.dot(right), p.dot(up), -p.dot(towards));
+            (lo, hi) = (lo.min(q), hi.max(q));
+        }
+        let (lo, size) = padded(lo, hi);
+        let (scale, pad) = inside(map_size);
+        let row = |axis: DVec3, lo: f64, size: f64, scale: f64, pad: f64| {
+            (axis * (scale / size)).extend(pad - lo * (scale / size))
+        };
+        Self {
+            map_size,
+            u: row(right, lo.x, size.x, scale, pad),
+            v: row(up, lo.y, size.y, scale, pad),
+            z: row(-towards, lo.z, size.z, 1.0, 0.0),
+            w: DVec4::W,
+            near: 0.0,
+            perspective: false,
+        }
+    }
+
+    fn perspective(casters: &[DVec3], light: DVec3, axis: DVec3, map_size: u32) -> Self {
+        let (right, up) = axes(axis);
+        let distances = casters.iter().map(|p| (*p - light).dot(axis));
+        let far = distances.clone().fold(f64::MIN_POSITIVE.sqrt(), f64::max);
+        let nearest = distances.fold(far, f64::min);
+        // Casters nearer than this, or behind the light, are "not in front": they are looked at everywhere.
+        let near = (0.5 * nearest).max(1e-4 * far);
+        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &p in casters {
+            let q = p - light;
+            let w = q.dot(axis).max(near);
+            let at =
+                DVec3::new(q.dot(right) / w, q.dot(up) / w, 0.0).clamp(DVec3::splat(-WIDEST), DVec3::splat(WIDEST));
+            (lo, hi) = (lo.min(at), hi.max(at));
+        }
+        let (lo, size) = padded(lo, hi);
+        let (scale, pad) = inside(map_size);
+        let origin = |axis: DVec3| axis.extend(-axis.dot(light));
+        let w = origin(axis);
+        let row = |axis: DVec3, lo: f64, size: f64| (origin(axis) - w * lo) * (scale / size) + w * pad;
+        // depth = (1/near - 1/w) / (1/near - 1/far) = (far * w - near * far) / ((far - near) * w)
+        let far = far.max(near * 1.001);
+        let z = (w * far - DVec4::W * (near * far)) / (far - near);
+        Self { map_size, u: row(right, lo.x, size.x), v: row(up, lo.y, size.y), z, w, near, perspective: true }
+    }
+
+    /// Texel `x`, `y` and depth of `point`; `None` if it is not in front of the light.
+    pub fn project(&self, point: DVec3) -> Option<DVec3> {
+        let p = point.extend(1.0);
+        let w = self.w.dot(p);
+        (w > self.near).then(|| DVec3::new(self.u.dot(p), self.v.dot(p), self.z.dot(p)) / w)
+    }
+
+    /// The same rows for points given as `(world - origin) * scale`.
+    pub fn relative_to(&self, origin: DVec3, scale: f64) -> Self {
+        let back = DMat4::from_translation(origin) * DMat4::from_scale(DVec3::splat(1.0 / scale));
+        let turn = |row: DVec4| back.transpose() * row;
+        // The divisor is kept in scaled units, and with it all four rows.
+        let unit = if self.perspective { scale } else { 1.0 };
+        Self {
+            u: turn(self.u) * unit,
+            v: turn(self.v) * unit,
+            z: turn(self.z) * unit,
+            w: turn(self.w) * unit,
+            near: self.near * unit,
+            ..*self
+        }
+    }
+}
+
+/// The scale and padding that keep the casters at least a texel inside the map, where it is that large.
+fn inside(map_size: u32) -> (f64, f64) {
+    let size = f64::from(map_size);
+    if map_size < 4 { (size * 0.5, size * 0.25) } else { (size - 2.0, 1.0) }
+}
+
+/// Lowest corner and extent of a box, with no side of length 0.
+fn padded(lo: DVec3, hi: DVec3) -> (DVec3, DVec3) {
+    if !lo.is_finite() || !hi.is_finite() {
+        return (DVec3::ZERO, DVec3::ONE);
+    }
+    let size = hi - lo;
+    let least = size.max_element().max(lo.abs().max_element() * 1e-6).max(1e-30) * 1e-3;
+    let grown = size.max(DVec3::splat(least));
+    (lo - (grown - size) * 0.5, grown)
+}
+
+/// Two unit axes across `along`.
+fn axes(along: DVec3) -> (DVec3, DVec3) {
+    let helper = if along.y.abs() < 0.9 { DVec3::Y } else { DVec3::X };
+    let right = along.cross(helper).normalize();
+    (right, right.cross(along))
+}
+
+/// Corners of the triangles that can cast a shadow on something: not those with the whole scene on their light side.
+fn caster_corners(mesh: &Mesh, light: &Light, (lo, hi): (DVec3, DVec3)) -> Vec<DVec3> {
+    let box_corners: [DVec3; 8] =
+        std::array::from_fn(|k| DVec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][(k >> 1) & 1], [lo.z, hi.z][k >> 2]));
+    let extent = (hi - lo).length();
+    let mut out = Vec::with_capacity(mesh.triangles.len() * 3);
+    for t in 0..mesh.triangles.len() {
+        let [a, b, c] = mesh.corners(t);
+        let normal = (b - a).cross(c - a);
+        let side = normal.dot(light.towards(a));
+        let slack = 1e-9 * normal.length() * extent;
+        let floor = side != 0.0 && box_corners.iter().all(|&p| normal.dot(p - a) * side.signum() >= -slack);
+        if !floor {
+            out.extend([a, b, c]);
+        }
+    }
+    if out.is_empty() { box_corners.to_vec() } else { out }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene() -> Mesh {
+        let mut mesh =
+            Mesh { positions: vec![[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 2.0, 1.0]], triangles: vec![[0, 1, 2]] };
+        mesh.positions.push([0.0, 0.0, 0.0]);
+        mesh.triangles.push([3, 0, 1]);
+        let ground = mesh.ground_below().unwrap();
+        mesh.add_ground(&ground);
+        mesh
+    }
+
+    #[test]
+    fn casters_lie_inside_the_map_and_the_ground_does_not_widen_it() {
+        let mesh = scene();
+        for light in [
+            Light::Directional { direction: [0.3, 1.0, 0.2] },
+            Light::Point { position: [0.5, 6.0, 0.5] },
+            Light::Spot { position: [3.0, 6.0, 2.0], target: [0.0, 0.0, 0.0], angle_degrees: 40.0 },
+        ] {
+            let view = LightView::fit(&mesh, &light, 64).unwrap();
+            let mut widest = DVec3::ZERO;
+            for p in &mesh.positions[..4] {
+                let at = view.project(glam::Vec3::from(*p).as_dvec3()).unwrap();
+                assert!(at.x >= 0.99 && at.y >= 0.99 && at.x <= 63.01 && at.y <= 63.01, "{light:?} {at}");
+                assert!((-1e-9..=1.0 + 1e-9).contains(&at.z), "{light:?} {at}");
+                widest = widest.max(at);
+            }
+            assert!(widest.x > 60.0 && widest.y > 60.0, "{light:?}: the view is wider than its casters: {widest}");
+        }
+    }
+
+    #[test]
+    fn rows_agree_in_every_frame_of_reference() {
+        let mesh = scene();
+        for light in [Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [0.5, 6.0, 0.5] }] {
+            let view = LightView::fit(&mesh, &light, 64).unwrap();
+            let origin = DVec3::new(3.0, -2.0, 5.0);
+            let moved = view.relative_to(origin, 0.125);
+            let p = DVec3::new(0.25, 1.5, 0.5);
+            let (a, b) = (view.project(p).unwrap(), moved.project((p - origin) * 0.125).unwrap());
+            assert!((a - b).length() < 1e-9, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn depth_grows_away_from_the_light() {
+        for light in [Light::Directional { direction: [0.0, 1.0, 0.1] }, Light::Point { position: [0.5, 6.0, 0.5] }] {
+            let view = LightView::fit(&scene(), &light, 64).unwrap();
+            let near = view.project(DVec3::new(0.5, 1.5, 0.5)).unwrap().z;
+            let far = view.project(DVec3::new(0.5, 0.5, 0.5)).unwrap().z;
+            assert!(near < far);
+        }
+    }
+}

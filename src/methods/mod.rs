@@ -1,0 +1,1 @@
+//! The methods: each a page of calls to stages.

@@ -1,0 +1,158 @@
+//! The facets of a pixel list, and which of them need no evaluation (Pan 2009, sections 3.1 and 3.3).
+//!
+//! - **Reads** the triangle at each pixel centre (or a list made elsewhere), triangles, projected vertices, the summed-area
+//!   table of the mask, the split depths.
+//! - **Writes** [`Facet`]s, their coverage masks, `pixel_facets` (first facet of each pixel, and the end), and `facet_items`: the
+//!   8 × 8 blocks of an undecided facet's rectangle, 0 for all others.
+//! - **Guarantee.** A facet is settled only on proof (see `front_layer`); no depth bias exists.
+//! - **Cost.** Two dispatches; about 100 bytes a facet.
+
+use crate::Result;
+use crate::gpu::kernels::facet_classify as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::shared_struct;
+
+shared_struct! {
+    /// What stands for a surface inside one pixel.
+    "facet_classify" => pub struct Facet {
+        /// Plane: `dot(xyz, point) = w` on it, more on the side of the light and the eye.
+        pub plane: [f32; 4],
+        /// The pixel.
+        pub pixel: u32,
+        /// The triangle whose plane it is; `u32::MAX` if the pixel sees none.
+        pub triangle: u32,
+        /// Texels its outline touches, packed corners.
+        pub rect: [u32; 2],
+        /// One of [`State`].
+        pub state: u32,
+        /// Smallest depth from the light.
+        pub nearest: f32,
+        /// Largest depth from the light.
+        pub farthest: f32,
+        /// View depth beyond which the plane is not followed.
+        pub limit: f32,
+    }
+}
+
+/// What is known of a facet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum State {
+    /// No surface: counts as lit.
+    Empty = 0,
+    /// Its seen side faces away from the light.
+    Dark = 1,
+    /// Nothing lies between it and the light.
+    Lit = 2,
+    /// One sheet covers all of it.
+    Shadowed = 3,
+    /// To be evaluated.
+    Undecided = 4,
+}
+
+/// The pipelines for one number of mask words.
+#[derive(Debug)]
+pub struct FacetClassify {
+    one: Program,
+    classify: Program,
+}
+
+/// Buffers of the facets.
+#[derive(Debug)]
+pub struct Facets {
+    /// The facets.
+    pub list: Buffer<Facet>,
+    /// Coverage, occluded and invalid mask of each facet, `words` words each.
+    pub masks: Buffer<u32>,
+    /// Blocks of each facet.
+    pub items: Buffer<u32>,
+    /// First facet of each pixel, and the end.
+    pub pixel_facets: Buffer<u32>,
+}
+
+impl Facets {
+    /// Memory for `count` facets of `pixels` pixels with masks of `words` words.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, count: usize, pixels: usize, words: usize) -> Result<Self> {
+        Ok(Self {
+            list: Buffer::storage(device, "facets.list", count)?,
+            masks: Buffer::storage(device, "facets.masks", count * 3 * words)?,
+            items: Buffer::storage(device, "facets.items", count)?,
+            pixel_facets: Buffer::storage(device, "facets.pixel_facets", pixels + 1)?,
+        })
+    }
+}
+
+/// What classification reads besides the facets.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// Vertex indices, three a triangle.
+    pub triangles: &'a wgpu::Buffer,
+    /// Projected vertices.
+    pub points: &'a Buffer<[f32; 4]>,
+    /// Summed-area table of the mask.
+    pub sat: &'a Buffer<u32>,
+    /// Split depths.
+    pub splits: &'a Buffer<f32>,
+}
+
+impl FacetClassify {
+    /// Builds the pipelines for masks of `words` words.
+    pub fn new(device: &wgpu::Device, words: u32) -> Self {
+        let constants = [("WORDS", f64::from(words))];
+        Self {
+            one: Program::new(device, kernel::ENTRY_ONE, &constants),
+            classify: Program::new(device, kernel::ENTRY_CLASSIFY, &constants),
+        }
+    }
+
+    /// Records the list of one facet a pixel.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_one(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        id_keys: &Buffer<u32>,
+        facets: &Facets,
+    ) -> Result<()> {
+        let buffers = [
+            ("frame", frame),
+            ("id_keys", id_keys.raw()),
+            ("facets", facets.list.raw()),
+            ("masks", facets.masks.raw()),
+            ("pixel_facets", facets.pixel_facets.raw()),
+        ];
+        stage.run(&self.one, &buffers, Groups::Items(facets.pixel_facets.len() as u64))
+    }
+
+    /// Records the classification of `count` listed facets.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_classify(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        samples: &wgpu::Buffer,
+        around: Surroundings,
+        facets: &Facets,
+        count: usize,
+    ) -> Result<()> {
+        let buffers = [
+            ("frame", frame),
+            ("samples", samples),
+            ("triangles", around.triangles),
+            ("points", around.points.raw()),
+            ("sat", around.sat.raw()),
+            ("splits", around.splits.raw()),
+            ("facets", facets.list.raw()),
+            ("masks", facets.masks.raw()),
+            ("facet_items", facets.items.raw()),
+        ];
+        stage.run(&self.classify, &buffers, Groups::Items(count as u64))
+    }
+}

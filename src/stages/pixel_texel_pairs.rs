@@ -1,0 +1,93 @@
+//! Pixel-texel pairs: texel by texel, the undecided facets whose light-view outline touches it (Pan 2009, section 3.3).
+//!
+//! - **Reads** facets, the scan of their blocks, the split depths.
+//! - **Writes** on counting `texel_counts` and `texel_deepest`, on emitting `pairs` (facet, texel) grouped by texel.
+//! - **Guarantee.** Conservative: every texel in which a caster may shadow the facet makes a pair. Nothing is written beyond
+//!   the capacity. The order inside a texel is not defined; what is made of it does not depend on it.
+//! - **Cost.** One indirect dispatch each; one invocation looks at up to 64 texels.
+
+use super::camera_visibility::Pass;
+use super::facet_classify::Facets;
+use crate::Result;
+use crate::gpu::kernels::pixel_texel_pairs as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct PixelTexelPairs {
+    raster: Program,
+    uniforms: Uniforms,
+}
+
+/// Lists of pairs by texel.
+#[derive(Debug)]
+pub struct PairLists {
+    /// Pairs of each texel; 0 before each of the four runs.
+    pub texel_counts: Buffer<u32>,
+    /// Farthest facet of each texel (bits of depth plus 1), then one word for each 8 × 8 block of texels.
+    pub texel_deepest: Buffer<u32>,
+    /// Scan of the pixel-texel pairs of each texel, their number, and the overflow flag.
+    pub pixel_offsets: Buffer<u32>,
+    /// Scan of the triangle-texel pairs of each texel, their number, and the overflow flag.
+    pub triangle_offsets: Buffer<u32>,
+    /// Pixel-texel pairs: facet, texel.
+    pub pixel_pairs: Buffer<[u32; 2]>,
+    /// Triangle-texel pairs: triangle.
+    pub triangle_pairs: Buffer<u32>,
+}
+
+impl PairLists {
+    /// Memory for a map of `size` texels a side and this many pairs.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, size: usize, pixel_pairs: usize, triangle_pairs: usize) -> Result<Self> {
+        let (texels, blocks) = (size * size, size.div_ceil(kernel::BLOCK as usize).pow(2));
+        Ok(Self {
+            texel_counts: Buffer::storage(device, "pairs.texel_counts", texels)?,
+            texel_deepest: Buffer::storage(device, "pairs.texel_deepest", texels + blocks)?,
+            pixel_offsets: Buffer::storage(device, "pairs.pixel_offsets", texels + 2)?,
+            triangle_offsets: Buffer::storage(device, "pairs.triangle_offsets", texels + 2)?,
+            pixel_pairs: Buffer::storage(device, "pairs.pixel_pairs", pixel_pairs)?,
+            triangle_pairs: Buffer::storage(device, "pairs.triangle_pairs", triangle_pairs)?,
+        })
+    }
+}
+
+impl PixelTexelPairs {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[]), uniforms: Uniforms::default() }
+    }
+
+    /// Records run `index`: 0 counts, 1 emits.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        index: u32,
+        frame: &wgpu::Buffer,
+        facets: &Facets,
+        offsets: &Buffer<u32>,
+        args: (&wgpu::Buffer, u64),
+        splits: &Buffer<f32>,
+        lists: &PairLists,
+    ) -> Result<()> {
+        let pass = self.uniforms.get(stage.device, &Pass { index });
+        let buffers = [
+            ("frame", frame),
+            ("step", &pass),
+            ("facets", facets.list.raw()),
+            ("work_offsets", offsets.raw()),
+            ("splits", splits.raw()),
+            ("texel_counts", lists.texel_counts.raw()),
+            ("texel_deepest", lists.texel_deepest.raw()),
+            ("pair_offsets", lists.pixel_offsets.raw()),
+            ("pairs", lists.pixel_pairs.raw()),
+        ];
+        stage.run(&self.raster, &buffers, Groups::Indirect(args.0, args.1))
+    }
+}

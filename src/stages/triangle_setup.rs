@@ -1,0 +1,85 @@
+//! What each triangle is to the light, and where it lies in the camera view and the light view.
+//!
+//! - **Reads** triangles (three vertex indices each), projected vertices.
+//! - **Writes** per triangle: facing ([`FRONT`] …), the rectangle of pixels and of texels it may touch (packed corners, both
+//!   included, `x | y << 16`; empty if the first x exceeds the second), and how many 8 × 8 blocks each takes.
+//! - **Guarantee.** Rectangles are conservative; facing is `UNSURE` within the rounding bound.
+//! - **Cost.** One dispatch; about 70 bytes a triangle.
+
+use crate::Result;
+use crate::gpu::kernels::triangle_setup as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage};
+
+pub use kernel::{BACK, DROPPED, FRONT, UNSURE};
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct TriangleSetup {
+    setup: Program,
+}
+
+/// What the stage writes: one element a triangle.
+#[derive(Debug)]
+pub struct TriangleFacts {
+    /// [`FRONT`], [`BACK`], [`UNSURE`] or [`DROPPED`].
+    pub facing: Buffer<u32>,
+    /// Pixels it may cover.
+    pub camera_rects: Buffer<[u32; 2]>,
+    /// Texels it may touch.
+    pub light_rects: Buffer<[u32; 2]>,
+    /// Blocks of the first rectangle.
+    pub camera_items: Buffer<u32>,
+    /// Blocks of the second.
+    pub light_items: Buffer<u32>,
+}
+
+impl TriangleFacts {
+    /// Memory for `count` triangles.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, count: usize) -> Result<Self> {
+        Ok(Self {
+            facing: Buffer::storage(device, "triangle_setup.facing", count)?,
+            camera_rects: Buffer::storage(device, "triangle_setup.camera_rects", count)?,
+            light_rects: Buffer::storage(device, "triangle_setup.light_rects", count)?,
+            camera_items: Buffer::storage(device, "triangle_setup.camera_items", count)?,
+            light_items: Buffer::storage(device, "triangle_setup.light_items", count)?,
+        })
+    }
+}
+
+impl TriangleSetup {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { setup: Program::new(device, kernel::ENTRY_SETUP, &[]) }
+    }
+
+    /// Records the setup of `count` triangles.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        triangles: &wgpu::Buffer,
+        points: &Buffer<[f32; 4]>,
+        map_points: &Buffer<[f32; 4]>,
+        facts: &TriangleFacts,
+        count: usize,
+    ) -> Result<()> {
+        let buffers = [
+            ("frame", frame),
+            ("triangles", triangles),
+            ("points", points.raw()),
+            ("map_points", map_points.raw()),
+            ("facing", facts.facing.raw()),
+            ("camera_rects", facts.camera_rects.raw()),
+            ("light_rects", facts.light_rects.raw()),
+            ("camera_items", facts.camera_items.raw()),
+            ("light_items", facts.light_items.raw()),
+        ];
+        stage.run(&self.setup, &buffers, Groups::Items(count as u64))
+    }
+}

@@ -1,0 +1,55 @@
+//! Triangle-texel pairs: texel by texel, the casters that touch it, where pixel-texel pairs are (Pan 2009, section 3.3).
+//!
+//! - **Reads** the casters' blocks, `texel_deepest` of the pixel-texel pairs.
+//! - **Writes** on counting `texel_counts`, on emitting `triangle_pairs` grouped by texel.
+//! - **Guarantee.** Conservative: every caster that may shadow a facet listed at a texel is listed there. Nothing is written
+//!   beyond the capacity. The order inside a texel is not defined; what is made of it does not depend on it.
+//! - **Cost.** One indirect dispatch each; one invocation looks at up to 64 texels.
+
+use super::camera_visibility::{Blocks, Pass};
+use super::pixel_texel_pairs::PairLists;
+use crate::Result;
+use crate::gpu::kernels::triangle_texel_pairs as kernel;
+use crate::gpu::{Groups, Program, Stage, Uniforms};
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct TriangleTexelPairs {
+    raster: Program,
+    uniforms: Uniforms,
+}
+
+impl TriangleTexelPairs {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[]), uniforms: Uniforms::default() }
+    }
+
+    /// Records run `index`: 0 counts, 1 emits.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        index: u32,
+        frame: &wgpu::Buffer,
+        blocks: Blocks,
+        lists: &PairLists,
+    ) -> Result<()> {
+        let pass = self.uniforms.get(stage.device, &Pass { index });
+        let buffers = [
+            ("frame", frame),
+            ("step", &pass),
+            ("triangles", blocks.triangles),
+            ("map_points", blocks.points.raw()),
+            ("light_rects", blocks.rects.raw()),
+            ("work_offsets", blocks.offsets.raw()),
+            ("texel_deepest", lists.texel_deepest.raw()),
+            ("texel_counts", lists.texel_counts.raw()),
+            ("pair_offsets", lists.triangle_offsets.raw()),
+            ("pair_triangles", lists.triangle_pairs.raw()),
+        ];
+        stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
+    }
+}
