@@ -1,9 +1,12 @@
 //! What is rendered: mesh, camera, light and ground; loaders and built-in scenes.
 
+pub mod adjacency;
 pub mod camera;
 pub mod light;
 pub mod mesh;
+mod weld;
 
+pub use adjacency::{Adjacency, Edge, NO_TRIANGLE};
 pub use camera::{Camera, PixelRays};
 pub use light::Light;
 pub use mesh::{Ground, Mesh};
