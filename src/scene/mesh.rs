@@ -1,7 +1,9 @@
 //! Triangle meshes.
 
+use super::weld::weld;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// A triangle soup with shared vertices. Surfaces are two-sided.
@@ -66,6 +68,28 @@ impl Mesh {
         self.triangles[t].map(|v| Vec3::from(self.positions[v as usize]).as_dvec3())
     }
 
+    /// The same surface in one canonical form, and for each of its triangles the triangle of this mesh it was.
+    ///
+    /// The form does not depend on the order of the triangles, on which corner each starts with, or on the numbering
+    /// of the vertices: vertices are welded by position (−0 becomes +0), those that no triangle uses are dropped, and
+    /// the rest are sorted; each triangle starts with its smallest vertex, winding kept; triangles are sorted. Exact
+    /// duplicates are kept, and among them the earlier comes first. The mesh must have passed [`Mesh::check`].
+    pub fn canonical(&self) -> (Self, Vec<u32>) {
+        let welded = weld(&self.positions, &self.triangles);
+        let mut order: Vec<([u32; 3], u32)> = self
+            .triangles
+            .par_iter()
+            .enumerate()
+            .map(|(t, tri)| {
+                let [a, b, c] = tri.map(|v| welded.place[v as usize]);
+                ([a, b, c].min([b, c, a]).min([c, a, b]), t as u32)
+            })
+            .collect();
+        order.par_sort_unstable();
+        let (triangles, from) = order.into_iter().unzip();
+        (Self { positions: welded.positions, triangles }, from)
+    }
+
     /// The ground that fits under this mesh: at the lowest vertex, centred, 10 scene radii half-width.
     pub fn ground_below(&self) -> Option<Ground> {
         let (lo, hi) = self.bounds()?;
@@ -80,5 +104,85 @@ impl Mesh {
         let ([cx, cz], h, y) = (ground.center, ground.half_width, ground.y);
         self.positions.extend([[cx - h, y, cz - h], [cx + h, y, cz - h], [cx + h, y, cz + h], [cx - h, y, cz + h]]);
         self.triangles.extend([[base, base + 2, base + 1], [base, base + 3, base + 2]]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet() -> Mesh {
+        let positions =
+            (0..64u16).map(|i| [f32::from(i % 8) - 3.0, f32::from(i * 37 % 11), f32::from(i / 8)]).collect();
+        let mut triangles: Vec<[u32; 3]> =
+            (0..56u32).filter(|i| i % 8 != 7).flat_map(|i| [[i, i + 1, i + 9], [i, i + 9, i + 8]]).collect();
+        // Exact duplicates and a collapsed triangle belong to it.
+        triangles.extend([triangles[5], triangles[5], [9, 9, 4]]);
+        Mesh { positions, triangles }
+    }
+
+    fn next(state: &mut u64) -> usize {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 33) as usize
+    }
+
+    /// The same surface with triangles shuffled and rotated, vertices renumbered, some doubled, zeros negated.
+    fn disguised(mesh: &Mesh, seed: u64) -> Mesh {
+        let mut state = seed;
+        let n = mesh.positions.len();
+        let mut number: Vec<usize> = (0..2 * n).collect();
+        (1..2 * n).rev().for_each(|i| number.swap(i, next(&mut state) % (i + 1)));
+        let mut positions = vec![[f32::MAX; 3]; 2 * n];
+        for (i, &to) in number.iter().enumerate() {
+            let sign = next(&mut state) & 1 == 1;
+            positions[to] = mesh.positions[i % n].map(|c| if c == 0.0 && sign { -0.0 } else { c });
+        }
+        let mut triangles = mesh.triangles.clone();
+        (1..triangles.len()).rev().for_each(|i| triangles.swap(i, next(&mut state) % (i + 1)));
+        for tri in &mut triangles {
+            tri.rotate_left(next(&mut state) % 3);
+            *tri = tri.map(|v| number[v as usize + n * (next(&mut state) & 1)] as u32);
+        }
+        Mesh { positions, triangles }
+    }
+
+    fn bits(mesh: &Mesh) -> (Vec<[u32; 3]>, &[[u32; 3]]) {
+        (mesh.positions.iter().map(|p| p.map(f32::to_bits)).collect(), &mesh.triangles)
+    }
+
+    #[test]
+    fn the_canonical_form_does_not_depend_on_order_rotation_or_numbering() {
+        let mesh = sheet();
+        let (canonical, from) = mesh.canonical();
+        for (t, &was) in from.iter().enumerate() {
+            let mut corners = mesh.corners(was as usize);
+            assert!((0..3).any(|_| {
+                corners.rotate_left(1);
+                corners == canonical.corners(t)
+            }));
+        }
+        for seed in 1..50 {
+            let (other, from) = disguised(&mesh, seed).canonical();
+            assert_eq!(bits(&canonical), bits(&other), "seed {seed}");
+            let mut seen = from.clone();
+            seen.sort_unstable();
+            assert!(seen.iter().copied().eq(0..mesh.triangles.len() as u32));
+        }
+        assert_eq!(bits(&canonical.canonical().0), bits(&canonical));
+    }
+
+    #[test]
+    fn the_canonical_form_shows_every_change() {
+        let mesh = sheet();
+        let canonical = mesh.canonical().0;
+        let mut moved = mesh.clone();
+        moved.positions[20][1] = moved.positions[20][1].next_up();
+        assert_ne!(canonical, moved.canonical().0);
+        let mut flipped = mesh.clone();
+        flipped.triangles[7].reverse();
+        assert_ne!(canonical, flipped.canonical().0);
+        let mut fewer = mesh.clone();
+        fewer.triangles.pop();
+        assert_ne!(canonical, fewer.canonical().0);
     }
 }

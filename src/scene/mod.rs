@@ -1,12 +1,22 @@
 //! What is rendered: mesh, camera, light and ground; loaders and built-in scenes.
 
+pub mod adjacency;
+pub mod builtin;
 pub mod camera;
 pub mod light;
+pub mod load;
 pub mod mesh;
+mod open;
+pub mod options;
+mod weld;
 
+pub use adjacency::{Adjacency, Edge, NO_TRIANGLE};
+pub use builtin::{BUILTIN_NAMES, builtin};
 pub use camera::{Camera, PixelRays};
 pub use light::Light;
+pub use load::{Loaded, load};
 pub use mesh::{Ground, Mesh};
+pub use options::{CameraOverride, DEFAULT_LIGHT, SceneOptions};
 
 /// A scene: one mesh, one camera, one light.
 #[derive(Clone, Debug)]

@@ -1,0 +1,90 @@
+//! The project's scene files: a mesh or a built-in scene, with camera, light and ground of their own.
+//!
+//! ```toml
+//! mesh = "arch.obj"      # relative to this file, in its folder or below; or: builtin = "windmill"
+//! ground = true          # add a ground plane
+//! [camera]               # each key optional, else framed from the bounds
+//! eye = [4.0, 3.0, 6.0]
+//! target = [0.0, 1.0, 0.0]
+//! up = [0.0, 1.0, 0.0]
+//! fov = 40.0             # vertical, degrees
+//! [light]                # one of directional (towards the light), point, spot
+//! spot = [3.0, 6.0, 2.0]
+//! target = [0.0, 0.0, 0.0]
+//! angle = 60.0           # full cone, degrees
+//! ```
+
+use super::super::builtin::{BUILTIN_NAMES, builtin};
+use super::super::options::{CameraOverride, light_from_parts};
+use super::text::without_bom;
+use super::{Loaded, Parsed, inside, quoted, without_name};
+use serde::Deserialize;
+use std::path::Path;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFile {
+    mesh: Option<String>,
+    builtin: Option<String>,
+    #[serde(default)]
+    ground: bool,
+    camera: Option<CameraOverride>,
+    light: Option<LightTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LightTable {
+    directional: Option<[f32; 3]>,
+    point: Option<[f32; 3]>,
+    spot: Option<[f32; 3]>,
+    target: Option<[f32; 3]>,
+    angle: Option<f32>,
+}
+
+/// Reads the scene file at `path`.
+pub(super) fn load(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
+    super::sniff(bytes, "toml")?;
+    let text =
+        std::str::from_utf8(without_bom(bytes)).map_err(|e| format!("is not UTF-8 at byte {}", e.valid_up_to()))?;
+    let file: SceneFile = ::toml::from_str(text).map_err(|e| {
+        let start = e.span().map_or(0, |span| span.start);
+        let line = text.bytes().take(start).filter(|&b| b == b'\n').count() + 1;
+        format!("line {line}: {}", e.message())
+    })?;
+
+    let mut loaded = base(path, &file)?;
+    loaded.ground = file.ground;
+    if let Some(camera) = &file.camera {
+        loaded.camera = Some(camera.apply(loaded.camera, &loaded.mesh).map_err(|e| without_name(&e))?);
+    }
+    if let Some(light) = file.light {
+        let choices = [("directional", light.directional), ("point", light.point), ("spot", light.spot)];
+        let mut given = choices.iter().filter_map(|(kind, at)| at.map(|at| (*kind, at)));
+        let (Some((kind, at)), None) = (given.next(), given.next()) else {
+            return Err("[light] needs exactly one of 'directional', 'point' and 'spot'".into());
+        };
+        loaded.light = Some(light_from_parts(kind, at, light.target, light.angle).map_err(|e| without_name(&e))?);
+    }
+    Ok(loaded)
+}
+
+/// What the scene file builds on.
+fn base(path: &Path, file: &SceneFile) -> Parsed<Loaded> {
+    match (&file.mesh, &file.builtin) {
+        (Some(mesh), None) => {
+            let mesh = inside(path.parent().unwrap_or(Path::new("")), mesh)?;
+            // Scene files do not nest, so they cannot name each other in a circle.
+            if mesh.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+                return Err(format!("mesh {} is a scene file itself", quoted(&mesh.to_string_lossy())));
+            }
+            super::load(&mesh).map_err(|e| e.to_string())
+        }
+        (None, Some(name)) => {
+            let scene = builtin(name)
+                .ok_or_else(|| format!("builtin {} is none of {}", quoted(name), BUILTIN_NAMES.join(", ")))?;
+            Ok(Loaded { mesh: scene.mesh, camera: Some(scene.camera), light: Some(scene.light), ground: false })
+        }
+        _ => Err("needs exactly one of the keys 'mesh' and 'builtin'".into()),
+    }
+}
