@@ -79,6 +79,11 @@ impl<'a> Recorder<'a> {
         self.encoder.copy_buffer_to_buffer(from, 0, to, 0, bytes);
     }
 
+    /// Copies `count` 32-bit words from one place to another.
+    pub fn copy_words(&mut self, from: &wgpu::Buffer, first: u64, to: &wgpu::Buffer, at: u64, count: u64) {
+        self.encoder.copy_buffer_to_buffer(from, first * 4, to, at * 4, count * 4);
+    }
+
     /// Dispatches recorded so far.
     pub fn dispatches(&self) -> u32 {
         self.dispatches

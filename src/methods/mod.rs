@@ -1,1 +1,7 @@
-//! The methods: each a page of calls to stages.
+//! The methods: each a page of calls to stages, in order.
+
+pub mod facet_masks;
+pub mod prepared;
+
+pub use facet_masks::{FacetMasks, Settings};
+pub use prepared::Prepared;

@@ -1,0 +1,539 @@
+//! `facet-masks`: the flagship (Pan, Wang, Chen, Zhou, Bao 2009), one page of calls to stages.
+
+use super::prepared::CasterBuffers;
+use crate::frame::{Frame, sample_words};
+use crate::gpu::kernels::{
+    camera_visibility, dispatch_args, light_layers, pixel_texel_pairs, silhouette_mask, visibility_masks,
+};
+use crate::gpu::{Buffer, Groups, Program, Recorder};
+use crate::light_view::LightView;
+use crate::samples::Samples;
+use crate::scene::{Camera, Light};
+use crate::stages::camera_visibility::{Blocks, CameraVisibility};
+use crate::stages::facet_classify::{FacetClassify, Facets, Surroundings};
+use crate::stages::front_layer::FrontLayer;
+use crate::stages::light_layers::{Layers, LightLayers};
+use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs};
+use crate::stages::resolve::Resolve;
+use crate::stages::silhouette_mask::SilhouetteMask;
+use crate::stages::summed_area::Texels;
+use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
+use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
+use crate::stages::vertex_project::VertexProject;
+use crate::stages::visibility_masks::VisibilityMasks;
+use crate::stages::{Count, PrefixScan, SummedArea, prefix_scan, summed_area};
+use crate::{Error, Result};
+use glam::DVec3;
+
+/// What a frame is computed with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Image width and height, pixels.
+    pub size: [u32; 2],
+    /// Light-view map, texels a side.
+    pub map: u32,
+    /// Sample pattern.
+    pub samples: Samples,
+    /// Keep the validity mask.
+    pub validity: bool,
+    /// Leave out casters that face away from the light, in closed meshes.
+    pub cull_back: bool,
+    /// Settle facets before evaluation; without it all go the exact way.
+    pub settle: bool,
+}
+
+impl Settings {
+    /// Checks sizes against what is possible.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers.
+    pub fn check(&self) -> Result<()> {
+        let [w, h] = self.size;
+        if w == 0 || h == 0 || w > 16384 || h > 16384 {
+            return Err(Error::Config(format!("an image of {w}x{h} pixels; sides of 1 to 16384 are possible")));
+        }
+        if !(1..=LightView::LARGEST_MAP).contains(&self.map) {
+            return Err(Error::Config(format!(
+                "a map of {} texels a side; 1 to {} are possible",
+                self.map,
+                LightView::LARGEST_MAP
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// Words of the status buffer.
+pub mod status {
+    /// Pixel-texel pairs of the band at work.
+    pub const PAIRS: usize = 0;
+    /// Silhouette edges.
+    pub const EDGES: usize = 8;
+    /// Longest triangle list of one texel, if above one round.
+    pub const LONGEST: usize = 9;
+    /// Evaluations, low and high word.
+    pub const EVALUATIONS: usize = 10;
+    /// Facets by state.
+    pub const STATES: usize = 16;
+    /// Marked texels.
+    pub const TEXELS: usize = 24;
+    /// First word of the bands: pixel-texel pairs and flag, triangle-texel pairs and flag.
+    pub const BANDS: usize = 32;
+}
+
+/// Indirect arguments, by position.
+#[derive(Clone, Copy)]
+enum Arg {
+    Camera,
+    Light,
+    Edges,
+    Facets,
+    Pairs,
+}
+
+impl Arg {
+    fn word(self) -> u64 {
+        self as u64 * 3
+    }
+}
+
+/// How the lists of a frame are sized.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacities {
+    /// Pixel-texel pairs of a band.
+    pub pixel_pairs: usize,
+    /// Triangle-texel pairs of a band.
+    pub triangle_pairs: usize,
+    /// Bands of facets that are evaluated one after the other.
+    pub bands: u32,
+    /// Rounds of [`visibility_masks::ROUND_LENGTH`] triangles.
+    pub rounds: u32,
+}
+
+/// The pipelines and the memory of one image and map size.
+pub struct FacetMasks {
+    settings: Settings,
+    project: VertexProject,
+    setup: TriangleSetup,
+    visibility: CameraVisibility,
+    layers: LightLayers,
+    front: FrontLayer,
+    silhouettes: SilhouetteMask,
+    summed_area: SummedArea,
+    classify: FacetClassify,
+    pixel_pairs: PixelTexelPairs,
+    triangle_pairs: TriangleTexelPairs,
+    masks: VisibilityMasks,
+    resolve: Resolve,
+    scan: PrefixScan,
+    fold: Program,
+    memory: Memory,
+    capacities: Capacities,
+}
+
+/// Every buffer of a frame.
+struct Memory {
+    samples: Buffer<[f32; 4]>,
+    frames: Vec<Buffer<Frame>>,
+    points: Buffer<[f32; 4]>,
+    map_points: Buffer<[f32; 4]>,
+    facts: TriangleFacts,
+    camera_offsets: Buffer<u32>,
+    light_offsets: Buffer<u32>,
+    depth_keys: Buffer<u32>,
+    id_keys: Buffer<u32>,
+    layers: Layers,
+    edge_rects: Buffer<[u32; 2]>,
+    edge_items: Buffer<u32>,
+    edge_offsets: Buffer<u32>,
+    sat: Buffer<u32>,
+    sat_scratch: summed_area::Scratch,
+    facets: Facets,
+    facet_offsets: Buffer<u32>,
+    lists: PairLists,
+    scan_scratch: prefix_scan::Scratch,
+    args: Buffer<u32>,
+    requests: [Buffer<[u32; 4]>; 5],
+    status: Buffer<u32>,
+    visibility: Buffer<f32>,
+    lit: Buffer<u32>,
+}
+
+impl FacetMasks {
+    /// Builds all pipelines and all memory but that of the casters.
+    ///
+    /// # Errors
+    /// [`Error::Config`] for impossible settings, [`Error::Memory`] and [`Error::Gpu`] if memory does not suffice.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        casters: &CasterBuffers,
+        settings: &Settings,
+        capacities: Capacities,
+    ) -> Result<Self> {
+        settings.check()?;
+        let words = settings.samples.words();
+        let summed_area = SummedArea::new(device, Texels::Bits);
+        let memory = Memory::new(device, queue, casters, settings, &summed_area, capacities)?;
+        Ok(Self {
+            settings: settings.clone(),
+            project: VertexProject::new(device),
+            setup: TriangleSetup::new(device),
+            visibility: CameraVisibility::new(device),
+            layers: LightLayers::new(device),
+            front: FrontLayer::new(device),
+            silhouettes: SilhouetteMask::new(device),
+            summed_area,
+            classify: FacetClassify::new(device, words),
+            pixel_pairs: PixelTexelPairs::new(device),
+            triangle_pairs: TriangleTexelPairs::new(device),
+            masks: VisibilityMasks::new(device, words),
+            resolve: Resolve::new(device, words),
+            scan: PrefixScan::new(device),
+            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+            memory,
+            capacities,
+        })
+    }
+
+    /// Sizes the lists anew, keeping all else.
+    ///
+    /// # Errors
+    /// As [`FacetMasks::new`].
+    pub fn resize(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, capacities: Capacities) -> Result<()> {
+        let size = self.settings.map as usize;
+        let m = &mut self.memory;
+        m.lists = PairLists::new(device, size, capacities.pixel_pairs, capacities.triangle_pairs)?;
+        m.frames = frames(device, capacities)?;
+        let counts = [
+            m.camera_offsets.len(),
+            m.light_offsets.len(),
+            m.edge_offsets.len(),
+            m.facet_offsets.len(),
+            size * size + 2,
+        ];
+        m.requests = requests(device, queue, counts.map(|len| len - 2), capacities.pixel_pairs)?;
+        m.status = Buffer::storage(device, "status", status::BANDS + 4 * capacities.bands as usize)?;
+        self.capacities = capacities;
+        Ok(())
+    }
+
+    /// Writes what the next frame is computed from: camera, light and its view.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if camera or light cannot be used.
+    pub fn prepare(
+        &self,
+        queue: &wgpu::Queue,
+        casters: &CasterBuffers,
+        camera: &Camera,
+        light: &Light,
+        view: &LightView,
+        bounds: (DVec3, DVec3),
+    ) -> Result<()> {
+        camera.check()?;
+        light.check()?;
+        let s = &self.settings;
+        let mut frame = Frame::new(camera, light, view, bounds, s.size, &s.samples);
+        let flag = |on: bool, bit: u32| if on { bit } else { 0 };
+        frame.flags |= flag(s.cull_back && casters.closed, Frame::CULL_BACK)
+            | flag(s.validity && s.samples.count() > 1, Frame::VALIDITY)
+            | flag(!s.settle, Frame::ALL_UNDECIDED);
+        frame.vertex_count = casters.positions.len() as u32;
+        frame.triangle_count = casters.triangles.len() as u32;
+        frame.edge_count = casters.edges.len() as u32;
+        frame.facets_total = self.memory.facets.list.len() as u32;
+        frame.pixel_texel_capacity = self.capacities.pixel_pairs as u32;
+        frame.triangle_texel_capacity = self.capacities.triangle_pairs as u32;
+        let share = frame.facets_total.div_ceil(self.capacities.bands);
+        for band in 0..self.capacities.bands {
+            for round in 0..self.capacities.rounds {
+                frame.first_facet = (band * share).min(frame.facets_total);
+                frame.facet_count = share.min(frame.facets_total - frame.first_facet);
+                frame.round = round;
+                self.memory.frames[(band * self.capacities.rounds + round) as usize].write(queue, &[frame]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Records the frame. The whole method, in order.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
+        let m = &self.memory;
+        let frame = m.frames[0].raw();
+        let triangles = casters.triangles.raw();
+        let count = casters.triangles.len();
+        for zero in [&m.depth_keys, &m.id_keys, &m.layers.nearest_keys, &m.layers.second_keys, &m.layers.tie_counts] {
+            rec.clear(zero.raw());
+        }
+        rec.clear(m.layers.mask.raw());
+        rec.clear(m.status.raw());
+
+        {
+            let stage = &mut rec.stage("triangle_setup");
+            self.project.record(
+                stage,
+                frame,
+                casters.positions.raw(),
+                &m.points,
+                &m.map_points,
+                casters.positions.len(),
+            )?;
+            self.setup.record(stage, frame, triangles, &m.points, &m.map_points, &m.facts, count)?;
+            self.scan(stage, &m.facts.camera_items, &m.camera_offsets, count)?;
+            self.scan(stage, &m.facts.light_items, &m.light_offsets, count)?;
+            self.args(stage, Arg::Camera, &m.camera_offsets)?;
+            self.args(stage, Arg::Light, &m.light_offsets)?;
+        }
+        let in_camera = Blocks {
+            triangles,
+            points: &m.points,
+            rects: &m.facts.camera_rects,
+            offsets: &m.camera_offsets,
+            args: (m.args.raw(), Arg::Camera.word()),
+        };
+        let in_light = Blocks {
+            triangles,
+            points: &m.map_points,
+            rects: &m.facts.light_rects,
+            offsets: &m.light_offsets,
+            args: (m.args.raw(), Arg::Light.word()),
+        };
+        self.visibility.record(&mut rec.stage("camera_visibility"), frame, in_camera, &m.depth_keys, &m.id_keys)?;
+        self.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers)?;
+        {
+            let stage = &mut rec.stage("silhouette_mask");
+            let edges = casters.edges.raw();
+            self.silhouettes.record_classify(
+                stage,
+                frame,
+                edges,
+                &m.facts.facing,
+                &m.map_points,
+                &m.edge_rects,
+                &m.edge_items,
+                &m.status,
+                casters.edges.len(),
+            )?;
+            self.scan(stage, &m.edge_items, &m.edge_offsets, casters.edges.len())?;
+            self.args(stage, Arg::Edges, &m.edge_offsets)?;
+            let args = (m.args.raw(), Arg::Edges.word());
+            self.silhouettes.record_raster(
+                stage,
+                frame,
+                edges,
+                &m.map_points,
+                &m.edge_rects,
+                &m.edge_offsets,
+                args,
+                &m.layers,
+            )?;
+        }
+        {
+            let stage = &mut rec.stage("front_layer");
+            self.front.record_check(stage, frame, in_light, &m.layers)?;
+            self.front.record_settle(stage, frame, &m.layers)?;
+        }
+        self.summed_area.record(&mut rec.stage("summed_area"), &m.layers.mask, &m.sat, &m.sat_scratch)?;
+        rec.copy_words(m.sat.raw(), m.sat.len() as u64 - 1, m.status.raw(), status::TEXELS as u64, 1);
+        {
+            let stage = &mut rec.stage("facet_classify");
+            let around = Surroundings { triangles, points: &m.points, sat: &m.sat, splits: &m.layers.splits };
+            self.classify.record_one(stage, frame, &m.id_keys, &m.facets)?;
+            self.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, m.facets.list.len())?;
+            self.scan(stage, &m.facets.items, &m.facet_offsets, m.facets.list.len())?;
+            self.args(stage, Arg::Facets, &m.facet_offsets)?;
+        }
+        for band in 0..self.capacities.bands {
+            self.record_band(rec, casters, in_light, band)?;
+        }
+        self.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
+    }
+
+    /// The pairs of one band of facets, and their evaluation.
+    fn record_band(&self, rec: &mut Recorder, casters: &CasterBuffers, in_light: Blocks, band: u32) -> Result<()> {
+        let m = &self.memory;
+        let texels = m.lists.texel_counts.len();
+        let frame_of = |round: u32| m.frames[(band * self.capacities.rounds + round) as usize].raw();
+        let facet_args = (m.args.raw(), Arg::Facets.word());
+        rec.clear(m.lists.texel_deepest.raw());
+        for run in 0..2 {
+            rec.clear(m.lists.texel_counts.raw());
+            let stage = &mut rec.stage("pixel_texel_pairs");
+            let splits = &m.layers.splits;
+            self.pixel_pairs.record(
+                stage,
+                run,
+                frame_of(0),
+                &m.facets,
+                &m.facet_offsets,
+                facet_args,
+                splits,
+                &m.lists,
+            )?;
+            if run == 0 {
+                self.scan(stage, &m.lists.texel_counts, &m.lists.pixel_offsets, texels)?;
+            }
+        }
+        for run in 0..2 {
+            rec.clear(m.lists.texel_counts.raw());
+            let stage = &mut rec.stage("triangle_texel_pairs");
+            self.triangle_pairs.record(stage, run, frame_of(0), in_light, &m.lists)?;
+            if run == 0 {
+                self.scan(stage, &m.lists.texel_counts, &m.lists.triangle_offsets, texels)?;
+            }
+        }
+        let slot = status::BANDS as u64 + 4 * u64::from(band);
+        rec.copy_words(m.lists.pixel_offsets.raw(), texels as u64, m.status.raw(), status::PAIRS as u64, 1);
+        rec.copy_words(m.lists.pixel_offsets.raw(), texels as u64, m.status.raw(), slot, 2);
+        rec.copy_words(m.lists.triangle_offsets.raw(), texels as u64, m.status.raw(), slot + 2, 2);
+        let stage = &mut rec.stage("visibility_masks");
+        self.args(stage, Arg::Pairs, &m.lists.pixel_offsets)?;
+        for round in 0..self.capacities.rounds {
+            let (triangles, positions) = (casters.triangles.raw(), casters.positions.raw());
+            let args = (m.args.raw(), Arg::Pairs.word());
+            let frame = frame_of(round);
+            self.masks.record(
+                stage,
+                frame,
+                m.samples.raw(),
+                triangles,
+                positions,
+                &m.facets,
+                &m.lists,
+                args,
+                &m.status,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Exclusive scan of `items` into `offsets`, whose last two words take the sum and the overflow flag.
+    fn scan(
+        &self,
+        stage: &mut crate::gpu::Stage,
+        items: &Buffer<u32>,
+        offsets: &Buffer<u32>,
+        count: usize,
+    ) -> Result<()> {
+        self.scan.record(stage, items, offsets, (offsets, count), &self.memory.scan_scratch, Count::Exactly(count))
+    }
+
+    /// Indirect arguments for as many items as the last but one word of `offsets` says.
+    fn args(&self, stage: &mut crate::gpu::Stage, arg: Arg, offsets: &Buffer<u32>) -> Result<()> {
+        let m = &self.memory;
+        let requests = &m.requests[arg as usize];
+        let buffers = [("counts", offsets.raw()), ("requests", requests.raw()), ("args", m.args.raw())];
+        stage.run(&self.fold, &buffers, Groups::Workgroups(1))
+    }
+
+    /// How the lists are sized.
+    pub fn capacities(&self) -> Capacities {
+        self.capacities
+    }
+
+    /// Visibility of every pixel, row by row from the top.
+    pub fn visibility(&self) -> &Buffer<f32> {
+        &self.memory.visibility
+    }
+
+    /// Lit samples of every pixel.
+    pub fn lit(&self) -> &Buffer<u32> {
+        &self.memory.lit
+    }
+
+    /// Complement of the triangle at every pixel centre; 0 where there is none.
+    pub fn id_keys(&self) -> &Buffer<u32> {
+        &self.memory.id_keys
+    }
+
+    /// Facets and their masks.
+    pub fn facets(&self) -> &Facets {
+        &self.memory.facets
+    }
+
+    /// Light layers, mask and splits.
+    pub fn layers(&self) -> &Layers {
+        &self.memory.layers
+    }
+
+    /// Counters, see [`status`].
+    pub fn status(&self) -> &Buffer<u32> {
+        &self.memory.status
+    }
+}
+
+fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>> {
+    (0..c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
+}
+
+/// One request of indirect arguments for each [`Arg`]: word of the count, items a workgroup, limit, word of the result.
+fn requests(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    counts: [usize; 5],
+    pixel_pairs: usize,
+) -> Result<[Buffer<[u32; 4]>; 5]> {
+    let per_group = [
+        camera_visibility::WORKGROUP,
+        light_layers::WORKGROUP,
+        silhouette_mask::WORKGROUP,
+        pixel_texel_pairs::WORKGROUP,
+        visibility_masks::WORKGROUP,
+    ];
+    let mut made = Vec::with_capacity(5);
+    for (k, (count, group)) in counts.into_iter().zip(per_group).enumerate() {
+        let limit = if k == Arg::Pairs as usize { pixel_pairs as u32 } else { u32::MAX };
+        let request = [count as u32, group, limit, 3 * k as u32];
+        made.push(Buffer::from_slice(device, queue, "dispatch_args.request", &[request])?);
+    }
+    made.try_into().map_err(|_| Error::Gpu("requests: five were to be made".to_owned()))
+}
+
+impl Memory {
+    fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        casters: &CasterBuffers,
+        settings: &Settings,
+        summed_area: &SummedArea,
+        capacities: Capacities,
+    ) -> Result<Self> {
+        let [w, h] = settings.size.map(|s| s as usize);
+        let (pixels, map, words) = (w * h, settings.map as usize, settings.samples.words() as usize);
+        let (vertices, triangles, edges) = (casters.positions.len(), casters.triangles.len(), casters.edges.len());
+        let counts = [triangles, triangles, edges, pixels, map * map];
+        let words_of = |label: &str, len: usize| Buffer::storage(device, label, len);
+        let samples = Buffer::uniform(device, "samples", 64)?;
+        samples.write(queue, &sample_words(&settings.samples));
+        Ok(Self {
+            samples,
+            frames: frames(device, capacities)?,
+            points: Buffer::storage(device, "vertex_project.points", vertices)?,
+            map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
+            facts: TriangleFacts::new(device, triangles)?,
+            camera_offsets: words_of("triangle_setup.camera_offsets", triangles + 2)?,
+            light_offsets: words_of("triangle_setup.light_offsets", triangles + 2)?,
+            depth_keys: words_of("camera_visibility.depth_keys", pixels)?,
+            id_keys: words_of("camera_visibility.id_keys", pixels)?,
+            layers: Layers::new(device, map)?,
+            edge_rects: Buffer::storage(device, "silhouette_mask.edge_rects", edges)?,
+            edge_items: words_of("silhouette_mask.edge_items", edges)?,
+            edge_offsets: words_of("silhouette_mask.edge_offsets", edges + 2)?,
+            sat: words_of("summed_area.sat", map * map)?,
+            sat_scratch: summed_area.scratch(device, map, map)?,
+            facets: Facets::new(device, pixels, pixels, words)?,
+            facet_offsets: words_of("facets.offsets", pixels + 2)?,
+            lists: PairLists::new(device, map, capacities.pixel_pairs, capacities.triangle_pairs)?,
+            scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
+            args: Buffer::indirect(device, "dispatch_args.args", 16)?,
+            requests: requests(device, queue, counts, capacities.pixel_pairs)?,
+            status: words_of("status", status::BANDS + 4 * capacities.bands as usize)?,
+            visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
+            lit: words_of("resolve.lit", pixels * words)?,
+        })
+    }
+}

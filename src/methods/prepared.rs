@@ -1,0 +1,54 @@
+//! A mesh made ready for the GPU: topology is found once, vertices may move afterwards.
+
+use crate::Result;
+use crate::gpu::Buffer;
+use crate::scene::Mesh;
+use crate::scene::adjacency::{Adjacency, Edge};
+
+/// A mesh in canonical order with its edges.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The mesh: vertices welded and sorted, triangles rotated and sorted, so that nothing depends on the file's order.
+    pub mesh: Mesh,
+    /// Triangle of the given mesh for each triangle here.
+    pub given: Vec<u32>,
+    /// Its edges.
+    pub edges: Vec<Edge>,
+    /// Whether every edge joins two consistently wound triangles and every part is turned outward.
+    pub closed: bool,
+}
+
+impl Prepared {
+    /// Prepares `mesh`.
+    pub fn new(mesh: &Mesh) -> Self {
+        let (mesh, given) = mesh.canonical();
+        let adjacency = Adjacency::of(&mesh);
+        Self { mesh, given, edges: adjacency.edges, closed: adjacency.closed }
+    }
+
+    /// Uploads it.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<CasterBuffers> {
+        Ok(CasterBuffers {
+            positions: Buffer::from_slice(device, queue, "casters.positions", &self.mesh.positions)?,
+            triangles: Buffer::from_slice(device, queue, "casters.triangles", &self.mesh.triangles)?,
+            edges: Buffer::from_slice(device, queue, "casters.edges", &self.edges)?,
+            closed: self.closed,
+        })
+    }
+}
+
+/// A mesh on the GPU.
+#[derive(Debug)]
+pub struct CasterBuffers {
+    /// Positions, world units.
+    pub positions: Buffer<[f32; 3]>,
+    /// Vertex indices of each triangle.
+    pub triangles: Buffer<[u32; 3]>,
+    /// Edges with their two triangles.
+    pub edges: Buffer<Edge>,
+    /// Whether the mesh is closed.
+    pub closed: bool,
+}
