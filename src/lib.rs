@@ -8,8 +8,10 @@
 //! Dependencies run one way: `cli` → `report` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
 
 pub mod error;
+pub mod report;
 pub mod samples;
 pub mod scene;
+pub mod truth;
 
 pub use error::{Error, Result};
 pub use glam;

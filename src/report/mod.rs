@@ -1,0 +1,1 @@
+//! What is reported about a picture: error metrics and image files.
