@@ -58,7 +58,8 @@ impl Hierarchy {
 
     fn take_topology(&mut self, corners: &[[Vec3; 3]]) {
         let boxes = unit_boxes(corners);
-        let parameters = BvhBuildParams { pre_split: false, max_prims_per_leaf: LEAF, ..BvhBuildParams::medium_build() };
+        let parameters =
+            BvhBuildParams { pre_split: false, max_prims_per_leaf: LEAF, ..BvhBuildParams::medium_build() };
         let tree = build_bvh2(&boxes, parameters, &mut Duration::default());
         // Depth first, so that a node's children lie behind it and refitting can walk backwards.
         let mut open = vec![(0usize, 1usize, None::<(usize, usize)>)];

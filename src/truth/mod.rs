@@ -16,16 +16,16 @@
 //! Everything here is deterministic: the same input gives the same bits, whatever the number of threads.
 
 pub mod beam;
-//pub mod facet_truth;
+pub mod facet_truth;
 pub mod hierarchy;
-//mod packet;
+mod packet;
 pub mod predicate;
 pub mod rays;
-//pub mod scene_truth;
+pub mod scene_truth;
 
-//pub use facet_truth::{FacetInput, FacetResult, FacetTruth};
+pub use facet_truth::{FacetInput, FacetResult, FacetTruth};
 pub use rays::{Hit, Shade, Tracer};
-//pub use scene_truth::{PixelTruth, SceneTruth, TruthImage};
+pub use scene_truth::{PixelTruth, SceneTruth, TruthImage};
 
 /// Half-width of the ambiguity band around an edge, in pixels: 2^-8, the uncertainty that the second tier of
 /// conservative rasterization is allowed.

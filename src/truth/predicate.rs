@@ -86,7 +86,15 @@ pub struct Line {
 impl Line {
     /// The line where the plane `normal·p = distance` (errors relative to `size` and `size·reach`) cuts the facet's
     /// plane, `orientation` towards the side where `normal·p` is larger.
-    fn new(facet: &Plane, normal: DVec3, distance: f64, size: f64, reach: f64, orientation: f64, rays: &PixelRays) -> Self {
+    fn new(
+        facet: &Plane,
+        normal: DVec3,
+        distance: f64,
+        size: f64,
+        reach: f64,
+        orientation: f64,
+        rays: &PixelRays,
+    ) -> Self {
         let line = (normal * facet.distance - facet.normal * distance) * (orientation * sign(facet.distance, 0.0));
         let error = 2.0 * DETERMINANT_ERROR * size * facet.size * (facet.reach + reach);
         let slope = line.dot(rays.step_x).hypot(line.dot(rays.step_y));
