@@ -47,8 +47,17 @@ pub struct FacetResult {
     /// Samples whose ray meets the plane in front of the eye and that no validity line cuts off. A facet that faces away
     /// from the light has no validity lines.
     pub valid: [u32; 4],
-    /// Samples of which either answer could differ within the ambiguity band or the `f64` error bound.
-    pub ambiguous: [u32; 4],
+    /// Samples whose `occluded` could differ within the ambiguity band or the `f64` error bound.
+    pub ambiguous_occluded: [u32; 4],
+    /// Samples whose `valid` could differ within the ambiguity band or the `f64` error bound.
+    pub ambiguous_valid: [u32; 4],
+}
+
+impl FacetResult {
+    /// Samples of which either answer is ambiguous.
+    pub fn ambiguous(&self) -> [u32; 4] {
+        split_mask(join_mask(self.ambiguous_occluded) | join_mask(self.ambiguous_valid))
+    }
 }
 
 /// Judges facets of one view.
@@ -62,6 +71,7 @@ pub struct FacetTruth<'a> {
     offsets: Vec<DVec2>,
     width: u32,
     height: u32,
+    validity: bool,
 }
 
 impl<'a> FacetTruth<'a> {
@@ -86,7 +96,14 @@ impl<'a> FacetTruth<'a> {
         let light = light.homogeneous();
         let local_light = (light.truncate() - rays.eye * light.w).extend(light.w);
         let offsets = samples.offsets().iter().map(|o| DVec2::new(f64::from(o[0]), f64::from(o[1]))).collect();
-        Ok(Self { tracer, rays, light, local_light, offsets, width, height })
+        Ok(Self { tracer, rays, light, local_light, offsets, width, height, validity: true })
+    }
+
+    /// Leaves the validity lines out, where the coverage masks already say which samples a facet stands in for: `valid`
+    /// then only tells which rays meet the plane. Faster for facets of few samples.
+    pub fn without_validity(mut self) -> Self {
+        self.validity = false;
+        self
     }
 
     /// Judges every facet, in parallel; results in the order of `facets`.
@@ -116,7 +133,11 @@ struct Judge<'a> {
     /// The asked samples whose rays meet the plane in front of the eye.
     met: u128,
     valid: u128,
-    ambiguous: u128,
+    doubt_occluded: u128,
+    doubt_valid: u128,
+    /// The part of the pixel within which candidates matter.
+    low: DVec2,
+    high: DVec2,
     shadows: Vec<Shadow>,
 }
 
@@ -132,16 +153,24 @@ impl<'a> Judge<'a> {
             pixel,
             met: 0,
             valid: 0,
-            ambiguous: 0,
+            doubt_occluded: 0,
+            doubt_valid: 0,
+            low: DVec2::ZERO,
+            high: DVec2::ONE,
             shadows: Vec::new(),
         };
         let slope = judge.slope(judge.plane.normal);
         for k in bits(asked) {
             let r = judge.ray(truth.offsets[k]);
             judge.met |= u128::from(judge.meets(r)) << k;
-            judge.ambiguous |= u128::from(judge.plane.normal.dot(r).abs() <= slope * AMBIGUITY) << k;
+            judge.doubt_valid |= u128::from(judge.plane.normal.dot(r).abs() <= slope * AMBIGUITY) << k;
         }
+        judge.doubt_occluded = judge.doubt_valid;
         judge.valid = judge.met;
+        if !truth.validity {
+            let met = || bits(judge.met).map(|k| truth.offsets[k]);
+            (judge.low, judge.high) = (met().fold(DVec2::ONE, DVec2::min), met().fold(DVec2::ZERO, DVec2::max));
+        }
         judge
     }
 
@@ -163,9 +192,9 @@ impl<'a> Judge<'a> {
     fn judge(mut self) -> FacetResult {
         let (eye, light) = (self.plane.side_of_eye(), self.plane.side_of_light(self.truth.local_light));
         if light == 0.0 || eye == 0.0 {
-            self.ambiguous |= self.met;
+            self.doubt_occluded |= self.met;
         }
-        if eye * light <= 0.0 {
+        if self.met == 0 || eye * light <= 0.0 {
             return self.result(self.met);
         }
         let candidates = self.candidates();
@@ -173,7 +202,7 @@ impl<'a> Judge<'a> {
             let heights = corners.map(|c| light * self.plane.height(c));
             if heights.iter().any(|&h| h > 0.0) {
                 self.add_shadow(corners);
-                if heights.iter().any(|&h| h <= 0.0) {
+                if self.truth.validity && heights.iter().any(|&h| h <= 0.0) {
                     self.cut(corners, heights);
                 }
             }
@@ -186,7 +215,8 @@ impl<'a> Judge<'a> {
         FacetResult {
             occluded: split_mask(occluded),
             valid: split_mask(self.valid),
-            ambiguous: split_mask(self.ambiguous),
+            ambiguous_occluded: split_mask(self.doubt_occluded),
+            ambiguous_valid: split_mask(self.doubt_valid),
         }
     }
 
@@ -209,11 +239,11 @@ impl<'a> Judge<'a> {
         out
     }
 
-    /// The box of the facet over its pixel, widened; `None` if it reaches the horizon of its plane.
+    /// The box of the facet over its part of the pixel, widened; `None` if it reaches the horizon of its plane.
     fn patch(&self) -> Option<(DVec3, DVec3)> {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for x in [-REACH, 1.0 + REACH] {
-            for y in [-REACH, 1.0 + REACH] {
+        for x in [self.low.x - REACH, self.high.x + REACH] {
+            for y in [self.low.y - REACH, self.high.y + REACH] {
                 let r = self.ray(DVec2::new(x, y));
                 let along = self.plane.normal.dot(r);
                 if !self.meets(r) || along.abs() <= self.slope(self.plane.normal) * REACH {
@@ -229,8 +259,8 @@ impl<'a> Judge<'a> {
     fn add_shadow(&mut self, corners: [DVec3; 3]) {
         let truth = self.truth;
         let shadow = Shadow::new(&self.plane, corners, truth.local_light, &truth.rays);
-        let centre = self.ray(DVec2::splat(0.5));
-        if shadow.may_reach(centre, truth.rays.step_x * 0.5, truth.rays.step_y * 0.5) {
+        let (centre, half) = ((self.low + self.high) * 0.5, (self.high - self.low) * 0.5);
+        if shadow.may_reach(self.ray(centre), truth.rays.step_x * half.x, truth.rays.step_y * half.y) {
             self.shadows.push(shadow);
         }
     }
@@ -257,7 +287,7 @@ impl<'a> Judge<'a> {
                 occluded |= 1 << k;
             }
             if !sure && near && (!inside || self.gap_around(self.truth.offsets[k])) {
-                self.ambiguous |= 1 << k;
+                self.doubt_occluded |= 1 << k;
             }
         }
         occluded
@@ -293,7 +323,7 @@ impl<'a> Judge<'a> {
                 self.valid &= !(1 << k);
             }
             if either || at.abs() <= line.margin + error || (beyond && !surely) {
-                self.ambiguous |= 1 << k;
+                self.doubt_valid |= 1 << k;
             }
         }
     }

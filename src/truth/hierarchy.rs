@@ -136,10 +136,7 @@ impl Hierarchy {
         let mut at = 0u32;
         loop {
             let node = &self.nodes[at as usize];
-            let mut next = [None; 2];
-            for k in 0..2 {
-                next[k] = beam.enters(node.low[k].as_dvec3(), node.high[k].as_dvec3());
-            }
+            let next = [0, 1].map(|k| beam.enters(node.low[k].as_dvec3(), node.high[k].as_dvec3()));
             let order = if next[1] < next[0] { [1, 0] } else { [0, 1] };
             let mut nearer = None;
             for k in order {

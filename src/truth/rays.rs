@@ -323,6 +323,63 @@ mod tests {
         assert_eq!(listed(0.3), [0, 1]);
     }
 
+    /// The ray against a triangle by Cramer's rule; `None` where the numbers are too near a tie to tell.
+    fn cramer([a, b, c]: [DVec3; 3], origin: DVec3, d: DVec3) -> Option<Option<f64>> {
+        let (u, v, s) = (b - a, c - a, origin - a);
+        let det = u.cross(v).dot(-d);
+        let (beta, gamma) = (s.cross(v).dot(-d) / det, u.cross(s).dot(-d) / det);
+        let t = u.cross(v).dot(s) / det;
+        let least = beta.min(gamma).min(1.0 - beta - gamma).min(t);
+        (least.is_finite() && least.abs() > 1e-6).then(|| (least > 0.0).then_some(t))
+    }
+
+    #[test]
+    fn equals_every_triangle_one_by_one_without_boxes() {
+        let mut state = 17u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+        };
+        let mut mesh = Mesh::default();
+        for k in 0..60u32 {
+            let at = [unit(), unit(), unit()];
+            for _ in 0..3 {
+                mesh.positions.push(at.map(|c| ((c + 0.4 * unit()) * 64.0).round() as f32 / 64.0));
+            }
+            mesh.triangles.push([3 * k, 3 * k + 1, 3 * k + 2]);
+        }
+        let tracer = Tracer::new(&mesh).unwrap();
+        for case in 0..100_000 {
+            let corners = mesh.corners(case % 60);
+            let origin = DVec3::new(unit(), unit(), unit()) * 2.0;
+            let d = match case % 5 {
+                0 => DVec3::new(unit(), unit(), unit()),
+                1 => DVec3::AXES[case % 3],
+                2 => corners[0] - origin,
+                3 => corners[0] + (corners[1] - corners[0]) * unit().abs() - origin,
+                _ => (corners[0] + corners[1] + corners[2]) / 3.0 - origin,
+            };
+            let all = || (0..60).map(|t| (t, mesh.corners(t as usize)));
+            let hits = all().filter_map(|(t, c)| meet(c, t, origin, d)).filter(|h| h.t > 0.0);
+            let best = hits.min_by(|a, b| (a.t, a.triangle).partial_cmp(&(b.t, b.triangle)).unwrap());
+            assert_eq!(tracer.closest(origin, d, 0.0), best, "case {case}");
+            for light in [d.extend(0.0), (origin + d).extend(1.0)] {
+                let ray = ShadowRay::new(origin, origin.length() * f64::EPSILON, light);
+                let any = all().any(|(_, c)| !matches!(ray.crosses(c), Crossing::None));
+                assert_eq!(tracer.occluded(origin, light, &|_| false), any, "case {case}");
+            }
+            for (t, c) in all() {
+                if let Some(other) = cramer(c, origin, d) {
+                    let hit = meet(c, t, origin, d).filter(|h| h.t > 0.0);
+                    assert_eq!(hit.is_some(), other.is_some(), "case {case} triangle {t}");
+                    if let (Some(hit), Some(t)) = (hit, other) {
+                        assert!((hit.t - t).abs() <= 1e-6 * t, "case {case}");
+                    }
+                }
+            }
+        }
+    }
+
     #[test]
     fn refuses_a_broken_mesh() {
         let mut mesh = square();
