@@ -13,9 +13,11 @@ pub mod gpu;
 pub mod light_view;
 pub mod methods;
 pub mod reference;
+pub mod report;
 pub mod samples;
 pub mod scene;
 pub mod stages;
+pub mod truth;
 
 pub use error::{Error, Result};
 pub use glam;

@@ -1,0 +1,7 @@
+//! What is reported about a picture: error metrics and image files.
+
+pub mod metrics;
+pub mod picture;
+
+pub use metrics::{Errors, Metrics, Truth, wrong_samples};
+pub use picture::{write_difference, write_exr, write_png_grey, write_png_rgb};
