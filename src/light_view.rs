@@ -157,23 +157,71 @@ fn axes(along: DVec3) -> (DVec3, DVec3) {
     (right, right.cross(along))
 }
 
-/// Corners of the triangles that can cast a shadow on something: not those with the whole scene on their light side.
+/// Triangles whose reach is looked at one by one.
+const LARGE_TRIANGLES: usize = 64;
+
+/// Points whose view holds every caster where it can shadow something. The largest triangles count only where some of the
+/// mesh lies behind them: a ground casts on nothing but what sticks into it, and does not widen the view.
 fn caster_corners(mesh: &Mesh, light: &Light, (lo, hi): (DVec3, DVec3)) -> Vec<DVec3> {
-    let box_corners: [DVec3; 8] =
-        std::array::from_fn(|k| DVec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][(k >> 1) & 1], [lo.z, hi.z][k >> 2]));
-    let extent = (hi - lo).length();
-    let mut out = Vec::with_capacity(mesh.triangles.len() * 3);
-    for t in 0..mesh.triangles.len() {
+    let towards = light.towards((lo + hi) * 0.5).try_normalize().unwrap_or(DVec3::Y);
+    let (right, up) = axes(towards);
+    let extent = |t: usize| {
+        let c = mesh.corners(t).map(|p| glam::DVec2::new(p.dot(right), p.dot(up)));
+        let size = c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2]);
+        size.max_element()
+    };
+    let mut order: Vec<(f64, usize)> = (0..mesh.triangles.len()).map(|t| (extent(t), t)).collect();
+    let large = order.len().min(LARGE_TRIANGLES);
+    if large < order.len() {
+        order.select_nth_unstable_by(large, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    }
+    let mut out: Vec<DVec3> = order[large..].iter().flat_map(|&(_, t)| mesh.corners(t)).collect();
+    let slack = 1e-9 * (hi - lo).length();
+    for &(_, t) in &order[..large] {
         let [a, b, c] = mesh.corners(t);
-        let normal = (b - a).cross(c - a);
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
         let side = normal.dot(light.towards(a));
-        let slack = 1e-9 * normal.length() * extent;
-        let floor = side != 0.0 && box_corners.iter().all(|&p| normal.dot(p - a) * side.signum() >= -slack);
-        if !floor {
-            out.extend([a, b, c]);
+        let behind = |p: DVec3| normal.dot(p - a) * side.signum() < -slack;
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for other in 0..mesh.triangles.len() {
+            let corners = mesh.corners(other);
+            if corners.into_iter().any(behind) {
+                for p in corners {
+                    (low, high) = (low.min(p), high.max(p));
+                }
+            }
+        }
+        // Only a light at infinity sends parallel rays: what lies behind, widened along them, is then where it can matter.
+        let sides = [a, b, c];
+        let overlap =
+            if light.is_directional() { overlap(&sides, low, high, right, up, towards) } else { sides.to_vec() };
+        if low.x <= high.x {
+            out.extend(overlap);
         }
     }
-    if out.is_empty() { box_corners.to_vec() } else { out }
+    out
+}
+
+/// Corners of the part of the view that both `points` and the box from `low` to `high` take.
+fn overlap(points: &[DVec3], low: DVec3, high: DVec3, right: DVec3, up: DVec3, towards: DVec3) -> Vec<DVec3> {
+    if low.x > high.x {
+        return Vec::new();
+    }
+    let view = |p: DVec3| DVec3::new(p.dot(right), p.dot(up), p.dot(towards));
+    let spread = |ps: &mut dyn Iterator<Item = DVec3>| {
+        ps.map(view).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)))
+    };
+    let corners: [DVec3; 8] = std::array::from_fn(|k| {
+        DVec3::new([low.x, high.x][k & 1], [low.y, high.y][(k >> 1) & 1], [low.z, high.z][k >> 2])
+    });
+    let (l0, h0) = spread(&mut points.iter().copied());
+    let (l1, h1) = spread(&mut corners.into_iter());
+    let (mut l, mut h) = (l0.max(l1), h0.min(h1));
+    (l.z, h.z) = (l0.z, h0.z);
+    if l.x > h.x || l.y > h.y {
+        return Vec::new();
+    }
+    [l, h].map(|q| right * q.x + up * q.y + towards * q.z).to_vec()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 pub mod facet_masks;
 pub mod prepared;
+pub mod render;
 
 pub use facet_masks::{FacetMasks, Settings};
 pub use prepared::Prepared;
