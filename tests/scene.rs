@@ -1,5 +1,7 @@
 //! Loaders and scenes, on files made here.
 
+#[path = "scene/faults.rs"]
+mod faults;
 #[path = "scene/files.rs"]
 mod files;
 
@@ -154,7 +156,7 @@ fn what_is_no_scene_is_refused_in_one_line() {
     let folder = Folder::new("huge");
     let path = folder.file("far.obj", b"v -3e38 0 0\nv 3e38 0 0\nv 0 1 0\nf 1 2 3\n");
     let message = Scene::open(path.to_str().unwrap(), &SceneOptions::default()).unwrap_err().to_string();
-    assert!(message.contains("too far"), "{message}");
+    assert!(message.contains("far.obj") && message.contains("too far"), "{message}");
     // Framed well enough, but the ground below would not be finite.
     let camera = Some("eye=0,0,9;target=0,0,0".parse().unwrap());
     let wide = folder.file("wide.obj", b"v -3e37 0 0\nv 3e37 0 0\nv 0 1 0\nf 1 2 3\n");

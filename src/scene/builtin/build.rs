@@ -197,7 +197,8 @@ mod tests {
     #[test]
     fn every_brick_is_closed_and_looks_outward() {
         let ring: Vec<(DVec3, f64)> = around(24, 2.0, 0.5).map(|p| (p + DVec3::Y * p.x * p.z, 0.3)).collect();
-        let parts: [(&str, &dyn Fn(&mut Build)); 6] = [
+        type Part<'a> = (&'a str, &'a dyn Fn(&mut Build));
+        let parts: [Part; 6] = [
             ("beam", &|b| b.beam(at(0.3, 0.1, -0.2), at(1.0, 2.0, 3.0), 0.1, 0.2)),
             ("upright beam", &|b| b.beam(at(0.0, 0.0, 0.0), at(0.0, 2.0, 0.0), 0.1, 0.2)),
             ("rod", &|b| b.rod(at(0.3, 0.1, -0.2), at(-1.0, 2.0, 3.0), 0.1, 0.05, 7)),
