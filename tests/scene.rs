@@ -113,7 +113,7 @@ fn scene_files_set_camera_light_and_ground() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     let gate = Scene::open(data.join("gate.toml").to_str().unwrap(), &SceneOptions::default()).unwrap();
     assert_eq!(gate.mesh.triangles.len(), 156 + 2);
-    assert_eq!(gate.camera.eye, [3.2, 2.6, 5.2]);
+    assert_eq!(gate.camera.eye, [3.6, 3.2, 6.2]);
     assert!(matches!(gate.light, Light::Spot { .. }));
     assert_eq!(gate.ground.unwrap().y, 0.0);
     let evening = Scene::open(data.join("windmill-evening.toml").to_str().unwrap(), &SceneOptions::default()).unwrap();

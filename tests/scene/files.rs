@@ -18,6 +18,8 @@ impl Folder {
     /// Writes a file and returns its path.
     pub fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.join(name);
+        // Some file systems write a file through to the disk when it is overwritten, but not when it is new.
+        let _ = std::fs::remove_file(&path);
         std::fs::write(&path, bytes).unwrap();
         path
     }

@@ -23,8 +23,8 @@ pub(super) fn windmill() -> View {
     View {
         build: b,
         eye: [9.0, 13.5, 33.0],
-        target: [5.4, 5.9, -1.5],
-        fov: 40.0,
+        target: [5.4, 6.7, -1.5],
+        fov: 42.0,
         light: Light::Directional { direction: [-0.66, 0.74, 0.2] },
     }
 }
