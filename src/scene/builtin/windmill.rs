@@ -23,8 +23,8 @@ pub(super) fn windmill() -> View {
     View {
         build: b,
         eye: [9.0, 13.5, 33.0],
-        target: [5.4, 6.7, -1.5],
-        fov: 42.0,
+        target: [5.4, 7.5, -1.5],
+        fov: 43.0,
         light: Light::Directional { direction: [-0.66, 0.74, 0.2] },
     }
 }
