@@ -292,6 +292,51 @@ mod tests {
         assert_eq!((adjacency.edges.len(), adjacency.collapsed, adjacency.closed), (18, 2, true));
     }
 
+    /// Small soups against a count by the definition: every kind of edge occurs in them.
+    #[test]
+    fn edges_agree_with_their_definition() {
+        use std::collections::BTreeMap;
+        let mut state = 1u64;
+        let mut next = |n: u64| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) % n
+        };
+        let mut kinds = [0u32; 4];
+        for _ in 0..500 {
+            let n = 3 + next(6);
+            // Vertex v lies where vertex v % n does.
+            let positions =
+                (0..2 * n).map(|v| [(v % n) as f32, ((v % n) * 5 % 7) as f32, (v % n / 3) as f32]).collect();
+            let triangles: Vec<[u32; 3]> = (0..1 + next(8)).map(|_| [0; 3].map(|_| next(2 * n) as u32)).collect();
+            let mut expected: BTreeMap<(u64, u64), Vec<(usize, bool)>> = BTreeMap::new();
+            for (t, tri) in triangles.iter().enumerate() {
+                let w = tri.map(|v| u64::from(v) % n);
+                if w[0] == w[1] || w[1] == w[2] || w[2] == w[0] {
+                    continue;
+                }
+                for (from, to) in [(w[0], w[1]), (w[1], w[2]), (w[2], w[0])] {
+                    expected.entry((from.min(to), from.max(to))).or_default().push((t, from < to));
+                }
+            }
+            let adjacency = Adjacency::of(&Mesh { positions, triangles });
+            assert_eq!(adjacency.edges.len(), expected.len());
+            for e in &adjacency.edges {
+                let (from, to) = (u64::from(e.v0) % n, u64::from(e.v1) % n);
+                let sides = &expected[&(from.min(to), from.max(to))];
+                assert_eq!(sides[0], (e.t0 as usize, from < to));
+                let (kind, other) = match sides[..] {
+                    [_] => (0, NO_TRIANGLE),
+                    [(_, a), (t, b)] if a != b => (1, t as u32),
+                    [_, _] => (2, NO_TRIANGLE),
+                    _ => (3, NO_TRIANGLE),
+                };
+                kinds[kind] += 1;
+                assert_eq!(e.t1, other);
+            }
+        }
+        assert!(kinds.iter().all(|&k| k > 100), "{kinds:?}");
+    }
+
     #[test]
     fn a_mesh_without_triangles_has_no_edges() {
         let adjacency = Adjacency::of(&Mesh { positions: vec![[0.0; 3]], triangles: vec![] });

@@ -25,7 +25,7 @@ impl Scene {
         };
         let mut mesh = loaded.mesh;
         mesh.check(spec)?;
-        let camera = options.camera.unwrap_or_default().apply(loaded.camera, &mesh)?;
+        let camera = options.camera.unwrap_or_default().apply(loaded.camera, &mesh).map_err(|e| named(spec, e))?;
         let light = options.light.or(loaded.light).unwrap_or(DEFAULT_LIGHT);
         light.check()?;
         let ground = if options.ground || loaded.ground { mesh.ground_below() } else { None };
@@ -42,8 +42,16 @@ impl Scene {
     /// As [`Scene::open`] for what it finds in the mesh.
     pub fn of_mesh(name: &str, mesh: Mesh) -> Result<Self> {
         mesh.check(name)?;
-        let camera = super::CameraOverride::default().apply(None, &mesh)?;
+        let camera = super::CameraOverride::default().apply(None, &mesh).map_err(|e| named(name, e))?;
         Ok(Self { name: name.into(), mesh, camera, light: DEFAULT_LIGHT, ground: None })
+    }
+}
+
+/// Adds the name of the scene to an error that does not name it.
+fn named(name: &str, error: Error) -> Error {
+    match error {
+        Error::Scene(message) => Error::Scene(format!("'{}': {message}", name.escape_debug())),
+        other => other,
     }
 }
 

@@ -29,8 +29,8 @@ pub(super) fn bicycle() -> View {
     View {
         build: b,
         eye: [0.5, 1.5, 2.3],
-        target: [0.07, 0.33, 0.16],
-        fov: 36.0,
+        target: [0.07, 0.27, 0.24],
+        fov: 39.0,
         light: Light::Directional { direction: [-0.22, 0.78, -0.55] },
     }
 }

@@ -28,9 +28,9 @@ pub(super) fn city() -> View {
     View {
         build: b,
         eye: [130.0, 135.0, 250.0],
-        target: [15.0, 5.0, 75.0],
+        target: [10.0, 0.0, 55.0],
         fov: 40.0,
-        light: Light::Directional { direction: [-0.62, 0.66, -0.35] },
+        light: Light::Directional { direction: [-0.6, 0.75, 0.2] },
     }
 }
 

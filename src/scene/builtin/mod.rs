@@ -50,3 +50,50 @@ struct View {
     fov: f32,
     light: Light,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Adjacency;
+
+    #[test]
+    fn scenes_have_about_the_triangles_that_are_stated() {
+        let stated = [40_000, 60_000, 30_000, 21_000, 12_000, 155_000, 2_300_000, 460_000, 113];
+        for (name, stated) in BUILTIN_NAMES.iter().zip(stated) {
+            let scene = builtin(name).unwrap();
+            let n = scene.mesh.triangles.len();
+            assert!(n.abs_diff(stated) * 20 <= stated, "{name}: {n} triangles");
+        }
+    }
+
+    #[test]
+    fn scenes_can_be_used_and_are_the_same_every_time() {
+        for name in BUILTIN_NAMES {
+            let scene = builtin(name).unwrap();
+            assert_eq!(scene.name, name);
+            scene.mesh.check(name).unwrap();
+            scene.camera.check().unwrap();
+            scene.light.check().unwrap();
+            assert_eq!(scene.mesh, builtin(name).unwrap().mesh, "{name}");
+        }
+        assert!(builtin("Windmill").is_none());
+    }
+
+    #[test]
+    fn scenes_are_wound_consistently_without_shared_or_collapsed_faces() {
+        for name in BUILTIN_NAMES {
+            let adjacency = Adjacency::of(&builtin(name).unwrap().mesh);
+            let faults = (adjacency.non_manifold, adjacency.inconsistent, adjacency.collapsed);
+            assert_eq!(faults, (0, 0, 0), "{name}");
+            assert_eq!(adjacency.closed, matches!(name, "spheres" | "knot"), "{name}");
+        }
+    }
+
+    #[test]
+    fn lights_of_every_kind_shine() {
+        let kinds = |wanted: fn(&Light) -> bool| BUILTIN_NAMES.iter().any(|n| wanted(&builtin(n).unwrap().light));
+        assert!(kinds(|l| matches!(l, Light::Directional { .. })));
+        assert!(kinds(|l| matches!(l, Light::Spot { .. })));
+        assert!(kinds(|l| matches!(l, Light::Point { .. })));
+    }
+}

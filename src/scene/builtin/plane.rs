@@ -25,8 +25,8 @@ pub(super) fn plane() -> View {
     View {
         build: b,
         eye: [1.4, 4.2, 8.0],
-        target: [0.4, 0.55, 0.6],
+        target: [0.6, 0.75, 0.2],
         fov: 42.0,
-        light: Light::Directional { direction: [-0.3, 0.75, -0.42] },
+        light: Light::Directional { direction: [-0.62, 0.7, 0.13] },
     }
 }

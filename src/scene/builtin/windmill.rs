@@ -14,7 +14,22 @@ pub(super) fn windmill() -> View {
     b.plane(80.0);
     tower(&mut b);
     gallery(&mut b);
-    cap(&mut b);
+    // Cap and sails are turned into the wind, which comes from the side of the sun.
+    b.within(DAffine3::from_rotation_y(-0.85), |b| {
+        cap(b);
+        sails(b);
+    });
+    fence(&mut b);
+    View {
+        build: b,
+        eye: [9.0, 13.5, 33.0],
+        target: [5.4, 7.5, -1.5],
+        fov: 43.0,
+        light: Light::Directional { direction: [-0.66, 0.74, 0.2] },
+    }
+}
+
+fn sails(b: &mut Build) {
     // The shaft rises a little towards the front.
     let shaft = DQuat::from_rotation_x(-0.12);
     b.within(DAffine3::from_rotation_translation(shaft, HUB), |b| {
@@ -24,14 +39,6 @@ pub(super) fn windmill() -> View {
             b.within(DAffine3::from_quat(turn), sail);
         }
     });
-    fence(&mut b);
-    View {
-        build: b,
-        eye: [12.5, 15.5, 31.0],
-        target: [4.2, 5.0, -1.5],
-        fov: 42.0,
-        light: Light::Directional { direction: [-0.5, 0.86, 0.44] },
-    }
 }
 
 /// Radius of the tower at height `y`.
@@ -45,7 +52,6 @@ fn tower(b: &mut Build) {
     b.lathe(&[(0.0, 1.1), (tower_radius(1.1) - 0.12, 1.1), (tower_radius(10.0) - 0.12, 10.0), (0.0, 10.0)], 8);
     for k in 0..46 {
         let y = 1.25 + 0.19 * f64::from(k);
-        // Turned a little from one to the next, no two boards share a face.
         b.rail(around(8, tower_radius(y) - 0.02, y), true, 0.05, 0.16);
     }
     for corner in 0..8 {
@@ -55,7 +61,7 @@ fn tower(b: &mut Build) {
     // Door with boards, on the side that the camera sees.
     for k in 0..6 {
         let z = -0.62 + 0.25 * f64::from(k);
-        b.brick(at(4.2, 0.0, z - 0.11), at(4.42, 2.1, z + 0.11));
+        b.brick(at(4.2, -0.1, z - 0.11), at(4.42, 2.1, z + 0.11));
     }
     b.brick(at(4.1, 2.14, -0.95), at(4.55, 2.3, 0.95));
 }
@@ -76,7 +82,7 @@ fn gallery(b: &mut Build) {
         b.beam(foot, head, 0.09, 0.09);
     }
     for (foot, head) in around(256, 5.2, y + 0.2).zip(around(256, 5.2, y + 1.0)) {
-        b.rod(foot, head, 0.014, 0.014, 4);
+        b.rod(foot, head, 0.014, 0.014, 6);
     }
     for (height, width) in [(0.18, 0.05), (0.62, 0.03), (1.02, 0.11)] {
         b.rail(around(64, 5.2, y + height), true, width, 0.05);
@@ -129,7 +135,7 @@ fn cap(b: &mut Build) {
 
 /// One sail along +y: a stock, and on its one side a lattice of bars that twists towards the hub.
 fn sail(b: &mut Build) {
-    b.beam(at(0.0, 0.0, 0.1), at(0.0, 10.4, 0.1), 0.2, 0.26);
+    b.beam(at(0.0, 0.05, 0.1), at(0.0, 10.4, 0.1), 0.2, 0.26);
     let (inner, outer) = (1.7, 10.2);
     // The lattice leans back by this much per metre of width, more near the hub.
     let lean = |y: f64| 0.04 + 0.46 * (1.0 - y / 11.0).powi(2);
@@ -161,12 +167,12 @@ fn sail(b: &mut Build) {
 /// A picket fence around the yard, open at the front.
 fn fence(b: &mut Build) {
     let corners = [at(4.5, 0.0, 9.5), at(11.5, 0.0, 9.5), at(11.5, 0.0, -9.0), at(-12.0, 0.0, -9.0)];
-    for w in corners.windows(2) {
+    for (side, w) in corners.windows(2).enumerate() {
         let (from, to) = (w[0], w[1]);
         let along = (to - from).normalize();
         let out = along.cross(DVec3::Y);
         let n = ((to - from).length() / 0.3) as u32;
-        for (k, p) in steps(from, to, n).enumerate() {
+        for (k, p) in steps(from, to, n).enumerate().skip(side.min(1)) {
             let height = if k % 10 == 0 { 1.25 } else { 1.0 };
             let half = if k % 10 == 0 { 0.07 } else { 0.045 };
             let centre = p + DVec3::Y * (height * 0.5 - 0.05);
@@ -177,7 +183,7 @@ fn fence(b: &mut Build) {
                 out * if k % 10 == 0 { 0.07 } else { 0.015 },
             );
         }
-        for y in [0.3, 0.78] {
+        for y in [0.3, 0.78].map(|y| y + 0.004 * side as f64) {
             b.beam(from + out * 0.03 + DVec3::Y * y, to + out * 0.03 + DVec3::Y * y, 0.04, 0.09);
         }
     }

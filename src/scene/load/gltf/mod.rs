@@ -1,6 +1,7 @@
 //! glTF 2.0, as `.gltf` with its buffers or as `.glb`: the triangles of its scene in world space, its first camera and
 //! its first light (`KHR_lights_punctual`).
 //!
+//! Skins, morph targets and animations are not applied, points, lines and cameras without perspective are left out.
 //! Read from the JSON directly, so that every index, count and length is held against what is there before it is used.
 
 mod accessor;

@@ -100,14 +100,14 @@ impl Source<'_> {
         position: usize,
         budget: &mut Budget,
     ) -> Parsed<Mesh> {
-        let declared = self.accessor(position)?.count;
+        let positions = self.positions(position)?;
+        let declared = positions.len() as u64;
         budget.vertices = budget.vertices.checked_sub(declared).ok_or_else(|| {
             format!(
                 "glTF: accessor {position} of {declared} vertices is used too often, at most {} may be read in all",
                 3 * Mesh::MAX_TRIANGLES
             )
         })?;
-        let positions = self.positions(position)?;
         let indices = match primitive.indices {
             Some(accessor) => Some(self.indices(accessor)?),
             None => None,
