@@ -286,15 +286,19 @@ impl<'a> Judge<'a> {
             if sure || inside {
                 occluded |= 1 << k;
             }
-            if !sure && near && (!inside || self.gap_around(self.truth.offsets[k])) {
+            if !sure && near && self.changes_around(self.truth.offsets[k], inside) {
                 self.doubt_occluded |= 1 << k;
             }
         }
         occluded
     }
 
-    /// Whether one of eight places around a sample is not shadowed.
-    fn gap_around(&self, offset: DVec2) -> bool {
+    /// Whether the answer `inside` of a sample is another within [`AMBIGUITY`] of it.
+    fn changes_around(&self, offset: DVec2, inside: bool) -> bool {
+        if !inside {
+            let r = self.ray(offset);
+            return self.shadows.iter().any(|s| s.comes_near(r, &self.truth.rays));
+        }
         [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&x| {
             [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&y| {
                 let r = self.ray(offset + DVec2::new(x, y));
