@@ -397,6 +397,35 @@ fn facet_truth_of_all_seen_surfaces_is_scene_truth() {
 }
 
 #[test]
+fn the_truths_agree_far_away_at_other_scales_and_under_awkward_lights() {
+    let (mesh, camera) = busy_scene();
+    for (scale, offset) in [(1.0f32, 65536.0f32), (1048576.0, 0.0), (1.0 / 1048576.0, 0.0)] {
+        let place = |p: [f32; 3]| p.map(|c| c * scale + offset);
+        let camera = Camera {
+            eye: place(camera.eye),
+            target: place(camera.target),
+            near: camera.near * scale,
+            far: camera.far * scale,
+            ..camera
+        };
+        let mesh = moved(&mesh, scale, [offset; 3]);
+        // Inside a ball, behind the eye, on a corner of the floor, below the floor, and along the floor.
+        let lights = [
+            Light::Point { position: place([0.0, 1.5, 0.0]) },
+            Light::Point { position: place([3.0, 6.0, 8.0]) },
+            Light::Point { position: mesh.positions[40] },
+            Light::Directional { direction: [0.1, -1.0, 0.2] },
+            Light::Directional { direction: [1.0, 0.0, 0.0] },
+        ];
+        for light in lights {
+            let (outside, inside, all) = facets_against_scene(&mesh, &camera, &light, false);
+            assert_eq!(outside, 0, "{light:?} at {offset} times {scale}: {inside} inside of {all}");
+            assert!(all > 100_000 && inside * 100 < all, "{light:?}: {inside} inside of {all}");
+        }
+    }
+}
+
+#[test]
 fn packets_equal_single_rays() {
     let (mesh, camera) = busy_scene();
     let tracer = Tracer::new(&mesh).unwrap();

@@ -212,7 +212,8 @@ impl Shadow {
     /// its margin.
     pub fn may_reach(&self, centre: DVec3, half_x: DVec3, half_y: DVec3) -> bool {
         let length = centre.length() + half_x.length() + half_y.length();
-        let doubt = |l: &Line| l.margin + l.error * length + l.line.dot(half_x).abs() + l.line.dot(half_y).abs();
+        // The corners of the square that is probed around a sample are sqrt(2) margins away.
+        let doubt = |l: &Line| 1.5 * l.margin + l.error * length + l.line.dot(half_x).abs() + l.line.dot(half_y).abs();
         if self.edge_on {
             let own = &self.lines[3];
             return own.line.dot(centre).abs() <= doubt(own);
