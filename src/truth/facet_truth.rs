@@ -18,12 +18,13 @@
 
 use super::beam::Beam;
 use super::predicate::{Cover, Line, Plane, Shadow};
-use super::{AMBIGUITY, Tracer, bits, full_mask, join_mask, split_mask};
+use super::{AMBIGUITY, Progress, Tracer, bits, full_mask, join_mask, split_mask};
 use crate::samples::Samples;
 use crate::scene::{Camera, Light, PixelRays};
 use crate::{Error, Result};
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Width around a pixel within which candidates are listed, in pixels; above [`AMBIGUITY`].
 const REACH: f64 = 1.0 / 64.0;
@@ -106,11 +107,11 @@ impl<'a> FacetTruth<'a> {
         self
     }
 
-    /// Judges every facet, in parallel; results in the order of `facets`.
+    /// Judges every facet, in parallel; results in the order of `facets`. Progress counts facets.
     ///
     /// # Errors
     /// [`Error::Config`] naming the first facet whose pixel or triangle does not exist.
-    pub fn judge(&self, facets: &[FacetInput]) -> Result<Vec<FacetResult>> {
+    pub fn judge(&self, facets: &[FacetInput], progress: Progress) -> Result<Vec<FacetResult>> {
         let (pixels, triangles) = (self.width as usize * self.height as usize, self.tracer.triangle_count());
         if let Some((k, f)) =
             facets.iter().enumerate().find(|(_, f)| f.pixel as usize >= pixels || f.triangle as usize >= triangles)
@@ -120,7 +121,16 @@ impl<'a> FacetTruth<'a> {
                 f.pixel, f.triangle
             )));
         }
-        Ok(facets.par_iter().with_min_len(64).map(|f| Judge::new(self, f).judge()).collect())
+        let done = AtomicUsize::new(0);
+        let judge = |part: &[FacetInput]| -> Vec<FacetResult> {
+            let results = part.iter().map(|f| Judge::new(self, f).judge()).collect();
+            let count = done.fetch_add(part.len(), Ordering::Relaxed) + part.len();
+            if let Some(report) = progress {
+                report(count, facets.len());
+            }
+            results
+        };
+        Ok(facets.par_chunks(512).flat_map_iter(judge).collect())
     }
 }
 
@@ -286,15 +296,19 @@ impl<'a> Judge<'a> {
             if sure || inside {
                 occluded |= 1 << k;
             }
-            if !sure && near && (!inside || self.gap_around(self.truth.offsets[k])) {
+            if !sure && near && self.changes_around(self.truth.offsets[k], inside) {
                 self.doubt_occluded |= 1 << k;
             }
         }
         occluded
     }
 
-    /// Whether one of eight places around a sample is not shadowed.
-    fn gap_around(&self, offset: DVec2) -> bool {
+    /// Whether the answer `inside` of a sample is another within [`AMBIGUITY`] of it.
+    fn changes_around(&self, offset: DVec2, inside: bool) -> bool {
+        if !inside {
+            let r = self.ray(offset);
+            return self.shadows.iter().any(|s| s.comes_near(r, &self.truth.rays));
+        }
         [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&x| {
             [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&y| {
                 let r = self.ray(offset + DVec2::new(x, y));

@@ -37,7 +37,8 @@ pub const AMBIGUITY: f64 = 1.0 / 256.0;
 /// the sum of the absolute products is at most `sqrt(2)` times the product of the lengths: below `12u`.
 pub(crate) const DETERMINANT_ERROR: f64 = 1.0 / (1u64 << 49) as f64;
 
-/// Receives progress: rows done and rows in all. Called from any thread.
+/// Receives progress: how many rows (or facets) are done, and how many there are. Called from any thread, not always in
+/// order.
 pub type Progress<'a> = Option<&'a (dyn Fn(usize, usize) + Sync)>;
 
 /// The samples of a mask as one integer: bit `k` is sample `k`.

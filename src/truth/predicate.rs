@@ -181,11 +181,39 @@ impl Shadow {
         if sure { Cover::In } else { Cover::Near(self.covers(r)) }
     }
 
+    /// Whether the shadow comes into the square of half-width [`AMBIGUITY`] pixels around ray `r`: the square, clipped by
+    /// each line in turn, is not empty. Unlike [`Shadow::cover`] it is not misled by the lines of a sharp tip, which run
+    /// on beyond it. A triangle seen edge-on by the light counts by its line alone.
+    pub fn comes_near(&self, r: DVec3, rays: &PixelRays) -> bool {
+        if self.edge_on {
+            return self.cover(r) != Cover::Out;
+        }
+        let (x, y) = (rays.step_x * AMBIGUITY, rays.step_y * AMBIGUITY);
+        let mut polygon = vec![r - x - y, r + x - y, r + x + y, r - x + y];
+        for l in &self.lines {
+            let mut left = Vec::with_capacity(8);
+            for (k, &p) in polygon.iter().enumerate() {
+                let q = polygon[(k + 1) % polygon.len()];
+                let value = |r: DVec3| l.line.dot(r) + l.error * r.length();
+                let (at, next) = (value(p), value(q));
+                if at >= 0.0 {
+                    left.push(p);
+                }
+                if (at < 0.0) != (next < 0.0) {
+                    left.push(p + (q - p) * (at / (at - next)));
+                }
+            }
+            polygon = left;
+        }
+        !polygon.is_empty()
+    }
+
     /// Whether some sample within `half_x` and `half_y` of ray `centre` (changes of direction) may lie in the shadow or
     /// its margin.
     pub fn may_reach(&self, centre: DVec3, half_x: DVec3, half_y: DVec3) -> bool {
         let length = centre.length() + half_x.length() + half_y.length();
-        let doubt = |l: &Line| l.margin + l.error * length + l.line.dot(half_x).abs() + l.line.dot(half_y).abs();
+        // The corners of the square that is probed around a sample are sqrt(2) margins away.
+        let doubt = |l: &Line| 1.5 * l.margin + l.error * length + l.line.dot(half_x).abs() + l.line.dot(half_y).abs();
         if self.edge_on {
             let own = &self.lines[3];
             return own.line.dot(centre).abs() <= doubt(own);
@@ -320,6 +348,21 @@ mod tests {
         let exact = Plane::new([DVec3::ZERO, DVec3::X, DVec3::Z]);
         assert_eq!(exact.height(DVec3::new(5.0, 1e-13, 7.0)), 0.0);
         assert!(exact.height(DVec3::new(5.0, 1e-10, 7.0)) < 0.0);
+    }
+
+    #[test]
+    fn a_sharp_tip_is_near_where_it_is() {
+        let rays = rays();
+        let facet = Plane::new([DVec3::new(-5.0, -1.0, 0.0), DVec3::new(5.0, -1.0, 0.0), DVec3::new(0.0, -1.0, -9.0)]);
+        let needle = [DVec3::new(-1.0, 0.0, -4.0), DVec3::new(1.0, 0.0, -4.0), DVec3::new(-1.0, 0.0, -4.0001)];
+        let shadow = Shadow::new(&facet, needle, DVec4::new(0.0, 1.0, 0.0, 0.0), &rays);
+        let at = |x: f64, z: f64| DVec3::new(x, -1.0, z) / -z;
+        let pixel = 4.0 * rays.step_x.length();
+        assert!(shadow.comes_near(at(0.0, -4.0001), &rays) && shadow.comes_near(at(0.99, -4.0), &rays));
+        assert!(shadow.comes_near(at(1.0 + 0.9 * AMBIGUITY * pixel, -4.0), &rays));
+        let beyond = at(1.0 + 1.1 * AMBIGUITY * pixel, -4.0);
+        assert!(!shadow.comes_near(beyond, &rays));
+        assert!(matches!(shadow.cover(beyond), Cover::Near(false)), "the lines alone do not tell");
     }
 
     #[test]

@@ -74,6 +74,13 @@ pub struct AmbiguousCount {
     pub all: u64,
 }
 
+impl AmbiguousCount {
+    /// Ambiguous share of the samples that were looked at: near silhouettes and shadow edges. 0 without any.
+    pub fn share(&self) -> f64 {
+        if self.examined == 0 { 0.0 } else { self.ambiguous as f64 / self.examined as f64 }
+    }
+}
+
 /// Evaluates the truth of a view.
 #[derive(Clone, Debug)]
 pub struct SceneTruth<'a> {
