@@ -3,11 +3,19 @@
 //! A stage is made once per device (`new` compiles its pipelines), is given scratch memory made once per capacity, and
 //! then only records dispatches: it never allocates list memory, submits, waits or reads back.
 
+pub mod compact;
+pub mod dispatch_args;
 pub mod prefix_scan;
+pub mod radix_sort;
 pub mod summed_area;
+pub mod texel_group;
 
+pub use compact::Compact;
+pub use dispatch_args::DispatchArgs;
 pub use prefix_scan::PrefixScan;
+pub use radix_sort::RadixSort;
 pub use summed_area::SummedArea;
+pub use texel_group::TexelGroup;
 
 use crate::gpu::Buffer;
 use crate::{Error, Result};
