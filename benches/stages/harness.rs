@@ -61,6 +61,9 @@ impl Options {
     }
 }
 
+/// What records a case.
+pub type Record<'a> = dyn Fn(&mut Stage) -> Result<()> + 'a;
+
 /// One thing to time.
 pub struct Case<'a> {
     /// Stage, and variant if there are several.
@@ -72,7 +75,7 @@ pub struct Case<'a> {
     /// Atomics that it must do.
     pub atomics: usize,
     /// Records it.
-    pub record: Box<dyn Fn(&mut Stage) -> Result<()> + 'a>,
+    pub record: Box<Record<'a>>,
 }
 
 /// What the device does at best, measured in this run.
@@ -121,7 +124,7 @@ impl Ceilings {
         let copy = Program::new(device, probe("copy", COPY), &[]);
         let scatter = Program::new(device, probe("scatter", WORDS), &[]);
         let step = Program::new(device, probe("step", WORDS), &[]);
-        let best = |record: &dyn Fn(&mut Stage) -> Result<()>| -> Result<f64> {
+        let best = |record: &Record| -> Result<f64> {
             let times = (0..7).map(|_| time(gpu, record)).collect::<Result<Vec<_>>>()?;
             Ok(times.into_iter().fold(f64::MAX, f64::min))
         };
@@ -144,12 +147,12 @@ impl Ceilings {
 }
 
 /// GPU time of one recording, in milliseconds.
-fn time(gpu: &Gpu, record: &dyn Fn(&mut Stage) -> Result<()>) -> Result<f64> {
+fn time(gpu: &Gpu, record: &Record) -> Result<f64> {
     Ok(time_and_count(gpu, record)?.0)
 }
 
 /// GPU time of one recording in milliseconds, and its dispatches.
-fn time_and_count(gpu: &Gpu, record: &dyn Fn(&mut Stage) -> Result<()>) -> Result<(f64, u32)> {
+fn time_and_count(gpu: &Gpu, record: &Record) -> Result<(f64, u32)> {
     let mut timer = Timer::new(gpu).ok_or_else(|| Error::NoAdapter("the device has no time stamps".to_owned()))?;
     let mut encoder = gpu.encoder();
     let mut recorder = Recorder::new(&gpu.device, &mut encoder, Some(&mut timer));

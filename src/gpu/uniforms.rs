@@ -10,8 +10,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// its own parameters as that buffer when the host knows the count. A clone shares what was made.
 #[derive(Clone, Debug, Default)]
 pub struct Uniforms {
-    made: Arc<Mutex<Vec<(Vec<u8>, wgpu::Buffer)>>>,
+    made: Arc<Mutex<Vec<Made>>>,
 }
+
+/// A buffer and its content.
+type Made = (Vec<u8>, wgpu::Buffer);
 
 impl Uniforms {
     /// Most contents that are kept; beyond it the oldest half is forgotten (what is recorded keeps its own).
