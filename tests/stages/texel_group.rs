@@ -1,6 +1,8 @@
 //! Grouping by key against its definition. Groups are compared as sets.
 
-use crate::support::{POISON, Random, assert_same, gpu, poisoned, run, sizes_around, small_gpu, upload};
+use crate::support::{
+    POISON, Random, assert_same, gpu, padded, poisoned, read_padded, run, sizes_around, small_gpu, upload,
+};
 use subpixel_shadows::gpu::{Gpu, Recorder};
 use subpixel_shadows::reference::texel_group::{Groups, canonical, group};
 use subpixel_shadows::stages::texel_group::Grouping;
@@ -10,7 +12,7 @@ fn stage(gpu: &Gpu) -> TexelGroup {
     TexelGroup::new(&gpu.device, &PrefixScan::new(&gpu.device))
 }
 
-/// Offsets, the whole buffer of grouped values, and the total, on the GPU.
+/// Offsets, the whole buffer of grouped values (padding included), and the total, on the GPU.
 struct Got {
     offsets: Vec<u32>,
     grouped: Vec<u32>,
@@ -34,7 +36,7 @@ fn grouped(
     run(gpu, |s| stage.record(s, &input, values.as_ref(), to, &scratch, count));
     run(gpu, |s| stage.record(s, &input, values.as_ref(), to, &scratch, count));
     let read = |buffer: &subpixel_shadows::gpu::Buffer<u32>| buffer.read(gpu).expect("readback");
-    Got { offsets: read(&offsets), grouped: read(&out), total: read(&total) }
+    Got { offsets: read(&offsets), grouped: read_padded(gpu, &out), total: read(&total) }
 }
 
 /// Compares with the definition where there is ample room.
@@ -51,7 +53,7 @@ fn check(gpu: &Gpu, stage: &TexelGroup, keys: &[u32], groups: usize, count: Opti
         assert_eq!(got.offsets.pop(), Some(POISON), "{what}: wrote past the offsets");
         assert_same(&what, &got.total, &[POISON, needed as u32, 0, POISON]);
         assert_same(&what, &got.offsets, &want.offsets);
-        assert_same(&what, &got.grouped[needed..], &vec![POISON; keys.len() + 1 - needed]);
+        assert_same(&what, &got.grouped[needed..], &vec![POISON; padded(keys.len() + 1) - needed]);
         let got = canonical(&got.offsets, &got.grouped[..needed]).expect("offsets that rise");
         assert_same(&what, &got.grouped, &want.grouped);
     }
