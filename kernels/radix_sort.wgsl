@@ -4,7 +4,7 @@
 // `count` writes each block's histogram (bin-major); the prefix_scan of it gives `offsets`; `scatter` places each pair.
 // An invocation owns 64 consecutive pairs and a column of 16-bit counters, two bins to a word: the order of the pairs
 // needs neither atomics nor subgroups. A counter is at most 4,096 in a block, so halves never carry into each other.
-// Bounds: an invocation loops 64 times in each of up to three loops.
+// Bounds: an invocation loops at most 64 times in each of three loops.
 
 //@import dispatch
 
@@ -28,8 +28,8 @@ const COLUMN = 65u;             // WORKGROUP + 1, so that a scan along it meets 
 
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
-@group(0) @binding(2) var<storage, read> keys_in: array<u32>;
-@group(0) @binding(3) var<storage, read> values_in: array<u32>;
+@group(0) @binding(2) var<storage, read> keys_in: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> values_in: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read_write> histogram: array<u32>;
 @group(0) @binding(5) var<storage, read> offsets: array<u32>;
 @group(0) @binding(6) var<storage, read_write> keys_out: array<u32>;
@@ -42,19 +42,38 @@ fn digit(key: u32) -> u32 {
     return (key >> params.shift) & (params.bins - 1u);
 }
 
+fn bump(local: u32, key: u32) {
+    let bin = digit(key);
+    wg_counters[bin / 2u * COLUMN + local] += 1u << (bin % 2u * 16u);
+}
+
 // Counts an invocation's pairs by digit.
 fn tally(local: u32, begin: u32, end: u32) {
-    for (var i = begin; i < end; i++) {
-        let bin = digit(keys_in[i]);
-        wg_counters[bin / 2u * COLUMN + local] += 1u << (bin % 2u * 16u);
+    for (var at = begin; at < end; at += 4u) {
+        let key = keys_in[at / 4u];
+        bump(local, key.x);
+        if at + 1u < end { bump(local, key.y); }
+        if at + 2u < end { bump(local, key.z); }
+        if at + 3u < end { bump(local, key.w); }
     }
 }
 
-// The pairs of an invocation: from x on, up to y.
+// Writes a pair to the next place of its digit.
+fn place(local: u32, key: u32, value: u32) {
+    let bin = digit(key);
+    let half = bin % 2u * 16u;
+    let slot = bin / 2u * COLUMN + local;
+    let counter = wg_counters[slot];
+    wg_counters[slot] = counter + (1u << half);
+    let at = wg_bases[bin] + ((counter >> half) & 0xffffu);
+    keys_out[at] = key;
+    values_out[at] = value;
+}
+
+// The pairs of an invocation: from x (a multiple of 4) on, up to y.
 fn own_pairs(block: u32, local: u32) -> vec2<u32> {
-    let end = min(counts[params.count_word], params.limit);
-    let begin = min(block * BLOCK + local * PAIRS, end);
-    return vec2(begin, min(begin + PAIRS, end));
+    let begin = block * BLOCK + local * PAIRS;
+    return vec2(begin, min(begin + PAIRS, min(counts[params.count_word], params.limit)));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -94,14 +113,12 @@ fn scatter(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
         }
     }
     workgroupBarrier();
-    for (var i = own.x; i < own.y; i++) {
-        let key = keys_in[i];
-        let bin = digit(key);
-        let half = bin % 2u * 16u;
-        let counter = wg_counters[bin / 2u * COLUMN + local];
-        wg_counters[bin / 2u * COLUMN + local] = counter + (1u << half);
-        let at = wg_bases[bin] + ((counter >> half) & 0xffffu);
-        keys_out[at] = key;
-        values_out[at] = values_in[i];
+    for (var at = own.x; at < own.y; at += 4u) {
+        let key = keys_in[at / 4u];
+        let value = values_in[at / 4u];
+        place(local, key.x, value.x);
+        if at + 1u < own.y { place(local, key.y, value.y); }
+        if at + 2u < own.y { place(local, key.z, value.z); }
+        if at + 3u < own.y { place(local, key.w, value.w); }
     }
 }

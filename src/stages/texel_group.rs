@@ -140,10 +140,11 @@ impl TexelGroup {
         ];
         let counters = scratch.groups + 1;
         let cleared = (kernel::WORKGROUP * kernel::CLEARED) as usize;
+        let quads = || Groups::Items(limit.div_ceil(kernel::QUAD as usize) as u64);
         stage.run(&self.clear, &buffers, Groups::Workgroups(counters.div_ceil(cleared) as u64))?;
-        stage.run(&self.count, &buffers, Groups::Items(limit as u64))?;
+        stage.run(&self.count, &buffers, quads())?;
         let counted = Count::Exactly(counters);
         self.scan.record(stage, &scratch.key_counts, to.offsets, to.total, &scratch.scan, counted)?;
-        stage.run(&self.scatter, &buffers, Groups::Items(limit as u64))
+        stage.run(&self.scatter, &buffers, quads())
     }
 }
