@@ -11,6 +11,7 @@ pub struct Options {
     filter: String,
     quick: bool,
     json: Option<String>,
+    logs: Vec<u32>,
     /// Rounds of each size.
     pub repeats: usize,
 }
@@ -18,12 +19,16 @@ pub struct Options {
 impl Options {
     /// Reads the command line; what cargo adds is ignored.
     pub fn from_args() -> Self {
-        let mut options = Self { filter: String::new(), quick: false, json: None, repeats: 0 };
+        let mut options = Self { filter: String::new(), quick: false, json: None, logs: Vec::new(), repeats: 0 };
         let mut args = std::env::args().skip(1);
         while let Some(arg) = args.next() {
             match arg.as_str() {
                 "--quick" => options.quick = true,
                 "--json" => options.json = args.next(),
+                "--log-sizes" => {
+                    let list = args.next().unwrap_or_default();
+                    options.logs = list.split(',').filter_map(|n| n.parse().ok()).filter(|&n| n <= 25).collect();
+                }
                 "--repeats" => options.repeats = args.next().and_then(|n| n.parse().ok()).unwrap_or(0),
                 _ if arg.starts_with("--") => {}
                 _ => options.filter = arg,
@@ -37,7 +42,11 @@ impl Options {
 
     /// Logarithms of the sizes.
     pub fn log_sizes(&self) -> Vec<u32> {
-        if self.quick { vec![10, 14, 18] } else { (10..=24).step_by(2).collect() }
+        match (self.logs.is_empty(), self.quick) {
+            (false, _) => self.logs.clone(),
+            (true, true) => vec![10, 14, 18],
+            (true, false) => (10..=24).step_by(2).collect(),
+        }
     }
 
     /// Whether a case is asked for.

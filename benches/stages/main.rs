@@ -1,6 +1,6 @@
 //! Times every stage over a range of sizes, beside what the device could do at best.
 //!
-//! `cargo bench --bench stages -- [FILTER] [--quick] [--repeats N] [--json FILE]`
+//! `cargo bench --bench stages -- [FILTER] [--quick] [--log-sizes 18,20] [--repeats N] [--json FILE]`
 //!
 //! First the ceilings of the device are measured (copy bandwidth, scattered atomics, a dependent dispatch), then all
 //! cases of one size in turn, round after round, so that a slow spell of the machine hits all alike. Times are GPU time
