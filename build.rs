@@ -37,11 +37,18 @@ fn table(folder: &Path) -> Result<String, String> {
         .collect();
     files.sort();
     let mut out = String::new();
+    let mut all = String::new();
     for file in files {
         let stem = file.file_stem().and_then(|s| s.to_str()).ok_or("kernel file name")?.to_owned();
         let source = expand(folder, &file, &mut HashSet::new())?;
         write_kernel(&mut out, &stem, &source)?;
+        write!(all, "({stem:?}, {stem}::SOURCE, {stem}::ENTRIES), ").map_err(|e| e.to_string())?;
     }
+    writeln!(
+        out,
+        "/// Stem, text and entry points of every kernel.\npub const ALL: &[(&str, &str, &[crate::gpu::program::Entry])] = &[{all}];"
+    )
+    .map_err(|e| e.to_string())?;
     Ok(out)
 }
 
@@ -77,7 +84,7 @@ fn write_kernel(out: &mut String, stem: &str, source: &str) -> Result<(), String
         "#[doc = \"`kernels/{stem}.wgsl`.\"]\npub mod {stem} {{\nuse crate::gpu::program::{{Access, Binding, Entry}};"
     )
     .map_err(describe)?;
-    writeln!(out, "const SOURCE: &str = {source:?};").map_err(describe)?;
+    writeln!(out, "/// The kernel's text, imports joined.\npub const SOURCE: &str = {source:?};").map_err(describe)?;
     for (_, constant) in module.constants.iter() {
         if let (Some(name), naga::Expression::Literal(naga::Literal::U32(v))) =
             (&constant.name, &module.global_expressions[constant.init])
@@ -86,6 +93,9 @@ fn write_kernel(out: &mut String, stem: &str, source: &str) -> Result<(), String
                 .map_err(describe)?;
         }
     }
+    let names: Vec<_> = module.entry_points.iter().map(|e| format!("ENTRY_{}", e.name.to_uppercase())).collect();
+    writeln!(out, "/// The kernel's entry points.\npub const ENTRIES: &[Entry] = &[{}];", names.join(", "))
+        .map_err(describe)?;
     for (i, entry) in module.entry_points.iter().enumerate() {
         let uses = info.get_entry_point(i);
         let mut bindings = String::new();

@@ -1,7 +1,8 @@
 // dispatch_args: turns counts that lie in a buffer into arguments of indirect dispatches.
 // Reads `counts` (any words), `requests` (one per dispatch). Writes three words a request to `args`.
 // A count over 65,535 groups is folded over two dimensions, so that no dispatch is silently dropped;
-// a request runs min(count, limit) / per_group groups, rounded up.
+// a request runs min(count, limit) / per_group groups, rounded up. A request that no two dimensions can hold
+// (over 65,535 * 65,535 groups; the host makes none) runs as many as they can.
 
 struct Request {
     count_word: u32,   // index into `counts`
@@ -21,9 +22,12 @@ const WORKGROUP = 64u;
 fn fold(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&requests) { return; }
     let request = requests[id.x];
-    if request.per_group == 0u { return; }
     let items = min(counts[request.count_word], request.limit);
-    let groups = items / request.per_group + select(0u, 1u, items % request.per_group != 0u);
+    var groups = 0u;
+    if request.per_group != 0u {
+        groups = items / request.per_group + select(0u, 1u, items % request.per_group != 0u);
+    }
+    groups = min(groups, MAX_GROUPS * MAX_GROUPS);
     var x = groups;
     var y = 1u;
     if groups > MAX_GROUPS {

@@ -27,6 +27,7 @@ const QUADS = 16u;                    // vec4 a thread
 const BLOCK = 4096u;                  // WORKGROUP * QUADS * 4
 const SPINE_WORKGROUP = 256u;
 const SPINE_SIDE = 16u;
+const SPINE_CHUNK = 4u;               // least blocks an invocation
 const SATURATED = 0xffffffffu;
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -53,6 +54,12 @@ fn add_saturating(a: u32, b: u32) -> u32 {
     return select(sum, SATURATED, sum < a);
 }
 
+// The sum of four 64-bit sums.
+fn across(low: vec4<u32>, high: vec4<u32>) -> vec2<u32> {
+    let half = add_wide(vec2(low.x, high.x), vec2(low.y, high.y));
+    return add_wide(half, add_wide(vec2(low.z, high.z), vec2(low.w, high.w)));
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn reduce(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
           @builtin(local_invocation_index) local: u32) {
@@ -61,34 +68,42 @@ fn reduce(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let end = live();
     var low = vec4(0u);
     var high = vec4(0u);
-    for (var i = 0u; i < QUADS; i++) {
-        let value = load(block * BLOCK + (i * WORKGROUP + local) * 4u, end);
-        low += value;
-        high += select(vec4(0u), vec4(1u), low < value);
+    if (block + 1u) * BLOCK <= end {
+        for (var i = 0u; i < QUADS; i++) {
+            let value = input[block * (BLOCK / 4u) + i * WORKGROUP + local];
+            low += value;
+            high += select(vec4(0u), vec4(1u), low < value);
+        }
+    } else {
+        for (var i = 0u; i < QUADS; i++) {
+            let value = load(block * BLOCK + (i * WORKGROUP + local) * 4u, end);
+            low += value;
+            high += select(vec4(0u), vec4(1u), low < value);
+        }
     }
-    var sum = add_wide(vec2(low.x, high.x), vec2(low.y, high.y));
-    sum = add_wide(sum, add_wide(vec2(low.z, high.z), vec2(low.w, high.w)));
-    let before = workgroup_exclusive(local, SIDE, sum);
+    let sum = across(low, high);
+    let before = workgroup_exclusive(local, SIDE, WORKGROUP, sum);
     if local == WORKGROUP - 1u { sums[params.first_block + block] = add_wide(before, sum); }
 }
 
 // After it `sums[b]` holds block b's exclusive and inclusive prefix, both saturated.
 @compute @workgroup_size(SPINE_WORKGROUP)
 fn spine(@builtin(local_invocation_index) local: u32) {
-    let chunk = (params.blocks + SPINE_WORKGROUP - 1u) / SPINE_WORKGROUP;
+    let chunk = max((params.blocks + SPINE_WORKGROUP - 1u) / SPINE_WORKGROUP, SPINE_CHUNK);
+    let working = (params.blocks + chunk - 1u) / chunk;
     let begin = min(local * chunk, params.blocks);
     let end = min(begin + chunk, params.blocks);
     var sum = vec2(0u);
     for (var i = begin; i < end; i++) {
         sum = add_wide(sum, sums[i]);
     }
-    var prefix = workgroup_exclusive(local, SPINE_SIDE, sum);
+    var prefix = workgroup_exclusive(local, SPINE_SIDE, working, sum);
     for (var i = begin; i < end; i++) {
         let next = add_wide(prefix, sums[i]);
         sums[i] = vec2(saturated(prefix), saturated(next));
         prefix = next;
     }
-    if local == SPINE_WORKGROUP - 1u {
+    if local + 1u == max(working, 1u) {
         total[params.total_word] = saturated(prefix);
         total[params.total_word + 1u] = select(0u, 1u, prefix.y != 0u);
     }
@@ -102,36 +117,45 @@ fn downsweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) g
     let end = live();
     let begin = block * BLOCK + local * QUADS * 4u;
     let bounds = sums[params.first_block + block];
-    // A block that saturates inside is rare: only it pays for checked sums.
-    let checked = bounds.y == SATURATED;
+    // A block that saturates inside, or is not full, is rare: only it pays for checks.
+    let plain = bounds.y != SATURATED && (block + 1u) * BLOCK <= end;
 
+    var kept: array<vec4<u32>, QUADS>;
     var low = vec4(0u);
     var high = vec4(0u);
-    for (var i = 0u; i < QUADS; i++) {
-        let value = load(begin + i * 4u, end);
-        low += value;
-        if checked { high += select(vec4(0u), vec4(1u), low < value); }
+    if plain {
+        for (var i = 0u; i < QUADS; i++) {
+            kept[i] = input[begin / 4u + i];
+            low += kept[i];
+        }
+    } else {
+        for (var i = 0u; i < QUADS; i++) {
+            kept[i] = load(begin + i * 4u, end);
+            low += kept[i];
+            high += select(vec4(0u), vec4(1u), low < kept[i]);
+        }
     }
-    var sum = add_wide(vec2(low.x, high.x), vec2(low.y, high.y));
-    sum = add_wide(sum, add_wide(vec2(low.z, high.z), vec2(low.w, high.w)));
-    var run = add_saturating(bounds.x, saturated(workgroup_exclusive(local, SIDE, sum)));
+    var run = add_saturating(bounds.x, saturated(workgroup_exclusive(local, SIDE, WORKGROUP, across(low, high))));
 
+    if plain {
+        for (var i = 0u; i < QUADS; i++) {
+            let value = kept[i];
+            let y = run + value.x;
+            let z = y + value.y;
+            let w = z + value.z;
+            output[begin / 4u + i] = vec4(run, y, z, w);
+            run = w + value.w;
+        }
+        return;
+    }
     for (var i = 0u; i < QUADS; i++) {
         let at = begin + i * 4u;
         if at >= params.length { return; }
-        let value = load(at, end);
         var prefix = vec4(run);
-        if checked {
-            prefix.y = add_saturating(run, value.x);
-            prefix.z = add_saturating(prefix.y, value.y);
-            prefix.w = add_saturating(prefix.z, value.z);
-            run = add_saturating(prefix.w, value.w);
-        } else {
-            prefix.y = run + value.x;
-            prefix.z = prefix.y + value.y;
-            prefix.w = prefix.z + value.z;
-            run = prefix.w + value.w;
-        }
+        prefix.y = add_saturating(run, kept[i].x);
+        prefix.z = add_saturating(prefix.y, kept[i].y);
+        prefix.w = add_saturating(prefix.z, kept[i].z);
+        run = add_saturating(prefix.w, kept[i].w);
         if at + 4u <= params.length {
             output[at / 4u] = prefix;
         } else {

@@ -31,6 +31,7 @@ override PACKED: bool = true;
 @group(0) @binding(2) var<storage, read_write> row_sums: array<u32>;
 @group(0) @binding(3) var<storage, read_write> strip_sums: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read_write> sat: array<u32>;
+@group(0) @binding(4) var<storage, read_write> sat_quads: array<vec4<u32>>;
 @group(0) @binding(5) var<storage, read> rects: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read_write> rect_sums: array<u32>;
 
@@ -92,21 +93,45 @@ fn strips(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     strip_sums[params.first_row / params.strip_rows * quads + id] = sum;
 }
 
+// The strip and quad of columns that an invocation runs down.
+struct Column {
+    begin: u32,         // first row in the bound band
+    end: u32,
+    quad: u32,
+    above: vec4<u32>,   // sums over the strips above
+}
+
+fn column(id: u32) -> Column {
+    let quads = (params.width + 3u) / 4u;
+    let begin = id / quads * params.strip_rows;
+    var c = Column(begin, min(begin + params.strip_rows, params.rows), id % quads, vec4(0u));
+    for (var strip = 0u; strip < (params.first_row + begin) / params.strip_rows; strip++) {
+        c.above += strip_sums[strip * quads + c.quad];
+    }
+    return c;
+}
+
+// For widths that are multiples of 4.
 @compute @workgroup_size(WORKGROUP)
 fn columns(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
            @builtin(local_invocation_index) local: u32) {
-    let quads = (params.width + 3u) / 4u;
-    let id = flat_invocation(group, groups, WORKGROUP, local);
-    let begin = id / quads * params.strip_rows;
-    let quad = id % quads;
-    if begin >= params.rows { return; }
-    var sum = vec4(0u);
-    for (var strip = 0u; strip < (params.first_row + begin) / params.strip_rows; strip++) {
-        sum += strip_sums[strip * quads + quad];
+    let c = column(flat_invocation(group, groups, WORKGROUP, local));
+    var sum = c.above;
+    for (var row = c.begin; row < c.end; row++) {
+        sum += row_prefix(row, c.quad);
+        sat_quads[row * (params.width / 4u) + c.quad] = sum;
     }
-    let x = quad * 4u;
-    for (var row = begin; row < min(begin + params.strip_rows, params.rows); row++) {
-        sum += row_prefix(row, quad);
+}
+
+// For all other widths.
+@compute @workgroup_size(WORKGROUP)
+fn columns_ragged(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
+                  @builtin(local_invocation_index) local: u32) {
+    let c = column(flat_invocation(group, groups, WORKGROUP, local));
+    var sum = c.above;
+    let x = c.quad * 4u;
+    for (var row = c.begin; row < c.end; row++) {
+        sum += row_prefix(row, c.quad);
         let at = row * params.width + x;
         sat[at] = sum.x;
         if x + 1u < params.width { sat[at + 1u] = sum.y; }

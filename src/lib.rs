@@ -3,7 +3,7 @@
 //! The flagship method is `facet-masks` (Pan, Wang, Chen, Zhou, Bao: *Fast, Sub-pixel Antialiased Shadow Maps*,
 //! Pacific Graphics 2009): each pixel is stood in for by facets, blockers are projected onto them as half-planes, and
 //! one bit per sample records what is occluded. Every stage is a WGSL compute kernel over GPU buffers, and every stage
-//! has a CPU definition in [`reference`] that knows nothing of the GPU.
+//! has a CPU definition in [`mod@reference`] that knows nothing of the GPU.
 //!
 //! Dependencies run one way: `cli` → `report` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
 

@@ -1,1 +1,61 @@
-fn main() {}
+//! Times every stage over a range of sizes, beside what the device could do at best.
+//!
+//! `cargo bench --bench stages -- [FILTER] [--quick] [--log-sizes 18,20] [--repeats N] [--json FILE]`
+//!
+//! First the ceilings of the device are measured (copy bandwidth, scattered atomics, a dependent dispatch), then all
+//! cases of one size in turn, round after round, so that a slow spell of the machine hits all alike. Times are GPU time
+//! stamps around the stage; upload, readback and compilation are left out. The limit of a case is the larger of its
+//! bytes at the copy bandwidth and its atomics at their rate, plus its dispatches.
+
+mod compact;
+mod dispatch_args;
+mod harness;
+mod prefix_scan;
+mod radix_sort;
+mod summed_area;
+mod texel_group;
+
+use harness::{Ceilings, Options, Row};
+use subpixel_shadows::Result;
+use subpixel_shadows::gpu::Gpu;
+
+fn run(options: &Options) -> Result<()> {
+    let gpu = Gpu::open(None)?;
+    println!("adapter: {} ({}, {})", gpu.adapter.name, gpu.adapter.backend, gpu.adapter.driver);
+    let ceilings = Ceilings::measure(&gpu)?;
+    println!(
+        "ceilings: copy {:.2} GB/s, scattered atomics {:.3} G/s, dispatch {:.1} us",
+        ceilings.bytes_per_ms * 1e-6,
+        ceilings.atomics_per_ms * 1e-6,
+        ceilings.dispatch_ms * 1e3
+    );
+    println!("{}", Row::HEAD);
+    let mut rows = Vec::new();
+    let makers = [
+        prefix_scan::cases,
+        summed_area::cases,
+        compact::cases,
+        radix_sort::cases,
+        texel_group::cases,
+        dispatch_args::cases,
+    ];
+    for log_size in options.log_sizes() {
+        let mut cases = Vec::new();
+        for make in makers {
+            cases.extend(make(&gpu, 1 << log_size)?);
+        }
+        cases.retain(|case| options.wants(&case.name));
+        for row in harness::measure(&gpu, &ceilings, &cases, options.repeats)? {
+            println!("{row}");
+            rows.push(row);
+        }
+    }
+    options.save(&gpu, &ceilings, &rows)
+}
+
+fn main() {
+    if let Err(error) = run(&Options::from_args()) {
+        eprintln!("{error}");
+        std::process::exit(if error.is_gpu() { 3 } else { 1 });
+    }
+}

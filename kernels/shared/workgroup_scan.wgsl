@@ -2,8 +2,6 @@
 // `side` * `side` is the workgroup size, at most 256. Two levels of `side` serial steps and two barriers, because a
 // barrier costs more than a handful of reads of workgroup memory, on CPU adapters most of all.
 
-const MAX_SIDE = 16u;
-
 var<workgroup> wg_values: array<vec2<u32>, 256>;
 var<workgroup> wg_rows: array<vec2<u32>, 16>;
 
@@ -17,25 +15,28 @@ fn saturated(wide: vec2<u32>) -> u32 {
     return select(wide.x, 0xffffffffu, wide.y != 0u);
 }
 
-// The sum of `value` over the invocations before `local`. Every invocation of the workgroup must call it.
-fn workgroup_exclusive(local: u32, side: u32, value: vec2<u32>) -> vec2<u32> {
+// The sum of `value` over the invocations before `local`, for the first `working` invocations; the others get 0 and
+// their values do not count. Every invocation of the workgroup must call it.
+fn workgroup_exclusive(local: u32, side: u32, working: u32, value: vec2<u32>) -> vec2<u32> {
     let row = local / side;
     wg_values[local] = value;
     workgroupBarrier();
-    if local < side {
+    if local * side < working {
         var sum = vec2(0u);
-        for (var i = 0u; i < side; i++) {
-            sum = add_wide(sum, wg_values[local * side + i]);
+        for (var i = local * side; i < min(local * side + side, working); i++) {
+            sum = add_wide(sum, wg_values[i]);
         }
         wg_rows[local] = sum;
     }
     workgroupBarrier();
     var before = vec2(0u);
-    for (var i = 0u; i < row; i++) {
-        before = add_wide(before, wg_rows[i]);
-    }
-    for (var i = row * side; i < local; i++) {
-        before = add_wide(before, wg_values[i]);
+    if local < working {
+        for (var i = 0u; i < row; i++) {
+            before = add_wide(before, wg_rows[i]);
+        }
+        for (var i = row * side; i < local; i++) {
+            before = add_wide(before, wg_values[i]);
+        }
     }
     return before;
 }

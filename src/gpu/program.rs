@@ -39,8 +39,8 @@ pub struct Entry {
     pub bindings: &'static [Binding],
 }
 
-/// A compute pipeline made from an [`Entry`].
-#[derive(Debug)]
+/// A compute pipeline made from an [`Entry`]. A clone is the same pipeline.
+#[derive(Clone, Debug)]
 pub struct Program {
     entry: Entry,
     pipeline: wgpu::ComputePipeline,

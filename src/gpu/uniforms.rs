@@ -1,17 +1,20 @@
 //! Small constant buffers, made once per content.
 
 use crate::gpu::layout::Shared;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Hands out parameter buffers by content: equal parameters share one buffer, so that recording the same frame again
 /// allocates nothing, and a buffer is never rewritten while the GPU may read it.
 ///
 /// The buffers are both `UNIFORM` and `STORAGE`: a kernel that reads a count from "some buffer, some word" can be given
-/// its own parameters as that buffer when the host knows the count.
-#[derive(Debug, Default)]
+/// its own parameters as that buffer when the host knows the count. A clone shares what was made.
+#[derive(Clone, Debug, Default)]
 pub struct Uniforms {
-    made: Mutex<Vec<(Vec<u8>, wgpu::Buffer)>>,
+    made: Arc<Mutex<Vec<Made>>>,
 }
+
+/// A buffer and its content.
+type Made = (Vec<u8>, wgpu::Buffer);
 
 impl Uniforms {
     /// Most contents that are kept; beyond it the oldest half is forgotten (what is recorded keeps its own).

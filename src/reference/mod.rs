@@ -2,5 +2,9 @@
 //! Nothing here knows of GPUs, kernels or how a stage splits its work; a test that compares with these compares with
 //! the definition.
 
+pub mod compact;
+pub mod dispatch_args;
 pub mod prefix_scan;
+pub mod radix_sort;
 pub mod summed_area;
+pub mod texel_group;

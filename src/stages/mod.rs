@@ -4,21 +4,29 @@
 //! then only records dispatches: it never allocates list memory, submits, waits or reads back.
 
 pub mod camera_visibility;
+pub mod compact;
+pub mod dispatch_args;
 pub mod facet_classify;
 pub mod front_layer;
 pub mod light_layers;
 pub mod pixel_texel_pairs;
 pub mod prefix_scan;
+pub mod radix_sort;
 pub mod resolve;
 pub mod silhouette_mask;
 pub mod summed_area;
+pub mod texel_group;
 pub mod triangle_setup;
 pub mod triangle_texel_pairs;
 pub mod vertex_project;
 pub mod visibility_masks;
 
+pub use compact::Compact;
+pub use dispatch_args::DispatchArgs;
 pub use prefix_scan::PrefixScan;
+pub use radix_sort::RadixSort;
 pub use summed_area::SummedArea;
+pub use texel_group::TexelGroup;
 
 use crate::gpu::Buffer;
 use crate::{Error, Result};

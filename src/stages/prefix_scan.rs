@@ -39,8 +39,8 @@ shared_struct! {
     }
 }
 
-/// The pipelines of the scan.
-#[derive(Debug)]
+/// The pipelines of the scan. A clone shares them, so that stages built on the scan compile it once.
+#[derive(Clone, Debug)]
 pub struct PrefixScan {
     reduce: Program,
     spine: Program,

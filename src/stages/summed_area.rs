@@ -68,6 +68,7 @@ pub struct SummedArea {
     rows: Program,
     strips: Program,
     columns: Program,
+    columns_ragged: Program,
     query: Program,
     uniforms: Uniforms,
 }
@@ -98,6 +99,7 @@ impl SummedArea {
             rows: Program::new(device, kernel::ENTRY_ROWS, &packed),
             strips: Program::new(device, kernel::ENTRY_STRIPS, &packed),
             columns: Program::new(device, kernel::ENTRY_COLUMNS, &packed),
+            columns_ragged: Program::new(device, kernel::ENTRY_COLUMNS_RAGGED, &packed),
             query: Program::new(device, kernel::ENTRY_QUERY, &[]),
             uniforms: Uniforms::default(),
         }
@@ -186,7 +188,8 @@ impl SummedArea {
         holds("summed_area", "sat", sat.len(), width * height)?;
         let quads = width.div_ceil(4);
         let summed = (height.div_ceil(scratch.strip_rows).max(1) - 1) * scratch.strip_rows;
-        for (program, height) in [(&self.rows, height), (&self.strips, summed), (&self.columns, height)] {
+        let columns = if width.is_multiple_of(4) { &self.columns } else { &self.columns_ragged };
+        for (program, height) in [(&self.rows, height), (&self.strips, summed), (columns, height)] {
             if width == 0 {
                 break;
             }
@@ -210,6 +213,7 @@ impl SummedArea {
                     ("row_sums", whole(scratch.row_sums.raw())),
                     ("strip_sums", whole(scratch.strip_sums.raw())),
                     ("sat", range(sat, first * width, rows * width)),
+                    ("sat_quads", range(sat, first * width, rows * width)),
                 ];
                 let strips = rows.div_ceil(scratch.strip_rows);
                 let items = if std::ptr::eq(program, &self.rows) { rows } else { strips * quads };

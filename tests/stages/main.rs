@@ -2,5 +2,9 @@
 
 mod support;
 
+mod compact;
+mod dispatch_args;
 mod prefix_scan;
+mod radix_sort;
 mod summed_area;
+mod texel_group;

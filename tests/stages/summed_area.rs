@@ -32,7 +32,7 @@ fn check(gpu: &Gpu, stages: &Stages, texels: &[u32], width: usize, height: usize
     let marks: Vec<u32> = texels.iter().map(|&t| u32::from(t & 1 == 1)).collect();
     let mut packed = pack(&marks, width);
     for (word, last) in packed.iter_mut().zip((1..).map(|i| i % width.div_ceil(32).max(1) == 0)) {
-        if last && width % 32 != 0 {
+        if last && !width.is_multiple_of(32) {
             *word |= u32::MAX << (width % 32); // padding must not count
         }
     }

@@ -44,9 +44,26 @@ pub fn upload<T: bytemuck::Pod>(gpu: &Gpu, data: &[T]) -> Buffer<T> {
     buffer
 }
 
-/// A buffer of `len` words of [`POISON`].
+/// A buffer of `len` words of [`POISON`], and as many more as its padding to 16 bytes holds.
 pub fn poisoned(gpu: &Gpu, len: usize) -> Buffer<u32> {
-    upload(gpu, &vec![POISON; len])
+    let buffer = upload(gpu, &vec![POISON; len]);
+    let padded = vec![POISON; buffer.bytes() as usize / 4];
+    gpu.queue.write_buffer(buffer.raw(), 0, bytemuck::cast_slice(&padded));
+    buffer
+}
+
+/// Words that a buffer of `len` has, padding included.
+pub fn padded(len: usize) -> usize {
+    len.max(1).next_multiple_of(4)
+}
+
+/// All words of a buffer, padding included: what was written past the end shows there.
+pub fn read_padded(gpu: &Gpu, buffer: &Buffer<u32>) -> Vec<u32> {
+    let copy = Buffer::<u32>::storage(&gpu.device, "test.padded", padded(buffer.len())).expect("memory for a copy");
+    let mut encoder = gpu.encoder();
+    Recorder::new(&gpu.device, &mut encoder, None).copy(buffer.raw(), copy.raw(), buffer.bytes());
+    gpu.submit_and_wait(encoder).expect("the copy runs");
+    copy.read(gpu).expect("readback")
 }
 
 /// Where two lists first differ, lengths before contents; `None` if they are equal.
@@ -87,7 +104,7 @@ impl Random {
 
     /// A value below `end`.
     pub fn below(&mut self, end: u32) -> u32 {
-        (u64::from(self.word()) * u64::from(end) >> 32) as u32
+        ((u64::from(self.word()) * u64::from(end)) >> 32) as u32
     }
 
     /// `len` values below `end`.

@@ -1,0 +1,99 @@
+//! Arguments of indirect dispatches, made from counts on the GPU.
+//!
+//! - **Purpose.** Runs a kernel over a list whose length only the GPU knows.
+//! - **Reads** any words of a buffer of counts, and one [`Request`] a dispatch.
+//! - **Writes** three words a request ([`Groups::Indirect`] reads them).
+//! - **Guarantee.** `min(count, limit)` items are covered by as few workgroups as the fold over two dimensions allows; a
+//!   kernel finds its flat index with `kernels/shared/dispatch.wgsl` and must check it against the count.
+//! - **Capacity.** Lists of up to 2^31 items: no flat index wraps.
+//! - **Cost.** One dispatch, 16 bytes in and 12 out a request.
+//! - **Source.** wgpu replaces an indirect dispatch of more than 65,535 groups along a dimension by none, silently; hence
+//!   the fold.
+
+use super::holds;
+use crate::gpu::kernels::dispatch_args as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::{Error, Result, shared_struct};
+
+shared_struct! {
+    /// What one dispatch is to cover.
+    "dispatch_args" => pub struct Request {
+        /// Index into the counts.
+        pub count_word: u32,
+        /// Items that one workgroup handles.
+        pub per_group: u32,
+        /// The list's capacity: counts beyond it are not processed.
+        pub limit: u32,
+        /// Where the three words go.
+        pub args_word: u32,
+    }
+}
+
+impl Request {
+    /// Most items of a list: their flat indices, spare ones included, fit in 32 bits.
+    pub const MAX_LIMIT: usize = 1 << 31;
+
+    /// Groups of `per_group` items for the list of at most `limit` whose length is word `count_word`, as the arguments at
+    /// word `args_word`.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if `per_group` is 0 or `limit` is above [`Request::MAX_LIMIT`].
+    pub fn new(count_word: usize, per_group: u32, limit: usize, args_word: usize) -> Result<Self> {
+        if per_group == 0 || limit > Self::MAX_LIMIT {
+            return Err(Error::Config(format!("dispatch_args: {limit} items in groups of {per_group}")));
+        }
+        Ok(Self { count_word: count_word as u32, per_group, limit: limit as u32, args_word: args_word as u32 })
+    }
+}
+
+/// Requests, and the check that they fit their buffers.
+#[derive(Debug)]
+pub struct Requests {
+    list: Buffer<Request>,
+    counts: usize,
+    args: usize,
+}
+
+/// The pipeline that folds counts into arguments.
+#[derive(Debug)]
+pub struct DispatchArgs {
+    fold: Program,
+}
+
+impl DispatchArgs {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { fold: Program::new(device, kernel::ENTRY_FOLD, &[]) }
+    }
+
+    /// The requests as the GPU reads them, uploaded once.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn requests(device: &wgpu::Device, queue: &wgpu::Queue, requests: &[Request]) -> Result<Requests> {
+        // A buffer is padded with nothing that could be taken for a request: each is 16 bytes.
+        Ok(Requests {
+            list: Buffer::from_slice(device, queue, "dispatch_args.requests", requests)?,
+            counts: requests.iter().map(|r| r.count_word as usize + 1).max().unwrap_or(0),
+            args: requests.iter().map(|r| r.args_word as usize + 3).max().unwrap_or(0),
+        })
+    }
+
+    /// Records the arguments of all `requests`. `args` is an indirect buffer ([`Buffer::indirect`]) of its own: WebGPU
+    /// forbids reading arguments from a buffer that the same dispatch binds for writing.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if a request lies outside `counts` or `args`.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        counts: &Buffer<u32>,
+        requests: &Requests,
+        args: &Buffer<u32>,
+    ) -> Result<()> {
+        holds("dispatch_args", "counts", counts.len(), requests.counts)?;
+        holds("dispatch_args", "args", args.len(), requests.args)?;
+        let buffers = [("counts", counts.raw()), ("requests", requests.list.raw()), ("args", args.raw())];
+        stage.run(&self.fold, &buffers, Groups::Items(requests.list.len() as u64))
+    }
+}

@@ -1,0 +1,210 @@
+//! Agreement of the house with itself, without a GPU: every kernel has its room, fits WebGPU's default limits, and lays
+//! its shared structs out as Rust does.
+
+use naga::{AddressSpace, Module, ShaderStage, TypeInner};
+use std::collections::BTreeSet;
+use std::path::Path;
+use subpixel_shadows::gpu::kernels;
+use subpixel_shadows::gpu::layout::{Field, Shared};
+use subpixel_shadows::stages::{compact, dispatch_args, prefix_scan, radix_sort, summed_area, texel_group};
+
+/// A struct as Rust knows it.
+struct Registered {
+    kernel: &'static str,
+    name: &'static str,
+    size: usize,
+    fields: &'static [Field],
+}
+
+fn of<T: Shared>() -> Registered {
+    Registered { kernel: T::KERNEL, name: T::NAME, size: size_of::<T>(), fields: T::FIELDS }
+}
+
+/// Every struct that the host shares with a kernel. A struct of `kernels/shared/<name>.wgsl` is registered under
+/// `shared/<name>` and found in every kernel that imports it.
+fn registry() -> Vec<Registered> {
+    vec![
+        of::<compact::Params>(),
+        of::<dispatch_args::Request>(),
+        of::<prefix_scan::Params>(),
+        of::<radix_sort::Params>(),
+        of::<summed_area::Params>(),
+        of::<texel_group::Params>(),
+    ]
+}
+
+/// The structs that a kernel's uniform and storage bindings hold, themselves or in arrays or other structs.
+fn bound_structs(module: &Module) -> BTreeSet<String> {
+    fn visit(module: &Module, ty: naga::Handle<naga::Type>, found: &mut BTreeSet<String>) {
+        match &module.types[ty].inner {
+            TypeInner::Array { base, .. } => visit(module, *base, found),
+            TypeInner::Struct { members, .. } => {
+                found.extend(module.types[ty].name.clone());
+                members.iter().for_each(|member| visit(module, member.ty, found));
+            }
+            _ => {}
+        }
+    }
+    let mut found = BTreeSet::new();
+    for (_, variable) in module.global_variables.iter() {
+        if matches!(variable.space, AddressSpace::Uniform | AddressSpace::Storage { .. }) {
+            visit(module, variable.ty, &mut found);
+        }
+    }
+    found
+}
+
+/// How a struct of a kernel differs from its Rust twin; `None` if it does not.
+fn disagreement(module: &Module, rust: &Registered) -> Option<String> {
+    let context = module.to_ctx();
+    let Some((_, ty)) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(rust.name)) else {
+        return Some("the kernel has no such struct".to_owned());
+    };
+    let TypeInner::Struct { members, span } = &ty.inner else {
+        return Some("it is no struct in the kernel".to_owned());
+    };
+    let kernel: Vec<_> = members
+        .iter()
+        .map(|m| {
+            let size = module.types[m.ty].inner.size(context) as usize;
+            (m.name.clone().unwrap_or_default(), m.offset as usize, size)
+        })
+        .collect();
+    let rust_fields: Vec<_> = rust.fields.iter().map(|f| (f.name.to_owned(), f.offset, f.size)).collect();
+    if kernel != rust_fields {
+        return Some(format!("fields (name, offset, size): kernel {kernel:?}, Rust {rust_fields:?}"));
+    }
+    (*span as usize != rust.size).then(|| format!("size: kernel {span}, Rust {}", rust.size))
+}
+
+fn parse(stem: &str, source: &str) -> Module {
+    naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{stem}: {}", e.emit_to_string(source)))
+}
+
+#[test]
+fn shared_structs_agree() {
+    let registry = registry();
+    let mut used = BTreeSet::new();
+    for (stem, source, _) in kernels::ALL {
+        let module = parse(stem, source);
+        for name in bound_structs(&module) {
+            let twin = registry
+                .iter()
+                .find(|r| r.name == name && (r.kernel == *stem || r.kernel.starts_with("shared/")))
+                .unwrap_or_else(|| panic!("kernels/{stem}.wgsl: struct '{name}' is not registered here"));
+            if let Some(disagreement) = disagreement(&module, twin) {
+                panic!("kernels/{stem}.wgsl: struct '{name}': {disagreement}");
+            }
+            used.insert((twin.kernel, twin.name));
+        }
+    }
+    for twin in &registry {
+        assert!(used.contains(&(twin.kernel, twin.name)), "no kernel binds '{}' of {}", twin.name, twin.kernel);
+    }
+}
+
+/// The check fails when it must: a name, an order, an offset, a size, a missing struct.
+#[test]
+fn disagreement_is_found() {
+    let source = "struct S { a: u32, b: vec2<f32>, c: array<u32, 3> }
+        @group(0) @binding(0) var<storage, read> s: array<S>;";
+    let module = parse("test", source);
+    assert_eq!(bound_structs(&module), BTreeSet::from(["S".to_owned()]));
+    let field = |name, offset, size| Field { name, offset, size };
+    let check = |size, fields: &[Field]| {
+        let fields = fields.to_vec().leak();
+        disagreement(&module, &Registered { kernel: "test", name: "S", size, fields })
+    };
+    assert_eq!(check(32, &[field("a", 0, 4), field("b", 8, 8), field("c", 16, 12)]), None);
+    for (size, fields) in [
+        (28, [field("a", 0, 4), field("b", 8, 8), field("c", 16, 12)]),
+        (32, [field("a", 0, 4), field("b", 4, 8), field("c", 16, 12)]),
+        (32, [field("a", 0, 4), field("b", 8, 8), field("c", 16, 16)]),
+        (32, [field("b", 0, 4), field("a", 8, 8), field("c", 16, 12)]),
+    ] {
+        assert!(check(size, &fields).is_some(), "{size} {fields:?}");
+    }
+    assert!(check(32, &[field("a", 0, 4)]).is_some());
+    assert!(disagreement(&module, &Registered { kernel: "test", name: "T", size: 4, fields: &[] }).is_some());
+}
+
+#[test]
+fn kernels_fit_default_limits() {
+    for (stem, source, entries) in kernels::ALL {
+        let module = parse(stem, source);
+        assert_eq!(module.entry_points.len(), entries.len());
+        for (point, entry) in module.entry_points.iter().zip(*entries) {
+            let at = format!("kernels/{stem}.wgsl: {}", entry.name);
+            assert_eq!(point.stage, ShaderStage::Compute, "{at}");
+            assert_eq!((point.name.as_str(), point.workgroup_size), (entry.name, entry.workgroup), "{at}");
+            let invocations: u32 = entry.workgroup.iter().product();
+            assert!((1..=256).contains(&invocations), "{at}: {invocations} invocations");
+            let storage = entry.bindings.iter().filter(|b| b.access != subpixel_shadows::gpu::program::Access::Uniform);
+            assert!(storage.count() <= 8, "{at}: more than 8 storage buffers");
+        }
+        let workgroup_bytes: u32 = module
+            .global_variables
+            .iter()
+            .filter(|(_, v)| v.space == AddressSpace::WorkGroup)
+            .map(|(_, v)| module.types[v.ty].inner.size(module.to_ctx()))
+            .sum();
+        assert!(workgroup_bytes <= 16_384, "kernels/{stem}.wgsl: {workgroup_bytes} bytes of workgroup memory");
+    }
+}
+
+/// Stems of the files of a folder that end in `.extension`.
+fn stems(folder: &str, extension: &str) -> BTreeSet<String> {
+    let files = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).expect(folder);
+    let paths = files.map(|f| f.expect(folder).path());
+    let named = paths.filter(|p| p.extension().is_some_and(|e| e == extension));
+    named.map(|p| p.file_stem().expect(folder).to_string_lossy().into_owned()).collect()
+}
+
+/// A stage is five files of one stem: none is missing, none is left over.
+#[test]
+fn every_kernel_has_its_room() {
+    let kernels: BTreeSet<String> = kernels::ALL.iter().map(|(stem, ..)| (*stem).to_owned()).collect();
+    assert_eq!(kernels, stems("kernels", "wgsl"), "kernels built in, kernels there");
+    for folder in ["src/stages", "src/reference", "tests/stages", "benches/stages"] {
+        let mut files = stems(folder, "rs");
+        files.retain(|stem| !["mod", "main", "support", "harness"].contains(&stem.as_str()));
+        let missing: Vec<_> = kernels.difference(&files).collect();
+        let extra: Vec<_> = files.difference(&kernels).collect();
+        assert!(missing.is_empty() && extra.is_empty(), "{folder}: missing {missing:?}, without a kernel {extra:?}");
+    }
+}
+
+/// Every stage proves the same eight things.
+#[test]
+fn every_stage_has_the_standard_cases() {
+    let cases = [
+        "empty",
+        "one",
+        "every_size_around_workgroup",
+        "random_seeded",
+        "degenerate",
+        "overflow_by_one",
+        "two_d_dispatch",
+        "detects_corruption",
+    ];
+    for (stem, ..) in kernels::ALL {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/stages/{stem}.rs"));
+        let text = std::fs::read_to_string(&file).expect("the tests of the stage");
+        for case in cases {
+            assert!(text.contains(&format!("\nfn {case}()")), "tests/stages/{stem}.rs has no '{case}'");
+        }
+    }
+}
+
+/// Kernels stay within 200 lines, the host side of a stage within 300.
+#[test]
+fn files_stay_readable() {
+    let folders = [("kernels", "wgsl", 200), ("kernels/shared", "wgsl", 200), ("src/stages", "rs", 300)];
+    for (folder, extension, most) in folders {
+        for stem in stems(folder, extension) {
+            let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(format!("{stem}.{extension}"));
+            let lines = std::fs::read_to_string(&file).expect("a text file").lines().count();
+            assert!(lines <= most, "{folder}/{stem}.{extension}: {lines} lines, at most {most}");
+        }
+    }
+}
