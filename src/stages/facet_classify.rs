@@ -14,7 +14,7 @@ use crate::shared_struct;
 
 shared_struct! {
     /// What stands for a surface inside one pixel.
-    "facet_classify" => pub struct Facet {
+    "shared/facet" => pub struct Facet {
         /// Plane: `dot(xyz, point) = w` on it, more on the side of the light and the eye.
         pub plane: [f32; 4],
         /// The pixel.
