@@ -6,9 +6,14 @@ struct Facet {
     triangle: u32,      // the triangle whose plane it is
     rect: vec2<u32>,    // texels its light-view outline touches
     state: u32,
-    nearest: f32,       // range of its depth from the light
-    farthest: f32,
+    farthest: f32,      // its largest depth from the light
     limit: f32,         // view depth beyond which the plane is not followed
+    tilt: f32,          // relative rounding of the normal, in units of 2^-24
+    at: vec3<f32>,      // its point at the pixel centre
+    doubt: f32,         // how far rounding may have moved that point along its ray, times -dot(plane.xyz, ray)
+    box_low: vec2<f32>, // box of its outline, in texels
+    box_high: vec2<f32>,
+    slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w
 }
 
 const STATE_EMPTY = 0u;      // no surface: counts as lit
@@ -22,7 +27,6 @@ const PIXEL_REACH = 0.50390625;  // half a pixel and 1/256: samples lie well ins
 struct Outline {
     corners: array<vec2<f32>, 5>,  // in texels, in order around
     count: u32,
-    nearest: f32,
     farthest: f32,
     in_front: bool,                // the whole outline lies in front of the light
     whole: bool,                   // every ray of the pixel meets the plane in front of the limit
@@ -39,7 +43,6 @@ fn facet_outline(pixel: u32, plane: vec4<f32>, limit: f32) -> Outline {
     var out: Outline;
     out.in_front = true;
     out.whole = true;
-    out.nearest = 3.0e38;
     out.farthest = -3.0e38;
     let centre = pixel_ray(pixel);
     // A ray meets the plane nearer than the limit where `over <= 0`.
@@ -75,7 +78,6 @@ fn outline_add(out: ptr<function, Outline>, point: vec3<f32>) {
         (*out).corners[(*out).count] = uvz.xy;
         (*out).count += 1u;
     }
-    (*out).nearest = min((*out).nearest, uvz.z);
     (*out).farthest = max((*out).farthest, uvz.z);
 }
 

@@ -1,0 +1,7 @@
+// Words of `tally`, the counters of one band of facets.
+
+const TALLY_PAIRS = 0u;       // pixel-texel pairs needed
+const TALLY_CANDIDATES = 1u;  // candidates needed
+const TALLY_DOUBTS = 2u;      // candidates evaluated again with 46 bits
+const TALLY_LONGEST = 3u;     // longest triangle list of a texel, where above one round
+const TALLY_TESTS = 4u;       // triangles tested against facets, low and high word, over all bands
