@@ -14,7 +14,7 @@
 //@import facet
 //@import facing
 //@import double_float
-//@import tally
+//@import candidates
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
@@ -22,12 +22,11 @@ const WORKGROUP = 64u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> facets: array<Facet>;
-@group(0) @binding(3) var<storage, read> candidates: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read_write> tally: array<atomic<u32>>;
-@group(0) @binding(5) var<storage, read> triangles: array<u32>;
-@group(0) @binding(6) var<storage, read> positions: array<f32>;
-@group(0) @binding(7) var<storage, read_write> masks: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> doubts: array<u32>;
+@group(0) @binding(3) var<storage, read_write> candidates: Candidates;
+@group(0) @binding(4) var<storage, read> triangles: array<u32>;
+@group(0) @binding(5) var<storage, read> positions: array<f32>;
+@group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> doubts: array<u32>;
 
 //@import shadow_lines
 //@import shadow_lines_46
@@ -138,16 +137,16 @@ fn settle(f: u32, t: u32) -> bool {
 @compute @workgroup_size(WORKGROUP)
 fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let k = flat_invocation(group, groups, WORKGROUP, local);
-    if k >= min(atomicLoad(&tally[TALLY_CANDIDATES]), frame.candidate_capacity) { return; }
-    let pair = candidates[k];
-    if !settle(pair.x, pair.y) { doubts[atomicAdd(&tally[TALLY_DOUBTS], 1u)] = k; }
+    if k >= min(atomicLoad(&candidates.tally[TALLY_CANDIDATES]), frame.candidate_capacity) { return; }
+    let pair = candidates.list[k];
+    if !settle(pair.x, pair.y) { doubts[atomicAdd(&candidates.tally[TALLY_DOUBTS], 1u)] = k; }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let k = flat_invocation(group, groups, WORKGROUP, local);
-    if k >= atomicLoad(&tally[TALLY_DOUBTS]) { return; }
-    let pair = candidates[doubts[k]];
+    if k >= atomicLoad(&candidates.tally[TALLY_DOUBTS]) { return; }
+    let pair = candidates.list[doubts[k]];
     let i = rising(pair.y);
     let g = ground_of(pair.x);
     let n = full_normal(g.own);

@@ -15,7 +15,7 @@ use crate::stages::candidate_pairs::{CandidatePairs, tally};
 use crate::stages::facet_classify::{FacetClassify, Facets, Surroundings};
 use crate::stages::front_layer::FrontLayer;
 use crate::stages::light_layers::{Layers, LightLayers};
-use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs};
+use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_WORDS};
 use crate::stages::resolve::Resolve;
 use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
@@ -192,7 +192,7 @@ impl FacetMasks {
             classify: FacetClassify::new(device, words),
             pixel_pairs: PixelTexelPairs::new(device),
             triangle_pairs: TriangleTexelPairs::new(device),
-            candidates: CandidatePairs::new(device),
+            candidates: CandidatePairs::new(device, words),
             masks: VisibilityMasks::new(device, words),
             resolve: Resolve::new(device, words),
             scan: PrefixScan::new(device),
@@ -273,7 +273,7 @@ impl FacetMasks {
         }
         rec.clear(m.layers.mask.raw());
         rec.clear(m.status.raw());
-        rec.clear(m.lists.tally.raw());
+        rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
         {
             let stage = &mut rec.stage("triangle_setup");
@@ -392,15 +392,15 @@ impl FacetMasks {
         rec.copy_words(
             m.lists.pixel_offsets.raw(),
             texels as u64,
-            m.lists.tally.raw(),
+            m.lists.candidates.raw(),
             u64::from(tally::TALLY_PAIRS),
             1,
         );
-        rec.clear_words(m.lists.tally.raw(), u64::from(tally::TALLY_CANDIDATES), 3);
+        rec.clear_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), 3);
         let (triangles, positions) = (casters.triangles.raw(), casters.positions.raw());
         {
             let stage = &mut rec.stage("candidate_pairs");
-            self.args(stage, Arg::Pairs, &m.lists.tally)?;
+            self.args(stage, Arg::Pairs, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Pairs.word());
             for round in 0..self.capacities.rounds {
                 self.candidates.record(stage, frame_of(round), triangles, &m.map_points, &m.facets, args, &m.lists)?;
@@ -410,18 +410,24 @@ impl FacetMasks {
             let stage = &mut rec.stage("visibility_masks");
             let casters = Casters { samples: m.samples.raw(), triangles, positions };
             let frame = frame_of(0);
-            self.args(stage, Arg::Candidates, &m.lists.tally)?;
+            self.args(stage, Arg::Candidates, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Candidates.word());
             self.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args)?;
-            self.args(stage, Arg::Doubts, &m.lists.tally)?;
+            self.args(stage, Arg::Doubts, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Doubts.word());
             self.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;
         }
         let slot = (status::BANDS + status::BAND_WORDS * band as usize) as u64;
         rec.copy_words(m.lists.pixel_offsets.raw(), texels as u64, m.status.raw(), slot, 2);
         rec.copy_words(m.lists.triangle_offsets.raw(), texels as u64, m.status.raw(), slot + 2, 2);
-        rec.copy_words(m.lists.tally.raw(), u64::from(tally::TALLY_CANDIDATES), m.status.raw(), slot + 4, 3);
-        rec.copy_words(m.lists.tally.raw(), u64::from(tally::TALLY_TESTS), m.status.raw(), status::TESTS as u64, 2);
+        rec.copy_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), m.status.raw(), slot + 4, 3);
+        rec.copy_words(
+            m.lists.candidates.raw(),
+            u64::from(tally::TALLY_TESTS),
+            m.status.raw(),
+            status::TESTS as u64,
+            2,
+        );
         Ok(())
     }
 

@@ -1,7 +1,8 @@
 //! Candidates: the pairs of facet and triangle that are worth evaluating.
 //!
 //! - **Reads** both pair lists, facets, light-view vertices.
-//! - **Writes** `candidates` (facet, triangle) and, in `tally`, how many were needed and how many tests were made.
+//! - **Writes** `candidates` (facet, triangle) and, before them, how many were needed and how many tests were made; the
+//!   occluded mask of a facet that one triangle covers wholly, which then needs no candidates.
 //! - **Guarantee.** Conservative: a triangle that casts on a facet, or cuts it within its pixel, is kept. The order is not
 //!   defined, and a pair that shares several texels is listed as often; what is made of it depends on neither. Nothing is
 //!   written beyond the capacity.
@@ -30,9 +31,9 @@ pub struct CandidatePairs {
 }
 
 impl CandidatePairs {
-    /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
-        Self { cull: Program::new(device, kernel::ENTRY_CULL, &[]) }
+    /// Builds the pipeline for masks of `words` words.
+    pub fn new(device: &wgpu::Device, words: u32) -> Self {
+        Self { cull: Program::new(device, kernel::ENTRY_CULL, &[("WORDS", f64::from(words))]) }
     }
 
     /// Records one round over all pixel-texel pairs, whose number is in word 0 of the tally.
@@ -58,8 +59,8 @@ impl CandidatePairs {
             ("pair_triangles", lists.triangle_pairs.raw()),
             ("triangles", triangles),
             ("map_points", map_points.raw()),
-            ("tally", lists.tally.raw()),
             ("candidates", lists.candidates.raw()),
+            ("masks", facets.masks.raw()),
         ];
         stage.run(&self.cull, &buffers, Groups::Indirect(args.0, args.1))
     }

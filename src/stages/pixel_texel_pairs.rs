@@ -34,13 +34,15 @@ pub struct PairLists {
     pub pixel_pairs: Buffer<[u32; 2]>,
     /// Triangle-texel pairs: triangle.
     pub triangle_pairs: Buffer<u32>,
-    /// Facet and triangle worth evaluating.
-    pub candidates: Buffer<[u32; 2]>,
+    /// Counters of the band at work (see `kernels/shared/candidates.wgsl`), then facet and triangle of each pair worth
+    /// evaluating.
+    pub candidates: Buffer<u32>,
     /// Candidates to be evaluated again with 46 bits.
     pub doubts: Buffer<u32>,
-    /// Counters of the band at work, see `kernels/shared/tally.wgsl`.
-    pub tally: Buffer<u32>,
 }
+
+/// Words before the list of candidates.
+pub const TALLY_WORDS: usize = 16;
 
 impl PairLists {
     /// Memory for a map of `size` texels a side and this many pairs.
@@ -62,9 +64,8 @@ impl PairLists {
             triangle_offsets: Buffer::storage(device, "pairs.triangle_offsets", texels + 2)?,
             pixel_pairs: Buffer::storage(device, "pairs.pixel_pairs", pixel_pairs)?,
             triangle_pairs: Buffer::storage(device, "pairs.triangle_pairs", triangle_pairs)?,
-            candidates: Buffer::storage(device, "pairs.candidates", candidates)?,
+            candidates: Buffer::storage(device, "pairs.candidates", TALLY_WORDS + 2 * candidates)?,
             doubts: Buffer::storage(device, "pairs.doubts", candidates)?,
-            tally: Buffer::storage(device, "pairs.tally", 16)?,
         })
     }
 }

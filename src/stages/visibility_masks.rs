@@ -88,7 +88,6 @@ impl VisibilityMasks {
             ("samples", casters.samples),
             ("facets", facets.list.raw()),
             ("candidates", lists.candidates.raw()),
-            ("tally", lists.tally.raw()),
             ("triangles", casters.triangles),
             ("positions", casters.positions),
             ("masks", facets.masks.raw()),

@@ -1,4 +1,11 @@
-// Words of `tally`, the counters of one band of facets.
+// The list of candidates with the counters of one band of facets before it.
+
+struct Candidates {
+    tally: array<atomic<u32>, 16>,
+    list: array<vec2<u32>>,  // facet, triangle
+}
+
+// Words of `tally`.
 
 const TALLY_PAIRS = 0u;       // pixel-texel pairs needed
 const TALLY_CANDIDATES = 1u;  // candidates needed
