@@ -121,19 +121,15 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let depth = plane.w / dot(normal, ray);
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
     let limit = max(far_corner, depth) * 1.0001;
-    var outline = facet_outline(pixel, plane, limit);
+    let outline = facet_box(pixel, plane, limit);
     if !outline.whole { keep_own_triangle(f, given, ray); }
     var rect = EMPTY_RECT;
     var low = vec2(-3.0e38);
     var high = vec2(3.0e38);
     var farthest = 3.0e38;
     if outline.in_front {
-        low = outline.corners[0];
-        high = low;
-        for (var k = 1u; k < outline.count; k++) {
-            low = min(low, outline.corners[k]);
-            high = max(high, outline.corners[k]);
-        }
+        low = outline.low;
+        high = outline.high;
         farthest = outline.farthest;
         rect = cells_touched(low - frame.map_margin, high + frame.map_margin, vec2(frame.map_size));
     } else {

@@ -38,6 +38,49 @@ fn pixel_ray(pixel: u32) -> vec3<f32> {
     return frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
 }
 
+// The box of the outline, without its corners.
+struct OutlineBox {
+    low: vec2<f32>,
+    high: vec2<f32>,
+    farthest: f32,
+    in_front: bool,
+    whole: bool,
+}
+
+fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
+    let p = vec4(point, 1.0);
+    var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+    if (frame.flags & FLAG_PERSPECTIVE) != 0u {
+        let w = dot(frame.map_w, p);
+        if w <= frame.light_low.w { (*out).in_front = false; }
+        uvz /= w;
+    }
+    (*out).low = min((*out).low, uvz.xy);
+    (*out).high = max((*out).high, uvz.xy);
+    (*out).farthest = max((*out).farthest, uvz.z);
+}
+
+fn box_add_side(out: ptr<function, OutlineBox>, plane: vec4<f32>, limit: f32, ray: vec3<f32>, next: vec3<f32>) {
+    let bound = plane.w / limit;
+    let along = dot(plane.xyz, ray);
+    let over = along - bound;
+    let over_next = dot(plane.xyz, next) - bound;
+    if over <= 0.0 { box_add(out, ray * (plane.w / along)); } else { (*out).whole = false; }
+    if (over <= 0.0) != (over_next <= 0.0) { box_add(out, mix(ray, next, over / (over - over_next)) * limit); }
+}
+
+fn facet_box(pixel: u32, plane: vec4<f32>, limit: f32) -> OutlineBox {
+    var out = OutlineBox(vec2(3.0e38), vec2(-3.0e38), -3.0e38, true, true);
+    let centre = pixel_ray(pixel);
+    let dx = PIXEL_REACH * frame.ray_x.xyz;
+    let dy = PIXEL_REACH * frame.ray_y.xyz;
+    box_add_side(&out, plane, limit, centre - dx - dy, centre + dx - dy);
+    box_add_side(&out, plane, limit, centre + dx - dy, centre + dx + dy);
+    box_add_side(&out, plane, limit, centre + dx + dy, centre - dx + dy);
+    box_add_side(&out, plane, limit, centre - dx + dy, centre - dx - dy);
+    return out;
+}
+
 // The pixel's footprint on `plane` as the light sees it, cut off where view depth exceeds `limit`.
 fn facet_outline(pixel: u32, plane: vec4<f32>, limit: f32) -> Outline {
     var out: Outline;
