@@ -47,7 +47,7 @@ pub struct Plan {
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 11] = [
+const STAGES: [(&str, &str, Extent); 12] = [
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
     ("light_layers", "two nearest layers at every texel centre", Extent::Everything),
@@ -57,6 +57,7 @@ const STAGES: [(&str, &str, Extent); 11] = [
     ("facet_classify", "facets: dark, lit, shadowed or undecided", Extent::Facing),
     ("pixel_texel_pairs", "texels that undecided facets touch", Extent::Everything),
     ("triangle_texel_pairs", "casters that touch those texels", Extent::Everything),
+    ("candidate_pairs", "facets and casters that are worth evaluating", Extent::Everything),
     ("visibility_masks", "occluded and invalid samples", Extent::Everything),
     ("resolve", "masks to visibility", Extent::Facing),
 ];

@@ -89,7 +89,7 @@ pub struct Options {
     #[arg(long)]
     pub force_all: bool,
     /// MiB that the two pair lists may take together; a frame that needs more is split
-    #[arg(long, default_value_t = 1024, value_name = "MIB")]
+    #[arg(long, default_value_t = 1024, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub memory_limit: u64,
     /// Elements each pair list starts with [default: two a pixel]
     #[arg(long, value_name = "N")]

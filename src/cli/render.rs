@@ -54,7 +54,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     stages(&mut report, &frame, &plan, &rendered);
     counts(&mut report, &rendered, u64::from(w) * u64::from(h));
     if let Some(error) = &error {
-        errors(&mut report, error, n);
+        errors(&mut report, error, n, w);
     }
     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     report.text(&format!("\nwrote {}", names.join(", ")));
@@ -151,7 +151,7 @@ fn idle(stage: &str, rendered: &Rendered) -> String {
     let items = match stage {
         "silhouette_mask" => (c.silhouette_edges, "silhouette edges"),
         "pixel_texel_pairs" => (c.silhouette_pixels, "undecided facets"),
-        "triangle_texel_pairs" => (c.pixel_texel_pairs, "pixel-texel pairs"),
+        "triangle_texel_pairs" | "candidate_pairs" => (c.pixel_texel_pairs, "pixel-texel pairs"),
         "visibility_masks" => (c.visibility_evaluations, "evaluations"),
         _ => return String::new(),
     };
@@ -172,18 +172,21 @@ fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
         row("no surface", c.empty_facets, of_pixels(c.empty_facets)),
         row("visibility evaluations", c.visibility_evaluations, String::new()),
     ];
-    let totals = [("pixel_texel_pairs", c.pixel_texel_pairs), ("triangle_texel_pairs", c.triangle_texel_pairs)];
-    for (name, total) in totals {
-        let fared = rendered.output.lists.iter().find(|l| l.name == name).map_or(String::new(), |l| {
-            let again = if l.runs == 1 { "1 run".to_owned() } else { format!("{} runs", l.runs) };
-            format!("list of {} for at most {} at once, {again}", grouped(l.capacity), grouped(l.needed))
-        });
-        rows.push(row(&name.replacen('_', "-", 1).replace('_', " "), total, fared));
-    }
+    rows.push(row("pixel-texel pairs", c.pixel_texel_pairs, String::new()));
+    rows.push(row("triangle-texel pairs", c.triangle_texel_pairs, String::new()));
     report.table(&rows, &[1]);
+    let lists = &rendered.output.lists;
+    if !lists.is_empty() {
+        let mut rows = vec![["list", "needed", "capacity", "runs"].map(String::from).to_vec()];
+        for l in lists {
+            rows.push(vec![l.name.to_owned(), grouped(l.needed), grouped(l.capacity), l.runs.to_string()]);
+        }
+        report.table(&rows, &[1, 2, 3]);
+    }
 }
 
-fn errors(report: &mut Report, error: &ErrorReport, samples: u32) {
+fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
+    let mut first_wrong = None;
     let mut rows = Vec::new();
     let mut row = |cells: &[&str]| rows.push(cells.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>());
     if let Some(f) = &error.facet {
@@ -205,8 +208,14 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32) {
                 row(&[name, "", &grouped(n)]);
             }
         }
+        first_wrong = f.first_wrong;
     }
     report.table(&rows, &[1, 2, 3, 4]);
+    if let Some([pixel, sample, triangle]) = first_wrong {
+        let (x, y) = (pixel % width, pixel / width);
+        report
+            .text(&format!("first wrong: sample {sample} of pixel ({x}, {y}), whose facet is of triangle {triangle}"));
+    }
     let s = &error.scene;
     let within = format!("within 1/{samples}");
     let mut rows = vec![["scene truth", "pixels", "RMSE", "mean", "max", &within].map(String::from).to_vec()];

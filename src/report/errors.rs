@@ -49,8 +49,8 @@ impl FacetSet {
 /// A frame against facet truth: numeric error alone. Counts are of samples.
 ///
 /// Of a facet that was settled as lit or shadowed the samples on its own triangle are compared: there its plane is a real
-/// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared, both for
-/// occlusion and for validity. Of one that is dark, all.
+/// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared for occlusion,
+/// and for validity unless all are occluded: then it changes nothing, and is not found out. Of one that is dark, all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FacetErrors {
     /// Samples compared.
@@ -71,6 +71,9 @@ pub struct FacetErrors {
     pub facet_wrong_invalid: u64,
     /// Samples of settled facets off their own triangle, not compared, whose answer the facet's plane would change.
     pub facet_settled_elsewhere: u64,
+    /// The first wrong sample outside the band, in the order of the pixels: pixel, sample, triangle of the facet.
+    #[serde(skip)]
+    pub first_wrong: Option<[u32; 3]>,
 }
 
 impl FacetErrors {
@@ -128,6 +131,7 @@ impl FacetErrors {
             facet_wrong_occluded: self.facet_wrong_occluded + o.facet_wrong_occluded,
             facet_wrong_invalid: self.facet_wrong_invalid + o.facet_wrong_invalid,
             facet_settled_elsewhere: self.facet_settled_elsewhere + o.facet_settled_elsewhere,
+            first_wrong: [self.first_wrong, o.first_wrong].into_iter().flatten().min(),
         }
     }
 }
@@ -161,6 +165,7 @@ impl View<'_> {
         e.facet_samples = count(asked);
         let mut ambiguous = doubt & asked;
         let mut inside = wrong & doubt;
+        let mut surely_wrong = wrong & !doubt;
         match state {
             s if s == State::Dark as u32 => e.facet_wrong_dark = outside,
             s if s == State::Lit as u32 || s == State::Shadowed as u32 => {
@@ -171,10 +176,11 @@ impl View<'_> {
             }
             _ => {
                 e.facet_wrong_occluded = outside;
-                if self.validity {
+                if self.validity && ours != met {
                     let wrong = (!masks[2] ^ join_mask(truth.valid)) & met;
                     e.facet_wrong_invalid = count(wrong & !doubt_valid);
                     inside |= wrong & doubt_valid;
+                    surely_wrong |= wrong & !doubt_valid;
                     ambiguous |= doubt_valid & met;
                 }
             }
@@ -182,6 +188,7 @@ impl View<'_> {
         e.facet_wrong_in_band = count(inside);
         e.facet_ambiguous = count(ambiguous);
         e.facet_wrong_outside_band = outside + e.facet_wrong_invalid;
+        e.first_wrong = bits(surely_wrong).next().map(|k| [facet.pixel, k as u32, facet.triangle]);
         e
     }
 

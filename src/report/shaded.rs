@@ -21,7 +21,7 @@ pub struct Shading<'a> {
     pub visibility: &'a [f32],
 }
 
-const SURFACE: Vec3 = Vec3::new(0.80, 0.78, 0.74);
+const SURFACE: Vec3 = Vec3::new(0.70, 0.67, 0.62);
 const SUN: Vec3 = Vec3::new(0.95, 0.90, 0.80);
 const SKY_LIGHT: Vec3 = Vec3::new(0.30, 0.36, 0.45);
 const GROUND_LIGHT: Vec3 = Vec3::new(0.16, 0.15, 0.13);
