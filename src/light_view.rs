@@ -133,6 +133,17 @@ impl LightView {
     }
 }
 
+/// The power of two that makes points `(world - eye) * scale` of a box about as large as 1.
+pub fn unit_scale(eye: DVec3, (lowest, highest): (DVec3, DVec3)) -> f64 {
+    let reach = (lowest - eye).abs().max((highest - eye).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
+    power_of_two_below(1.0 / reach)
+}
+
+/// The largest power of two that is at most `x`.
+pub(crate) fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
 /// The scale and padding that keep the casters at least a texel inside the map, where it is that large.
 fn inside(map_size: u32) -> (f64, f64) {
     let size = f64::from(map_size);
