@@ -1,6 +1,6 @@
 //! What is the same for all kernels of a frame.
 
-use crate::light_view::LightView;
+use crate::light_view::{LightView, power_of_two_below, unit_scale};
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
 use crate::shared_struct;
@@ -96,20 +96,19 @@ impl Frame {
     /// Settle no facet before evaluation.
     pub const ALL_UNDECIDED: u32 = 8;
 
-    /// The frame of a camera, a light and its view of a scene that lies between `lowest` and `highest`.
+    /// The frame of a camera, a light and its view of a scene that lies between two corners.
     /// Counts of the mesh, lists and bands are left at 0.
     pub fn new(
         camera: &Camera,
         light: &Light,
         view: &LightView,
-        (lowest, highest): (DVec3, DVec3),
+        bounds: (DVec3, DVec3),
         [width, height]: [u32; 2],
         samples: &Samples,
     ) -> Self {
         let rays = camera.rays(width, height);
         let eye = rays.eye;
-        let reach = (lowest - eye).abs().max((highest - eye).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
-        let scale = power_of_two_below(1.0 / reach);
+        let scale = unit_scale(eye, bounds);
         let v = view.relative_to(eye, scale);
         let back = glam::DMat4::from_cols(v.u, v.v, v.z, v.w).transpose().inverse();
         let l = light.homogeneous();
@@ -164,11 +163,6 @@ impl Frame {
 fn split(v: DVec3) -> (DVec3, DVec3) {
     let high = v.as_vec3().as_dvec3();
     (high, v - high)
-}
-
-/// The largest power of two that is at most `x`.
-fn power_of_two_below(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// The sample offsets as the kernels take them: relative to the pixel centre, two to a vector, 128 in all.
