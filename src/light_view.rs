@@ -46,7 +46,14 @@ impl LightView {
             )));
         }
         let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let casters = caster_corners(mesh, light, bounds);
+        let mut casters = caster_corners(mesh, light, bounds);
+        if casters.is_empty() {
+            // Nothing casts on anything: any view will do that is one.
+            casters = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
+        }
+        if casters.is_empty() {
+            casters = vec![bounds.0, bounds.1];
+        }
         let l = light.homogeneous();
         Ok(if light.is_directional() {
             Self::directional(&casters, l.truncate().normalize(), map_size)
@@ -304,6 +311,20 @@ mod tests {
                 widest = widest.max(at);
             }
             assert!(widest.x > 60.0 && widest.y > 60.0, "{light:?}: the view is wider than its casters: {widest}");
+        }
+    }
+
+    #[test]
+    fn a_scene_in_which_nothing_casts_has_a_view_too() {
+        let sheet =
+            Mesh { positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], triangles: vec![[0, 2, 1]] };
+        for mesh in [sheet, Mesh::default()] {
+            for light in [Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [0.5, 6.0, 0.5] }]
+            {
+                let view = LightView::fit(&mesh, &light, 64).unwrap();
+                let inverse = DMat4::from_cols(view.u, view.v, view.z, view.w).inverse();
+                assert!(inverse.is_finite() && (view.near > 1.0 || light.is_directional()), "{light:?} {view:?}");
+            }
         }
     }
 
