@@ -3,6 +3,7 @@
 pub mod facet_masks;
 pub mod prepared;
 pub mod render;
+pub mod unshadowed;
 
 pub use facet_masks::{FacetMasks, Settings};
 pub use prepared::Prepared;
