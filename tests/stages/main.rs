@@ -2,9 +2,15 @@
 
 mod support;
 
+mod camera_visibility;
 mod compact;
 mod dispatch_args;
+mod front_layer;
+mod light_layers;
 mod prefix_scan;
 mod radix_sort;
+mod silhouette_mask;
 mod summed_area;
 mod texel_group;
+mod triangle_setup;
+mod vertex_project;
