@@ -24,3 +24,8 @@ pub mod truth;
 pub use error::{Error, Result};
 pub use glam;
 pub use wgpu;
+
+/// The library example of the README, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
