@@ -9,6 +9,7 @@
 //@import dispatch
 //@import rect
 //@import work_items
+//@import span
 
 struct Pass { index: u32 }
 
@@ -50,9 +51,18 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
     let nearest = max(min(depths.x, min(depths.y, depths.z)), frame.forward.w);
     let farthest = max(depths.x, max(depths.y, depths.z));
+    // Which sign is inside; a triangle edge-on to the eye is looked at cell by cell.
+    let turn = sign(distance);
+    let known = abs(distance) > 1e-5 * length(normal) * farthest;
     for (var y = block.low.y; y <= block.high.y; y++) {
-        for (var x = block.low.x; x <= block.high.x; x++) {
-            let at = vec3(1.0, f32(x) + 0.5, f32(y) + 0.5);
+        let row = f32(y) + 0.5;
+        var cut = span_of(block.low.x, block.high.x);
+        if known {
+            cut = cut_span(cut_span(cut_span(cut, turn * e0.yzx, row), turn * e1.yzx, row), turn * e2.yzx, row);
+        }
+        let cells = cells_of(cut, block.low.x, block.high.x);
+        for (var x = cells.x; x <= cells.y; x++) {
+            let at = vec3(1.0, f32(x) + 0.5, row);
             let v = vec3(dot(e0, at), dot(e1, at), dot(e2, at));
             if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { continue; }
             let raw = distance / dot(n, at);

@@ -101,7 +101,8 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let a = points[i.x].xyz;
     let b = points[i.y].xyz;
     let c = points[i.z].xyz;
-    var normal = cross(b - a, c - a);
+    let spread = cross(b - a, c - a);
+    var normal = spread;
     normal *= bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(normal)) & 0x7f800000u));  // a power of two: about 1
     let to_light = frame.light.xyz - frame.light.w * a;
     let side = dot(normal, to_light);
@@ -112,33 +113,27 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     }
     normal *= sign(side);
     let plane = vec4(normal, dot(normal, a));
-    facets[f].plane = plane;
     if plane.w >= 0.0 {
         settle(f, STATE_DARK);
         return;
     }
     let ray = pixel_ray(pixel);
     let depth = plane.w / dot(normal, ray);
-    let farthest = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
-    let limit = max(farthest, depth) * 1.0001;
-    var outline = facet_outline(pixel, plane, limit);
+    let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
+    let limit = max(far_corner, depth) * 1.0001;
+    let outline = facet_box(pixel, plane, limit);
     if !outline.whole { keep_own_triangle(f, given, ray); }
-    facets[f].limit = limit;
-    facets[f].nearest = outline.nearest;
-    facets[f].farthest = outline.farthest;
     var rect = EMPTY_RECT;
+    var low = vec2(-3.0e38);
+    var high = vec2(3.0e38);
+    var farthest = 3.0e38;
     if outline.in_front {
-        var low = outline.corners[0];
-        var high = low;
-        for (var k = 1u; k < outline.count; k++) {
-            low = min(low, outline.corners[k]);
-            high = max(high, outline.corners[k]);
-        }
+        low = outline.low;
+        high = outline.high;
+        farthest = outline.farthest;
         rect = cells_touched(low - frame.map_margin, high + frame.map_margin, vec2(frame.map_size));
     } else {
         rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
-        facets[f].nearest = 0.0;
-        facets[f].farthest = 3.0e38;
     }
     if is_empty(rect) {
         settle(f, STATE_LIT);
@@ -162,7 +157,37 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
             }
         }
     }
-    facets[f].state = STATE_UNDECIDED;
-    facets[f].rect = rect;
+    // One Newton step takes the rounding of the quotient out of the point at the centre.
+    let over = dot(normal, ray);
+    let raw = ray * depth;
+    let at = raw - ray * (dot(normal, raw - a) / over);
+    let tilt = 2.0 * largest(b - a) * largest(c - a) / largest(spread);
+    var facet: Facet;
+    facet.plane = plane;
+    facet.pixel = pixel;
+    facet.triangle = t;
+    facet.rect = rect;
+    facet.state = STATE_UNDECIDED;
+    facet.farthest = farthest;
+    facet.limit = limit;
+    facet.tilt = tilt;
+    facet.at = at;
+    facet.doubt = 5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a));
+    facet.box_low = low - frame.map_margin;
+    facet.box_high = high + frame.map_margin;
+    facet.slope = light_slope(plane);
+    facets[f] = facet;
     facet_items[f] = block_count(rect);
+}
+
+// Depth from the light over texels on a plane, as (per x, per y, at 0) and how far it may be off.
+fn light_slope(plane: vec4<f32>) -> vec4<f32> {
+    let p = vec4(plane.xyz, -plane.w);
+    let z = dot(p, frame.back_z);
+    let s = vec3(dot(p, frame.back_u), dot(p, frame.back_v), dot(p, frame.back_w)) / -z;
+    // Rounding of the products, over a map's width, and of the texels of what is compared with it.
+    let noise = 1e-6 * (dot(abs(p), abs(frame.back_u)) * f32(frame.map_size) + dot(abs(p), abs(frame.back_v)) * f32(frame.map_size)
+        + dot(abs(p), abs(frame.back_w)) + dot(abs(p), abs(frame.back_z))) / abs(z);
+    let off = noise + (abs(s.x) + abs(s.y)) * frame.map_margin + frame.depth_margin;
+    return vec4(s, select(3.0e38, off, off < 3.0e38));
 }

@@ -11,6 +11,7 @@
 //@import work_items
 //@import front_split
 //@import conservative
+//@import span
 
 const WORKGROUP = 64u;
 
@@ -39,8 +40,14 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     let shape = cover_triangle(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
     for (var y = block.low.y; y <= block.high.y; y++) {
-        for (var x = block.low.x; x <= block.high.x; x++) {
-            let centre = vec2(f32(x) + 0.5, f32(y) + 0.5);
+        let row = f32(y) + 0.5;
+        var cut = span_of(block.low.x, block.high.x);
+        if shape.in_front && !shape.thin {
+            cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
+        }
+        let cells = cells_of(cut, block.low.x, block.high.x);
+        for (var x = cells.x; x <= cells.y; x++) {
+            let centre = vec2(f32(x) + 0.5, row);
             if !covers(shape, centre) { continue; }
             let texel = y * frame.map_size + x;
             let first = nearest_keys[texel];

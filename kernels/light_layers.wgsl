@@ -9,6 +9,7 @@
 //@import rect
 //@import work_items
 //@import front_split
+//@import span
 
 struct Pass { index: u32 }
 
@@ -54,9 +55,16 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let farthest = max(a.z, max(b.z, c.z));
     let guard = CENTRE_GUARD * vec3(abs(ab.x) + abs(ab.y), abs(bc.x) + abs(bc.y), abs(ac.x) + abs(ac.y));
     let turn = select(-1.0, 1.0, area > 0.0);
+    // The edges again, grown by the guard, to cut rows by.
+    let cut_ab = vec3(turn * vec2(-ab.y, ab.x), turn * (ab.y * a.x - ab.x * a.y) + guard.x);
+    let cut_bc = vec3(turn * vec2(-bc.y, bc.x), turn * (bc.y * b.x - bc.x * b.y) + guard.y);
+    let cut_ca = vec3(turn * vec2(ac.y, -ac.x), turn * (ac.x * a.y - ac.y * a.x) + guard.z);
     for (var y = block.low.y; y <= block.high.y; y++) {
-        for (var x = block.low.x; x <= block.high.x; x++) {
-            let at = vec2(f32(x) + 0.5, f32(y) + 0.5);
+        let row = f32(y) + 0.5;
+        let cut = cut_span(cut_span(cut_span(span_of(block.low.x, block.high.x), cut_ab, row), cut_bc, row), cut_ca, row);
+        let cells = cells_of(cut, block.low.x, block.high.x);
+        for (var x = cells.x; x <= cells.y; x++) {
+            let at = vec2(f32(x) + 0.5, row);
             let pa = at - a.xy;
             let pb = at - b.xy;
             let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);

@@ -3,7 +3,8 @@
 // Pass 0 writes `texel_counts` (pairs of each texel) and `texel_deepest` (one more than the bits of the farthest facet's
 // depth, 0 where there is no pair; after the texels, one word for each 8 x 8 block of them, not 0 where any has a pair).
 // Pass 1 writes `pairs` (facet, texel) at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
-// A texel that a facet touches makes no pair where no caster is, or where the facet lies before the split depth.
+// A texel that a facet touches makes no pair where no caster is, nor, without validity masks, where the facet lies before
+// the split depth.
 
 //@import frame
 //@import dispatch
@@ -36,13 +37,15 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let block = block_of(facet.rect, item - work_offsets[f]);
     var outline = facet_outline(facet.pixel, facet.plane, facet.limit);
     let reach = 0.5 + frame.map_margin;
+    // With validity masks even the facet's own sheet is looked at: its triangles may cut samples off.
+    let skip_front = (frame.flags & (FLAG_ALL_UNDECIDED | FLAG_VALIDITY)) == 0u;
     let deepest = bitcast<u32>(max(facet.farthest, 0.0)) + 1u;
     for (var y = block.low.y; y <= block.high.y; y++) {
         for (var x = block.low.x; x <= block.high.x; x++) {
             let texel = y * frame.map_size + x;
             let split = splits[texel];
             if split == UNCOVERED { continue; }
-            if split != MARKED && facet.farthest + frame.depth_margin < split && (frame.flags & FLAG_ALL_UNDECIDED) == 0u { continue; }
+            if split != MARKED && skip_front && facet.farthest + frame.depth_margin < split { continue; }
             if !outline_touches(&outline, vec2(f32(x) + 0.5, f32(y) + 0.5), reach) { continue; }
             let rank = atomicAdd(&texel_counts[texel], 1u);
             if step.index == 0u {

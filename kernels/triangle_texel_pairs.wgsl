@@ -8,6 +8,7 @@
 //@import rect
 //@import work_items
 //@import conservative
+//@import span
 
 struct Pass { index: u32 }
 
@@ -36,11 +37,17 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let shape = cover_triangle(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
     for (var y = block.low.y; y <= block.high.y; y++) {
-        for (var x = block.low.x; x <= block.high.x; x++) {
+        let row = f32(y) + 0.5;
+        var cut = span_of(block.low.x, block.high.x);
+        if shape.in_front && !shape.thin {
+            cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
+        }
+        let cells = cells_of(cut, block.low.x, block.high.x);
+        for (var x = cells.x; x <= cells.y; x++) {
             let texel = y * frame.map_size + x;
             let deepest = texel_deepest[texel];
             if deepest == 0u { continue; }
-            let centre = vec2(f32(x) + 0.5, f32(y) + 0.5);
+            let centre = vec2(f32(x) + 0.5, row);
             if !covers(shape, centre) { continue; }
             if shape.in_front && depth_range(shape, centre).x - frame.depth_margin > bitcast<f32>(deepest - 1u) { continue; }
             let rank = atomicAdd(&texel_counts[texel], 1u);

@@ -1,140 +1,166 @@
 // visibility_masks: which samples of each undecided facet are occluded, and which are not valid (Pan 2009, section 3.4).
-// One invocation a pixel-texel pair loops over the triangles of its texel and ors their masks in registers; then one
-// atomicOr a word into `masks` (coverage, occluded, invalid: WORDS words each). `round` picks which ROUND_LENGTH
-// triangles of long lists this dispatch looks at.
+// One invocation a candidate pair of facet and triangle; its result is or-ed into `masks` (coverage, occluded, invalid:
+// WORDS words each).
 //
 // A sample is occluded by a triangle iff the segment from its point on the facet's plane to the light crosses it: the
 // point lies inside three planes through the light and an edge and beyond the triangle's own plane. In the image each of
-// the four is a half-plane, found without division: see shared/shadow_lines. Edges count as inside for both triangles at
-// them, the triangle's own plane for none.
-// A triangle with no part strictly on the light's side of the facet casts nothing on it. A line that single precision
-// places no better than LINE_TRUST pixels is computed again with 46 bits.
+// the four is a half-plane, found without division: see shared/shadow_lines. A triangle with no part strictly on the
+// light's side of the facet casts nothing on it.
+// `evaluate` works in single precision and puts every candidate it cannot decide, or whose lines it cannot place within
+// LINE_TRUST pixels, on the list `doubts`; `refine` decides those with 46 bits.
 
 //@import frame
 //@import dispatch
 //@import facet
 //@import facing
 //@import double_float
+//@import candidates
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
-const ROUND_LENGTH = 1024u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> facets: array<Facet>;
-@group(0) @binding(3) var<storage, read> pairs: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read_write> status: array<atomic<u32>>;
-@group(0) @binding(5) var<storage, read> triangle_offsets: array<u32>;
-@group(0) @binding(6) var<storage, read> pair_triangles: array<u32>;
-@group(0) @binding(7) var<storage, read> triangles: array<u32>;
-@group(0) @binding(8) var<storage, read> positions: array<f32>;
-@group(0) @binding(9) var<storage, read_write> masks: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> candidates: Candidates;
+@group(0) @binding(4) var<storage, read> triangles: array<u32>;
+@group(0) @binding(5) var<storage, read> positions: array<f32>;
+@group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> doubts: array<u32>;
 
 //@import shadow_lines
+//@import shadow_lines_46
 
-const STATUS_PAIRS = 0u;         // pixel-texel pairs needed
-const STATUS_LONGEST = 9u;       // longest triangle list that was met
-const STATUS_EVALUATIONS = 10u;  // triangle and facet evaluated against each other, low and high word
+// Four half-planes as matrices: column k holds what line k is at the centre, per pixel right, per pixel down.
+struct Lines {
+    centre: vec4<f32>,
+    right: vec4<f32>,
+    down: vec4<f32>,
+}
 
-var<workgroup> wg_evaluations: atomic<u32>;
-
-fn word_mask(word: u32, line: vec3<f32>, strict: bool) -> u32 {
-    var bits = 0u;
+// Samples inside all four lines. A sample on a line is inside for one of the two triangles that share it.
+fn word_mask(word: u32, l: Lines) -> u32 {
+    var out = 0u;
     let count = (min(frame.sample_count, 32u) + 1u) >> 1u;
     let first = word << 4u;
     for (var k = 0u; k < count; k++) {
         let s = samples[first + k];
-        let v = line.x + line.y * s.xz + line.z * s.yw;
-        let inside = select(v >= vec2(0.0), v > vec2(0.0), strict);
-        bits |= (select(0u, 1u, inside.x) | select(0u, 2u, inside.y)) << (2u * k);
+        let a = l.centre + s.x * l.right + s.y * l.down;
+        let b = l.centre + s.z * l.right + s.w * l.down;
+        let ma = min(min(a.x, a.y), min(a.z, a.w));
+        let mb = min(min(b.x, b.y), min(b.z, b.w));
+        out |= ((bitcast<u32>(ma) >> 31u) | ((bitcast<u32>(mb) >> 31u) << 1u)) << (2u * k);
     }
-    return bits;
+    return ~out;
 }
 
-fn half_plane(line: vec3<f32>, strict: bool) -> vec4<u32> {
-    // Lines that no sample of the pixel can be beyond.
-    let reach = 0.501 * (abs(line.y) + abs(line.z));
-    if line.x > reach { return vec4(0xffffffffu); }
-    if line.x < -reach { return vec4(0u); }
+fn inside(l: Lines) -> vec4<u32> {
+    let reach = 0.501 * (abs(l.right) + abs(l.down));
+    if any(l.centre < -reach) { return vec4(0u); }
+    if all(l.centre > reach) { return vec4(0xffffffffu); }
     var m = vec4(0u);
-    m.x = word_mask(0u, line, strict);
-    if WORDS > 1u { m.y = word_mask(1u, line, strict); }
+    m.x = word_mask(0u, l);
+    if WORDS > 1u { m.y = word_mask(1u, l); }
     if WORDS > 2u {
-        m.z = word_mask(2u, line, strict);
-        m.w = word_mask(3u, line, strict);
+        m.z = word_mask(2u, l);
+        m.w = word_mask(3u, l);
     }
     return m;
 }
 
-// The mask of triangle `i` (vertex indices in rising order) on the facet, and in `invalid` what it makes invalid.
-fn triangle_mask(g: Ground, i: vec3<u32>, invalid: ptr<function, vec4<u32>>) -> vec4<u32> {
+fn add(f: u32, part: u32, m: vec4<u32>) {
+    for (var w = 0u; w < WORDS; w++) {
+        let at = 3u * WORDS * f + part * WORDS + w;
+        if (m[w] & ~atomicLoad(&masks[at])) != 0u { atomicOr(&masks[at], m[w]); }
+    }
+}
+
+// Takes in what a triangle does to a facet: `turn` 1 if it faces the light, `h` its heights over the facet.
+fn apply(f: u32, g: Ground, l: Lines, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
+    let m = inside(l);
+    if any(m != vec4(0u)) { add(f, 1u, m); }
+    if (frame.flags & FLAG_VALIDITY) == 0u || all(h > vec3(0.0)) { return; }
+    let own = vec3(l.centre.w, l.right.w, l.down.w);
+    if own.x == 0.0 || !meets_pixel(own, a, b, c, h, g.pixel) { return; }
+    // The samples on the other side of the line than the pixel centre see another surface.
+    let far = -sign(own.x);
+    let one = Lines(vec4(far * own.x), vec4(far * own.y), vec4(far * own.z));
+    add(f, 2u, inside(one));
+}
+
+fn rising(t: u32) -> vec3<u32> {
+    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    return i;
+}
+
+// False if single precision cannot tell.
+fn settle(f: u32, t: u32) -> bool {
+    let i = rising(t);
     let a = point_of(i.x);
     let b = point_of(i.y);
     let c = point_of(i.z);
-    let h = vec3(height_of(g, i.x, a), height_of(g, i.y, b), height_of(g, i.z, c));
-    if all(h <= vec3(0.0)) { return vec4(0u); }
-    let turn = turn_of(a, b, c, i);
-    if turn == 0.0 { return vec4(0u); }
-    var m = vec4(0xffffffffu);
-    if !all(h > vec3(0.0)) {
-        let line = turn * own_line(g, a, b, c, i);
-        m = half_plane(line, true);
-        if (frame.flags & FLAG_VALIDITY) != 0u && meets_pixel(line, a, b, c, h, g.pixel) {
-            // The samples on the other side of the line than the pixel centre see another surface.
-            if line.x > 0.0 { *invalid |= ~half_plane(line, false); }
-            if line.x < 0.0 { *invalid |= m; }
-        }
-        if all(m == vec4(0u)) { return m; }
+    let side = facing_of(a, b, c, frame.light);
+    if side == UNSURE { return false; }
+    let g = ground_of(f);
+    let turn = select(-1.0, 1.0, side == FRONT);
+    let ab = edge_line(g, a, b);
+    let bc = edge_line(g, b, c);
+    let ac = edge_line(g, a, c);
+    var l = Lines(
+        turn * vec4(ab.x, bc.x, -ac.x, 0.0), turn * vec4(ab.y, bc.y, -ac.y, 0.0), turn * vec4(ab.z, bc.z, -ac.z, 0.0));
+    var error = vec4(ab.w, bc.w, ac.w, 0.0);
+    let reach = 0.501 * (abs(l.right) + abs(l.down));
+    // Wholly outside an edge: nothing is cast, and no cut of the facet lies in the pixel either.
+    if any(l.centre.xyz < -reach.xyz - error.xyz) { return true; }
+    let h = vec3(height_of(g, is_own(i.x, g.own), a), height_of(g, is_own(i.y, g.own), b), height_of(g, is_own(i.z, g.own), c));
+    if any(h == vec3(OPEN)) { return false; }
+    if all(h <= vec3(0.0)) { return true; }
+    if all(h > vec3(0.0)) {
+        l.centre.w = 3.0e38;
+    } else {
+        let own = own_line(g, a, b, c);
+        l.centre.w = turn * own.x;
+        l.right.w = turn * own.y;
+        l.down.w = turn * own.z;
+        error.w = own.w;
     }
-    m &= half_plane(turn * edge_line(g, a, b, i.xy), false);
-    if all(m == vec4(0u)) { return m; }
-    m &= half_plane(turn * edge_line(g, b, c, i.yz), false);
-    if all(m == vec4(0u)) { return m; }
-    return m & half_plane(-turn * edge_line(g, a, c, i.xz), false);
+    let slope = abs(l.right) + abs(l.down);
+    let doubtful = (error > LINE_TRUST * slope) & (abs(l.centre) <= 0.501 * slope + error);
+    if any(doubtful) { return false; }
+    apply(f, g, l, a, b, c, h);
+    return true;
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let k = flat_invocation(group, groups, WORKGROUP, local);
-    var done = 0u;
-    if k < min(atomicLoad(&status[STATUS_PAIRS]), frame.pixel_texel_capacity) { done = evaluate_pair(pairs[k]); }
-    atomicAdd(&wg_evaluations, done);
-    workgroupBarrier();
-    if local == 0u {
-        let sum = atomicLoad(&wg_evaluations);
-        let before = atomicAdd(&status[STATUS_EVALUATIONS], sum);
-        if before + sum < before { atomicAdd(&status[STATUS_EVALUATIONS + 1u], 1u); }
-    }
+    if k >= min(atomicLoad(&candidates.tally[TALLY_CANDIDATES]), frame.candidate_capacity) { return; }
+    let pair = candidates.list[k];
+    if !settle(pair.x, pair.y) { doubts[atomicAdd(&candidates.tally[TALLY_DOUBTS], 1u)] = k; }
 }
 
-// Evaluates one facet against the triangles of one texel; returns how many.
-fn evaluate_pair(pair: vec2<u32>) -> u32 {
-    let list = triangle_offsets[pair.y];
-    let list_end = min(triangle_offsets[pair.y + 1u], frame.triangle_texel_capacity);
-    if list_end > list + ROUND_LENGTH { atomicMax(&status[STATUS_LONGEST], list_end - list); }
-    let first = list + frame.round * ROUND_LENGTH;
-    let end = min(list_end, first + ROUND_LENGTH);
-    if first >= end { return 0u; }
-    let facet = facets[pair.x];
-    let g = ground_of(facet);
-    var occluded = vec4(0u);
-    var invalid = vec4(0u);
-    for (var n = first; n < end; n++) {
-        let t = pair_triangles[n];
-        if t == facet.triangle { continue; }
-        var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
-        if i.x > i.y { i = i.yxz; }
-        if i.y > i.z { i = i.xzy; }
-        if i.x > i.y { i = i.yxz; }
-        occluded |= triangle_mask(g, i, &invalid);
-    }
-    let base = 3u * WORDS * pair.x;
-    for (var w = 0u; w < WORDS; w++) {
-        let o = base + WORDS + w;
-        if (occluded[w] & ~atomicLoad(&masks[o])) != 0u { atomicOr(&masks[o], occluded[w]); }
-        let v = base + 2u * WORDS + w;
-        if (invalid[w] & ~atomicLoad(&masks[v])) != 0u { atomicOr(&masks[v], invalid[w]); }
-    }
-    return end - first;
+@compute @workgroup_size(WORKGROUP)
+fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let k = flat_invocation(group, groups, WORKGROUP, local);
+    if k >= atomicLoad(&candidates.tally[TALLY_DOUBTS]) { return; }
+    let pair = candidates.list[doubts[k]];
+    let i = rising(pair.y);
+    let g = ground_of(pair.x);
+    let n = full_normal(g.own);
+    let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
+    if all(h <= vec3(0.0)) { return; }
+    let turn = full_turn_of(i);
+    if turn == 0.0 { return; }
+    let p = full_point_of(i.x);
+    let ab = full_edge_line(g, n, i.xy);
+    let bc = full_edge_line(g, n, i.yz);
+    let ac = full_edge_line(g, n, i.xz);
+    var own = vec3(3.0e38, 0.0, 0.0) * turn;
+    if !all(h > vec3(0.0)) { own = full_line(g, n, full_normal(i), p); }
+    let l = Lines(
+        turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y), turn * vec4(ab.z, bc.z, -ac.z, own.z));
+    apply(pair.x, g, l, point_of(i.x), point_of(i.y), point_of(i.z), h);
 }

@@ -1,6 +1,6 @@
 //! What is the same for all kernels of a frame.
 
-use crate::light_view::LightView;
+use crate::light_view::{LightView, power_of_two_below, unit_scale};
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
 use crate::shared_struct;
@@ -37,6 +37,14 @@ shared_struct! {
         pub map_z: [f32; 4],
         /// Light view, row of the divisor.
         pub map_w: [f32; 4],
+        /// Inverse of the rows of the light view, column u.
+        pub back_u: [f32; 4],
+        /// Inverse of the rows of the light view, column v.
+        pub back_v: [f32; 4],
+        /// Inverse of the rows of the light view, column z.
+        pub back_z: [f32; 4],
+        /// Inverse of the rows of the light view, column w.
+        pub back_w: [f32; 4],
         /// Pixels.
         pub image_size: [u32; 2],
         /// Texels a side.
@@ -63,10 +71,18 @@ shared_struct! {
         pub pixel_texel_capacity: u32,
         /// Triangle-texel pairs the list can hold.
         pub triangle_texel_capacity: u32,
+        /// Candidates the list can hold.
+        pub candidate_capacity: u32,
         /// Which slice of long triangle lists is evaluated.
         pub round: u32,
         /// Facets of all bands.
         pub facets_total: u32,
+        /// Unused.
+        pub pad_0: u32,
+        /// Unused.
+        pub pad_1: u32,
+        /// Unused.
+        pub pad_2: u32,
     }
 }
 
@@ -80,21 +96,21 @@ impl Frame {
     /// Settle no facet before evaluation.
     pub const ALL_UNDECIDED: u32 = 8;
 
-    /// The frame of a camera, a light and its view of a scene that lies between `lowest` and `highest`.
+    /// The frame of a camera, a light and its view of a scene that lies between two corners.
     /// Counts of the mesh, lists and bands are left at 0.
     pub fn new(
         camera: &Camera,
         light: &Light,
         view: &LightView,
-        (lowest, highest): (DVec3, DVec3),
+        bounds: (DVec3, DVec3),
         [width, height]: [u32; 2],
         samples: &Samples,
     ) -> Self {
         let rays = camera.rays(width, height);
         let eye = rays.eye;
-        let reach = (lowest - eye).abs().max((highest - eye).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
-        let scale = power_of_two_below(1.0 / reach);
+        let scale = unit_scale(eye, bounds);
         let v = view.relative_to(eye, scale);
+        let back = glam::DMat4::from_cols(v.u, v.v, v.z, v.w).transpose().inverse();
         let l = light.homogeneous();
         let to_light = if l.w == 0.0 {
             l.truncate() * power_of_two_below(1.0 / l.truncate().abs().max_element())
@@ -128,6 +144,10 @@ impl Frame {
             map_v: v.v.as_vec4().into(),
             map_z: v.z.as_vec4().into(),
             map_w: v.w.as_vec4().into(),
+            back_u: back.x_axis.as_vec4().into(),
+            back_v: back.y_axis.as_vec4().into(),
+            back_z: back.z_axis.as_vec4().into(),
+            back_w: back.w_axis.as_vec4().into(),
             image_size: [width, height],
             map_size: view.map_size,
             sample_count: samples.count(),
@@ -143,11 +163,6 @@ impl Frame {
 fn split(v: DVec3) -> (DVec3, DVec3) {
     let high = v.as_vec3().as_dvec3();
     (high, v - high)
-}
-
-/// The largest power of two that is at most `x`.
-fn power_of_two_below(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// The sample offsets as the kernels take them: relative to the pixel centre, two to a vector, 128 in all.

@@ -3,6 +3,7 @@
 use crate::scene::{Light, Mesh};
 use crate::{Error, Result};
 use glam::{DMat4, DVec3, DVec4};
+use rayon::prelude::*;
 
 /// Rows that take a world point `p` to the light view: texel `x = u·(p,1) / w·(p,1)`, likewise `y` and `depth`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,9 +27,13 @@ pub struct LightView {
 /// Widest half angle of the view of a point or spot light, as its tangent: 80 degrees.
 const WIDEST: f64 = 5.671_281_819_617_709;
 
+/// Steps towards the middle of all directions; the cone is then within a few degrees of the narrowest.
+const CONE_ROUNDS: u32 = 32;
+
 impl LightView {
     /// Fits the view to the casters of `mesh`. Triangles with the whole scene on their light side, such as a ground, cast
-    /// nothing and widen it not. A spot or point light gets one view, turned to the middle of the casters.
+    /// nothing and widen it not. A spot or point light gets one view, along the axis of the narrowest cone that holds the
+    /// casters (nearly): casters to the side then keep their distance from the plane through the light.
     ///
     /// # Errors
     /// [`Error::Scene`] if the light cannot be used, [`Error::Config`] if the map has no or too many texels.
@@ -46,14 +51,9 @@ impl LightView {
         Ok(if light.is_directional() {
             Self::directional(&casters, l.truncate().normalize(), map_size)
         } else {
-            let middle = (bounds.0 + bounds.1) * 0.5;
-            let aim = match *light {
-                Light::Spot { target, .. } => glam::Vec3::from(target).as_dvec3(),
-                _ => casters.iter().sum::<DVec3>() / casters.len().max(1) as f64,
-            };
-            let towards = aim - l.truncate();
-            let axis = if towards == DVec3::ZERO { middle - l.truncate() } else { towards };
-            Self::perspective(&casters, l.truncate(), axis.try_normalize().unwrap_or(DVec3::NEG_Y), map_size)
+            let start = light.towards((bounds.0 + bounds.1) * 0.5).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
+            let axis = middle_of_directions(&casters, l.truncate(), start);
+            Self::perspective(&casters, l.truncate(), axis, map_size)
         })
     }
 
@@ -133,6 +133,17 @@ impl LightView {
     }
 }
 
+/// The power of two that makes points `(world - eye) * scale` of a box about as large as 1.
+pub fn unit_scale(eye: DVec3, (lowest, highest): (DVec3, DVec3)) -> f64 {
+    let reach = (lowest - eye).abs().max((highest - eye).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
+    power_of_two_below(1.0 / reach)
+}
+
+/// The largest power of two that is at most `x`.
+pub(crate) fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
 /// The scale and padding that keep the casters at least a texel inside the map, where it is that large.
 fn inside(map_size: u32) -> (f64, f64) {
     let size = f64::from(map_size);
@@ -148,6 +159,22 @@ fn padded(lo: DVec3, hi: DVec3) -> (DVec3, DVec3) {
     let least = size.max_element().max(lo.abs().max_element() * 1e-6).max(1e-30) * 1e-3;
     let grown = size.max(DVec3::splat(least));
     (lo - (grown - size) * 0.5, grown)
+}
+
+/// The axis of nearly the narrowest cone from `light` that holds all `points`: the farthest direction draws it nearer, by
+/// less each time (Bădoiu and Clarkson 2003).
+fn middle_of_directions(points: &[DVec3], light: DVec3, start: DVec3) -> DVec3 {
+    let directions: Vec<DVec3> = points.par_iter().filter_map(|p| (*p - light).try_normalize()).collect();
+    let mut axis = start;
+    for round in 0..CONE_ROUNDS {
+        let farthest = (0..directions.len())
+            .into_par_iter()
+            .map(|k| (directions[k].dot(axis), k))
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let Some((_, k)) = farthest else { break };
+        axis = (axis + (directions[k] - axis) / f64::from(round + 2)).try_normalize().unwrap_or(axis);
+    }
+    axis
 }
 
 /// Two unit axes across `along`.
@@ -255,6 +282,22 @@ mod tests {
                 widest = widest.max(at);
             }
             assert!(widest.x > 60.0 && widest.y > 60.0, "{light:?}: the view is wider than its casters: {widest}");
+        }
+    }
+
+    #[test]
+    fn a_wide_floor_under_a_point_light_lies_in_front_of_it() {
+        for name in ["spheres", "cage"] {
+            let scene = crate::scene::builtin(name).unwrap();
+            let view = LightView::fit(&scene.mesh, &scene.light, 512).unwrap();
+            for p in &scene.mesh.positions {
+                let at = view.project(glam::Vec3::from(*p).as_dvec3()).unwrap_or(DVec3::NAN);
+                assert!(at.min_element() >= -1e-9 && at.x <= 511.01 && at.y <= 511.01, "{name}: {p:?} at {at}");
+            }
+            let samples = crate::samples::Samples::new(Default::default(), 32).unwrap();
+            let bounds = scene.mesh.bounds().unwrap();
+            let frame = crate::frame::Frame::new(&scene.camera, &scene.light, &view, bounds, [8, 6], &samples);
+            assert!(frame.map_margin < 0.1 && frame.depth_margin < 1e-3, "{name}: {}", frame.map_margin);
         }
     }
 

@@ -6,9 +6,14 @@ struct Facet {
     triangle: u32,      // the triangle whose plane it is
     rect: vec2<u32>,    // texels its light-view outline touches
     state: u32,
-    nearest: f32,       // range of its depth from the light
-    farthest: f32,
+    farthest: f32,      // its largest depth from the light
     limit: f32,         // view depth beyond which the plane is not followed
+    tilt: f32,          // relative rounding of the normal, in units of 2^-24
+    at: vec3<f32>,      // its point at the pixel centre
+    doubt: f32,         // how far rounding may have moved that point along its ray, times -dot(plane.xyz, ray)
+    box_low: vec2<f32>, // box of its outline, in texels
+    box_high: vec2<f32>,
+    slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w
 }
 
 const STATE_EMPTY = 0u;      // no surface: counts as lit
@@ -22,7 +27,6 @@ const PIXEL_REACH = 0.50390625;  // half a pixel and 1/256: samples lie well ins
 struct Outline {
     corners: array<vec2<f32>, 5>,  // in texels, in order around
     count: u32,
-    nearest: f32,
     farthest: f32,
     in_front: bool,                // the whole outline lies in front of the light
     whole: bool,                   // every ray of the pixel meets the plane in front of the limit
@@ -34,12 +38,54 @@ fn pixel_ray(pixel: u32) -> vec3<f32> {
     return frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
 }
 
+// The box of the outline, without its corners.
+struct OutlineBox {
+    low: vec2<f32>,
+    high: vec2<f32>,
+    farthest: f32,
+    in_front: bool,
+    whole: bool,
+}
+
+fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
+    let p = vec4(point, 1.0);
+    var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+    if (frame.flags & FLAG_PERSPECTIVE) != 0u {
+        let w = dot(frame.map_w, p);
+        if w <= frame.light_low.w { (*out).in_front = false; }
+        uvz /= w;
+    }
+    (*out).low = min((*out).low, uvz.xy);
+    (*out).high = max((*out).high, uvz.xy);
+    (*out).farthest = max((*out).farthest, uvz.z);
+}
+
+fn box_add_side(out: ptr<function, OutlineBox>, plane: vec4<f32>, limit: f32, ray: vec3<f32>, next: vec3<f32>) {
+    let bound = plane.w / limit;
+    let along = dot(plane.xyz, ray);
+    let over = along - bound;
+    let over_next = dot(plane.xyz, next) - bound;
+    if over <= 0.0 { box_add(out, ray * (plane.w / along)); } else { (*out).whole = false; }
+    if (over <= 0.0) != (over_next <= 0.0) { box_add(out, mix(ray, next, over / (over - over_next)) * limit); }
+}
+
+fn facet_box(pixel: u32, plane: vec4<f32>, limit: f32) -> OutlineBox {
+    var out = OutlineBox(vec2(3.0e38), vec2(-3.0e38), -3.0e38, true, true);
+    let centre = pixel_ray(pixel);
+    let dx = PIXEL_REACH * frame.ray_x.xyz;
+    let dy = PIXEL_REACH * frame.ray_y.xyz;
+    box_add_side(&out, plane, limit, centre - dx - dy, centre + dx - dy);
+    box_add_side(&out, plane, limit, centre + dx - dy, centre + dx + dy);
+    box_add_side(&out, plane, limit, centre + dx + dy, centre - dx + dy);
+    box_add_side(&out, plane, limit, centre - dx + dy, centre - dx - dy);
+    return out;
+}
+
 // The pixel's footprint on `plane` as the light sees it, cut off where view depth exceeds `limit`.
 fn facet_outline(pixel: u32, plane: vec4<f32>, limit: f32) -> Outline {
     var out: Outline;
     out.in_front = true;
     out.whole = true;
-    out.nearest = 3.0e38;
     out.farthest = -3.0e38;
     let centre = pixel_ray(pixel);
     // A ray meets the plane nearer than the limit where `over <= 0`.
@@ -75,7 +121,6 @@ fn outline_add(out: ptr<function, Outline>, point: vec3<f32>) {
         (*out).corners[(*out).count] = uvz.xy;
         (*out).count += 1u;
     }
-    (*out).nearest = min((*out).nearest, uvz.z);
     (*out).farthest = max((*out).farthest, uvz.z);
 }
 

@@ -16,6 +16,10 @@ struct Frame {
     map_v: vec4<f32>,
     map_z: vec4<f32>,        // depth from the light, 0 at the nearest caster, growing away from the light
     map_w: vec4<f32>,
+    back_u: vec4<f32>,       // columns of the inverse of the rows map_u, map_v, map_z, map_w
+    back_v: vec4<f32>,
+    back_z: vec4<f32>,
+    back_w: vec4<f32>,
     image_size: vec2<u32>,
     map_size: u32,
     sample_count: u32,
@@ -29,8 +33,12 @@ struct Frame {
     facet_count: u32,
     pixel_texel_capacity: u32,
     triangle_texel_capacity: u32,
+    candidate_capacity: u32,
     round: u32,              // which slice of the triangle lists is evaluated
     facets_total: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
 }
 
 const FLAG_CULL_BACK = 1u;      // the mesh is closed: triangles that face away from the light cast nothing of their own

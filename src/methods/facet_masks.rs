@@ -3,24 +3,26 @@
 use super::prepared::CasterBuffers;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::kernels::{
-    camera_visibility, dispatch_args, light_layers, pixel_texel_pairs, silhouette_mask, visibility_masks,
+    camera_visibility, candidate_pairs, dispatch_args, light_layers, pixel_texel_pairs, silhouette_mask,
+    visibility_masks,
 };
 use crate::gpu::{Buffer, Groups, Program, Recorder};
 use crate::light_view::LightView;
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility};
+use crate::stages::candidate_pairs::{CandidatePairs, tally};
 use crate::stages::facet_classify::{FacetClassify, Facets, Surroundings};
 use crate::stages::front_layer::FrontLayer;
 use crate::stages::light_layers::{Layers, LightLayers};
-use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs};
+use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_WORDS};
 use crate::stages::resolve::Resolve;
 use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
 use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
 use crate::stages::vertex_project::VertexProject;
-use crate::stages::visibility_masks::VisibilityMasks;
+use crate::stages::visibility_masks::{Casters, VisibilityMasks};
 use crate::stages::{Count, PrefixScan, SummedArea, prefix_scan, summed_area};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -65,20 +67,18 @@ impl Settings {
 
 /// Words of the status buffer.
 pub mod status {
-    /// Pixel-texel pairs of the band at work.
-    pub const PAIRS: usize = 0;
     /// Silhouette edges.
     pub const EDGES: usize = 8;
-    /// Longest triangle list of one texel, if above one round.
-    pub const LONGEST: usize = 9;
-    /// Evaluations, low and high word.
-    pub const EVALUATIONS: usize = 10;
+    /// Triangles tested against facets, low and high word.
+    pub const TESTS: usize = 10;
     /// Facets by state.
     pub const STATES: usize = 16;
     /// Marked texels.
     pub const TEXELS: usize = 24;
-    /// First word of the bands: pixel-texel pairs and flag, triangle-texel pairs and flag.
+    /// First word of the bands.
     pub const BANDS: usize = 32;
+    /// Words of a band: pixel-texel pairs and flag, triangle-texel pairs and flag, candidates, doubts, longest list, unused.
+    pub const BAND_WORDS: usize = 8;
 }
 
 /// Indirect arguments, by position.
@@ -89,6 +89,8 @@ enum Arg {
     Edges,
     Facets,
     Pairs,
+    Candidates,
+    Doubts,
 }
 
 impl Arg {
@@ -104,9 +106,11 @@ pub struct Capacities {
     pub pixel_pairs: usize,
     /// Triangle-texel pairs of a band.
     pub triangle_pairs: usize,
+    /// Candidates of a band.
+    pub candidates: usize,
     /// Bands of facets that are evaluated one after the other.
     pub bands: u32,
-    /// Rounds of [`visibility_masks::ROUND_LENGTH`] triangles.
+    /// Rounds of [`candidate_pairs::ROUND_LENGTH`](crate::stages::candidate_pairs::ROUND_LENGTH) triangles.
     pub rounds: u32,
 }
 
@@ -123,6 +127,7 @@ pub struct FacetMasks {
     classify: FacetClassify,
     pixel_pairs: PixelTexelPairs,
     triangle_pairs: TriangleTexelPairs,
+    candidates: CandidatePairs,
     masks: VisibilityMasks,
     resolve: Resolve,
     scan: PrefixScan,
@@ -153,7 +158,7 @@ struct Memory {
     lists: PairLists,
     scan_scratch: prefix_scan::Scratch,
     args: Buffer<u32>,
-    requests: [Buffer<[u32; 4]>; 5],
+    requests: Requests,
     status: Buffer<u32>,
     visibility: Buffer<f32>,
     lit: Buffer<u32>,
@@ -187,6 +192,7 @@ impl FacetMasks {
             classify: FacetClassify::new(device, words),
             pixel_pairs: PixelTexelPairs::new(device),
             triangle_pairs: TriangleTexelPairs::new(device),
+            candidates: CandidatePairs::new(device, words),
             masks: VisibilityMasks::new(device, words),
             resolve: Resolve::new(device, words),
             scan: PrefixScan::new(device),
@@ -203,17 +209,12 @@ impl FacetMasks {
     pub fn resize(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, capacities: Capacities) -> Result<()> {
         let size = self.settings.map as usize;
         let m = &mut self.memory;
-        m.lists = PairLists::new(device, size, capacities.pixel_pairs, capacities.triangle_pairs)?;
+        m.lists =
+            PairLists::new(device, size, capacities.pixel_pairs, capacities.triangle_pairs, capacities.candidates)?;
         m.frames = frames(device, capacities)?;
-        let counts = [
-            m.camera_offsets.len(),
-            m.light_offsets.len(),
-            m.edge_offsets.len(),
-            m.facet_offsets.len(),
-            size * size + 2,
-        ];
-        m.requests = requests(device, queue, counts.map(|len| len - 2), capacities.pixel_pairs)?;
-        m.status = Buffer::storage(device, "status", status::BANDS + 4 * capacities.bands as usize)?;
+        let totals = [m.camera_offsets.len(), m.light_offsets.len(), m.edge_offsets.len(), m.facet_offsets.len()];
+        m.requests = requests(device, queue, totals.map(|len| len - 2), capacities)?;
+        m.status = Buffer::storage(device, "status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?;
         self.capacities = capacities;
         Ok(())
     }
@@ -245,6 +246,7 @@ impl FacetMasks {
         frame.facets_total = self.memory.facets.list.len() as u32;
         frame.pixel_texel_capacity = self.capacities.pixel_pairs as u32;
         frame.triangle_texel_capacity = self.capacities.triangle_pairs as u32;
+        frame.candidate_capacity = self.capacities.candidates as u32;
         let share = frame.facets_total.div_ceil(self.capacities.bands);
         for band in 0..self.capacities.bands {
             for round in 0..self.capacities.rounds {
@@ -271,6 +273,7 @@ impl FacetMasks {
         }
         rec.clear(m.layers.mask.raw());
         rec.clear(m.status.raw());
+        rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
         {
             let stage = &mut rec.stage("triangle_setup");
@@ -386,28 +389,45 @@ impl FacetMasks {
                 self.scan(stage, &m.lists.texel_counts, &m.lists.triangle_offsets, texels)?;
             }
         }
-        let slot = status::BANDS as u64 + 4 * u64::from(band);
-        rec.copy_words(m.lists.pixel_offsets.raw(), texels as u64, m.status.raw(), status::PAIRS as u64, 1);
+        rec.copy_words(
+            m.lists.pixel_offsets.raw(),
+            texels as u64,
+            m.lists.candidates.raw(),
+            u64::from(tally::TALLY_PAIRS),
+            1,
+        );
+        rec.clear_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), 3);
+        let (triangles, positions) = (casters.triangles.raw(), casters.positions.raw());
+        {
+            let stage = &mut rec.stage("candidate_pairs");
+            self.args(stage, Arg::Pairs, &m.lists.candidates)?;
+            let args = (m.args.raw(), Arg::Pairs.word());
+            for round in 0..self.capacities.rounds {
+                self.candidates.record(stage, frame_of(round), triangles, &m.map_points, &m.facets, args, &m.lists)?;
+            }
+        }
+        {
+            let stage = &mut rec.stage("visibility_masks");
+            let casters = Casters { samples: m.samples.raw(), triangles, positions };
+            let frame = frame_of(0);
+            self.args(stage, Arg::Candidates, &m.lists.candidates)?;
+            let args = (m.args.raw(), Arg::Candidates.word());
+            self.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args)?;
+            self.args(stage, Arg::Doubts, &m.lists.candidates)?;
+            let args = (m.args.raw(), Arg::Doubts.word());
+            self.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;
+        }
+        let slot = (status::BANDS + status::BAND_WORDS * band as usize) as u64;
         rec.copy_words(m.lists.pixel_offsets.raw(), texels as u64, m.status.raw(), slot, 2);
         rec.copy_words(m.lists.triangle_offsets.raw(), texels as u64, m.status.raw(), slot + 2, 2);
-        let stage = &mut rec.stage("visibility_masks");
-        self.args(stage, Arg::Pairs, &m.lists.pixel_offsets)?;
-        for round in 0..self.capacities.rounds {
-            let (triangles, positions) = (casters.triangles.raw(), casters.positions.raw());
-            let args = (m.args.raw(), Arg::Pairs.word());
-            let frame = frame_of(round);
-            self.masks.record(
-                stage,
-                frame,
-                m.samples.raw(),
-                triangles,
-                positions,
-                &m.facets,
-                &m.lists,
-                args,
-                &m.status,
-            )?;
-        }
+        rec.copy_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), m.status.raw(), slot + 4, 3);
+        rec.copy_words(
+            m.lists.candidates.raw(),
+            u64::from(tally::TALLY_TESTS),
+            m.status.raw(),
+            status::TESTS as u64,
+            2,
+        );
         Ok(())
     }
 
@@ -470,27 +490,26 @@ fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>> {
     (0..c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
 }
 
-/// One request of indirect arguments for each [`Arg`]: word of the count, items a workgroup, limit, word of the result.
-fn requests(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    counts: [usize; 5],
-    pixel_pairs: usize,
-) -> Result<[Buffer<[u32; 4]>; 5]> {
-    let per_group = [
-        camera_visibility::WORKGROUP,
-        light_layers::WORKGROUP,
-        silhouette_mask::WORKGROUP,
-        pixel_texel_pairs::WORKGROUP,
-        visibility_masks::WORKGROUP,
+/// One request of indirect arguments for each [`Arg`].
+type Requests = Vec<Buffer<[u32; 4]>>;
+
+/// Requests: word of the count, items a workgroup, limit, word of the result. `totals` are the words of the totals of the
+/// first four counts; the rest are in the tally.
+fn requests(device: &wgpu::Device, queue: &wgpu::Queue, totals: [usize; 4], c: Capacities) -> Result<Requests> {
+    let [camera, light, edges, facets] = totals.map(|t| t as u32);
+    let all = [
+        (camera, camera_visibility::WORKGROUP, u32::MAX),
+        (light, light_layers::WORKGROUP, u32::MAX),
+        (edges, silhouette_mask::WORKGROUP, u32::MAX),
+        (facets, pixel_texel_pairs::WORKGROUP, u32::MAX),
+        (tally::TALLY_PAIRS, candidate_pairs::WORKGROUP, c.pixel_pairs as u32),
+        (tally::TALLY_CANDIDATES, visibility_masks::WORKGROUP, c.candidates as u32),
+        (tally::TALLY_DOUBTS, visibility_masks::WORKGROUP, c.candidates as u32),
     ];
-    let mut made = Vec::with_capacity(5);
-    for (k, (count, group)) in counts.into_iter().zip(per_group).enumerate() {
-        let limit = if k == Arg::Pairs as usize { pixel_pairs as u32 } else { u32::MAX };
-        let request = [count as u32, group, limit, 3 * k as u32];
-        made.push(Buffer::from_slice(device, queue, "dispatch_args.request", &[request])?);
-    }
-    made.try_into().map_err(|_| Error::Gpu("requests: five were to be made".to_owned()))
+    let request = |(k, (count, group, limit)): (usize, (u32, u32, u32))| {
+        Buffer::from_slice(device, queue, "dispatch_args.request", &[[count, group, limit, 3 * k as u32]])
+    };
+    all.into_iter().enumerate().map(request).collect()
 }
 
 impl Memory {
@@ -527,11 +546,17 @@ impl Memory {
             sat_scratch: summed_area.scratch(device, map, map)?,
             facets: Facets::new(device, pixels, pixels, words)?,
             facet_offsets: words_of("facets.offsets", pixels + 2)?,
-            lists: PairLists::new(device, map, capacities.pixel_pairs, capacities.triangle_pairs)?,
+            lists: PairLists::new(
+                device,
+                map,
+                capacities.pixel_pairs,
+                capacities.triangle_pairs,
+                capacities.candidates,
+            )?,
             scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
-            args: Buffer::indirect(device, "dispatch_args.args", 16)?,
-            requests: requests(device, queue, counts, capacities.pixel_pairs)?,
-            status: words_of("status", status::BANDS + 4 * capacities.bands as usize)?,
+            args: Buffer::indirect(device, "dispatch_args.args", 24)?,
+            requests: requests(device, queue, [triangles, triangles, edges, pixels], capacities)?,
+            status: words_of("status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,
         })

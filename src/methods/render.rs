@@ -6,8 +6,8 @@ use super::prepared::{CasterBuffers, Prepared};
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
+use crate::stages::candidate_pairs::ROUND_LENGTH;
 use crate::stages::facet_classify::State;
-use crate::stages::visibility_masks::ROUND_LENGTH;
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::Serialize;
@@ -26,8 +26,12 @@ pub struct Counts {
     pub pixel_texel_pairs: u64,
     /// Pairs of triangles and texels.
     pub triangle_texel_pairs: u64,
-    /// Triangles evaluated against facets.
+    /// Triangles tested against facets in the light view.
+    pub candidate_tests: u64,
+    /// Triangles evaluated against facets: those that the test kept.
     pub visibility_evaluations: u64,
+    /// Evaluations that single precision could not decide and 46 bits did.
+    pub refined_evaluations: u64,
     /// Facets without a surface.
     pub empty_facets: u64,
     /// Facets turned away from the light.
@@ -114,7 +118,8 @@ impl<'a> Renderer<'a> {
         let casters = prepared.upload(&gpu.device, &gpu.queue)?;
         let pixels = settings.size.iter().map(|&s| s as usize).product::<usize>();
         let start = budget.start.unwrap_or((pixels * 2).clamp(1 << 12, 1 << 24));
-        let capacities = Capacities { pixel_pairs: start, triangle_pairs: start, bands: 1, rounds: 1 };
+        let capacities =
+            Capacities { pixel_pairs: start, triangle_pairs: start, candidates: start, bands: 1, rounds: 1 };
         let method = FacetMasks::new(&gpu.device, &gpu.queue, &casters, settings, capacities)?;
         gpu.check()?;
         Ok(Self { gpu, prepared, casters, method, budget, timer: Timer::new(gpu), settings: settings.clone() })
@@ -163,16 +168,18 @@ impl<'a> Renderer<'a> {
     /// The capacities with which nothing is left out, if they are not the ones in use.
     fn wanted(&self, words: &[u32]) -> Result<Option<Capacities>> {
         let now = self.method.capacities();
-        let (pixel_pairs, triangle_pairs) = needs(words, now.bands)?;
-        let rounds = words[status::LONGEST].div_ceil(ROUND_LENGTH).max(1);
+        let [pixel_pairs, triangle_pairs, candidates, longest] = needs(words, now.bands);
+        let rounds = (longest as u32).div_ceil(ROUND_LENGTH).max(1);
         if rounds > Self::MAX_ROUNDS {
             return Err(Error::Memory {
-                what: format!("triangles of one texel ({} of them)", words[status::LONGEST]),
+                what: format!("triangles of one texel ({longest} of them)"),
                 needed: u64::from(rounds),
                 limit: u64::from(Self::MAX_ROUNDS),
             });
         }
-        let fits = pixel_pairs <= now.pixel_pairs as u64 && triangle_pairs <= now.triangle_pairs as u64;
+        let fits = pixel_pairs <= now.pixel_pairs as u64
+            && triangle_pairs <= now.triangle_pairs as u64
+            && candidates <= now.candidates as u64;
         if fits && rounds <= now.rounds {
             return Ok(None);
         }
@@ -181,23 +188,26 @@ impl<'a> Renderer<'a> {
         let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let grown = |need: u64, have: usize| if need > have as u64 { need + need / 8 } else { have as u64 };
         let (p, t) = (grown(pixel_pairs, now.pixel_pairs), grown(triangle_pairs, now.triangle_pairs));
-        let bytes = p * 8 + t * 4;
-        if bytes > self.budget.bytes || p * 8 > binding || t * 4 > binding {
+        let c = grown(candidates, now.candidates);
+        let bytes = p * 8 + t * 4 + c * 12;
+        if bytes > self.budget.bytes || p * 8 > binding || t * 4 > binding || c * 8 > binding {
             if now.bands >= Self::MAX_BANDS {
                 return Err(Error::Memory { what: "pair lists".to_owned(), needed: bytes, limit: self.budget.bytes });
             }
             wanted.bands = now.bands * 2;
         } else {
-            (wanted.pixel_pairs, wanted.triangle_pairs) = (p as usize, t as usize);
+            (wanted.pixel_pairs, wanted.triangle_pairs, wanted.candidates) = (p as usize, t as usize, c as usize);
         }
         Ok(Some(wanted))
     }
 
     fn read(&self, words: &[u32], runs: u32, dispatches: u32, wall_ms: f64) -> Result<Output> {
         let capacities = self.method.capacities();
-        let (pixel_pairs, triangle_pairs) = needs(words, capacities.bands)?;
+        let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, capacities.bands);
         let sum = |offset: usize| {
-            (0..capacities.bands as usize).map(|b| u64::from(words[status::BANDS + 4 * b + offset])).sum::<u64>()
+            (0..capacities.bands as usize)
+                .map(|b| u64::from(words[status::BANDS + status::BAND_WORDS * b + offset]))
+                .sum::<u64>()
         };
         let state = |s: State| u64::from(words[status::STATES + s as usize]);
         let counts = Counts {
@@ -206,8 +216,9 @@ impl<'a> Renderer<'a> {
             silhouette_pixels: state(State::Undecided),
             pixel_texel_pairs: sum(0),
             triangle_texel_pairs: sum(2),
-            visibility_evaluations: u64::from(words[status::EVALUATIONS])
-                | u64::from(words[status::EVALUATIONS + 1]) << 32,
+            candidate_tests: u64::from(words[status::TESTS]) | u64::from(words[status::TESTS + 1]) << 32,
+            visibility_evaluations: sum(4),
+            refined_evaluations: sum(5),
             empty_facets: state(State::Empty),
             dark_facets: state(State::Dark),
             lit_facets: state(State::Lit),
@@ -223,6 +234,7 @@ impl<'a> Renderer<'a> {
             lists: vec![
                 list("pixel_texel_pairs", pixel_pairs, capacities.pixel_pairs),
                 list("triangle_texel_pairs", triangle_pairs, capacities.triangle_pairs),
+                list("candidate_pairs", candidates, capacities.candidates),
             ],
             stages: self.timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(self.gpu))?,
             wall_ms,
@@ -236,17 +248,18 @@ impl<'a> Renderer<'a> {
     }
 }
 
-/// Pairs the largest band needed.
-fn needs(words: &[u32], bands: u32) -> Result<(u64, u64)> {
-    let (mut pixel, mut triangle) = (0, 0);
+/// Pixel-texel pairs, triangle-texel pairs and candidates that the largest band needed, and the longest list of a texel.
+fn needs(words: &[u32], bands: u32) -> [u64; 4] {
+    let mut most = [0; 4];
     for b in 0..bands as usize {
-        let slot = &words[status::BANDS + 4 * b..status::BANDS + 4 * b + 4];
-        if slot[1] != 0 || slot[3] != 0 {
-            // More than 2^32 pairs: no list can hold them, but a part of the facets may need fewer.
-            return Ok((u64::from(u32::MAX), u64::from(u32::MAX)));
+        let first = status::BANDS + status::BAND_WORDS * b;
+        let band = &words[first..first + status::BAND_WORDS];
+        // A set flag: more than 2^32 pairs. No list can hold them, but those of a part of the facets may fit.
+        let of = |count: u32, flag: u32| if flag != 0 { u64::from(u32::MAX) } else { u64::from(count) };
+        let needed = [of(band[0], band[1]), of(band[2], band[3]), u64::from(band[4]), u64::from(band[6])];
+        for (most, needed) in most.iter_mut().zip(needed) {
+            *most = needed.max(*most);
         }
-        pixel = pixel.max(u64::from(slot[0]));
-        triangle = triangle.max(u64::from(slot[2]));
     }
-    Ok((pixel, triangle))
+    most
 }

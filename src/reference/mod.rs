@@ -2,9 +2,16 @@
 //! Nothing here knows of GPUs, kernels or how a stage splits its work; a test that compares with these compares with
 //! the definition.
 
+pub mod camera_visibility;
 pub mod compact;
 pub mod dispatch_args;
+pub mod front_layer;
+pub mod light_layers;
 pub mod prefix_scan;
 pub mod radix_sort;
+pub mod silhouette_mask;
 pub mod summed_area;
 pub mod texel_group;
+pub mod triangle_setup;
+pub mod vertex_project;
+pub mod view;

@@ -25,12 +25,22 @@ shared_struct! {
         pub rect: [u32; 2],
         /// One of [`State`].
         pub state: u32,
-        /// Smallest depth from the light.
-        pub nearest: f32,
         /// Largest depth from the light.
         pub farthest: f32,
         /// View depth beyond which the plane is not followed.
         pub limit: f32,
+        /// Relative rounding of the normal, in units of 2^-24.
+        pub tilt: f32,
+        /// Point of the plane at the pixel centre.
+        pub at: [f32; 3],
+        /// How far rounding may have moved that point along its ray, times the ray's slant.
+        pub doubt: f32,
+        /// Box of the light-view outline, texels.
+        pub box_low: [f32; 2],
+        /// Its other corner.
+        pub box_high: [f32; 2],
+        /// Depth from the light over texels: per x, per y, at 0, and how far it may be off.
+        pub slope: [f32; 4],
     }
 }
 

@@ -4,6 +4,7 @@
 //! then only records dispatches: it never allocates list memory, submits, waits or reads back.
 
 pub mod camera_visibility;
+pub mod candidate_pairs;
 pub mod compact;
 pub mod dispatch_args;
 pub mod facet_classify;

@@ -34,14 +34,28 @@ pub struct PairLists {
     pub pixel_pairs: Buffer<[u32; 2]>,
     /// Triangle-texel pairs: triangle.
     pub triangle_pairs: Buffer<u32>,
+    /// Counters of the band at work (see `kernels/shared/candidates.wgsl`), then facet and triangle of each pair worth
+    /// evaluating.
+    pub candidates: Buffer<u32>,
+    /// Candidates to be evaluated again with 46 bits.
+    pub doubts: Buffer<u32>,
 }
+
+/// Words before the list of candidates.
+pub const TALLY_WORDS: usize = 16;
 
 impl PairLists {
     /// Memory for a map of `size` texels a side and this many pairs.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn new(device: &wgpu::Device, size: usize, pixel_pairs: usize, triangle_pairs: usize) -> Result<Self> {
+    pub fn new(
+        device: &wgpu::Device,
+        size: usize,
+        pixel_pairs: usize,
+        triangle_pairs: usize,
+        candidates: usize,
+    ) -> Result<Self> {
         let (texels, blocks) = (size * size, size.div_ceil(kernel::BLOCK as usize).pow(2));
         Ok(Self {
             texel_counts: Buffer::storage(device, "pairs.texel_counts", texels)?,
@@ -50,6 +64,8 @@ impl PairLists {
             triangle_offsets: Buffer::storage(device, "pairs.triangle_offsets", texels + 2)?,
             pixel_pairs: Buffer::storage(device, "pairs.pixel_pairs", pixel_pairs)?,
             triangle_pairs: Buffer::storage(device, "pairs.triangle_pairs", triangle_pairs)?,
+            candidates: Buffer::storage(device, "pairs.candidates", TALLY_WORDS + 2 * candidates)?,
+            doubts: Buffer::storage(device, "pairs.doubts", candidates)?,
         })
     }
 }

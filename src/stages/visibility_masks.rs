@@ -1,63 +1,98 @@
 //! Occlusion and validity masks: which samples of each undecided facet are occluded, and which do not count (Pan 2009,
 //! section 3.4).
 //!
-//! - **Reads** facets, both pair lists, triangles, positions.
-//! - **Writes** the occluded and the invalid mask of each facet, by `atomicOr`; counts evaluations into words 10 and 11 of
-//!   `status` and the longest triangle list above one round into word 9.
-//! - **Guarantee.** Bit-equal from run to run, whatever the order of the pairs. A sample farther than 1/256 pixel from every
-//!   shadow edge is decided as in exact arithmetic: lines that `f32` does not place that well are computed with 46 bits.
-//! - **Capacity.** [`ROUND_LENGTH`] triangles of a texel a dispatch; longer lists take more rounds.
-//! - **Cost.** One indirect dispatch a round; per evaluation about 60 to 250 flop, per pair one atomic a word that changes.
+//! - **Reads** facets, candidates, triangles, positions.
+//! - **Writes** the occluded and the invalid mask of each facet, by `atomicOr`; counts in `tally` the candidates that single
+//!   precision could not decide.
+//! - **Guarantee.** Bit-equal from run to run, whatever the order of the candidates. A sample farther than 1/256 pixel from
+//!   every shadow edge is decided as in exact arithmetic: what `f32` does not place that well is computed with 46 bits.
+//! - **Cost.** Two indirect dispatches; per candidate about 250 flop and 10 a sample, one atomic a word that changes.
 
 use super::facet_classify::Facets;
 use super::pixel_texel_pairs::PairLists;
 use crate::Result;
 use crate::gpu::kernels::visibility_masks as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Groups, Program, Stage};
 
-pub use kernel::ROUND_LENGTH;
-
-/// The pipeline for one number of mask words.
+/// The pipelines for one number of mask words.
 #[derive(Debug)]
 pub struct VisibilityMasks {
     evaluate: Program,
+    refine: Program,
+}
+
+/// What evaluation reads besides facets and lists.
+#[derive(Clone, Copy, Debug)]
+pub struct Casters<'a> {
+    /// Sample offsets.
+    pub samples: &'a wgpu::Buffer,
+    /// Vertex indices, three a triangle.
+    pub triangles: &'a wgpu::Buffer,
+    /// Positions, world units, three words a vertex.
+    pub positions: &'a wgpu::Buffer,
 }
 
 impl VisibilityMasks {
-    /// Builds the pipeline for masks of `words` words.
+    /// Builds the pipelines for masks of `words` words.
     pub fn new(device: &wgpu::Device, words: u32) -> Self {
-        Self { evaluate: Program::new(device, kernel::ENTRY_EVALUATE, &[("WORDS", f64::from(words))]) }
+        let constants = [("WORDS", f64::from(words))];
+        Self {
+            evaluate: Program::new(device, kernel::ENTRY_EVALUATE, &constants),
+            refine: Program::new(device, kernel::ENTRY_REFINE, &constants),
+        }
     }
 
-    /// Records one round over all pixel-texel pairs, whose number is in word 0 of `status`.
+    /// Records the evaluation of all candidates in single precision.
     ///
     /// # Errors
     /// None that input can cause.
-    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
-    pub fn record(
+    pub fn record_evaluate(
         &self,
         stage: &mut Stage,
         frame: &wgpu::Buffer,
-        samples: &wgpu::Buffer,
-        triangles: &wgpu::Buffer,
-        positions: &wgpu::Buffer,
+        casters: Casters,
         facets: &Facets,
         lists: &PairLists,
         args: (&wgpu::Buffer, u64),
-        status: &Buffer<u32>,
+    ) -> Result<()> {
+        Self::run(stage, &self.evaluate, frame, casters, facets, lists, args)
+    }
+
+    /// Records the evaluation of all doubtful candidates with 46 bits.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_refine(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        casters: Casters,
+        facets: &Facets,
+        lists: &PairLists,
+        args: (&wgpu::Buffer, u64),
+    ) -> Result<()> {
+        Self::run(stage, &self.refine, frame, casters, facets, lists, args)
+    }
+
+    fn run(
+        stage: &mut Stage,
+        program: &Program,
+        frame: &wgpu::Buffer,
+        casters: Casters,
+        facets: &Facets,
+        lists: &PairLists,
+        args: (&wgpu::Buffer, u64),
     ) -> Result<()> {
         let buffers = [
             ("frame", frame),
-            ("samples", samples),
+            ("samples", casters.samples),
             ("facets", facets.list.raw()),
-            ("pairs", lists.pixel_pairs.raw()),
-            ("status", status.raw()),
-            ("triangle_offsets", lists.triangle_offsets.raw()),
-            ("pair_triangles", lists.triangle_pairs.raw()),
-            ("triangles", triangles),
-            ("positions", positions),
+            ("candidates", lists.candidates.raw()),
+            ("triangles", casters.triangles),
+            ("positions", casters.positions),
             ("masks", facets.masks.raw()),
+            ("doubts", lists.doubts.raw()),
         ];
-        stage.run(&self.evaluate, &buffers, Groups::Indirect(args.0, args.1))
+        stage.run(program, &buffers, Groups::Indirect(args.0, args.1))
     }
 }

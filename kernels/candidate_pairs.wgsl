@@ -1,0 +1,124 @@
+// candidate_pairs: lists the (facet, triangle) pairs that are worth evaluating.
+// One invocation a pixel-texel pair walks the triangles of its texel, ROUND_LENGTH of them from `round` on, and keeps those
+// that touch the box of the facet's outline in the light view and rise over the facet's plane there. Both tests are
+// conservative by the frame's margins: what they drop casts nothing on the facet, nor cuts it within its pixel.
+// A triangle that covers the whole box and lies wholly before the facet settles it: its occluded mask is filled and the
+// walk ends.
+// Writes `candidates` (facet, triangle), never beyond the capacity, and counts into its `tally`; their order is not defined,
+// and a pair that shares several texels is listed as often.
+
+//@import frame
+//@import dispatch
+//@import facet
+//@import candidates
+
+override WORDS: u32 = 1u;
+const WORKGROUP = 64u;
+const ROUND_LENGTH = 1024u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> facets: array<Facet>;
+@group(0) @binding(2) var<storage, read> pairs: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read> triangle_offsets: array<u32>;
+@group(0) @binding(4) var<storage, read> pair_triangles: array<u32>;
+@group(0) @binding(5) var<storage, read> triangles: array<u32>;
+@group(0) @binding(6) var<storage, read> map_points: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> candidates: Candidates;
+@group(0) @binding(8) var<storage, read_write> masks: array<atomic<u32>>;
+
+var<workgroup> wg_tests: atomic<u32>;
+
+const NOTHING = 0u;
+const MATTERS = 1u;
+const COVERS = 2u;
+
+// How far the box reaches beyond the line a-b (x: its outermost point, y: its innermost, both positive inside).
+fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, middle: vec2<f32>, half: vec2<f32>) -> vec2<f32> {
+    let n = turn * vec2(a.y - b.y, b.x - a.x);
+    let at = dot(n, middle - a);
+    let wide = dot(abs(n), half);
+    return vec2(at - wide, at + wide);
+}
+
+// What a triangle may do to a facet: nothing, something, or cover all of it.
+fn effect(t: u32, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest: f32) -> u32 {
+    let a = map_points[triangles[3u * t]];
+    let b = map_points[triangles[3u * t + 1u]];
+    let c = map_points[triangles[3u * t + 2u]];
+    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 { return MATTERS; }
+    let low = min(min(a.xy, b.xy), c.xy);
+    let high = max(max(a.xy, b.xy), c.xy);
+    if any(low > middle + half) || any(high < middle - half) { return NOTHING; }
+    if min(a.z, min(b.z, c.z)) > farthest + frame.depth_margin { return NOTHING; }
+    let over = vec3(
+        dot(slope.xyz, vec3(a.xy, 1.0)) - a.z, dot(slope.xyz, vec3(b.xy, 1.0)) - b.z, dot(slope.xyz, vec3(c.xy, 1.0)) - c.z);
+    // Rounding grows with the distance at which the slope is followed.
+    let reach = max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
+    let noise = slope.w + 1e-6 * (abs(slope.x) + abs(slope.y)) * reach;
+    if all(over < vec3(-noise)) { return NOTHING; }
+    let ab = b.xy - a.xy;
+    let ac = c.xy - a.xy;
+    let area = ab.x * ac.y - ab.y * ac.x;
+    let size = max(abs(ab.x) + abs(ab.y), abs(ac.x) + abs(ac.y));
+    if abs(area) <= 4e-6 * (reach + size) * size { return MATTERS; }
+    let turn = select(-1.0, 1.0, area > 0.0);
+    let grown = half + 4e-6 * reach;
+    let e0 = reach_of(a.xy, b.xy, turn, middle, grown);
+    let e1 = reach_of(b.xy, c.xy, turn, middle, grown);
+    let e2 = reach_of(c.xy, a.xy, turn, middle, grown);
+    if min(e0.y, min(e1.y, e2.y)) < 0.0 { return NOTHING; }
+    let covers = min(e0.x, min(e1.x, e2.x)) > 0.0 && all(over > vec3(noise)) && noise < 1e30;
+    return select(MATTERS, COVERS, covers);
+}
+
+fn walk(pair: vec2<u32>) -> u32 {
+    let list = triangle_offsets[pair.y];
+    let list_end = min(triangle_offsets[pair.y + 1u], frame.triangle_texel_capacity);
+    if list_end > list + ROUND_LENGTH { atomicMax(&candidates.tally[TALLY_LONGEST], list_end - list); }
+    let first = list + frame.round * ROUND_LENGTH;
+    let end = min(list_end, first + ROUND_LENGTH);
+    if first >= end { return 0u; }
+    let f = pair.x;
+    let own = facets[f].triangle;
+    let middle = 0.5 * (facets[f].box_low + facets[f].box_high);
+    let half = 0.5 * (facets[f].box_high - facets[f].box_low);
+    let slope = facets[f].slope;
+    let farthest = facets[f].farthest;
+    for (var batch = first; batch < end; batch += 32u) {
+        var kept = 0u;
+        let stop = min(end, batch + 32u);
+        for (var n = batch; n < stop; n++) {
+            let t = pair_triangles[n];
+            if t == own { continue; }
+            let e = effect(t, middle, half, slope, farthest);
+            if e == COVERS {
+                // Every sample is occluded, whatever else there is; the other texels of the facet find it too.
+                for (var w = 0u; w < WORDS; w++) { atomicOr(&masks[3u * WORDS * f + WORDS + w], 0xffffffffu); }
+                return n + 1u - first;
+            }
+            if e == MATTERS { kept |= 1u << (n - batch); }
+        }
+        if kept == 0u { continue; }
+        var at = atomicAdd(&candidates.tally[TALLY_CANDIDATES], countOneBits(kept));
+        while kept != 0u {
+            if at < frame.candidate_capacity { candidates.list[at] = vec2(f, pair_triangles[batch + firstTrailingBit(kept)]); }
+            kept &= kept - 1u;
+            at += 1u;
+        }
+    }
+    return end - first;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn cull(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let k = flat_invocation(group, groups, WORKGROUP, local);
+    var tests = 0u;
+    if k < min(atomicLoad(&candidates.tally[TALLY_PAIRS]), frame.pixel_texel_capacity) { tests = walk(pairs[k]); }
+    atomicAdd(&wg_tests, tests);
+    workgroupBarrier();
+    if local == 0u {
+        let sum = atomicLoad(&wg_tests);
+        let before = atomicAdd(&candidates.tally[TALLY_TESTS], sum);
+        if before + sum < before { atomicAdd(&candidates.tally[TALLY_TESTS + 1u], 1u); }
+    }
+}

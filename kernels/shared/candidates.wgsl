@@ -1,0 +1,14 @@
+// The list of candidates with the counters of one band of facets before it.
+
+struct Candidates {
+    tally: array<atomic<u32>, 16>,
+    list: array<vec2<u32>>,  // facet, triangle
+}
+
+// Words of `tally`.
+
+const TALLY_PAIRS = 0u;       // pixel-texel pairs needed
+const TALLY_CANDIDATES = 1u;  // candidates needed
+const TALLY_DOUBTS = 2u;      // candidates evaluated again with 46 bits
+const TALLY_LONGEST = 3u;     // longest triangle list of a texel, where above one round
+const TALLY_TESTS = 4u;       // triangles tested against facets, low and high word, over all bands

@@ -1,0 +1,69 @@
+//! Where the nearest layer may be no single sheet over the whole texel.
+
+use super::light_layers::{Layer, any_everywhere};
+use super::triangle_setup::Triangle;
+use super::view::{Flat, by_rows, centre, columns};
+
+/// How far conservative tests reach out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Margin {
+    /// Texels.
+    pub texels: f64,
+    /// Depth.
+    pub depth: f64,
+}
+
+impl Margin {
+    /// Both, times `factor`.
+    pub fn times(self, factor: f64) -> Self {
+        Self { texels: self.texels * factor, depth: self.depth * factor }
+    }
+}
+
+/// What is known of a texel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Split {
+    /// Silhouettes or uncertain layers.
+    Marked,
+    /// No caster.
+    Uncovered,
+    /// One sheet lies before this depth and covers the texel, all else lies behind it.
+    At(f64),
+}
+
+/// Marks every texel that a triangle touches where there is no layer at the centre, or touches at a range of depths that
+/// holds the split depth.
+pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin) -> Vec<bool> {
+    if any_everywhere(triangles) {
+        return vec![true; layers.len()];
+    }
+    let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
+    let reach = 0.5 + margin.texels;
+    by_rows(&figures, size, reach, |y, list| {
+        let mut row = vec![false; size as usize];
+        for &t in list {
+            let Some(flat) = &figures[t as usize] else { continue };
+            for x in columns(flat, reach, size) {
+                let at = centre(x, y);
+                if row[x as usize] || !flat.touches(at, reach) {
+                    continue;
+                }
+                row[x as usize] = layers[(y * size + x) as usize].split().is_none_or(|split| {
+                    let (lo, hi) = flat.depth_range(at, reach, margin.depth);
+                    lo <= split && hi >= split
+                });
+            }
+        }
+        row
+    })
+}
+
+/// What marks and layers make of every texel.
+pub fn settle(layers: &[Layer], marked: &[bool]) -> Vec<Split> {
+    let one = |(layer, &marked): (&Layer, &bool)| match layer.split() {
+        _ if marked => Split::Marked,
+        None => Split::Uncovered,
+        Some(depth) => Split::At(depth),
+    };
+    layers.iter().zip(marked).map(one).collect()
+}

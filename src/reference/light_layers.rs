@@ -1,0 +1,68 @@
+//! The nearest and the second nearest caster at every texel centre.
+
+use super::triangle_setup::{Reach, Triangle};
+use super::view::{Flat, by_rows, centre, columns};
+
+/// What lies over a texel centre.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Layer {
+    /// Depth and triangle of the nearest caster.
+    pub nearest: Option<(f64, u32)>,
+    /// Depth and triangle of the next.
+    pub second: Option<(f64, u32)>,
+    /// An edge passes the centre within the guard, or the two are equally far: not certain.
+    pub open: bool,
+}
+
+impl Layer {
+    /// Depth half way between the two; beyond everything where there is no second, `None` where there is none at all.
+    pub fn split(&self) -> Option<f64> {
+        let (nearest, _) = self.nearest?;
+        Some(self.second.map_or(f64::INFINITY, |(second, _)| 0.5 * (nearest + second)))
+    }
+}
+
+/// Looks along the light through the centre of each of `size` × `size` texels. An edge within `guard` (texels, as
+/// |x| + |y| across the edge) leaves the texel open, and so does a rival whose depth differs by at most `tie`.
+pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<Layer> {
+    let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
+    by_rows(&figures, size, guard, |y, list| {
+        let mut row = vec![Layer::default(); size as usize];
+        for &t in list {
+            let Some(flat) = &figures[t as usize] else { continue };
+            for x in columns(flat, guard, size) {
+                let at = centre(x, y);
+                let inside = flat.inside(at);
+                if inside.iter().any(|&e| e < -guard) {
+                    continue;
+                }
+                let layer = &mut row[x as usize];
+                layer.open |= inside.iter().any(|&e| e <= guard);
+                if inside.iter().all(|&e| e >= 0.0) {
+                    add(layer, flat.depth(at), t);
+                }
+            }
+        }
+        for layer in &mut row {
+            let (Some((a, _)), Some((b, _))) = (layer.nearest, layer.second) else { continue };
+            layer.open |= b - a <= tie;
+        }
+        row
+    })
+}
+
+fn add(layer: &mut Layer, depth: f64, triangle: u32) {
+    let new = Some((depth, triangle));
+    match (layer.nearest, layer.second) {
+        (None, _) => layer.nearest = new,
+        (Some((d, _)), _) if depth < d => (layer.nearest, layer.second) = (new, layer.nearest),
+        (_, None) => layer.second = new,
+        (_, Some((d, _))) if depth < d => layer.second = new,
+        _ => {}
+    }
+}
+
+/// Whether a triangle counts as over every texel, because it reaches behind the light.
+pub fn any_everywhere(triangles: &[Triangle]) -> bool {
+    triangles.iter().any(|t| t.map == Reach::Everywhere)
+}

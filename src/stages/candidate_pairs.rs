@@ -1,0 +1,67 @@
+//! Candidates: the pairs of facet and triangle that are worth evaluating.
+//!
+//! - **Reads** both pair lists, facets, light-view vertices.
+//! - **Writes** `candidates` (facet, triangle) and, before them, how many were needed and how many tests were made; the
+//!   occluded mask of a facet that one triangle covers wholly, which then needs no candidates.
+//! - **Guarantee.** Conservative: a triangle that casts on a facet, or cuts it within its pixel, is kept. The order is not
+//!   defined, and a pair that shares several texels is listed as often; what is made of it depends on neither. Nothing is
+//!   written beyond the capacity.
+//! - **Capacity.** [`ROUND_LENGTH`] triangles of a texel a dispatch; longer lists take more rounds.
+//! - **Cost.** One indirect dispatch a round; per test about 60 flop and 12 words read.
+
+use super::facet_classify::Facets;
+use super::pixel_texel_pairs::PairLists;
+use crate::Result;
+use crate::gpu::kernels::candidate_pairs as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage};
+
+pub use kernel::ROUND_LENGTH;
+
+/// Words of the tally.
+pub mod tally {
+    pub use crate::gpu::kernels::candidate_pairs::{
+        TALLY_CANDIDATES, TALLY_DOUBTS, TALLY_LONGEST, TALLY_PAIRS, TALLY_TESTS,
+    };
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct CandidatePairs {
+    cull: Program,
+}
+
+impl CandidatePairs {
+    /// Builds the pipeline for masks of `words` words.
+    pub fn new(device: &wgpu::Device, words: u32) -> Self {
+        Self { cull: Program::new(device, kernel::ENTRY_CULL, &[("WORDS", f64::from(words))]) }
+    }
+
+    /// Records one round over all pixel-texel pairs, whose number is in word 0 of the tally.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        triangles: &wgpu::Buffer,
+        map_points: &Buffer<[f32; 4]>,
+        facets: &Facets,
+        args: (&wgpu::Buffer, u64),
+        lists: &PairLists,
+    ) -> Result<()> {
+        let buffers = [
+            ("frame", frame),
+            ("facets", facets.list.raw()),
+            ("pairs", lists.pixel_pairs.raw()),
+            ("triangle_offsets", lists.triangle_offsets.raw()),
+            ("pair_triangles", lists.triangle_pairs.raw()),
+            ("triangles", triangles),
+            ("map_points", map_points.raw()),
+            ("candidates", lists.candidates.raw()),
+            ("masks", facets.masks.raw()),
+        ];
+        stage.run(&self.cull, &buffers, Groups::Indirect(args.0, args.1))
+    }
+}
