@@ -5,9 +5,9 @@ use std::sync::OnceLock;
 use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::Settings;
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
-use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
 
