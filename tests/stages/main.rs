@@ -4,6 +4,8 @@ mod support;
 
 mod compact;
 mod dispatch_args;
+mod facet_classify;
+mod pixel_texel_pairs;
 mod prefix_scan;
 mod radix_sort;
 mod summed_area;
