@@ -6,7 +6,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use subpixel_shadows::gpu::kernels;
 use subpixel_shadows::gpu::layout::{Field, Shared};
-use subpixel_shadows::stages::{compact, dispatch_args, prefix_scan, radix_sort, summed_area, texel_group};
+use subpixel_shadows::stages::{
+    compact, dispatch_args, facet_classify, prefix_scan, radix_sort, summed_area, texel_group,
+};
 
 /// A struct as Rust knows it.
 struct Registered {
@@ -26,6 +28,7 @@ fn registry() -> Vec<Registered> {
     vec![
         of::<compact::Params>(),
         of::<dispatch_args::Request>(),
+        of::<facet_classify::Facet>(),
         of::<prefix_scan::Params>(),
         of::<radix_sort::Params>(),
         of::<summed_area::Params>(),

@@ -75,7 +75,7 @@ fn check(world: &World, stage: &PixelTexelPairs, listed: &[(u32, Option<u32>)], 
     };
     let mut least = pairs(&exact, splits, size, Margin::default(), skip);
     let mut most = pairs(&wide, splits, size, world.margin().times(2.0), skip);
-    let total: usize = 1 << 16;
+    let total: usize = 1 << 21;
     let listed_pairs = world.pixel_pairs(stage, &on_gpu, splits, total);
     let mut got = listed_pairs.sets();
     for sets in [&mut least, &mut got, &mut most] {
@@ -177,7 +177,7 @@ fn overflow_by_one() {
     let world = world(gpu(), 1, &mut random);
     let splits = vec![Split::Marked; (world.view.map.map_size as usize).pow(2)];
     let (facets, _) = facets(&world, &world.seen(), Margin::default());
-    let whole = world.pixel_pairs(stage(), &facets, &splits, 1 << 16);
+    let whole = world.pixel_pairs(stage(), &facets, &splits, 1 << 21);
     let needed: u32 = whole.counts.iter().sum();
     assert!(needed > 100);
     for capacity in [needed as usize - 1, needed as usize, needed as usize + 1] {
@@ -201,9 +201,13 @@ fn overflow_by_one() {
 fn two_d_dispatch() {
     let mut random = Random::new(27);
     let small = PixelTexelPairs::new(&folding_gpu().device);
-    let world = world(folding_gpu(), 1, &mut random);
-    let splits = vec![Split::Marked; (world.view.map.map_size as usize).pow(2)];
-    assert!(check(&world, &small, &world.seen(), &splits) > 0);
+    let mut found = 0;
+    for kind in 0..4 {
+        let world = world(folding_gpu(), kind, &mut random);
+        let splits = vec![Split::Marked; (world.view.map.map_size as usize).pow(2)];
+        found += check(&world, &small, &world.seen()[..100 + 50 * kind as usize], &splits);
+    }
+    assert!(found > 0);
 }
 
 #[test]

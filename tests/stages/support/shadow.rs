@@ -4,7 +4,7 @@ use super::{POISON, Random, run};
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock};
 use subpixel_shadows::frame::{Frame, sample_words};
-use subpixel_shadows::glam::{DVec3, Vec3};
+use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
@@ -14,7 +14,7 @@ use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::prefix_scan::exclusive;
 use subpixel_shadows::reference::summed_area::table;
 use subpixel_shadows::reference::triangle_setup::{Triangle, setup};
-use subpixel_shadows::reference::vertex_project::{Vertex, project};
+use subpixel_shadows::reference::vertex_project::project;
 use subpixel_shadows::reference::view::View;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
@@ -128,13 +128,13 @@ pub fn camera(eye: DVec3, target: DVec3, fov: f32) -> Camera {
     }
 }
 
-/// A light in a random direction, mostly above, or at a random point.
+/// A light in a random direction, mostly above, or at a point there outside the scene.
 pub fn random_light(directional: bool, random: &mut Random) -> Light {
     let v = vector(random) + DVec3::new(0.0, 1.3, 0.0);
     if directional {
         Light::Directional { direction: v.as_vec3().into() }
     } else {
-        Light::Point { position: (v * 2.5).as_vec3().into() }
+        Light::Point { position: (v.normalize() * 6.0).as_vec3().into() }
     }
 }
 
@@ -156,7 +156,6 @@ pub struct World {
     pub map_points: Buffer<[f32; 4]>,
     pub facts: TriangleFacts,
     pub view: View,
-    pub vertices: Vec<Vertex>,
     pub triangles: Vec<Triangle>,
 }
 
@@ -176,7 +175,9 @@ impl World {
         samples: Samples,
     ) -> Self {
         static FRONT: OnceLock<Front> = OnceLock::new();
-        let front = FRONT
+        static FOLDING: OnceLock<Front> = OnceLock::new();
+        let front = if std::ptr::eq(gpu, super::gpu()) { &FRONT } else { &FOLDING };
+        let front = front
             .get_or_init(|| Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) });
         let prepared = Prepared::new(mesh);
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
@@ -209,7 +210,6 @@ impl World {
             map_points,
             facts,
             view,
-            vertices: projected,
             triangles: set_up,
         }
     }
@@ -364,9 +364,20 @@ impl World {
 
     /// Both runs of `triangle_texel_pairs` where `deepest` says there are facets.
     pub fn triangle_pairs(&self, stage: &TriangleTexelPairs, deepest: &[Option<f32>], capacity: usize) -> Listed {
+        self.triangle_pairs_in(stage, deepest, capacity, capacity.max(1))
+    }
+
+    /// The same with a list of `len` elements, of which it may use `capacity`.
+    pub fn triangle_pairs_in(
+        &self,
+        stage: &TriangleTexelPairs,
+        deepest: &[Option<f32>],
+        capacity: usize,
+        len: usize,
+    ) -> Listed {
         let gpu = self.gpu;
         let map = self.view.map.map_size as usize;
-        let lists = PairLists::new(&gpu.device, map, 1, capacity.max(1), 1).expect("memory");
+        let lists = PairLists::new(&gpu.device, map, 1, len, 1).expect("memory");
         let items = self.facts.light_items.read(gpu).expect("readback");
         let (offsets, args, total) = self.items(&items);
         let across = map.div_ceil(8);
@@ -376,7 +387,7 @@ impl World {
             words[map * map + texel / map / 8 * across + texel % map / 8] = 1;
         }
         lists.texel_deepest.write(&gpu.queue, &words);
-        lists.triangle_pairs.write(&gpu.queue, &vec![POISON; capacity.max(1)]);
+        lists.triangle_pairs.write(&gpu.queue, &vec![POISON; len]);
         let mut frame = self.frame;
         frame.triangle_texel_capacity = capacity as u32;
         let frame = uniform(gpu, &frame);
@@ -466,11 +477,6 @@ pub fn uniform(gpu: &Gpu, frame: &Frame) -> Buffer<Frame> {
 pub fn full_word(count: u32, word: u32) -> u32 {
     let left = count - 32 * word;
     if left >= 32 { u32::MAX } else { (1 << left) - 1 }
-}
-
-/// Positions of a mesh's vertices, for making meshes by hand.
-pub fn mesh(positions: &[Vec3], triangles: &[[u32; 3]]) -> Mesh {
-    Mesh { positions: positions.iter().map(|&p| p.into()).collect(), triangles: triangles.to_vec() }
 }
 
 /// Folded to at most `groups` workgroups along a dimension: one device for the whole run.
