@@ -3,7 +3,7 @@
 // `camera_rects` and `light_rects` (pixels and texels it may touch) and how many 8 x 8 blocks those take
 // (`camera_items`, `light_items`; 0 where the triangle has no work in that view).
 // Rectangles are conservative; a triangle that crosses the camera's near plane is clipped for its rectangle, one that
-// reaches behind the light takes the whole map.
+// is not surely in front of the light takes the whole map, one surely behind it nothing.
 
 //@import frame
 //@import dispatch
@@ -60,7 +60,7 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
 
 fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> vec2<u32> {
     if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 {
-        if a.w <= 0.0 && b.w <= 0.0 && c.w <= 0.0 { return EMPTY_RECT; }
+        if a.w < 0.0 && b.w < 0.0 && c.w < 0.0 { return EMPTY_RECT; }
         return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
     let low = min(min(a.xy, b.xy), c.xy);

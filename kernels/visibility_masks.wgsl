@@ -68,6 +68,16 @@ fn inside(l: Lines) -> vec4<u32> {
     return m;
 }
 
+// Whether no sample is left that could still be lit: nothing more needs to be known of the facet.
+fn is_dark(f: u32) -> bool {
+    var open = 0u;
+    for (var w = 0u; w < WORDS; w++) {
+        let at = 3u * WORDS * f + w;
+        open |= atomicLoad(&masks[at]) & ~atomicLoad(&masks[at + WORDS]) & ~atomicLoad(&masks[at + 2u * WORDS]);
+    }
+    return open == 0u;
+}
+
 fn add(f: u32, part: u32, m: vec4<u32>) {
     for (var w = 0u; w < WORDS; w++) {
         let at = 3u * WORDS * f + part * WORDS + w;
@@ -139,6 +149,7 @@ fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let k = flat_invocation(group, groups, WORKGROUP, local);
     if k >= min(atomicLoad(&candidates.tally[TALLY_CANDIDATES]), frame.candidate_capacity) { return; }
     let pair = candidates.list[k];
+    if is_dark(pair.x) { return; }
     if !settle(pair.x, pair.y) { doubts[atomicAdd(&candidates.tally[TALLY_DOUBTS], 1u)] = k; }
 }
 
@@ -147,6 +158,7 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let k = flat_invocation(group, groups, WORKGROUP, local);
     if k >= atomicLoad(&candidates.tally[TALLY_DOUBTS]) { return; }
     let pair = candidates.list[doubts[k]];
+    if is_dark(pair.x) { return; }
     let i = rising(pair.y);
     let g = ground_of(pair.x);
     let n = full_normal(g.own);

@@ -4,7 +4,7 @@ use crate::light_view::{LightView, power_of_two_below, unit_scale};
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
 use crate::shared_struct;
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 
 shared_struct! {
     /// The uniform `frame` of every kernel. Lengths are eye-relative and scaled: `point = (position - eye) * scale`.
@@ -121,12 +121,10 @@ impl Frame {
             let axis = step / step.length_squared();
             axis.extend(-axis.dot(rays.corner))
         };
-        // Rounding of a light-view coordinate of any point of the scene, with room to spare.
-        let noise = |row: DVec4| 2f64.powi(-20) * (row.truncate().abs().element_sum() + row.w.abs());
+        // The least divisor makes the most of rounding.
         let divisor = if v.perspective { v.near } else { 1.0 };
-        let map_margin =
-            (1.0 / 64.0 + (noise(v.u).max(noise(v.v)) + noise(v.w) * f64::from(v.map_size)) / divisor).min(1.0);
-        let depth_margin = (1e-6 + (noise(v.z) + noise(v.w)) / divisor).min(0.25);
+        let map_margin = 1.0 / 64.0 + v.noise_in_texels() / divisor;
+        let depth_margin = 1e-6 + v.noise_in_depth() / divisor;
         let (eye_high, eye_low) = split(eye);
         let (light_high, light_low) = split(to_light);
         Self {

@@ -12,6 +12,7 @@ pub mod frame;
 pub mod gpu;
 pub mod light_view;
 pub mod methods;
+pub mod plan;
 pub mod reference;
 pub mod report;
 pub mod samples;

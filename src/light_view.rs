@@ -46,7 +46,14 @@ impl LightView {
             )));
         }
         let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let casters = caster_corners(mesh, light, bounds);
+        let mut casters = caster_corners(mesh, light, bounds);
+        if casters.is_empty() {
+            // Nothing casts on anything: any view will do that is one.
+            casters = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
+        }
+        if casters.is_empty() {
+            casters = vec![bounds.0, bounds.1];
+        }
         let l = light.homogeneous();
         Ok(if light.is_directional() {
             Self::directional(&casters, l.truncate().normalize(), map_size)
@@ -116,27 +123,49 @@ impl LightView {
         (w > self.near).then(|| DVec3::new(self.u.dot(p), self.v.dot(p), self.z.dot(p)) / w)
     }
 
-    /// The same rows for points given as `(world - origin) * scale`.
+    /// The same rows for points given as `(world - origin) * scale`, which are taken to lie within the unit cube. The
+    /// nearest divisor may grow: see [`LightView::noise_in_texels`].
     pub fn relative_to(&self, origin: DVec3, scale: f64) -> Self {
         let back = DMat4::from_translation(origin) * DMat4::from_scale(DVec3::splat(1.0 / scale));
         let turn = |row: DVec4| back.transpose() * row;
         // The divisor is kept in scaled units, and with it all four rows.
         let unit = if self.perspective { scale } else { 1.0 };
-        Self {
+        let mut moved = Self {
             u: turn(self.u) * unit,
             v: turn(self.v) * unit,
             z: turn(self.z) * unit,
             w: turn(self.w) * unit,
             near: self.near * unit,
             ..*self
+        };
+        if self.perspective {
+            // Nearer than this, rounding could move a vertex by more than a quarter of a texel.
+            moved.near = moved.near.max(4.0 * moved.noise_in_texels().max(64.0 * moved.noise_in_depth()));
         }
+        moved
+    }
+
+    /// Bound of the rounding in `f32` of a texel coordinate of points within the unit cube, times the divisor.
+    pub fn noise_in_texels(&self) -> f64 {
+        row_noise(self.u).max(row_noise(self.v)) + row_noise(self.w) * f64::from(self.map_size)
+    }
+
+    /// Likewise of a depth.
+    pub fn noise_in_depth(&self) -> f64 {
+        row_noise(self.z) + row_noise(self.w)
     }
 }
 
 /// The power of two that makes points `(world - eye) * scale` of a box about as large as 1.
 pub fn unit_scale(eye: DVec3, (lowest, highest): (DVec3, DVec3)) -> f64 {
-    let reach = (lowest - eye).abs().max((highest - eye).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
-    power_of_two_below(1.0 / reach)
+    let reach = (lowest - eye).abs().max((highest - eye).abs()).max_element();
+    // Within what `f32` holds, squares included.
+    power_of_two_below(1.0 / reach.clamp(2f64.powi(-60), 2f64.powi(60)))
+}
+
+/// Rounding of the product of a row and a point of the unit cube, with room to spare.
+fn row_noise(row: DVec4) -> f64 {
+    2f64.powi(-20) * (row.truncate().abs().element_sum() + row.w.abs())
 }
 
 /// The largest power of two that is at most `x`.
@@ -282,6 +311,20 @@ mod tests {
                 widest = widest.max(at);
             }
             assert!(widest.x > 60.0 && widest.y > 60.0, "{light:?}: the view is wider than its casters: {widest}");
+        }
+    }
+
+    #[test]
+    fn a_scene_in_which_nothing_casts_has_a_view_too() {
+        let sheet =
+            Mesh { positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], triangles: vec![[0, 2, 1]] };
+        for mesh in [sheet, Mesh::default()] {
+            for light in [Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [0.5, 6.0, 0.5] }]
+            {
+                let view = LightView::fit(&mesh, &light, 64).unwrap();
+                let inverse = DMat4::from_cols(view.u, view.v, view.z, view.w).inverse();
+                assert!(inverse.is_finite() && (view.near > 1.0 || light.is_directional()), "{light:?} {view:?}");
+            }
         }
     }
 

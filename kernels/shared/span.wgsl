@@ -4,7 +4,8 @@
 fn cut_span(span: vec2<f32>, edge: vec3<f32>, row: f32) -> vec2<f32> {
     let rest = edge.y * row + edge.z;
     let at = -rest / edge.x;
-    let slack = 0.51 + 1e-5 * abs(at);
+    // Rounding of the rest moves the place by as much as the edge runs along the row.
+    let slack = 0.51 + 2e-6 * (abs(edge.y * row) + abs(edge.z)) / abs(edge.x);
     if edge.x > 0.0 { return vec2(max(span.x, at - slack - 0.5), span.y); }
     if edge.x < 0.0 { return vec2(span.x, min(span.y, at + slack - 0.5)); }
     return span;

@@ -413,6 +413,11 @@ impl FacetMasks {
             self.args(stage, Arg::Candidates, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Candidates.word());
             self.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args)?;
+        }
+        {
+            let stage = &mut rec.stage("visibility_refine");
+            let casters = Casters { samples: m.samples.raw(), triangles, positions };
+            let frame = frame_of(0);
             self.args(stage, Arg::Doubts, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Doubts.word());
             self.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;

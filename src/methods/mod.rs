@@ -4,6 +4,7 @@ pub mod cpu;
 pub mod facet_masks;
 pub mod prepared;
 pub mod render;
+pub mod unshadowed;
 
 pub use facet_masks::{FacetMasks, Settings};
 pub use prepared::Prepared;

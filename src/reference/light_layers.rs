@@ -12,6 +12,8 @@ pub struct Layer {
     pub second: Option<(f64, u32)>,
     /// An edge passes the centre within the guard, or the two are equally far: not certain.
     pub open: bool,
+    /// A triangle so thin that 32 bits do not tell its orientation passes the centre within the guard.
+    pub thin: bool,
 }
 
 impl Layer {
@@ -37,7 +39,9 @@ pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<La
                     continue;
                 }
                 let layer = &mut row[x as usize];
-                layer.open |= inside.iter().any(|&e| e <= guard);
+                let near = inside.iter().any(|&e| e <= guard);
+                layer.open |= near && !flat.is_thin();
+                layer.thin |= near && flat.is_thin();
                 if inside.iter().all(|&e| e >= 0.0) {
                     add(layer, flat.depth(at), t);
                 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 pub enum Reach {
     /// None: it is dropped, culled, or behind the light.
     Nowhere,
-    /// All of them: it reaches behind the light.
+    /// All of them: it is not surely in front of the light.
     Everywhere,
     /// Those it touches in the light view.
     Flat(Flat),
@@ -84,7 +84,7 @@ fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3]) -> Triangle {
     let map = match all.map(|v| v.map) {
         _ if view.cull_back && side < 0.0 => Reach::Nowhere,
         [Some(a), Some(b), Some(c)] => Reach::Flat(Flat::new([a, b, c].map(|p| p.truncate()))),
-        [None, None, None] => Reach::Nowhere,
+        _ if all.iter().all(|v| v.behind) => Reach::Nowhere,
         _ => Reach::Everywhere,
     };
     Triangle { corners: Some(corners), side, image: image_box(view, corners), map }

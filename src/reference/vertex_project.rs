@@ -11,6 +11,8 @@ pub struct Vertex {
     pub point: Option<DVec3>,
     /// Texel x, y, depth and divisor; `None` for a vertex that is not in front of the light.
     pub map: Option<DVec4>,
+    /// It lies surely behind the light.
+    pub behind: bool,
 }
 
 /// Projects all positions.
@@ -18,7 +20,8 @@ pub fn project(view: &View, positions: &[[f32; 3]]) -> Vec<Vertex> {
     let one = |&p: &[f32; 3]| {
         let point = view.point(p);
         let point = point.as_vec3().is_finite().then_some(point);
-        Vertex { point, map: point.and_then(|p| view.on_map(p)) }
+        let behind = point.is_some_and(|p| view.map.perspective && view.map.w.dot(p.extend(1.0)) < -view.map.near);
+        Vertex { point, map: point.and_then(|p| view.on_map(p)), behind }
     };
     positions.par_iter().map(one).collect()
 }

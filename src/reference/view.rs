@@ -110,6 +110,15 @@ impl Flat {
         })
     }
 
+    /// Whether rounding to 32 bits may turn it over.
+    pub fn is_thin(&self) -> bool {
+        let [a, b, c] = self.corners.map(DVec3::truncate);
+        let (ab, ac) = (b - a, c - a);
+        let size = (ab.x.abs() + ab.y.abs()).max(ac.x.abs() + ac.y.abs());
+        let (lo, hi) = self.bounds();
+        ab.perp_dot(ac).abs() <= 4e-6 * (lo.abs().max(hi.abs()).max_element() + size) * size
+    }
+
     /// Depth of its plane at `at`, held between the depths of its corners.
     pub fn depth(&self, at: DVec2) -> f64 {
         let (lo, hi) = self.depths();

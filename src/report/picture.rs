@@ -92,7 +92,7 @@ impl Drop for Unfinished {
 }
 
 /// Lets `encode` write the file and moves it to `path` when it is complete.
-fn write(path: &Path, encode: impl FnOnce(&mut BufWriter<std::fs::File>) -> ImageResult<()>) -> Result<()> {
+pub(super) fn write(path: &Path, encode: impl FnOnce(&mut BufWriter<std::fs::File>) -> ImageResult<()>) -> Result<()> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let fault = |e: &dyn std::fmt::Display| Error::file(path, format!("cannot be written: {e}"));
     let name = path.file_name().ok_or_else(|| Error::file(path, "is not the name of a file"))?;

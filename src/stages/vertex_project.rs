@@ -2,7 +2,7 @@
 //!
 //! - **Reads** positions: three `f32` a vertex, world units.
 //! - **Writes** `points` (xyz; w is 1 where finite, else 0) and `map_points` (texel x, texel y, depth, divisor; the divisor
-//!   is 0 for a vertex that is not in front of the light).
+//!   is 0 for a vertex that is not surely in front of the light, negative for one that is surely behind it).
 //! - **Guarantee.** `points` is the correctly rounded difference to the eye, times a power of two.
 //! - **Cost.** One dispatch; 44 bytes a vertex.
 

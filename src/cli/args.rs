@@ -1,0 +1,193 @@
+//! What can be asked for.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use subpixel_shadows::Result;
+use subpixel_shadows::methods::facet_masks::Settings;
+use subpixel_shadows::methods::render::Budget;
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Scene, SceneOptions};
+
+/// Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
+#[derive(Debug, Parser)]
+#[command(version, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Without a command: `render` of the default scene.
+    #[command(flatten)]
+    pub options: Options,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene; write pictures and frame.json
+    Render {
+        /// Built-in scene, or a .glb, .gltf, .obj, .ply or .toml file [default: windmill]
+        scene: Option<String>,
+        #[command(flatten)]
+        options: Options,
+    },
+    /// Print the plan: each stage, needed or left out, and why
+    Explain {
+        /// Built-in scene, or a .glb, .gltf, .obj, .ply or .toml file [default: windmill]
+        scene: Option<String>,
+        #[command(flatten)]
+        options: Options,
+    },
+    /// List what wgpu finds here: adapters, features, limits, and the path each would take
+    Adapters {
+        /// Only say by the exit status whether an adapter can be used: 0, or 3 if none
+        #[arg(long)]
+        check: bool,
+    },
+}
+
+/// The options of `render` and `explain`.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Shadow method
+    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
+    pub method: Method,
+    /// Facets per pixel of facet-masks: one, as in the paper
+    #[arg(long, value_enum, default_value_t, value_name = "HOW_MANY")]
+    pub facets: FacetsPerPixel,
+    /// Samples per pixel: 1, 8, 16, 32, 64 or 128
+    #[arg(long, default_value_t = 32, value_name = "N")]
+    pub samples: u32,
+    /// Where the samples of a pixel lie
+    #[arg(long, value_enum, default_value_t)]
+    pub pattern: PatternName,
+    /// Light-view map size, texels a side
+    #[arg(long, default_value_t = 512, value_name = "N")]
+    pub map: u32,
+    /// Image size, pixels
+    #[arg(long, default_value = "800x600", value_name = "WxH", value_parser = size)]
+    pub size: [u32; 2],
+    /// Keep the validity mask, which drops samples that see another surface than the pixel centre
+    #[arg(long, value_enum, default_value_t, value_name = "SWITCH")]
+    pub validity: Switch,
+    /// Where to compute; without an adapter, and if not asked for, the CPU takes over and says so [default: gpu]
+    #[arg(long, value_enum)]
+    pub engine: Option<EngineName>,
+    /// Pick an adapter whose name contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES, each part optional
+    #[arg(long, value_name = "PARTS")]
+    pub camera: Option<String>,
+    /// directional=X,Y,Z (towards the light), point=X,Y,Z, or spot=X,Y,Z;target=X,Y,Z;angle=DEGREES
+    #[arg(long, value_name = "PARTS")]
+    pub light: Option<String>,
+    /// Add a ground plane under the scene
+    #[arg(long)]
+    pub ground: bool,
+    /// Also compute facet truth and scene truth, and print the error
+    #[arg(long)]
+    pub truth: bool,
+    /// Run every stage, also those the plan would leave out, and settle no pixel early
+    #[arg(long)]
+    pub force_all: bool,
+    /// MiB that the two pair lists may take together; a frame that needs more is split
+    #[arg(long, default_value_t = 1024, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
+    pub memory_limit: u64,
+    /// Elements each pair list starts with [default: two a pixel]
+    #[arg(long, value_name = "N")]
+    pub list_start: Option<usize>,
+    /// Folder for the files that are written
+    #[arg(long, default_value = "out", value_name = "DIR")]
+    pub out: PathBuf,
+    /// No progress, no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum Method {
+    #[default]
+    FacetMasks,
+}
+
+impl Method {
+    /// The one name of the method.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FacetMasks => "facet-masks",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum FacetsPerPixel {
+    #[default]
+    One,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    #[default]
+    On,
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EngineName {
+    Gpu,
+    Cpu,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum PatternName {
+    Grid,
+    Rotated,
+    #[default]
+    LowDiscrepancy,
+}
+
+impl From<PatternName> for Pattern {
+    fn from(name: PatternName) -> Self {
+        match name {
+            PatternName::Grid => Self::Grid,
+            PatternName::Rotated => Self::Rotated,
+            PatternName::LowDiscrepancy => Self::LowDiscrepancy,
+        }
+    }
+}
+
+/// `WxH`.
+fn size(text: &str) -> std::result::Result<[u32; 2], String> {
+    let (w, h) = text.split_once(['x', 'X']).ok_or("expected WIDTHxHEIGHT, such as 800x600")?;
+    let side = |s: &str| s.parse::<u32>().map_err(|e| format!("'{s}': {e}"));
+    Ok([side(w)?, side(h)?])
+}
+
+impl Options {
+    /// What is asked of the frame; the plan may leave out more.
+    pub fn settings(&self) -> Result<Settings> {
+        let settings = Settings {
+            size: self.size,
+            map: self.map,
+            samples: Samples::new(self.pattern.into(), self.samples)?,
+            validity: self.validity == Switch::On,
+            cull_back: true,
+            settle: true,
+        };
+        settings.check()?;
+        Ok(settings)
+    }
+
+    /// Opens the scene with what the options change of it.
+    pub fn open(&self, scene: Option<&str>) -> Result<Scene> {
+        let options = SceneOptions {
+            ground: self.ground,
+            camera: self.camera.as_deref().map(str::parse).transpose()?,
+            light: self.light.as_deref().map(str::parse).transpose()?,
+        };
+        Scene::open(scene.unwrap_or("windmill"), &options)
+    }
+
+    /// Memory of the lists.
+    pub fn budget(&self) -> Budget {
+        Budget { start: self.list_start, bytes: self.memory_limit.saturating_mul(1 << 20) }
+    }
+}

@@ -1,0 +1,147 @@
+//! Where a frame is computed: on an adapter, or on the CPU.
+
+use super::args::{EngineName, Options};
+use super::progress::Console;
+use rayon::prelude::*;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::render::{Counts, Output, Renderer};
+use subpixel_shadows::methods::{Prepared, unshadowed};
+use subpixel_shadows::plan::{Extent, Plan};
+use subpixel_shadows::report::FacetSet;
+use subpixel_shadows::scene::Scene;
+use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
+use subpixel_shadows::{Error, Result};
+
+/// Where frames are computed.
+pub enum Engine {
+    Gpu(Box<Gpu>),
+    Cpu,
+}
+
+/// A frame, and its facets where the engine keeps them and they were asked for.
+pub struct Rendered {
+    pub output: Output,
+    pub facets: Option<FacetSet>,
+}
+
+impl Engine {
+    /// The engine that is asked for; without an adapter, and if none was asked for, the CPU.
+    pub fn open(options: &Options, console: Console) -> Result<Self> {
+        if options.engine == Some(EngineName::Cpu) {
+            return Ok(Self::Cpu);
+        }
+        match Gpu::open(options.adapter.as_deref()) {
+            Ok(gpu) => Ok(Self::Gpu(Box::new(gpu))),
+            Err(Error::NoAdapter(reason)) if options.engine.is_none() && options.adapter.is_none() => {
+                console
+                    .note(&format!("no adapter ({reason}): computing on the CPU; ./test.sh installs a software one"));
+                Ok(Self::Cpu)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// `gpu` or `cpu`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Gpu(_) => "gpu",
+            Self::Cpu => "cpu",
+        }
+    }
+
+    /// Name and graphics API of the adapter.
+    pub fn adapter(&self) -> (String, String) {
+        match self {
+            Self::Gpu(gpu) => (gpu.adapter.name.clone(), gpu.adapter.backend.clone()),
+            Self::Cpu => (format!("CPU, {} threads", rayon::current_num_threads()), "none".to_owned()),
+        }
+    }
+
+    /// The adapter as the table shows it.
+    pub fn describe(&self) -> String {
+        let (name, backend) = self.adapter();
+        match self {
+            Self::Gpu(gpu) if gpu.adapter.software => format!("{name}, {backend}, software: it runs on the CPU"),
+            Self::Gpu(_) => format!("{name}, {backend}"),
+            Self::Cpu => format!("{name}: CPU engine, no GPU is used"),
+        }
+    }
+
+    /// Renders one frame as planned.
+    pub fn render(
+        &self,
+        options: &Options,
+        plan: &Plan,
+        scene: &Scene,
+        prepared: &Prepared,
+        console: Console,
+    ) -> Result<Rendered> {
+        let settings = &plan.settings;
+        let words = settings.samples.words();
+        let read = |gpu, facets| options.truth.then(|| FacetSet::read(gpu, facets, words)).transpose();
+        match (plan.extent, self) {
+            (Extent::Nothing, _) => Ok(Rendered {
+                output: unshadowed::nothing_seen(settings),
+                facets: Some(FacetSet { words, ..FacetSet::default() }),
+            }),
+            (Extent::Facing, Self::Gpu(gpu)) => {
+                let (output, facets) = unshadowed::render(gpu, prepared, settings, &scene.camera, &scene.light)?;
+                Ok(Rendered { output, facets: read(gpu, &facets)? })
+            }
+            (Extent::Everything, Self::Gpu(gpu)) => {
+                let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
+                let output = renderer.render(&scene.camera, &scene.light)?;
+                Ok(Rendered { output, facets: read(gpu, renderer.method().facets())? })
+            }
+            (_, Self::Cpu) => {
+                let output = on_the_cpu(plan, scene, prepared, console)?;
+                Ok(Rendered { output, facets: None })
+            }
+        }
+    }
+}
+
+/// The model of the method from its definition in `f64`: one facet with a full mask for the triangle at each centre.
+fn on_the_cpu(plan: &Plan, scene: &Scene, prepared: &Prepared, console: Console) -> Result<Output> {
+    let start = std::time::Instant::now();
+    let settings = &plan.settings;
+    let ([w, h], samples) = (settings.size, &settings.samples);
+    let tracer = Tracer::new(&prepared.mesh)?;
+    let rays = scene.camera.rays(w, h);
+    let near = f64::from(scene.camera.near);
+    let triangles: Vec<u32> = (0..w * h)
+        .into_par_iter()
+        .map(|p| {
+            let r = rays.direction(f64::from(p % w) + 0.5, f64::from(p / w) + 0.5);
+            tracer.closest(rays.eye, r, near).map_or(u32::MAX, |hit| hit.triangle)
+        })
+        .collect();
+    let coverage = split_mask(full_mask(samples.count()));
+    let facets: Vec<FacetInput> = (0..w * h)
+        .zip(&triangles)
+        .filter(|(_, t)| **t != u32::MAX)
+        .map(|(pixel, &triangle)| FacetInput { pixel, triangle, coverage })
+        .collect();
+    let mut truth = FacetTruth::new(&tracer, &scene.camera, &scene.light, samples, w, h)?;
+    if !settings.validity {
+        truth = truth.without_validity();
+    }
+    let task = console.task("CPU engine");
+    let judged = truth.judge(&facets, Some(&|done, total| task.at(done, total)))?;
+    drop(task);
+    let words = samples.words() as usize;
+    let mut output = unshadowed::nothing_seen(settings);
+    for (facet, result) in facets.iter().zip(&judged) {
+        let (valid, occluded) = (join_mask(result.valid), join_mask(result.occluded));
+        let (seen, lit) = (valid.count_ones(), valid & !occluded);
+        let p = facet.pixel as usize;
+        if seen > 0 {
+            output.visibility[p] = lit.count_ones() as f32 / seen as f32;
+            output.lit[p * words..(p + 1) * words].copy_from_slice(&split_mask(lit)[..words]);
+        }
+    }
+    let seen = facets.len() as u64;
+    let counts =
+        Counts { silhouette_pixels: seen, empty_facets: u64::from(w) * u64::from(h) - seen, ..Counts::default() };
+    Ok(Output { triangles, counts, wall_ms: start.elapsed().as_secs_f64() * 1e3, ..output })
+}

@@ -1,0 +1,32 @@
+//! The command line: `render`, `explain`, `adapters`.
+
+mod adapters;
+mod args;
+mod engine;
+mod explain;
+mod output;
+mod progress;
+mod render;
+mod table;
+
+use args::{Cli, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+/// Reads the command line and runs it. Exit status: 0 done, 1 bad input, 2 usage (by clap), 3 the GPU failed.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match cli.command {
+        Some(Command::Render { scene, options }) => render::run(scene.as_deref(), &options),
+        Some(Command::Explain { scene, options }) => explain::run(scene.as_deref(), &options),
+        Some(Command::Adapters { check }) => adapters::run(check),
+        None => render::run(None, &cli.options),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            progress::complain(&error.to_string());
+            ExitCode::from(if error.is_gpu() { 3 } else { 1 })
+        }
+    }
+}

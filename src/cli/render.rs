@@ -1,0 +1,257 @@
+//! `render`: the main job.
+
+use super::args::Options;
+use super::engine::{Engine, Rendered};
+use super::explain::mesh_line;
+use super::output::OutFolder;
+use super::progress::Console;
+use super::table::{Report, grouped, percent};
+use std::path::PathBuf;
+use std::time::Instant;
+use subpixel_shadows::Result;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::plan::Plan;
+use subpixel_shadows::report::frame_json::{AdapterReport, ErrorReport, Sources};
+use subpixel_shadows::report::shaded::Shading;
+use subpixel_shadows::report::{
+    FacetErrors, FrameReport, SceneErrors, shade, write_difference, write_exr, write_png_grey, write_png_rgb,
+};
+use subpixel_shadows::scene::Scene;
+use subpixel_shadows::truth::{Tracer, TruthImage};
+
+/// Renders, writes the files, prints the table.
+pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
+    let start = Instant::now();
+    let console = Console::new(options.quiet);
+    let settings = options.settings()?;
+    OutFolder::check(&options.out)?;
+    let scene = options.open(scene)?;
+    let prepared = Prepared::new(&scene.mesh);
+    let plan = Plan::of(&prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
+    let engine = Engine::open(options, console)?;
+    let rendered = engine.render(options, &plan, &scene, &prepared, console)?;
+    let truth = options.truth.then(|| compare(&rendered, &plan, &scene, &prepared, console)).transpose()?;
+    let error = truth.as_ref().map(|(error, _)| *error);
+    let (name, backend) = engine.adapter();
+    let frame = FrameReport::new(Sources {
+        adapter: AdapterReport { name: &name, backend: &backend },
+        engine: engine.name(),
+        method: options.method.name(),
+        scene: &scene,
+        prepared: &prepared,
+        settings: &plan.settings,
+        plan: &plan,
+        output: &rendered.output,
+        error,
+    });
+    let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;
+    let mut report = Report::default();
+    report.line("scene", &format!("{}: {}", scene.name, mesh_line(&prepared)));
+    report.line("adapter", &engine.describe());
+    let [w, h] = options.size;
+    let n = options.samples;
+    report.line("frame", &format!("{w} x {h} pixels, {n} samples a pixel, light-view map of {0} x {0}", options.map));
+    stages(&mut report, &frame, &plan, &rendered);
+    counts(&mut report, &rendered, u64::from(w) * u64::from(h));
+    if let Some(error) = &error {
+        errors(&mut report, error, n, w);
+    }
+    let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+    report.text(&format!("\nwrote {}", names.join(", ")));
+    report.text(&format!("in {:.1} s of wall time, writing and truth included", start.elapsed().as_secs_f64()));
+    report.text(
+        "look further: `explain` for the plan, `--truth` for the error, `--force-all` to leave nothing out, `--help`",
+    );
+    report.print();
+    Ok(())
+}
+
+/// The error against both truths, and scene truth.
+fn compare(
+    rendered: &Rendered,
+    plan: &Plan,
+    scene: &Scene,
+    prepared: &Prepared,
+    console: Console,
+) -> Result<(ErrorReport, TruthImage)> {
+    let (mesh, settings) = (&prepared.mesh, &plan.settings);
+    let tracer = Tracer::new(mesh)?;
+    let facet = match &rendered.facets {
+        Some(set) => {
+            let task = console.task("facet truth");
+            let progress = |done, total| task.at(done, total);
+            Some(FacetErrors::of(set, &tracer, &scene.camera, &scene.light, settings, Some(&progress))?)
+        }
+        None => None,
+    };
+    let task = console.task("scene truth");
+    let progress = |done, total| task.at(done, total);
+    let visibility = &rendered.output.visibility;
+    let (errors, image) =
+        SceneErrors::of(visibility, mesh, &tracer, &scene.camera, &scene.light, settings, Some(&progress))?;
+    Ok((ErrorReport { facet, scene: errors }, image))
+}
+
+/// Writes all files, or none.
+fn write(
+    options: &Options,
+    scene: &Scene,
+    prepared: &Prepared,
+    rendered: &Rendered,
+    truth: Option<&TruthImage>,
+    frame: &FrameReport,
+) -> Result<Vec<PathBuf>> {
+    let [w, h] = options.size;
+    let (visibility, triangles) = (&rendered.output.visibility, &rendered.output.triangles);
+    let hits: Vec<bool> = triangles.iter().map(|&t| t != u32::MAX).collect();
+    let shading = Shading {
+        mesh: &prepared.mesh,
+        camera: &scene.camera,
+        light: &scene.light,
+        size: options.size,
+        triangles,
+        visibility,
+    };
+    let mut out = OutFolder::open(&options.out)?;
+    write_png_rgb(&out.file("shaded.png"), w, h, &shade(&shading))?;
+    write_png_grey(&out.file("visibility.png"), w, h, visibility)?;
+    write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
+    if let Some(truth) = truth {
+        let values = truth.visibility();
+        write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
+        write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
+    }
+    frame.write(&out.file("frame.json"))?;
+    out.finish()
+}
+
+/// Stages with their time, and those left out.
+fn stages(report: &mut Report, frame: &FrameReport, plan: &Plan, rendered: &Rendered) {
+    let output = &rendered.output;
+    let on_gpu = frame.engine == "gpu";
+    let mut rows = vec![["stage", "GPU ms", ""].map(String::from).to_vec()];
+    for stage in &frame.stages {
+        let (time, note) = match stage.left_out {
+            Some(reason) => ("-".to_owned(), format!("left out: {reason}")),
+            None if !on_gpu || output.stages.is_empty() => ("-".to_owned(), idle(stage.name, rendered)),
+            None => (format!("{:.3}", stage.gpu_ms), idle(stage.name, rendered)),
+        };
+        rows.push(vec![stage.name.to_owned(), time, note]);
+    }
+    rows.push(vec!["all".to_owned(), format!("{:.3}", frame.gpu_ms), String::new()]);
+    report.table(&rows, &[1]);
+    let left_out = plan.left_out().count();
+    let time = format!("{:.3} ms from submission to the end", output.wall_ms);
+    report.text(&format!("{time}, {} dispatches, {left_out} steps left out", output.dispatches));
+}
+
+/// What a stage that ran had nothing to do on.
+fn idle(stage: &str, rendered: &Rendered) -> String {
+    let c = &rendered.output.counts;
+    let items = match stage {
+        "silhouette_mask" => (c.silhouette_edges, "silhouette edges"),
+        "pixel_texel_pairs" => (c.silhouette_pixels, "undecided facets"),
+        "triangle_texel_pairs" | "candidate_pairs" => (c.pixel_texel_pairs, "pixel-texel pairs"),
+        "visibility_masks" => (c.visibility_evaluations, "evaluations"),
+        _ => return String::new(),
+    };
+    if items.0 == 0 && !rendered.output.stages.is_empty() { format!("ran on 0 {}", items.1) } else { String::new() }
+}
+
+fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
+    let c = &rendered.output.counts;
+    let row = |name: &str, n: u64, note: String| vec![name.to_owned(), grouped(n), note];
+    let of_pixels = |n: u64| format!("{} of the pixels", percent(n, pixels));
+    let mut rows = vec![
+        row("silhouette edges", c.silhouette_edges, String::new()),
+        row("silhouette texels", c.silhouette_texels, String::new()),
+        row("undecided pixels", c.silhouette_pixels, of_pixels(c.silhouette_pixels)),
+        row("settled: lit", c.lit_facets, of_pixels(c.lit_facets)),
+        row("settled: shadowed", c.shadowed_facets, of_pixels(c.shadowed_facets)),
+        row("settled: dark", c.dark_facets, of_pixels(c.dark_facets)),
+        row("no surface", c.empty_facets, of_pixels(c.empty_facets)),
+        row("visibility evaluations", c.visibility_evaluations, String::new()),
+    ];
+    rows.push(row("pixel-texel pairs", c.pixel_texel_pairs, String::new()));
+    rows.push(row("triangle-texel pairs", c.triangle_texel_pairs, String::new()));
+    report.table(&rows, &[1]);
+    let lists = &rendered.output.lists;
+    if !lists.is_empty() {
+        let mut rows = vec![["list", "needed", "capacity", "runs"].map(String::from).to_vec()];
+        for l in lists {
+            rows.push(vec![l.name.to_owned(), grouped(l.needed), grouped(l.capacity), l.runs.to_string()]);
+        }
+        report.table(&rows, &[1, 2, 3]);
+    }
+}
+
+fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
+    let mut first_wrong = None;
+    let mut rows = Vec::new();
+    let mut row = |cells: &[&str]| rows.push(cells.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>());
+    if let Some(f) = &error.facet {
+        row(&["facet truth", "samples", "wrong", "wrong in band", "in band"]);
+        row(&[
+            "all compared",
+            &grouped(f.facet_samples),
+            &grouped(f.facet_wrong_outside_band),
+            &grouped(f.facet_wrong_in_band),
+            &percent(f.facet_ambiguous, f.facet_samples),
+        ]);
+        if f.facet_wrong_outside_band > 0 {
+            for (name, n) in [
+                ("  settled", f.facet_wrong_settled),
+                ("  dark", f.facet_wrong_dark),
+                ("  occluded", f.facet_wrong_occluded),
+                ("  invalid", f.facet_wrong_invalid),
+            ] {
+                row(&[name, "", &grouped(n)]);
+            }
+        }
+        first_wrong = f.first_wrong;
+    }
+    report.table(&rows, &[1, 2, 3, 4]);
+    if let Some([pixel, sample, triangle]) = first_wrong {
+        let (x, y) = (pixel % width, pixel / width);
+        report
+            .text(&format!("first wrong: sample {sample} of pixel ({x}, {y}), whose facet is of triangle {triangle}"));
+    }
+    let s = &error.scene;
+    let within = format!("within 1/{samples}");
+    let mut rows = vec![["scene truth", "pixels", "RMSE", "mean", "max", &within].map(String::from).to_vec()];
+    let share = |v: f64| format!("{:.3} %", 100.0 * v);
+    let line = |name: &str, pixels, rmse, mean, max, matching| {
+        vec![
+            name.to_owned(),
+            grouped(pixels),
+            format!("{rmse:.5}"),
+            format!("{mean:.5}"),
+            format!("{max:.3}"),
+            share(matching),
+        ]
+    };
+    rows.push(line("whole image", s.scene_pixels, s.scene_rmse, s.scene_mean, s.scene_max, s.scene_pixel_match));
+    rows.push(line(
+        "silhouette band",
+        s.scene_band_pixels,
+        s.scene_band_rmse,
+        s.scene_band_mean,
+        s.scene_band_max,
+        s.scene_band_pixel_match,
+    ));
+    rows.push(vec![
+        "one plane seen".to_owned(),
+        grouped(s.scene_one_plane_pixels),
+        String::new(),
+        String::new(),
+        String::new(),
+        share(s.scene_one_plane_match),
+    ]);
+    report.table(&rows, &[1, 2, 3, 4, 5]);
+    report.text(&format!(
+        "acne pixels {}, leak pixels {}, mean FLIP {:.5}",
+        grouped(s.scene_acne_pixels),
+        grouped(s.scene_leak_pixels),
+        s.scene_flip
+    ));
+}

@@ -1,0 +1,313 @@
+//! A frame held against both truths.
+
+use super::mean_flip;
+use super::metrics::{Metrics, Truth};
+use crate::Result;
+use crate::gpu::Gpu;
+use crate::methods::facet_masks::Settings;
+use crate::scene::{Camera, Light, Mesh, PixelRays};
+use crate::stages::facet_classify::{Facet, Facets, State};
+use crate::truth::facet_truth::FacetResult;
+use crate::truth::predicate::Plane;
+use crate::truth::{FacetInput, FacetTruth, Progress, SceneTruth, Tracer, TruthImage, bits, full_mask, join_mask};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The facets of a frame with their masks, read back.
+#[derive(Clone, Debug, Default)]
+pub struct FacetSet {
+    /// Words of a mask.
+    pub words: u32,
+    /// The facets.
+    pub facets: Vec<Facet>,
+    /// Coverage, occluded and invalid mask of each facet, `words` words each.
+    pub masks: Vec<u32>,
+}
+
+impl FacetSet {
+    /// Reads the facets of the frame that was rendered last.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device fails.
+    pub fn read(gpu: &Gpu, facets: &Facets, words: u32) -> Result<Self> {
+        Ok(Self { words, facets: facets.list.read(gpu)?, masks: facets.masks.read(gpu)? })
+    }
+
+    /// Coverage, occluded and invalid samples of facet `f`.
+    fn masks_of(&self, f: usize) -> [u128; 3] {
+        let words = self.words as usize;
+        [0, 1, 2].map(|kind| {
+            let mut mask = [0; 4];
+            let from = (3 * f + kind) * words;
+            mask[..words].copy_from_slice(&self.masks[from..from + words]);
+            join_mask(mask)
+        })
+    }
+}
+
+/// A frame against facet truth: numeric error alone. Counts are of samples.
+///
+/// Of a facet that was settled as lit or shadowed the samples on its own triangle are compared: there its plane is a real
+/// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared for occlusion,
+/// and for validity unless all are occluded: then it changes nothing, and is not found out. Of one that is dark, all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FacetErrors {
+    /// Samples compared.
+    pub facet_samples: u64,
+    /// Samples that differ and lie farther than 1/256 pixel from every edge: must be 0.
+    pub facet_wrong_outside_band: u64,
+    /// Samples that differ within the band, where either answer may be given.
+    pub facet_wrong_in_band: u64,
+    /// Compared samples that lie within the band.
+    pub facet_ambiguous: u64,
+    /// Of the wrong ones outside the band: facets settled as lit or shadowed.
+    pub facet_wrong_settled: u64,
+    /// Of the wrong ones outside the band: facets settled as dark.
+    pub facet_wrong_dark: u64,
+    /// Of the wrong ones outside the band: occlusion of evaluated facets.
+    pub facet_wrong_occluded: u64,
+    /// Of the wrong ones outside the band: validity of evaluated facets.
+    pub facet_wrong_invalid: u64,
+    /// Samples of settled facets off their own triangle, not compared, whose answer the facet's plane would change.
+    pub facet_settled_elsewhere: u64,
+    /// The first wrong sample outside the band, in the order of the pixels: pixel, sample, triangle of the facet.
+    #[serde(skip)]
+    pub first_wrong: Option<[u32; 3]>,
+}
+
+impl FacetErrors {
+    /// Holds `set` against facet truth. `validity` says whether invalid masks were kept.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if the facets are not of this image and mesh; as [`FacetTruth::new`].
+    pub fn of(
+        set: &FacetSet,
+        tracer: &Tracer,
+        camera: &Camera,
+        light: &Light,
+        settings: &Settings,
+        progress: Progress,
+    ) -> Result<Self> {
+        let [w, h] = settings.size;
+        let mut truth = FacetTruth::new(tracer, camera, light, &settings.samples, w, h)?;
+        let validity = settings.validity && settings.samples.count() > 1;
+        if !validity {
+            truth = truth.without_validity();
+        }
+        let asked: Vec<usize> = (0..set.facets.len()).filter(|&f| set.facets[f].state != State::Empty as u32).collect();
+        let inputs: Vec<FacetInput> = asked
+            .iter()
+            .map(|&f| FacetInput {
+                pixel: set.facets[f].pixel,
+                triangle: set.facets[f].triangle,
+                coverage: crate::truth::split_mask(set.masks_of(f)[0] & full_mask(settings.samples.count())),
+            })
+            .collect();
+        let results = truth.judge(&inputs, progress)?;
+        let view = View {
+            tracer,
+            rays: camera.rays(w, h),
+            width: w,
+            offsets: settings.samples.offsets().iter().map(|o| DVec2::new(f64::from(o[0]), f64::from(o[1]))).collect(),
+            validity,
+        };
+        Ok(asked
+            .par_iter()
+            .zip(&inputs)
+            .zip(&results)
+            .map(|((&f, input), result)| view.compare(input, set.facets[f].state, set.masks_of(f), result))
+            .reduce(Self::default, Self::plus))
+    }
+
+    fn plus(self, o: Self) -> Self {
+        Self {
+            facet_samples: self.facet_samples + o.facet_samples,
+            facet_wrong_outside_band: self.facet_wrong_outside_band + o.facet_wrong_outside_band,
+            facet_wrong_in_band: self.facet_wrong_in_band + o.facet_wrong_in_band,
+            facet_ambiguous: self.facet_ambiguous + o.facet_ambiguous,
+            facet_wrong_settled: self.facet_wrong_settled + o.facet_wrong_settled,
+            facet_wrong_dark: self.facet_wrong_dark + o.facet_wrong_dark,
+            facet_wrong_occluded: self.facet_wrong_occluded + o.facet_wrong_occluded,
+            facet_wrong_invalid: self.facet_wrong_invalid + o.facet_wrong_invalid,
+            facet_settled_elsewhere: self.facet_settled_elsewhere + o.facet_settled_elsewhere,
+            first_wrong: [self.first_wrong, o.first_wrong].into_iter().flatten().min(),
+        }
+    }
+}
+
+/// What comparing needs to know of the view.
+struct View<'a> {
+    tracer: &'a Tracer,
+    rays: PixelRays,
+    width: u32,
+    offsets: Vec<DVec2>,
+    validity: bool,
+}
+
+impl View<'_> {
+    fn compare(&self, facet: &FacetInput, state: u32, masks: [u128; 3], truth: &FacetResult) -> FacetErrors {
+        let coverage = join_mask(facet.coverage);
+        let (met, own) = self.met_and_own(facet, coverage);
+        let occluded = join_mask(truth.occluded);
+        let (doubt, doubt_valid) = (join_mask(truth.ambiguous_occluded), join_mask(truth.ambiguous_valid));
+        let count = |mask: u128| u64::from(mask.count_ones());
+        let mut e = FacetErrors::default();
+        // Which samples are compared for occlusion, what ours are, and which count a fault is put to.
+        let (asked, ours) = match state {
+            s if s == State::Dark as u32 => (met, met),
+            s if s == State::Lit as u32 => (own, 0),
+            s if s == State::Shadowed as u32 => (own, own),
+            _ => (met, masks[1] & met),
+        };
+        let wrong = (ours ^ occluded) & asked;
+        let outside = count(wrong & !doubt);
+        e.facet_samples = count(asked);
+        let mut ambiguous = doubt & asked;
+        let mut inside = wrong & doubt;
+        let mut surely_wrong = wrong & !doubt;
+        match state {
+            s if s == State::Dark as u32 => e.facet_wrong_dark = outside,
+            s if s == State::Lit as u32 || s == State::Shadowed as u32 => {
+                e.facet_wrong_settled = outside;
+                let elsewhere = met & !own & join_mask(truth.valid) & !doubt & !doubt_valid;
+                let flat = if s == State::Lit as u32 { 0 } else { u128::MAX };
+                e.facet_settled_elsewhere = count((flat ^ occluded) & elsewhere);
+            }
+            _ => {
+                e.facet_wrong_occluded = outside;
+                if self.validity && ours != met {
+                    let wrong = (!masks[2] ^ join_mask(truth.valid)) & met;
+                    e.facet_wrong_invalid = count(wrong & !doubt_valid);
+                    inside |= wrong & doubt_valid;
+                    surely_wrong |= wrong & !doubt_valid;
+                    ambiguous |= doubt_valid & met;
+                }
+            }
+        }
+        e.facet_wrong_in_band = count(inside);
+        e.facet_ambiguous = count(ambiguous);
+        e.facet_wrong_outside_band = outside + e.facet_wrong_invalid;
+        e.first_wrong = bits(surely_wrong).next().map(|k| [facet.pixel, k as u32, facet.triangle]);
+        e
+    }
+
+    /// Of the covered samples those whose rays meet the facet's plane, and of these those that lie on its triangle.
+    fn met_and_own(&self, facet: &FacetInput, coverage: u128) -> (u128, u128) {
+        let [a, b, c] = self.tracer.corners(facet.triangle).map(|p| p - self.rays.eye);
+        let normal = (b - a).cross(c - a);
+        let distance = normal.dot(a);
+        let corner = DVec2::new(f64::from(facet.pixel % self.width), f64::from(facet.pixel / self.width));
+        let edges = [a.cross(b), b.cross(c), c.cross(a)];
+        let (mut met, mut own) = (0, 0);
+        for k in bits(coverage) {
+            let at = corner + self.offsets[k];
+            let r = self.rays.direction(at.x, at.y);
+            if normal.dot(r) * distance > 0.0 {
+                met |= 1 << k;
+                let v = DVec3::from_array(edges.map(|e| e.dot(r)));
+                if v.min_element() >= 0.0 || v.max_element() <= 0.0 {
+                    own |= 1 << k;
+                }
+            }
+        }
+        (met, own)
+    }
+}
+
+/// A frame against scene truth: the whole error of the method, and how much of it is where one facet is the whole truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SceneErrors {
+    /// Pixels of the image.
+    pub scene_pixels: u64,
+    /// Root of the mean squared difference.
+    pub scene_rmse: f64,
+    /// Mean absolute difference.
+    pub scene_mean: f64,
+    /// Largest absolute difference.
+    pub scene_max: f64,
+    /// Share of the pixels within 1/N of truth.
+    pub scene_pixel_match: f64,
+    /// Pixels of the silhouette band: neither all lit nor all dark in truth, grown by one pixel.
+    pub scene_band_pixels: u64,
+    /// Root of the mean squared difference in the band.
+    pub scene_band_rmse: f64,
+    /// Mean absolute difference in the band.
+    pub scene_band_mean: f64,
+    /// Largest absolute difference in the band.
+    pub scene_band_max: f64,
+    /// Share of the band's pixels within 1/N of truth.
+    pub scene_band_pixel_match: f64,
+    /// Pixels that are lit in truth, less than that here, and not near the band.
+    pub scene_acne_pixels: u64,
+    /// Pixels that are dark in truth and lit here at all.
+    pub scene_leak_pixels: u64,
+    /// Mean of the FLIP map.
+    pub scene_flip: f64,
+    /// Pixels whose samples all see one plane.
+    pub scene_one_plane_pixels: u64,
+    /// Share of those within 1/N of truth.
+    pub scene_one_plane_match: f64,
+}
+
+impl SceneErrors {
+    /// Traces scene truth and holds `visibility` against it; also returns the truth.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if the sizes do not agree; as [`SceneTruth::new`].
+    pub fn of(
+        visibility: &[f32],
+        mesh: &Mesh,
+        tracer: &Tracer,
+        camera: &Camera,
+        light: &Light,
+        settings: &Settings,
+        progress: Progress,
+    ) -> Result<(Self, TruthImage)> {
+        let [width, height] = settings.size;
+        let samples = settings.samples.count();
+        let scene = SceneTruth::new(tracer, camera, light, &settings.samples, width, height)?;
+        let image = scene.image(progress);
+        let truth = image.visibility();
+        let held = Truth { width, height, samples, visibility: &truth };
+        let Metrics { whole, band, acne_pixels, leak_pixels } = held.compare(visibility)?;
+        let within = 1.0 / f64::from(samples) + 1e-6;
+        let eye = camera.rays(width, height).eye;
+        let (planar, matching) = (0..width * height)
+            .into_par_iter()
+            .filter(|&pixel| sees_one_plane(&scene, mesh, eye, pixel, full_mask(samples)))
+            .map(|pixel| {
+                let p = pixel as usize;
+                (1u64, u64::from((f64::from(visibility[p]) - f64::from(truth[p])).abs() <= within))
+            })
+            .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let errors = Self {
+            scene_pixels: whole.pixels,
+            scene_rmse: whole.rmse,
+            scene_mean: whole.mean,
+            scene_max: whole.max,
+            scene_pixel_match: whole.pixel_match,
+            scene_band_pixels: band.pixels,
+            scene_band_rmse: band.rmse,
+            scene_band_mean: band.mean,
+            scene_band_max: band.max,
+            scene_band_pixel_match: band.pixel_match,
+            scene_acne_pixels: acne_pixels,
+            scene_leak_pixels: leak_pixels,
+            scene_flip: mean_flip(width, height, &truth, visibility)?,
+            scene_one_plane_pixels: planar,
+            scene_one_plane_match: if planar == 0 { 1.0 } else { matching as f64 / planar as f64 },
+        };
+        Ok((errors, image))
+    }
+}
+
+/// Whether all samples of a pixel see surfaces of one plane.
+fn sees_one_plane(scene: &SceneTruth, mesh: &Mesh, eye: DVec3, pixel: u32, full: u128) -> bool {
+    let surfaces = scene.surfaces(pixel);
+    let seen = surfaces.iter().fold(0, |seen, (_, mask)| seen | join_mask(*mask));
+    let corners = |t: u32| mesh.corners(t as usize).map(|p| p - eye);
+    let Some((first, others)) = surfaces.split_first() else { return false };
+    let plane = Plane::new(corners(first.0));
+    seen == full && others.iter().all(|&(t, _)| corners(t).iter().all(|&p| plane.height(p) == 0.0))
+}

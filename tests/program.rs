@@ -1,0 +1,420 @@
+//! The program as its users meet it: exit status, lines, files.
+#![cfg(feature = "cli")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of its own for each test, gone afterwards.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("subpixel-shadows-program-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).expect("a temporary folder");
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().expect("a UTF-8 path").to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn run(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_subpixel-shadows")).args(args).output().expect("the program starts")
+}
+
+/// Runs a small frame into `out`; fails unless it succeeds.
+fn render(out: &str, args: &[&str]) -> Output {
+    let small: [&str; 4] = ["--size", "64x48", "--map", "64"];
+    let mut all = vec!["render", "--out", out];
+    if !args.contains(&"--size") {
+        all.extend(small);
+    }
+    all.extend(args);
+    let done = run(&all);
+    assert!(done.status.success(), "{args:?}: {}", String::from_utf8_lossy(&done.stderr));
+    done
+}
+
+fn stdout(done: &Output) -> String {
+    String::from_utf8_lossy(&done.stdout).into_owned()
+}
+
+fn frame(out: &str) -> Value {
+    let text = std::fs::read_to_string(Path::new(out).join("frame.json")).expect("frame.json");
+    serde_json::from_str(&text).expect("frame.json is JSON")
+}
+
+/// Red and alpha of each pixel of an EXR file.
+fn exr(out: &str, name: &str) -> (u32, u32, Vec<[f32; 2]>) {
+    let image = image::open(Path::new(out).join(name)).expect(name).into_rgba32f();
+    let pixels = image.pixels().map(|p| {
+        assert!(p[0] == p[1] && p[1] == p[2], "{name} is grey");
+        [p[0], p[3]]
+    });
+    (image.width(), image.height(), pixels.collect())
+}
+
+/// Names in a folder, in order.
+fn names(folder: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<String> =
+        entries.map(|e| e.expect("an entry").file_name().into_string().expect("UTF-8")).collect();
+    names.sort();
+    names
+}
+
+/// Triangles as an OBJ file.
+fn write_obj(path: &str, corners: &[[f32; 3]]) {
+    let mut text = String::new();
+    for [x, y, z] in corners {
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for t in 0..corners.len() / 3 {
+        text += &format!("f {} {} {}\n", 3 * t + 1, 3 * t + 2, 3 * t + 3);
+    }
+    std::fs::write(path, text).expect("a file");
+}
+
+/// A frame of the contract, whichever engine made it.
+fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
+    let f = frame(out);
+    let keys = [
+        "program",
+        "adapter",
+        "engine",
+        "scene",
+        "method",
+        "image_size",
+        "map_size",
+        "samples",
+        "camera",
+        "light",
+        "mesh",
+        "ground",
+        "stages",
+        "gpu_ms",
+        "wall_ms",
+        "counts",
+        "lists",
+        "error",
+    ];
+    let object = f.as_object().expect("an object");
+    assert_eq!(object.len(), keys.len(), "{:?}", object.keys());
+    assert!(keys.iter().all(|k| object.contains_key(*k)), "{:?}", object.keys());
+    assert_eq!(f["program"]["version"], env!("CARGO_PKG_VERSION"));
+    assert!(f["adapter"]["name"].is_string() && f["adapter"]["backend"].is_string());
+    assert_eq!((&f["engine"], &f["method"]), (&engine.into(), &"facet-masks".into()));
+    assert_eq!(f["image_size"], serde_json::json!(size));
+    let offsets = f["samples"].as_array().expect("samples");
+    assert_eq!((offsets.len(), &offsets[0]), (samples, &serde_json::json!([0.5, 0.5])));
+    let inside = |v: &Value| v.as_f64().is_some_and(|v| (0.0..1.0).contains(&v));
+    assert!(offsets.iter().all(|o| inside(&o[0]) && inside(&o[1])));
+    for key in ["eye", "target", "up"] {
+        assert_eq!(f["camera"][key].as_array().map(Vec::len), Some(3), "camera {key}");
+    }
+    for key in ["vertical_fov_degrees", "near", "far"] {
+        assert!(f["camera"][key].as_f64().is_some_and(|v| v > 0.0), "camera {key}");
+    }
+    assert!(f["light"]["kind"].is_string());
+    for key in ["triangles", "vertices", "edges"] {
+        assert!(f["mesh"][key].is_u64(), "mesh {key}");
+    }
+    assert!(f["mesh"]["closed"].is_boolean());
+    let stages = f["stages"].as_array().expect("stages");
+    assert!(stages.len() >= 11);
+    for stage in stages {
+        assert!(stage["name"].is_string() && stage["gpu_ms"].as_f64().is_some_and(|ms| ms >= 0.0), "{stage}");
+        assert!(stage["left_out"].is_null() || stage["left_out"].is_string(), "{stage}");
+    }
+    assert!(f["gpu_ms"].is_number() && f["wall_ms"].is_number());
+    for key in [
+        "silhouette_edges",
+        "silhouette_texels",
+        "silhouette_pixels",
+        "pixel_texel_pairs",
+        "triangle_texel_pairs",
+        "visibility_evaluations",
+    ] {
+        assert!(f["counts"][key].is_u64(), "counts {key}");
+    }
+    for list in f["lists"].as_array().expect("lists") {
+        assert!(list["name"].is_string(), "{list}");
+        assert!(["needed", "capacity", "runs"].iter().all(|k| list[k].is_u64()), "{list}");
+        assert!(list["needed"].as_u64() <= list["capacity"].as_u64(), "{list}");
+    }
+    let (w, h, pixels) = exr(out, "visibility.exr");
+    assert_eq!([w, h], size);
+    for [v, seen] in pixels {
+        assert!((0.0..=1.0).contains(&v) && (seen == 1.0 || (seen == 0.0 && v == 1.0)), "{v} {seen}");
+    }
+    for picture in ["shaded.png", "visibility.png"] {
+        let image = image::open(Path::new(out).join(picture)).expect(picture);
+        assert_eq!([image.width(), image.height()], size, "{picture}");
+    }
+}
+
+#[test]
+fn help_and_version_succeed_and_usage_is_2() {
+    for args in [&["--help"][..], &["--version"], &["render", "--help"], &["adapters", "--help"]] {
+        assert_eq!(run(args).status.code(), Some(0), "{args:?}");
+    }
+    for args in [
+        &["report"][..],
+        &["stability"],
+        &["--samples", "many"],
+        &["--size", "800"],
+        &["--size", "axb"],
+        &["--size", "-1x5"],
+        &["--method", "pcf"],
+        &["--facets", "all"],
+        &["--engine", "tpu"],
+        &["render", "a", "b"],
+        &["--unknown"],
+        &["--map"],
+        &["--out", ""],
+        &["--memory-limit", "0"],
+    ] {
+        let done = run(args);
+        assert_eq!(done.status.code(), Some(2), "{args:?}");
+        assert!(!done.stderr.is_empty() && done.stdout.is_empty(), "{args:?}");
+    }
+}
+
+/// Bad input: status 1, one line that says what and with which numbers, and nothing left behind.
+#[test]
+fn bad_input_is_one_line_and_leaves_nothing() {
+    let folder = Folder::new("bad");
+    let file = |name: &str, text: &str| {
+        std::fs::write(folder.path(name), text).expect("a file");
+        folder.path(name)
+    };
+    let bad_index = file("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    let bad_number = file("number.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let empty = file("empty.ply", "");
+    let missing = folder.path("missing.obj");
+    let taken = file("taken", "");
+    let out = folder.path("out");
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["no-such-scene"], &["no-such-scene", "windmill"]),
+        (&[&missing], &["missing.obj"]),
+        (&[&bad_index], &["index.obj", "9"]),
+        (&[&bad_number], &["number.obj"]),
+        (&[&empty], &["empty.ply", "0 bytes"]),
+        (&["plane", "--camera", "eye=nan,1,2"], &["eye", "NaN"]),
+        (&["plane", "--camera", "eye=1,1"], &["eye", "2 numbers"]),
+        (&["plane", "--camera", "eye=1,1,1;target=1,1,1"], &["(1, 1, 1)"]),
+        (&["plane", "--camera", "fov=180"], &["180"]),
+        (&["plane", "--light", "directional=0,0,0"], &["(0, 0, 0)", "length 0"]),
+        (&["plane", "--light", "point=inf,0,0"], &["inf"]),
+        (&["plane", "--light", "sun=0,0,0"], &["sun"]),
+        (&["plane", "--size", "0x0"], &["0x0"]),
+        (&["plane", "--size", "5x0"], &["5x0"]),
+        (&["plane", "--size", "20000x1"], &["20000x1"]),
+        (&["plane", "--samples", "33"], &["33"]),
+        (&["plane", "--samples", "0"], &["0 samples"]),
+        (&["plane", "--map", "0"], &["0 texels"]),
+        (&["plane", "--map", "9000"], &["9000", "8192"]),
+        (&["plane", "--out", &taken], &["taken"]),
+    ];
+    for (args, parts) in cases {
+        let mut all = vec!["render"];
+        if !args.contains(&"--out") {
+            all.extend(["--out", out.as_str()]);
+        }
+        all.extend(*args);
+        let done = run(&all);
+        let line = String::from_utf8_lossy(&done.stderr);
+        assert_eq!(done.status.code(), Some(1), "{args:?}: {line}");
+        assert!(line.starts_with("subpixel-shadows: ") && line.lines().count() == 1, "{args:?}: {line}");
+        assert!(parts.iter().all(|p| line.contains(p)), "{args:?}: {line}");
+        assert!(done.stdout.is_empty(), "{args:?}");
+        assert!(!Path::new(&out).exists(), "{args:?} left a folder");
+    }
+    assert_eq!(names(&folder.path("")), ["empty.ply", "index.obj", "number.obj", "taken"]);
+}
+
+#[test]
+fn the_cpu_engine_works_and_says_so() {
+    let folder = Folder::new("cpu");
+    let out = folder.path("deep/out");
+    let done = render(&out, &["plane", "--engine", "cpu", "--truth", "--quiet"]);
+    assert!(stdout(&done).contains("CPU engine"), "{}", stdout(&done));
+    assert!(done.stderr.is_empty(), "{}", String::from_utf8_lossy(&done.stderr));
+    assert_contract(&out, "cpu", [64, 48], 32);
+    let f = frame(&out);
+    assert!(f["error"]["scene_rmse"].is_number(), "{}", f["error"]);
+    let files = ["difference.png", "frame.json", "shaded.png", "truth.exr", "visibility.exr", "visibility.png"];
+    assert_eq!(names(&out), files);
+    assert_eq!(exr(&out, "truth.exr").2.len(), 64 * 48);
+}
+
+#[test]
+fn the_cpu_engine_takes_odd_sizes_and_every_number_of_samples() {
+    let folder = Folder::new("odd");
+    let out = folder.path("out");
+    for (size, w, h) in [("1x1", 1, 1), ("3x5", 3, 5)] {
+        for (samples, n) in [("1", 1), ("8", 8), ("128", 128)] {
+            let args = ["render", "plane", "--engine", "cpu", "--size", size, "--samples", samples, "--out", &out];
+            assert!(run(&args).status.success(), "{args:?}");
+            assert_contract(&out, "cpu", [w, h], n);
+        }
+    }
+}
+
+#[test]
+fn explain_names_each_stage_and_reason() {
+    let folder = Folder::new("explain");
+    let text = stdout(&run(&["explain", "windmill"]));
+    for stage in ["triangle_setup", "visibility_masks", "resolve"] {
+        assert!(text.lines().any(|l| l.starts_with(stage) && l.contains("runs")), "{text}");
+    }
+    assert!(text.contains("directional light"), "{text}");
+    let flat = folder.path("flat.obj");
+    write_obj(&flat, &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+    let text = stdout(&run(&["explain", &flat]));
+    assert!(text.contains("left out") && text.contains("one plane"), "{text}");
+    let text = stdout(&run(&["explain", &flat, "--force-all"]));
+    assert!(!text.contains("one plane"), "{text}");
+}
+
+#[test]
+fn an_empty_scene_is_fully_lit_without_an_adapter() {
+    let folder = Folder::new("empty");
+    let (file, out) = (folder.path("empty.obj"), folder.path("out"));
+    std::fs::write(&file, "# nothing\n").expect("a file");
+    let done = render(&out, &[&file, "--engine", "cpu"]);
+    assert!(stdout(&done).contains("no triangles"), "{}", stdout(&done));
+    assert!(exr(&out, "visibility.exr").2.iter().all(|p| *p == [1.0, 0.0]));
+    let f = frame(&out);
+    assert!(f["stages"].as_array().expect("stages").iter().all(|s| s["left_out"].is_string()));
+}
+
+/// What needs an adapter.
+mod with_a_gpu {
+    use super::*;
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn all_files_are_written_and_keep_the_contract() {
+        let folder = Folder::new("gpu");
+        let out = folder.path("out");
+        let done = render(&out, &["spheres"]);
+        assert_contract(&out, "gpu", [64, 48], 32);
+        assert_eq!(names(&out), ["frame.json", "shaded.png", "visibility.exr", "visibility.png"]);
+        for part in ["visibility_masks", "undecided pixels", "silhouette edges", "frame.json", "look further"] {
+            assert!(stdout(&done).contains(part), "{part}: {}", stdout(&done));
+        }
+        assert!(frame(&out)["error"].is_null());
+        render(&out, &["spheres", "--truth"]);
+        let f = frame(&out);
+        assert!(f["error"]["facet_samples"].as_u64().is_some_and(|n| n > 0), "{}", f["error"]);
+        assert!(f["error"]["scene_pixel_match"].as_f64().is_some_and(|v| v > 0.5), "{}", f["error"]);
+    }
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn adapters_are_listed_and_unknown_ones_are_status_3() {
+        let text = stdout(&run(&["adapters"]));
+        assert!(text.contains("backend") && text.contains("path"), "{text}");
+        assert_eq!(run(&["adapters", "--check"]).status.code(), Some(0));
+        let folder = Folder::new("adapter");
+        let out = folder.path("out");
+        let done = run(&["render", "plane", "--adapter", "no such adapter", "--out", &out]);
+        assert_eq!(done.status.code(), Some(3));
+        assert!(String::from_utf8_lossy(&done.stderr).contains("no such adapter"));
+        assert!(!Path::new(&out).exists());
+    }
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn odd_sizes_work() {
+        let folder = Folder::new("gpu-odd");
+        let out = folder.path("out");
+        for (size, w, h) in [("1x1", 1, 1), ("3x5", 3, 5)] {
+            for (map, samples, n) in [("1", "1", 1), ("17", "64", 64)] {
+                let args = ["render", "spheres", "--size", size, "--map", map, "--samples", samples, "--out", &out];
+                assert!(run(&args).status.success(), "{args:?}");
+                assert_contract(&out, "gpu", [w, h], n);
+            }
+        }
+    }
+
+    /// The engines share only the definition of the method; samples on an edge may fall to either side.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn both_engines_give_one_picture() {
+        let folder = Folder::new("engines");
+        let (ours, theirs) = (folder.path("gpu"), folder.path("cpu"));
+        for scene in ["plane", "spheres"] {
+            render(&ours, &[scene, "--engine", "gpu"]);
+            render(&theirs, &[scene, "--engine", "cpu"]);
+            let (a, b) = (exr(&ours, "visibility.exr").2, exr(&theirs, "visibility.exr").2);
+            let far = a.iter().zip(&b).filter(|(a, b)| (a[0] - b[0]).abs() > 2.5 / 32.0 || a[1] != b[1]).count();
+            assert!(far * 200 <= a.len(), "{scene}: {far} of {} pixels differ by more than 2 samples", a.len());
+        }
+    }
+
+    /// What the plan leaves out changes nothing, rule by rule.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn the_plan_changes_no_bit() {
+        let folder = Folder::new("plan");
+        let (planned, forced) = (folder.path("planned"), folder.path("forced"));
+        let file = |name: &str, corners: &[[f32; 3]]| {
+            write_obj(&folder.path(name), corners);
+            folder.path(name)
+        };
+        let (a, b, c, d) = ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.3, 1.0, 0.3]);
+        let flat = file("flat.obj", &[a, b, c, [2.0, 0.0, 0.0], [3.0, 0.0, 0.5], [2.0, 0.0, 1.0]]);
+        let sheets = file("sheets.obj", &[a, c, b, [0.0, 0.5, 0.0], [0.0, 0.5, 1.0], [1.0, 0.5, 0.0]]);
+        let body = file("body.obj", &[a, b, c, a, d, b, b, d, c, c, d, a]);
+        let cases: &[(&[&str], &str)] = &[
+            (&["spheres"], ""),
+            (&["spheres", "--validity", "off"], "closed mesh, light outside"),
+            (&["plane", "--samples", "1"], "one sample"),
+            (&[&flat], "one plane"),
+            (&[&flat, "--light", "directional=0,-1,0"], "one plane"),
+            (&[&sheets, "--light", "directional=0,-1,0"], "all that is seen is dark"),
+            (&[&sheets, "--camera", "eye=0,5,30;target=0,5,60"], "behind the camera"),
+            (&[&sheets, "--camera", "eye=0,0,30;target=40,0,30"], "the view"),
+            (&[&body, "--light", "point=0.3,0.2,0.3"], "around the light"),
+            (&[&body, "--light", "point=0.3,0.2,0.3", "--validity", "off"], "around the light"),
+        ];
+        for (args, reason) in cases {
+            let text = stdout(&render(&planned, args));
+            assert!(text.contains(reason), "{args:?}: {text}");
+            let mut all = args.to_vec();
+            all.push("--force-all");
+            render(&forced, &all);
+            let bits = |out: &str| exr(out, "visibility.exr").2.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
+            let wrong = bits(&planned).iter().zip(&bits(&forced)).filter(|(a, b)| a != b).count();
+            assert_eq!(wrong, 0, "{args:?}: {wrong} pixels differ");
+        }
+    }
+
+    /// Lists that overflow, and a frame split for want of memory, give the same picture.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn overflow_is_harmless() {
+        let folder = Folder::new("overflow");
+        let (ample, tight) = (folder.path("ample"), folder.path("tight"));
+        let size = ["--size", "300x200", "--map", "128", "--samples", "8"];
+        render(&ample, &[&["plane"], &size[..]].concat());
+        let limits: [&[&str]; 2] = [&["--list-start", "1"], &["--list-start", "1", "--memory-limit", "1"]];
+        for limit in limits {
+            render(&tight, &[&["plane"], &size[..], limit].concat());
+            let lists = frame(&tight)["lists"].clone();
+            assert!(lists[0]["runs"].as_u64().is_some_and(|r| r > 1), "{lists}");
+            assert_eq!(exr(&ample, "visibility.exr").2, exr(&tight, "visibility.exr").2, "{limit:?}");
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! The two nearest casters at each texel centre, against `f64`: every texel whose centre is within the guard of an edge,
+//! or has casters equally far, is marked; at all others both depths agree.
+
+use crate::support::geometry::{Case, MESHES, Ran, Wanted, add, fan, light, mesh, run_all};
+use crate::support::{gpu, sizes_around, small_gpu};
+use subpixel_shadows::glam::DVec3;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::reference::light_layers::any_everywhere;
+use subpixel_shadows::scene::Mesh;
+
+/// The constant of the kernel.
+const CENTRE_GUARD: f64 = 1.0 / 512.0;
+
+/// Where the stage departs from its definition.
+fn fault(case: &Case, ran: &Ran) -> Option<String> {
+    let wanted = case.wanted();
+    let marks = &ran.marks[0];
+    let guard = CENTRE_GUARD;
+    // Rounding of a vertex or an edge function eats into the guard, but never reaches the centre.
+    let [inner, outer] = [0.25, 1.75].map(|share| wanted.layers(guard * share, 0.0));
+    if marks.len() != inner.len() || ran.nearest_keys.len() != inner.len() || ran.second_keys.len() != inner.len() {
+        return Some("another number of texels".to_owned());
+    }
+    for (texel, want) in inner.iter().enumerate() {
+        if outer[texel].thin {
+            continue;
+        }
+        let at = format!("texel {} {}", texel as u32 % case.map, texel as u32 / case.map);
+        let culled_alike = !case.cull_back;
+        if want.open && !marks[texel] && culled_alike && !exempt(&wanted, ran, want) {
+            return Some(format!("{at}: open, and not marked; {want:?}"));
+        }
+        if marks[texel] {
+            let ties = ran.tie_counts[texel] > 1;
+            if !outer[texel].open && !(ties && near_tie(&wanted, ran, want)) {
+                return Some(format!("{at}: marked without a reason; {want:?}"));
+            }
+            continue;
+        }
+        for (what, key, depth) in
+            [("nearest", ran.nearest_keys[texel], want.nearest), ("second", ran.second_keys[texel], want.second)]
+        {
+            let got = (key != 0).then(|| f64::from(f32::from_bits(!key)));
+            let agree = match (got, depth) {
+                (None, None) => true,
+                (Some(got), Some((depth, t))) => (got - depth.max(0.0)).abs() <= tolerance(&wanted, ran, t),
+                _ => false,
+            };
+            if !agree && !(what == "second" && near_tie(&wanted, ran, want)) {
+                return Some(format!("{at}: {what} {got:?}, {depth:?} expected, {want:?}"));
+            }
+        }
+    }
+    None
+}
+
+/// How far rounding may move the depth of triangle `t` at a texel centre.
+fn tolerance(wanted: &Wanted, ran: &Ran, t: u32) -> f64 {
+    let slope = wanted.triangles[t as usize].flat().and_then(|f| f.slope).map_or(0.0, |s| s.x.abs() + s.y.abs());
+    f64::from(ran.frame.depth_margin) + slope * f64::from(ran.frame.map_margin)
+}
+
+/// Whether the two nearest are too near each other for their order to be known.
+fn near_tie(wanted: &Wanted, ran: &Ran, layer: &subpixel_shadows::reference::light_layers::Layer) -> bool {
+    let (Some((a, s)), Some((b, t))) = (layer.nearest, layer.second) else { return false };
+    b - a <= tolerance(wanted, ran, s) + tolerance(wanted, ran, t)
+}
+
+/// An exact tie that rounding parts is no tie to the kernel: the split then lies between two depths that are one, and
+/// front_layer marks the texel.
+fn exempt(wanted: &Wanted, ran: &Ran, layer: &subpixel_shadows::reference::light_layers::Layer) -> bool {
+    near_tie(wanted, ran, layer)
+}
+
+#[track_caller]
+fn check(gpu: &Gpu, case: &Case) -> Ran {
+    let ran = run_all(gpu, case);
+    if let Some(text) = fault(case, &ran) {
+        panic!("{:?}, map {}: {text}", case.light, case.map);
+    }
+    ran
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    for map in [1, 8, 33] {
+        let ran = check(gpu(), &Case::new(&Mesh::default(), light(0), [1, 1], map));
+        assert!(ran.nearest_keys.iter().all(|&k| k == 0) && !ran.marks[0].contains(&true));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    let mut mesh = Mesh::default();
+    add(&mut mesh, &[DVec3::ZERO, DVec3::X, DVec3::Z], &[[0, 1, 2]]);
+    for (k, map) in [1, 2, 3, 8, 64].into_iter().enumerate() {
+        check(gpu(), &Case::new(&mesh, light(k as u64), [1, 1], map));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    for size in [sizes_around(8), sizes_around(64)[7..10].to_vec()].concat() {
+        check(gpu(), &Case::new(&mesh("closed balls", size as u64), light(size as u64), [1, 1], size as u32));
+    }
+    for count in sizes_around(64) {
+        let mut mesh = Mesh::default();
+        fan(&mut mesh, count.max(3) as u32);
+        check(gpu(), &Case::new(&mesh, light(0), [1, 1], 40));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    for (k, name) in MESHES.iter().enumerate() {
+        for (seed, map) in [1, 3, 8, 33, 150].into_iter().enumerate() {
+            let mut case = Case::new(&mesh(name, seed as u64), light((seed + k) as u64), [1, 1], map);
+            case.cull_back = seed % 2 == 1 && case.prepared.closed;
+            check(gpu(), &case);
+        }
+    }
+    check(gpu(), &Case::new(&mesh("closed balls", 7), light(2), [1, 1], 512));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    // Two sheets in one place: every texel that they cover is marked.
+    let doubled = Case::new(&mesh("doubled", 0), light(0), [1, 1], 64);
+    let ran = check(gpu(), &doubled);
+    assert!((0..64 * 64).all(|t| ran.nearest_keys[t] == 0 || ran.marks[0][t]), "a tie is not marked");
+    // A vertex that is no number.
+    let mut case = Case::new(&mesh("closed balls", 1), light(0), [1, 1], 64);
+    let mut positions = case.prepared.mesh.positions.clone();
+    positions[11][2] = f32::NAN;
+    case.positions = Some(positions);
+    check(gpu(), &case);
+    // Triangles that reach behind the light are no layer.
+    let mut mesh = mesh("closed balls", 2);
+    add(
+        &mut mesh,
+        &[DVec3::new(-90.0, -3.0, -90.0), DVec3::new(90.0, -3.0, -90.0), DVec3::new(0.0, 4.0, 90.0)],
+        &[[0, 1, 2]],
+    );
+    let case = Case::new(&mesh, light(1), [1, 1], 64);
+    if any_everywhere(&case.wanted().triangles) {
+        check(gpu(), &case);
+    }
+}
+
+/// The stage has no list. At most 65,535 work items fit one dimension of a dispatch of single invocations; here are more.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let mut mesh = Mesh::default();
+    crate::support::geometry::ball(&mut mesh, DVec3::ZERO, 1.0, 200, 120);
+    let ran = check(gpu(), &Case::new(&mesh, light(0), [1, 1], 512));
+    assert!(ran.light_items.iter().map(|&n| n as usize).sum::<usize>() > 65_535);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    let small = small_gpu(40, 1 << 20);
+    let mut dense = Mesh::default();
+    crate::support::geometry::ball(&mut dense, DVec3::ZERO, 1.0, 40, 30);
+    let case = Case::new(&dense, light(0), [1, 1], 150);
+    let ran = check(&small, &case);
+    assert!(ran.light_items.iter().sum::<u32>() > 40 * 64, "more than one row of workgroups");
+    assert!(ran.words() == run_all(gpu(), &case).words(), "the fold changes the result");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let case = Case::new(&mesh("closed balls", 5), light(0), [1, 1], 64);
+    let ran = check(gpu(), &case);
+    assert!(ran.words() == run_all(gpu(), &case).words(), "another result in a second run");
+    let sure = (0..64 * 64).find(|&t| ran.nearest_keys[t] != 0 && !ran.marks[0][t]).expect("a certain texel");
+    let marked = ran.marks[0].iter().position(|&m| m).expect("an open texel");
+    let spoilt = |spoil: &dyn Fn(&mut Ran)| {
+        let mut off = ran.clone();
+        spoil(&mut off);
+        fault(&case, &off).is_some()
+    };
+    assert!(spoilt(&|r| r.nearest_keys[sure] ^= 1 << 15));
+    assert!(spoilt(&|r| r.nearest_keys[sure] = 0));
+    assert!(spoilt(&|r| r.second_keys[sure] = !0.99f32.to_bits()) || ran.second_keys[sure] != 0);
+    assert!(spoilt(&|r| r.marks[0][sure] = true));
+    let _ = marked;
+    assert!(spoilt(&|r| r.nearest_keys.truncate(9)));
+}

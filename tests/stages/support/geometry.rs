@@ -1,0 +1,509 @@
+//! What the tests of the geometry stages share: meshes that are hard to get right, and a run of all six stages in order,
+//! with the offsets and arguments between them made here.
+
+use super::{Random, run};
+use bytemuck::Pod;
+use subpixel_shadows::frame::Frame;
+use subpixel_shadows::glam::{DVec2, DVec3, Vec3};
+use subpixel_shadows::gpu::{Buffer, Gpu, kernels, recorder::fold_within};
+use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::reference::front_layer::Margin;
+use subpixel_shadows::reference::light_layers::{self, Layer};
+use subpixel_shadows::reference::triangle_setup::{self, Triangle};
+use subpixel_shadows::reference::vertex_project::{self, Vertex};
+use subpixel_shadows::reference::{prefix_scan, view::View};
+use subpixel_shadows::samples::Samples;
+use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility};
+use subpixel_shadows::stages::front_layer::FrontLayer;
+use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
+use subpixel_shadows::stages::silhouette_mask::SilhouetteMask;
+use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
+use subpixel_shadows::stages::vertex_project::VertexProject;
+
+/// Everything a frame is made from.
+#[derive(Clone)]
+pub struct Case {
+    /// Canonical, with its edges.
+    pub prepared: Prepared,
+    /// Positions on the GPU, if not those of the mesh.
+    pub positions: Option<Vec<[f32; 3]>>,
+    /// The camera.
+    pub camera: Camera,
+    /// The light.
+    pub light: Light,
+    /// Image size.
+    pub image: [u32; 2],
+    /// Map size.
+    pub map: u32,
+    /// Leave out what faces away from the light.
+    pub cull_back: bool,
+}
+
+impl Case {
+    /// A case framed from the mesh's bounds.
+    pub fn new(mesh: &Mesh, light: Light, image: [u32; 2], map: u32) -> Self {
+        let (lo, hi) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let camera = Camera::framing(lo, hi);
+        Self { prepared: Prepared::new(mesh), positions: None, camera, light, image, map, cull_back: false }
+    }
+
+    /// Positions the stages read.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        self.positions.as_deref().unwrap_or(&self.prepared.mesh.positions)
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))
+    }
+
+    fn light_view(&self) -> LightView {
+        LightView::fit(&self.prepared.mesh, &self.light, self.map).expect("a light view")
+    }
+
+    /// The frame in `f64`.
+    pub fn view(&self) -> View {
+        View::new(&self.camera, &self.light, &self.light_view(), self.bounds(), self.image, self.cull_back)
+    }
+
+    /// The frame of the kernels.
+    pub fn frame(&self) -> Frame {
+        let samples = Samples::new(Default::default(), 8).expect("a pattern");
+        let view = self.light_view();
+        let mut frame = Frame::new(&self.camera, &self.light, &view, self.bounds(), self.image, &samples);
+        frame.flags |= if self.cull_back { Frame::CULL_BACK } else { 0 };
+        frame.vertex_count = self.positions().len() as u32;
+        frame.triangle_count = self.prepared.mesh.triangles.len() as u32;
+        frame.edge_count = self.prepared.edges.len() as u32;
+        frame
+    }
+
+    /// What the stages are defined to find.
+    pub fn wanted(&self) -> Wanted {
+        let view = self.view();
+        let vertices = vertex_project::project(&view, self.positions());
+        let triangles = triangle_setup::setup(&view, &vertices, &self.prepared.mesh.triangles);
+        Wanted { view, vertices, triangles }
+    }
+}
+
+/// The definitions of the first two stages.
+pub struct Wanted {
+    /// The frame.
+    pub view: View,
+    /// Of `vertex_project`.
+    pub vertices: Vec<Vertex>,
+    /// Of `triangle_setup`.
+    pub triangles: Vec<Triangle>,
+}
+
+impl Wanted {
+    /// The definition of `light_layers`.
+    pub fn layers(&self, guard: f64, tie: f64) -> Vec<Layer> {
+        light_layers::layers(&self.triangles, self.view.map.map_size, guard, tie)
+    }
+}
+
+/// What all six stages wrote.
+#[derive(Clone, PartialEq)]
+pub struct Ran {
+    pub frame: Frame,
+    pub points: Vec<[f32; 4]>,
+    pub map_points: Vec<[f32; 4]>,
+    pub facing: Vec<u32>,
+    pub camera_rects: Vec<[u32; 2]>,
+    pub light_rects: Vec<[u32; 2]>,
+    pub camera_items: Vec<u32>,
+    pub light_items: Vec<u32>,
+    pub depth_keys: Vec<u32>,
+    pub id_keys: Vec<u32>,
+    pub nearest_keys: Vec<u32>,
+    pub second_keys: Vec<u32>,
+    pub tie_counts: Vec<u32>,
+    /// Marked texels after light_layers, silhouette_mask and front_layer.
+    pub marks: [Vec<bool>; 3],
+    pub edge_rects: Vec<[u32; 2]>,
+    pub edge_items: Vec<u32>,
+    pub silhouettes: u32,
+    pub splits: Vec<f32>,
+}
+
+impl Ran {
+    /// The margins the kernels test with.
+    pub fn margin(&self) -> Margin {
+        Margin { texels: f64::from(self.frame.map_margin), depth: f64::from(self.frame.depth_margin) }
+    }
+
+    /// Everything as words, to compare runs bit by bit.
+    pub fn words(&self) -> Vec<u32> {
+        let mut words = Vec::new();
+        words.extend(self.points.iter().flatten().map(|f| f.to_bits()));
+        words.extend(self.map_points.iter().flatten().map(|f| f.to_bits()));
+        words.extend(self.splits.iter().map(|f| f.to_bits()));
+        for rects in [&self.camera_rects, &self.light_rects, &self.edge_rects] {
+            words.extend(rects.iter().flatten());
+        }
+        for list in [
+            &self.facing,
+            &self.camera_items,
+            &self.light_items,
+            &self.depth_keys,
+            &self.id_keys,
+            &self.nearest_keys,
+            &self.second_keys,
+            &self.tie_counts,
+            &self.edge_items,
+        ] {
+            words.extend(list);
+        }
+        words.extend(self.marks.iter().flatten().map(|&m| u32::from(m)));
+        words.push(self.silhouettes);
+        words
+    }
+}
+
+/// Corners of a packed rectangle; `None` if it is empty.
+pub fn unpack([low, high]: [u32; 2]) -> Option<[u32; 4]> {
+    let r = [low & 0xffff, low >> 16, high & 0xffff, high >> 16];
+    (r[0] <= r[2]).then_some(r)
+}
+
+const SPARE: u8 = 0xab;
+
+fn poisoned<T: Pod>(gpu: &Gpu, len: usize) -> Buffer<T> {
+    let buffer = Buffer::storage(&gpu.device, "test.output", len + 1).expect("memory");
+    gpu.queue.write_buffer(buffer.raw(), 0, &vec![SPARE; buffer.bytes() as usize]);
+    buffer
+}
+
+/// Reads all but the spare element at the end, which nothing may have touched.
+#[track_caller]
+fn read<T: Pod + PartialEq + std::fmt::Debug>(gpu: &Gpu, buffer: &Buffer<T>) -> Vec<T> {
+    let mut all = buffer.read(gpu).expect("readback");
+    let spare = all.pop().expect("a spare element");
+    assert!(bytemuck::bytes_of(&spare).iter().all(|&b| b == SPARE), "written past the end: {spare:?}");
+    all
+}
+
+/// Offsets of a list of counts, and arguments that cover them all.
+fn work(gpu: &Gpu, items: &[u32], per_group: u32) -> (Buffer<u32>, Buffer<u32>) {
+    let scan = prefix_scan::exclusive(items);
+    let offsets = [scan.sums, vec![scan.total, 0]].concat();
+    let most = gpu.device.limits().max_compute_workgroups_per_dimension;
+    let args = fold_within(u64::from(scan.total.div_ceil(per_group)), most);
+    let buffer = Buffer::indirect(&gpu.device, "test.args", 4).expect("memory");
+    buffer.write(&gpu.queue, &args);
+    (super::upload(gpu, &offsets), buffer)
+}
+
+/// Runs the six stages.
+pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
+    let device = &gpu.device;
+    let frame = case.frame();
+    let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
+    uniform.write(&gpu.queue, &[frame]);
+    let frame_buffer = uniform.raw();
+    let positions = super::upload(gpu, case.positions());
+    let triangles = super::upload(gpu, &case.prepared.mesh.triangles);
+    let edges = super::upload(gpu, &case.prepared.edges);
+    let (vertex_count, count, edge_count) = (positions.len(), triangles.len(), edges.len());
+
+    let (points, map_points) = (poisoned(gpu, vertex_count), poisoned(gpu, vertex_count));
+    let project = VertexProject::new(device);
+    run(gpu, |s| project.record(s, frame_buffer, positions.raw(), &points, &map_points, vertex_count));
+
+    let facts = TriangleFacts {
+        facing: poisoned(gpu, count),
+        camera_rects: poisoned(gpu, count),
+        light_rects: poisoned(gpu, count),
+        camera_items: poisoned(gpu, count),
+        light_items: poisoned(gpu, count),
+    };
+    let setup = TriangleSetup::new(device);
+    run(gpu, |s| setup.record(s, frame_buffer, triangles.raw(), &points, &map_points, &facts, count));
+    let (camera_items, light_items) = (read(gpu, &facts.camera_items), read(gpu, &facts.light_items));
+
+    let (offsets, args) = work(gpu, &camera_items, kernels::camera_visibility::WORKGROUP);
+    let pixels = (case.image[0] * case.image[1]) as usize;
+    let (depth_keys, id_keys) = (poisoned::<u32>(gpu, pixels), poisoned::<u32>(gpu, pixels));
+    for keys in [&depth_keys, &id_keys] {
+        keys.write(&gpu.queue, &vec![0; pixels]);
+    }
+    let in_camera = Blocks {
+        triangles: triangles.raw(),
+        points: &points,
+        rects: &facts.camera_rects,
+        offsets: &offsets,
+        args: (args.raw(), 0),
+    };
+    let visibility = CameraVisibility::new(device);
+    run(gpu, |s| visibility.record(s, frame_buffer, in_camera, &depth_keys, &id_keys));
+
+    let (offsets, args) = work(gpu, &light_items, kernels::light_layers::WORKGROUP);
+    let in_light = Blocks {
+        triangles: triangles.raw(),
+        points: &map_points,
+        rects: &facts.light_rects,
+        offsets: &offsets,
+        args: (args.raw(), 0),
+    };
+    let layers = Layers::new(device, case.map as usize).expect("memory");
+    let splits = poisoned(gpu, layers.splits.len());
+    let layers = Layers { splits, ..layers };
+    let stage = LightLayers::new(device);
+    run(gpu, |s| stage.record(s, frame_buffer, in_light, &layers));
+    let after_layers = marks(gpu, &layers.mask, case.map);
+
+    let (edge_rects, edge_items) = (poisoned(gpu, edge_count), poisoned(gpu, edge_count));
+    let status = super::upload(gpu, &[0u32; 32]);
+    let stage = SilhouetteMask::new(device);
+    run(gpu, |s| {
+        let (facing, map) = (&facts.facing, &map_points);
+        stage.record_classify(s, frame_buffer, edges.raw(), facing, map, &edge_rects, &edge_items, &status, edge_count)
+    });
+    let items = read(gpu, &edge_items);
+    let (edge_offsets, edge_args) = work(gpu, &items, kernels::silhouette_mask::WORKGROUP);
+    run(gpu, |s| {
+        let args = (edge_args.raw(), 0);
+        stage.record_raster(s, frame_buffer, edges.raw(), &map_points, &edge_rects, &edge_offsets, args, &layers)
+    });
+    let after_silhouettes = marks(gpu, &layers.mask, case.map);
+
+    let stage = FrontLayer::new(device);
+    run(gpu, |s| stage.record_check(s, frame_buffer, in_light, &layers));
+    run(gpu, |s| {
+        // The stage takes one invocation a texel, whatever the buffer's length.
+        stage.record_settle(s, frame_buffer, &layers)
+    });
+    let after_front = marks(gpu, &layers.mask, case.map);
+    let all = "readback";
+    Ran {
+        frame,
+        points: read(gpu, &points),
+        map_points: read(gpu, &map_points),
+        facing: read(gpu, &facts.facing),
+        camera_rects: read(gpu, &facts.camera_rects),
+        light_rects: read(gpu, &facts.light_rects),
+        camera_items,
+        light_items,
+        depth_keys: read(gpu, &depth_keys),
+        id_keys: read(gpu, &id_keys),
+        nearest_keys: layers.nearest_keys.read(gpu).expect(all),
+        second_keys: layers.second_keys.read(gpu).expect(all),
+        tie_counts: layers.tie_counts.read(gpu).expect(all),
+        marks: [after_layers, after_silhouettes, after_front],
+        edge_rects: read(gpu, &edge_rects),
+        edge_items: items,
+        silhouettes: status.read(gpu).expect(all)[8],
+        splits: read(gpu, &layers.splits),
+    }
+}
+
+fn marks(gpu: &Gpu, mask: &Buffer<u32>, size: u32) -> Vec<bool> {
+    let words = mask.read(gpu).expect("readback");
+    let row = size.div_ceil(32);
+    (0..size * size).map(|t| words[(t / size * row + t % size / 32) as usize] >> (t % size % 32) & 1 == 1).collect()
+}
+
+/// Names of the meshes of [`mesh`].
+pub const MESHES: [&str; 12] = [
+    "closed balls",
+    "leaves",
+    "interpenetrating",
+    "doubled",
+    "slivers",
+    "t-junctions",
+    "contact",
+    "fan",
+    "grid",
+    "flipped",
+    "huge",
+    "non-manifold",
+];
+
+/// A mesh that is hard to get right, different for each seed.
+pub fn mesh(name: &str, seed: u64) -> Mesh {
+    let mut r = Place(Random::new(seed.wrapping_mul(977) ^ name.len() as u64));
+    let mut m = Mesh::default();
+    match name {
+        "closed balls" => (0..5).for_each(|_| ball(&mut m, r.point(), 0.15 + 0.3 * r.unit(), 7, 5)),
+        "leaves" => (0..30).for_each(|_| {
+            let (at, u, v) = (r.point(), r.point() * 0.3, r.point() * 0.3);
+            add(&mut m, &[at, at + u, at + u + v, at + v], &[[0, 1, 2], [0, 2, 3]]);
+        }),
+        "interpenetrating" => (0..24).for_each(|_| add(&mut m, &[r.point(), r.point(), r.point()], &[[0, 1, 2]])),
+        "doubled" => {
+            ball(&mut m, DVec3::ZERO, 0.8, 6, 5);
+            let again = m.triangles.clone();
+            m.triangles.extend(again);
+        }
+        "slivers" => (0..40).for_each(|k| {
+            let (at, u) = (r.point(), r.point());
+            let thin = r.point() * 10f64.powi(-1 - k % 7);
+            add(&mut m, &[at, at + u, at + u * r.unit() + thin], &[[0, 1, 2]]);
+        }),
+        "t-junctions" => {
+            // One long edge against many short ones on it.
+            let (a, b) = (DVec3::new(-1.0, 0.2, 0.0), DVec3::new(1.0, 0.4, 0.125));
+            add(&mut m, &[a, b, DVec3::new(0.0, 0.3, -1.0)], &[[0, 1, 2]]);
+            let n = 17;
+            for k in 0..n {
+                let at = |k: i32| a.lerp(b, f64::from(k) / f64::from(n));
+                add(&mut m, &[at(k), DVec3::new(0.1, 0.2, 0.9), at(k + 1)], &[[0, 1, 2]]);
+            }
+            add(
+                &mut m,
+                &[DVec3::new(-2.0, -0.5, -2.0), DVec3::new(2.0, -0.5, -2.0), DVec3::new(0.0, -0.5, 2.0)],
+                &[[0, 2, 1]],
+            );
+        }
+        "contact" => {
+            // Boxes that stand exactly on a ground, and a ball that sinks into it.
+            let y = -0.5;
+            add(
+                &mut m,
+                &[
+                    DVec3::new(-2.0, y, -2.0),
+                    DVec3::new(2.0, y, -2.0),
+                    DVec3::new(2.0, y, 2.0),
+                    DVec3::new(-2.0, y, 2.0),
+                ],
+                &[[0, 2, 1], [0, 3, 2]],
+            );
+            for _ in 0..4 {
+                let at = r.point();
+                cuboid(&mut m, DVec3::new(at.x, y, at.z), DVec3::new(at.x + 0.4, y + 0.5 * r.unit(), at.z + 0.3));
+            }
+            ball(&mut m, DVec3::new(0.1, y + 0.1, -0.2), 0.35, 8, 6);
+        }
+        "fan" => fan(&mut m, 16 + (seed % 40) as u32 * 4),
+        "grid" => {
+            let n = 6u32;
+            let bump =
+                |i: u32, j: u32| DVec3::new(f64::from(i) / 3.0 - 1.0, 0.1 * r_hash(i, j), f64::from(j) / 3.0 - 1.0);
+            let points: Vec<DVec3> = (0..=n).flat_map(|j| (0..=n).map(move |i| bump(i, j))).collect();
+            let at = |i: u32, j: u32| j * (n + 1) + i;
+            let quads = (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+            let faces: Vec<[u32; 3]> = quads
+                .flat_map(|(i, j)| {
+                    [[at(i, j), at(i, j + 1), at(i + 1, j)], [at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)]]
+                })
+                .collect();
+            add(&mut m, &points, &faces);
+        }
+        "flipped" => {
+            ball(&mut m, DVec3::ZERO, 0.7, 9, 7);
+            for triangle in m.triangles.iter_mut().filter(|_| r.unit() < 0.4) {
+                triangle.reverse();
+            }
+        }
+        "huge" => {
+            ball(&mut m, DVec3::ZERO, 0.5, 7, 5);
+            for k in 0..4 {
+                let size = 10f64.powi(k + 1);
+                add(&mut m, &[r.point() * size, r.point() * size, r.point() * size], &[[0, 1, 2]]);
+            }
+        }
+        _ => {
+            // Pages of a book: five sheets on one edge.
+            let (a, b) = (DVec3::new(0.0, -0.6, 0.1), DVec3::new(0.1, 0.7, 0.0));
+            for _ in 0..5 {
+                let p = r.point();
+                add(&mut m, &[a, b, p], &[[0, 1, 2]]);
+            }
+        }
+    }
+    m
+}
+
+fn r_hash(i: u32, j: u32) -> f64 {
+    f64::from((i * 7919 + j * 104_729) % 17) / 8.0 - 1.0
+}
+
+/// Lights of every kind, from the side on which the meshes' ground is not.
+pub fn light(k: u64) -> Light {
+    let mut r = Place(Random::new(k ^ 0x51));
+    let p = r.point();
+    let towards = [0.7 * p.x as f32, 1.0, 0.7 * p.z as f32];
+    match k % 3 {
+        0 => Light::Directional { direction: towards },
+        1 => Light::Point { position: towards.map(|c| 3.0 * c) },
+        _ => Light::Spot { position: towards.map(|c| 2.5 * c), target: [0.1, 0.0, 0.2], angle_degrees: 60.0 },
+    }
+}
+
+/// Random places.
+pub struct Place(pub Random);
+
+impl Place {
+    /// A number of [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        f64::from(self.0.word()) / 4_294_967_296.0
+    }
+
+    /// A point of the cube from -1 to 1.
+    pub fn point(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+
+    /// A place within a texel, away from nothing.
+    pub fn in_cell(&mut self, x: u32, y: u32) -> DVec2 {
+        DVec2::new(f64::from(x) + self.unit(), f64::from(y) + self.unit())
+    }
+}
+
+/// Appends points and the triangles between them.
+pub fn add(m: &mut Mesh, points: &[DVec3], triangles: &[[u32; 3]]) {
+    let base = m.positions.len() as u32;
+    m.positions.extend(points.iter().map(|p| <[f32; 3]>::from(p.as_vec3())));
+    m.triangles.extend(triangles.iter().map(|t| t.map(|v| v + base)));
+}
+
+/// A closed ball of `n` segments and `rings` rings.
+pub fn ball(m: &mut Mesh, centre: DVec3, radius: f64, n: u32, rings: u32) {
+    let mut points = vec![centre + DVec3::Y * radius];
+    for j in 1..rings {
+        let polar = f64::from(j) / f64::from(rings) * std::f64::consts::PI;
+        for i in 0..n {
+            let turn = f64::from(i) / f64::from(n) * std::f64::consts::TAU;
+            points.push(centre + DVec3::new(polar.sin() * turn.cos(), polar.cos(), -polar.sin() * turn.sin()) * radius);
+        }
+    }
+    points.push(centre - DVec3::Y * radius);
+    let last = points.len() as u32 - 1;
+    let at = |j: u32, i: u32| 1 + (j - 1) * n + i % n;
+    let mut faces = Vec::new();
+    for i in 0..n {
+        faces.extend([[0, at(1, i), at(1, i + 1)], [last, at(rings - 1, i + 1), at(rings - 1, i)]]);
+        for j in 1..rings - 1 {
+            faces.extend([[at(j, i), at(j + 1, i), at(j, i + 1)], [at(j, i + 1), at(j + 1, i), at(j + 1, i + 1)]]);
+        }
+    }
+    add(m, &points, &faces);
+}
+
+/// A closed cuboid.
+pub fn cuboid(m: &mut Mesh, lo: DVec3, hi: DVec3) {
+    let points: [DVec3; 8] =
+        std::array::from_fn(|k| DVec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]));
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let faces: Vec<[u32; 3]> = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+    add(m, &points, &faces);
+}
+
+/// A flat closed fan of `n` triangles around one vertex.
+pub fn fan(m: &mut Mesh, n: u32) {
+    let mut points = vec![DVec3::new(0.03, 0.0, 0.02)];
+    points.extend((0..n).map(|k| {
+        let turn = f64::from(k) / f64::from(n) * std::f64::consts::TAU;
+        DVec3::new(turn.cos(), 0.1 * (3.0 * turn).sin(), -turn.sin())
+    }));
+    let faces: Vec<[u32; 3]> = (0..n).map(|k| [0, 1 + k, 1 + (k + 1) % n]).collect();
+    add(m, &points, &faces);
+}
+
+/// A world position in `f64`.
+pub fn world(p: [f32; 3]) -> DVec3 {
+    Vec3::from(p).as_dvec3()
+}
