@@ -34,14 +34,7 @@ fn main() -> subpixel_shadows::Result<()> {
         far: 100.0,
     };
     let light = Light::Directional { direction: [0.9, 1.0, 0.5] };
-    let settings = Settings {
-        size: [320, 240],
-        map: 128,
-        samples: Samples::new(Pattern::LowDiscrepancy, 32)?,
-        validity: true,
-        cull_back: false,
-        settle: true,
-    };
+    let settings = Settings::new([320, 240], 128, Samples::new(Pattern::LowDiscrepancy, 32)?);
 
     // The mesh is prepared and uploaded once, pipelines and memory are made once; frames are rendered as often as wanted.
     let gpu = Gpu::open(None)?;

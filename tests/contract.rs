@@ -10,7 +10,9 @@ use subpixel_shadows::gpu::kernels;
 use subpixel_shadows::gpu::layout::{Field, Shared};
 use subpixel_shadows::scene::Edge;
 use subpixel_shadows::stages::camera_visibility::Pass;
-use subpixel_shadows::stages::{compact, dispatch_args, prefix_scan, radix_sort, summed_area, texel_group};
+use subpixel_shadows::stages::{
+    compact, dispatch_args, facet_classify, prefix_scan, radix_sort, summed_area, texel_group,
+};
 
 /// A struct as Rust knows it.
 struct Registered {
@@ -44,6 +46,7 @@ fn registry() -> Vec<Registered> {
         edge(),
         of::<compact::Params>(),
         of::<dispatch_args::Request>(),
+        of::<facet_classify::Facet>(),
         of::<prefix_scan::Params>(),
         of::<radix_sort::Params>(),
         of::<summed_area::Params>(),

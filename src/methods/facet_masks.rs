@@ -48,6 +48,12 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The settings of the paper for an image of `size` pixels and a map of `map` texels a side: validity masks, exact
+    /// masks, every facet settled early that can be, no caster left out.
+    pub fn new(size: [u32; 2], map: u32, samples: Samples) -> Self {
+        Self { size, map, samples, validity: true, cull_back: false, masks: MaskVariant::Exact, settle: true }
+    }
+
     /// Checks sizes against what is possible.
     ///
     /// # Errors
