@@ -94,7 +94,7 @@ fn walk(pair: vec2<u32>) -> u32 {
             if e == COVERS {
                 // Every sample is occluded, whatever else there is; the other texels of the facet find it too.
                 for (var w = 0u; w < WORDS; w++) { atomicOr(&masks[3u * WORDS * f + WORDS + w], 0xffffffffu); }
-                return n + 1u - first;
+                return end - first;
             }
             if e == MATTERS { kept |= 1u << (n - batch); }
         }

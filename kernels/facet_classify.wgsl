@@ -45,6 +45,7 @@ fn one(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups:
     if pixel == pixels { return; }
     facets[pixel].pixel = pixel;
     facets[pixel].triangle = ~id_keys[pixel];
+    facets[pixel].origin = vec2(0.0);
     for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * pixel + w] = full_word(w); }
 }
 
@@ -72,7 +73,7 @@ fn keep_own_triangle(f: u32, i: vec3<u32>, ray: vec3<f32>) {
     let e1 = edge(i.y, i.z, ray);
     let e2 = edge(i.z, i.x, ray);
     for (var w = 0u; w < WORDS; w++) {
-        var inside = select(0u, 1u, w == 0u);  // the centre always is
+        var inside = select(0u, 1u, w == 0u && all(facets[f].origin == vec2(0.0)));  // the centre is, if it was seen there
         for (var k = 0u; k < 32u; k++) {
             let at = vec3(1.0, sample_offset(32u * w + k));
             let v = vec3(dot(e0, at), dot(e1, at), dot(e2, at));
@@ -117,12 +118,13 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
         settle(f, STATE_DARK);
         return;
     }
-    let ray = pixel_ray(pixel);
+    let origin = facets[f].origin;
+    let ray = ray_at(pixel, origin);
     let depth = plane.w / dot(normal, ray);
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
     let limit = max(far_corner, depth) * 1.0001;
     let outline = facet_box(pixel, plane, limit);
-    if !outline.whole { keep_own_triangle(f, given, ray); }
+    if !outline.whole { keep_own_triangle(f, given, pixel_ray(pixel)); }
     var rect = EMPTY_RECT;
     var low = vec2(-3.0e38);
     var high = vec2(3.0e38);
@@ -157,7 +159,7 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
             }
         }
     }
-    // One Newton step takes the rounding of the quotient out of the point at the centre.
+    // One Newton step takes the rounding of the quotient out of the point.
     let over = dot(normal, ray);
     let raw = ray * depth;
     let at = raw - ray * (dot(normal, raw - a) / over);
@@ -176,6 +178,7 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     facet.box_low = low - frame.map_margin;
     facet.box_high = high + frame.map_margin;
     facet.slope = light_slope(plane);
+    facet.origin = origin;
     facets[f] = facet;
     facet_items[f] = block_count(rect);
 }

@@ -11,6 +11,7 @@ pub mod error;
 pub mod frame;
 pub mod gpu;
 pub mod light_view;
+pub mod mask_table;
 pub mod methods;
 pub mod plan;
 pub mod reference;
@@ -23,3 +24,8 @@ pub mod truth;
 pub use error::{Error, Result};
 pub use glam;
 pub use wgpu;
+
+/// The library example of the README, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

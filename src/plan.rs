@@ -64,6 +64,7 @@ const STAGES: [(&str, &str, Extent); 12] = [
 
 /// Parts of stages that a setting or the scene may make needless.
 const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that see another surface than the centre");
+const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
 const BACK_FACING: (&str, &str) = ("triangle_setup.back_facing", "casters that face away from the light");
 const PERSPECTIVE: (&str, &str) = ("vertex_project.divide", "perspective divide of the light view");
 
@@ -108,13 +109,13 @@ impl Plan {
         // With one sample the kernel keeps no validity mask, forced or not.
         let no_validity = no_validity(wanted);
         settings.validity = part(VALIDITY, no_validity);
+        settings.settle = part(SETTLE, no_settling(wanted, settings.validity, force_all));
         let culled = (wanted.cull_back && !force_all && !settings.validity)
             .then(|| back_faces_add_nothing(prepared, light))
             .flatten();
         settings.cull_back = culled.is_some();
         part(BACK_FACING, culled);
         part(PERSPECTIVE, light.is_directional().then(|| "directional light: its view is affine".to_owned()));
-        settings.settle = wanted.settle && !force_all;
         Ok(Self { extent, steps, settings })
     }
 
@@ -130,6 +131,19 @@ fn no_validity(wanted: &Settings) -> Option<String> {
         Some("one sample: the pixel centre is always valid".to_owned())
     } else {
         (!wanted.validity).then(|| "switched off".to_owned())
+    }
+}
+
+/// Why every facet is evaluated. That one is lit or shadowed is proved of its surface alone; samples of its plane that lie
+/// off the surface count only where no validity mask drops them.
+fn no_settling(wanted: &Settings, validity: bool, force_all: bool) -> Option<String> {
+    if force_all {
+        Some("forced: every facet is evaluated".to_owned())
+    } else if !wanted.settle {
+        Some("switched off".to_owned())
+    } else {
+        (!validity && wanted.samples.count() > 1)
+            .then(|| "without validity masks samples off the surface count, of which nothing is proved".to_owned())
     }
 }
 
@@ -252,4 +266,150 @@ fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> 
     let outside =
         light.is_directional() || (at.truncate().cmplt(lowest - slack) | at.truncate().cmpgt(highest + slack)).any();
     (prepared.closed && outside).then(|| "closed mesh, light outside: faces turned to the light cast it all".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::{Pattern, Samples};
+    use crate::scene::{Mesh, Scene};
+
+    fn settings(samples: u32, validity: bool) -> Settings {
+        let samples = Samples::new(Pattern::default(), samples).unwrap();
+        Settings { size: [64, 48], map: 64, samples, validity, cull_back: true, settle: true }
+    }
+
+    fn triangles(corners: &[[f32; 3]]) -> Mesh {
+        let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        Mesh { positions: corners.to_vec(), triangles }
+    }
+
+    const A: [f32; 3] = [0.0, 0.0, 0.0];
+    const B: [f32; 3] = [1.0, 0.0, 0.0];
+    const C: [f32; 3] = [0.0, 0.0, 1.0];
+    const D: [f32; 3] = [0.3, 1.0, 0.3];
+
+    fn body() -> Mesh {
+        triangles(&[A, B, C, A, D, B, B, D, C, C, D, A])
+    }
+
+    fn sun(y: f32) -> Light {
+        Light::Directional { direction: [0.1, y, 0.2] }
+    }
+
+    fn plan(mesh: Mesh, light: Light, settings: &Settings, force: bool) -> Plan {
+        let scene = Scene::of_mesh("test", mesh).unwrap();
+        Plan::of(&Prepared::new(&scene.mesh), &scene.camera, &light, settings, force).unwrap()
+    }
+
+    fn reason<'a>(plan: &'a Plan, step: &str) -> Option<&'a str> {
+        plan.left_out().find(|(name, _)| *name == step).map(|(_, reason)| reason)
+    }
+
+    #[test]
+    fn an_empty_mesh_needs_nothing() {
+        let plan = plan(Mesh::default(), sun(1.0), &settings(32, true), false);
+        assert_eq!(plan.extent, Extent::Nothing);
+        assert!(plan.steps.iter().all(|s| s.left_out.is_some()), "{plan:?}");
+    }
+
+    #[test]
+    fn one_plane_casts_nothing_and_two_do() {
+        let flat = triangles(&[A, B, C, [2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 0.0, 1.0]]);
+        let found = plan(flat.clone(), sun(1.0), &settings(32, true), false);
+        assert_eq!(found.extent, Extent::Facing);
+        assert_eq!(reason(&found, "camera_visibility"), None);
+        assert!(reason(&found, "visibility_masks").unwrap().contains("one plane"));
+        let mut bent = flat.clone();
+        bent.positions[5][1] = 1e-6;
+        assert_eq!(plan(bent, sun(1.0), &settings(32, true), false).extent, Extent::Everything);
+        // A plane of any direction, with coordinates that are exact.
+        let tilted = Mesh { positions: flat.positions.iter().map(|[x, _, z]| [*x, x + 2.0 * z, *z]).collect(), ..flat };
+        assert_eq!(plan(tilted, sun(1.0), &settings(32, true), false).extent, Extent::Facing);
+    }
+
+    #[test]
+    fn sides_that_are_seen_and_hidden_from_the_light_are_dark() {
+        let sheets = || triangles(&[A, C, B, [0.0, 0.5, 0.0], [0.0, 0.5, 1.0], [1.0, 0.5, 0.0]]);
+        assert!(
+            reason(&plan(sheets(), sun(-1.0), &settings(32, true), false), "light_layers").unwrap().contains("dark")
+        );
+        assert_eq!(plan(sheets(), sun(1.0), &settings(32, true), false).extent, Extent::Everything);
+        assert_eq!(plan(body(), sun(-1.0), &settings(32, true), false).extent, Extent::Everything);
+    }
+
+    #[test]
+    fn a_mesh_outside_the_view_is_not_looked_at() {
+        let mesh = body();
+        let mut scene = Scene::of_mesh("test", mesh).unwrap();
+        let prepared = Prepared::new(&scene.mesh);
+        let of = |camera: &Camera| Plan::of(&prepared, camera, &sun(1.0), &settings(32, true), false).unwrap().extent;
+        assert_eq!(of(&scene.camera), Extent::Everything);
+        let (eye, target) = (scene.camera.eye, scene.camera.target);
+        // Away from the mesh, and to either side of it.
+        scene.camera.target = [0, 1, 2].map(|k| 2.0 * eye[k] - target[k]);
+        assert_eq!(of(&scene.camera), Extent::Nothing);
+        for side in [-30.0, 30.0] {
+            scene.camera.target = [target[0] + side, target[1], target[2] - side];
+            assert_eq!(of(&scene.camera), Extent::Nothing);
+        }
+        for up in [-30.0, 30.0] {
+            scene.camera.target = [target[0], target[1] + up, target[2]];
+            assert_eq!(of(&scene.camera), Extent::Nothing);
+        }
+    }
+
+    #[test]
+    fn a_light_in_a_body_reaches_all_of_it_and_in_two_does_not() {
+        let inside = Light::Point { position: [0.3, 0.2, 0.3] };
+        let found = plan(body(), inside, &settings(32, true), false);
+        assert!(reason(&found, "light_layers").unwrap().contains("meets it once"), "{found:?}");
+        let mut nested = body();
+        let larger: Vec<[f32; 3]> =
+            nested.positions.iter().map(|p| [p[0] * 9.0 - 2.0, p[1] * 9.0 - 2.0, p[2] * 9.0 - 2.0]).collect();
+        nested.positions.extend(larger);
+        nested.triangles.extend((4..8u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]));
+        assert_eq!(plan(nested, inside, &settings(32, true), false).extent, Extent::Everything);
+        let outside = Light::Point { position: [0.3, 5.0, 0.3] };
+        assert_eq!(plan(body(), outside, &settings(32, true), false).extent, Extent::Everything);
+    }
+
+    #[test]
+    fn parts_follow_settings_mesh_and_light() {
+        let spot = Light::Spot { position: [3.0, 6.0, 2.0], target: [0.0; 3], angle_degrees: 40.0 };
+        let of = |light, samples, validity| plan(body(), light, &settings(samples, validity), false);
+        let one = of(sun(1.0), 1, true);
+        assert!(reason(&one, VALIDITY.0).unwrap().contains("one sample"));
+        assert!(reason(&one, PERSPECTIVE.0).unwrap().contains("directional"));
+        assert!(one.settings.cull_back && one.settings.settle && !one.settings.validity);
+        let many = of(spot, 32, true);
+        assert_eq!(many.left_out().count(), 0, "{many:?}");
+        assert!(!many.settings.cull_back && many.settings.settle && many.settings.validity);
+        let off = of(spot, 32, false);
+        assert!(off.settings.cull_back && !off.settings.settle && !off.settings.validity);
+        let inside = of(Light::Point { position: [0.3, 0.2, 0.3] }, 1, true);
+        assert!(!inside.settings.cull_back, "the shell around a light is all back faces");
+        let open = plan(triangles(&[A, B, C, A, D, B]), spot, &settings(1, true), false);
+        assert!(!open.settings.cull_back);
+    }
+
+    #[test]
+    fn forced_runs_every_stage() {
+        for mesh in [Mesh::default(), triangles(&[A, B, C]), body()] {
+            let forced = plan(mesh, sun(1.0), &settings(32, true), true);
+            assert_eq!(forced.extent, Extent::Everything);
+            assert!(STAGES.iter().all(|(name, ..)| reason(&forced, name).is_none()), "{forced:?}");
+            assert!(forced.settings.validity && !forced.settings.cull_back && !forced.settings.settle);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_an_error() {
+        let scene = Scene::of_mesh("test", body()).unwrap();
+        let prepared = Prepared::new(&scene.mesh);
+        let no_map = Settings { map: 0, ..settings(1, true) };
+        assert!(Plan::of(&prepared, &scene.camera, &sun(1.0), &no_map, false).is_err());
+        let dark = Light::Directional { direction: [0.0; 3] };
+        assert!(Plan::of(&prepared, &scene.camera, &dark, &settings(1, true), false).is_err());
+    }
 }

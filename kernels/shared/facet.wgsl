@@ -9,11 +9,13 @@ struct Facet {
     farthest: f32,      // its largest depth from the light
     limit: f32,         // view depth beyond which the plane is not followed
     tilt: f32,          // relative rounding of the normal, in units of 2^-24
-    at: vec3<f32>,      // its point at the pixel centre
+    at: vec3<f32>,      // its point at the sample `origin`
     doubt: f32,         // how far rounding may have moved that point along its ray, times -dot(plane.xyz, ray)
     box_low: vec2<f32>, // box of its outline, in texels
     box_high: vec2<f32>,
     slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w
+    origin: vec2<f32>,  // a sample of its coverage, relative to the pixel centre: where `at` is
+    spare: vec2<f32>,
 }
 
 const STATE_EMPTY = 0u;      // no surface: counts as lit
@@ -79,6 +81,10 @@ fn facet_box(pixel: u32, plane: vec4<f32>, limit: f32) -> OutlineBox {
     box_add_side(&out, plane, limit, centre + dx + dy, centre - dx + dy);
     box_add_side(&out, plane, limit, centre - dx + dy, centre - dx - dy);
     return out;
+}
+
+fn ray_at(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
+    return pixel_ray(pixel) + offset.x * frame.ray_x.xyz + offset.y * frame.ray_y.xyz;
 }
 
 // The pixel's footprint on `plane` as the light sees it, cut off where view depth exceeds `limit`.

@@ -2,7 +2,7 @@
 // `facets`, `triangles` and `positions`.
 //
 // The eye is the origin; r(x, y) = r + x * rx + y * ry is the ray of the sample at offset (x, y) from the pixel centre, the
-// facet's plane is n . p = d, q is its point at the pixel centre. A plane through the light and an edge starting at `a` has
+// facet's plane is n . p = d, q is its point at one of its samples, from which offsets count until the line is done. A plane through the light and an edge starting at `a` has
 // the normal m. Its line in the image is zero where  d * (m . r(x, y)) - (m . a) * (n . r(x, y)), which is linear:
 //     (-s * (n . r),  m . X - s * (n . rx),  m . Y - s * (n . ry)),   s = m . (a - q),
 //     X = d * rx - q * (n . rx),  Y = d * ry - q * (n . ry).
@@ -19,6 +19,7 @@ struct Ground {
     doubt: f32,             // how far rounding may have moved q along its ray, times -n . r
     tilt: f32,              // relative rounding of the normal, in units of TINY
     pixel: u32,
+    origin: vec2<f32>,      // offset of the sample that q belongs to
 }
 
 const TINY = 5.9604645e-8;        // 2^-24
@@ -43,8 +44,9 @@ fn ground_of(k: u32) -> Ground {
     if i.x > i.y { i = i.yxz; }
     g.own = i;
     g.pixel = f.pixel;
+    g.origin = f.origin;
     g.normal = f.plane.xyz;
-    g.over = vec3(dot(g.normal, pixel_ray(f.pixel)), dot(g.normal, frame.ray_x.xyz), dot(g.normal, frame.ray_y.xyz));
+    g.over = vec3(dot(g.normal, ray_at(f.pixel, f.origin)), dot(g.normal, frame.ray_x.xyz), dot(g.normal, frame.ray_y.xyz));
     g.at = f.at;
     g.along_x = f.plane.w * frame.ray_x.xyz - g.at * g.over.y;
     g.along_y = f.plane.w * frame.ray_y.xyz - g.at * g.over.z;
@@ -72,7 +74,8 @@ fn height_of(g: Ground, shared_vertex: bool, p: vec3<f32>) -> f32 {
 fn line_of(g: Ground, m: vec3<f32>, size: f32, a: vec3<f32>) -> vec4<f32> {
     let s = dot(m, a - g.at);
     let error = size * (2.0 * TINY * abs(g.over.x) * (largest(a - g.at) + largest(a) + largest(g.at)) + g.doubt);
-    return vec4(-s * g.over.x, dot(m, g.along_x) - s * g.over.y, dot(m, g.along_y) - s * g.over.z, error);
+    let slope = vec2(dot(m, g.along_x) - s * g.over.y, dot(m, g.along_y) - s * g.over.z);
+    return vec4(-s * g.over.x - dot(slope, g.origin), slope, error);
 }
 
 fn edge_line(g: Ground, a: vec3<f32>, b: vec3<f32>) -> vec4<f32> {

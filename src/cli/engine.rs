@@ -49,6 +49,14 @@ impl Engine {
         }
     }
 
+    /// Why the engine runs none of the stages, if so.
+    pub fn no_stages(&self) -> Option<&'static str> {
+        match self {
+            Self::Gpu(_) => None,
+            Self::Cpu => Some("CPU engine: each facet is held against the casters directly, in f64"),
+        }
+    }
+
     /// Name and graphics API of the adapter.
     pub fn adapter(&self) -> (String, String) {
         match self {

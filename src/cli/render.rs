@@ -42,6 +42,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
         settings: &plan.settings,
         plan: &plan,
         output: &rendered.output,
+        no_stages: engine.no_stages(),
         error,
     });
     let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;
@@ -51,8 +52,12 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let [w, h] = options.size;
     let n = options.samples;
     report.line("frame", &format!("{w} x {h} pixels, {n} samples a pixel, light-view map of {0} x {0}", options.map));
-    stages(&mut report, &frame, &plan, &rendered);
-    counts(&mut report, &rendered, u64::from(w) * u64::from(h));
+    if engine.no_stages().is_some() {
+        report.text(&format!("{:.3} ms on the CPU", rendered.output.wall_ms));
+    } else {
+        stages(&mut report, &frame, &plan, &rendered);
+        counts(&mut report, &rendered, u64::from(w) * u64::from(h));
+    }
     if let Some(error) = &error {
         errors(&mut report, error, n, w);
     }
@@ -128,12 +133,11 @@ fn write(
 /// Stages with their time, and those left out.
 fn stages(report: &mut Report, frame: &FrameReport, plan: &Plan, rendered: &Rendered) {
     let output = &rendered.output;
-    let on_gpu = frame.engine == "gpu";
     let mut rows = vec![["stage", "GPU ms", ""].map(String::from).to_vec()];
     for stage in &frame.stages {
         let (time, note) = match stage.left_out {
             Some(reason) => ("-".to_owned(), format!("left out: {reason}")),
-            None if !on_gpu || output.stages.is_empty() => ("-".to_owned(), idle(stage.name, rendered)),
+            None if output.stages.is_empty() => ("-".to_owned(), idle(stage.name, rendered)),
             None => (format!("{:.3}", stage.gpu_ms), idle(stage.name, rendered)),
         };
         rows.push(vec![stage.name.to_owned(), time, note]);

@@ -124,6 +124,8 @@ pub struct Sources<'a> {
     pub plan: &'a Plan,
     /// The frame.
     pub output: &'a Output,
+    /// Why the engine runs none of the stages, where it does not.
+    pub no_stages: Option<&'a str>,
     /// Its error, where truth was computed.
     pub error: Option<ErrorReport>,
 }
@@ -155,10 +157,10 @@ impl<'a> FrameReport<'a> {
                 .map(|step| StageReport {
                     name: step.name,
                     gpu_ms: time(step.name),
-                    left_out: step.left_out.as_deref(),
+                    left_out: step.left_out.as_deref().or(s.no_stages),
                 })
                 .collect(),
-            gpu_ms: s.output.stages.iter().map(|t| t.gpu_ms).sum(),
+            gpu_ms: s.output.stages.iter().map(|t| t.gpu_ms).sum::<f64>().max(0.0),
             wall_ms: s.output.wall_ms,
             counts: &s.output.counts,
             lists: &s.output.lists,

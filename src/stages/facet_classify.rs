@@ -31,7 +31,7 @@ shared_struct! {
         pub limit: f32,
         /// Relative rounding of the normal, in units of 2^-24.
         pub tilt: f32,
-        /// Point of the plane at the pixel centre.
+        /// Point of the plane at the sample `origin`.
         pub at: [f32; 3],
         /// How far rounding may have moved that point along its ray, times the ray's slant.
         pub doubt: f32,
@@ -41,6 +41,10 @@ shared_struct! {
         pub box_high: [f32; 2],
         /// Depth from the light over texels: per x, per y, at 0, and how far it may be off.
         pub slope: [f32; 4],
+        /// A sample of its coverage, relative to the pixel centre: where `at` is.
+        pub origin: [f32; 2],
+        /// Unused.
+        pub spare: [f32; 2],
     }
 }
 
