@@ -276,7 +276,15 @@ mod tests {
 
     fn settings(samples: u32, validity: bool) -> Settings {
         let samples = Samples::new(Pattern::default(), samples).unwrap();
-        Settings { size: [64, 48], map: 64, samples, validity, cull_back: true, masks: Default::default(), settle: true }
+        Settings {
+            size: [64, 48],
+            map: 64,
+            samples,
+            validity,
+            cull_back: true,
+            masks: Default::default(),
+            settle: true,
+        }
     }
 
     fn triangles(corners: &[[f32; 3]]) -> Mesh {

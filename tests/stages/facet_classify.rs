@@ -298,8 +298,7 @@ fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5
     let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
     let samples = samples(32);
     let size = [40, 30];
-    let settings =
-        Settings { validity: false, ..Settings::new(size, 96, samples.clone()) };
+    let settings = Settings { validity: false, ..Settings::new(size, 96, samples.clone()) };
     let mut renderer = Renderer::new(gpu(), &prepared, &settings, Budget::default()).expect("a renderer");
     let (mut looked_at, mut wrong, mut states) = (0, 0, [0; 5]);
     for view in 0..views {

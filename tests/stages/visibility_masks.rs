@@ -58,7 +58,7 @@ fn stage(gpu: &'static Gpu, words: usize) -> &'static VisibilityMasks {
     static MADE: OnceLock<Mutex<HashMap<(u32, usize), &'static VisibilityMasks>>> = OnceLock::new();
     let key = (gpu.device.limits().max_compute_workgroups_per_dimension, words);
     let mut made = MADE.get_or_init(Mutex::default).lock().expect("no test panicked while making a pipeline");
-    made.entry(key).or_insert_with(|| Box::leak(Box::new(VisibilityMasks::new(&gpu.device, words as u32))))
+    made.entry(key).or_insert_with(|| Box::leak(Box::new(VisibilityMasks::new(&gpu.device, words as u32, [0, 0]))))
 }
 
 /// Evaluates every facet against every other triangle on the GPU.
@@ -85,6 +85,7 @@ fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
     let (frame, offsets) = (uniform(gpu, &frame), world.sample_offsets());
     let casters = Casters {
         samples: offsets.raw(),
+        table: world.casters.triangles.raw(),
         triangles: world.casters.triangles.raw(),
         positions: world.casters.positions.raw(),
     };
@@ -487,6 +488,7 @@ fn overflow_by_one() {
         let (frame, offsets) = (uniform(gpu(), &frame), world.sample_offsets());
         let casters = Casters {
             samples: offsets.raw(),
+            table: world.casters.triangles.raw(),
             triangles: world.casters.triangles.raw(),
             positions: world.casters.positions.raw(),
         };
