@@ -1,5 +1,8 @@
 //! Measuring: ceilings of the device, interleaved repeats, tables.
 
+pub mod geometry;
+pub mod shadow;
+
 use serde::Serialize;
 use std::fmt;
 use subpixel_shadows::gpu::program::{Access, Binding};
