@@ -143,6 +143,15 @@ fn judge(world: &World, listed: &List, got: &Masks, validity: bool) -> Tally {
         if facing_is_open || (state == State::Dark as u32 && is_edge_on(world, list_triangle(listed, f))) {
             continue;
         }
+        // Evaluation ends at a facet that has no open sample left: why each of them is closed is then not told.
+        if validity && state == State::Undecided as u32 && coverage & !occluded & !invalid == 0 {
+            let cut = cuts.as_ref().map_or(0, |c| !join_mask(c[k].valid) | join_mask(c[k].ambiguous_valid));
+            let open = sure & !shadowed & !cut;
+            tally.samples += sure.count_ones() as usize;
+            tally.occluded += (shadowed & sure).count_ones() as usize;
+            tally.wrong_occluded += open.count_ones() as usize;
+            continue;
+        }
         let wrong = (ours ^ shadowed) & sure;
         if wrong != 0 && std::env::var_os("SHADOW_TRACE").is_some() {
             eprintln!("facet {:?} state {state}: wrong {wrong:x} of {sure:x}", listed[f]);
