@@ -8,18 +8,24 @@
 //! bytes at the copy bandwidth and its atomics at their rate, plus its dispatches.
 
 mod camera_visibility;
+mod candidate_pairs;
 mod compact;
 mod dispatch_args;
+mod facet_classify;
 mod front_layer;
 mod harness;
 mod light_layers;
+mod pixel_texel_pairs;
 mod prefix_scan;
 mod radix_sort;
+mod resolve;
 mod silhouette_mask;
 mod summed_area;
 mod texel_group;
 mod triangle_setup;
+mod triangle_texel_pairs;
 mod vertex_project;
+mod visibility_masks;
 
 use harness::{Ceilings, Options, Row};
 use subpixel_shadows::Result;
@@ -50,6 +56,12 @@ fn run(options: &Options) -> Result<()> {
         light_layers::cases,
         silhouette_mask::cases,
         front_layer::cases,
+        facet_classify::cases,
+        pixel_texel_pairs::cases,
+        triangle_texel_pairs::cases,
+        candidate_pairs::cases,
+        visibility_masks::cases,
+        resolve::cases,
     ];
     for log_size in options.log_sizes() {
         let mut cases = Vec::new();

@@ -26,10 +26,14 @@ struct Got {
     list: Vec<[u32; 2]>,
 }
 
+/// Texels a side.
+const MAP: usize = 64;
+
 fn world(gpu: &'static Gpu, mesh: &Mesh, random: &mut Random) -> World {
     let eye = vector(random).normalize() * (1.5 + 2.0 * unit(random));
     let light = random_light(random.below(2) == 0, random);
-    let mut world = World::new(gpu, mesh, camera(eye, vector(random) * 0.3, 50.0), light, [16, 12], 1, samples(32));
+    let mut world =
+        World::new(gpu, mesh, camera(eye, vector(random) * 0.3, 50.0), light, [16, 12], MAP as u32, samples(32));
     world.frame.flags |= 8;
     world
 }
@@ -37,15 +41,16 @@ fn world(gpu: &'static Gpu, mesh: &Mesh, random: &mut Random) -> World {
 /// Culls all triangles against all listed facets, with room for `capacity` of `len` candidates.
 fn cull(world: &World, stage: &CandidatePairs, listed: &[(u32, Option<u32>)], capacity: u32, len: usize) -> Got {
     let gpu = world.gpu;
-    let facets = world.classify(listed, &[true], &[Split::Marked]);
+    let facets = world.classify(listed, &[true; MAP * MAP], &[Split::Marked; MAP * MAP]);
     let states = facets.list.read(gpu).expect("readback");
     let undecided = |f: &u32| states[*f as usize].state == State::Undecided as u32;
     let pairs: Vec<[u32; 2]> = (0..listed.len() as u32).filter(undecided).map(|f| [f, 0]).collect();
     let triangles = world.prepared.mesh.triangles.len() as u32;
-    let lists = PairLists::new(&gpu.device, 1, pairs.len(), triangles as usize, len).expect("memory");
+    let lists = PairLists::new(&gpu.device, MAP, pairs.len(), triangles as usize, len).expect("memory");
     lists.pixel_pairs.write(&gpu.queue, &pairs);
     lists.triangle_pairs.write(&gpu.queue, &(0..triangles).collect::<Vec<_>>());
-    lists.triangle_offsets.write(&gpu.queue, &[0, triangles, 0]);
+    // All triangles are in the list of texel 0, and so is every facet.
+    lists.triangle_offsets.write(&gpu.queue, &[vec![0], vec![triangles; MAP * MAP], vec![0]].concat());
     let mut content = vec![0; TALLY_WORDS];
     content[0] = pairs.len() as u32;
     content.extend(vec![POISON; 2 * len]);
@@ -65,7 +70,7 @@ fn cull(world: &World, stage: &CandidatePairs, listed: &[(u32, Option<u32>)], ca
     let mut kept: Vec<_> = list[..(words[1].min(capacity) as usize).min(len)].to_vec();
     kept.sort_unstable();
     let masks = facets.masks.read(gpu).expect("readback");
-    let settled = (0..listed.len()).map(|f| undecided(&(f as u32)) && masks[3 * f + 1] == u32::MAX).collect();
+    let settled = (0..listed.len()).map(|f| undecided(&(f as u32)) && masks[3 * f] & !masks[3 * f + 1] == 0).collect();
     Got { kept, tally: words[..TALLY_WORDS].to_vec(), settled, list }
 }
 
@@ -74,8 +79,8 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], got: &Got) -> [usize; 3]
     let by = |margin: Margin| -> Vec<Facet> {
         let around = Surroundings {
             triangles: &world.triangles,
-            marked: &[true],
-            splits: &[Split::Marked],
+            marked: &[true; MAP * MAP],
+            splits: &[Split::Marked; MAP * MAP],
             samples: world.samples.offsets(),
         };
         classify(&world.view, &around, listed, margin, false)
@@ -182,7 +187,7 @@ fn random_seeded() {
         let (k, s) = check(&world, stage(), &world.seen());
         (kept, settled) = (kept + k, settled + s);
     }
-    assert!(kept > 1_000 && settled > 20, "{kept} kept, {settled} settled");
+    assert!(kept > 1_000 && settled > 0, "{kept} kept, {settled} settled");
 }
 
 #[test]
