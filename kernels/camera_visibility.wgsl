@@ -7,11 +7,10 @@
 
 //@import frame
 //@import dispatch
+//@import pass
 //@import rect
 //@import work_items
 //@import span
-
-struct Pass { index: u32 }
 
 const WORKGROUP = 64u;
 

@@ -6,12 +6,11 @@
 
 //@import frame
 //@import dispatch
+//@import pass
 //@import rect
 //@import work_items
 //@import front_split
 //@import span
-
-struct Pass { index: u32 }
 
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function

@@ -8,12 +8,11 @@
 
 //@import frame
 //@import dispatch
+//@import pass
 //@import rect
 //@import work_items
 //@import facet
 //@import front_split
-
-struct Pass { index: u32 }
 
 const WORKGROUP = 64u;
 

@@ -5,12 +5,11 @@
 
 //@import frame
 //@import dispatch
+//@import pass
 //@import rect
 //@import work_items
 //@import conservative
 //@import span
-
-struct Pass { index: u32 }
 
 const WORKGROUP = 64u;
 

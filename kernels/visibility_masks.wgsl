@@ -17,6 +17,8 @@
 //@import candidates
 
 override WORDS: u32 = 1u;
+override ANGLES: u32 = 0u;   // size of the lookup table; 0: every sample is tested against every line
+override OFFSETS: u32 = 0u;
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -25,6 +27,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(3) var<storage, read_write> candidates: Candidates;
 @group(0) @binding(4) var<storage, read> triangles: array<u32>;
 @group(0) @binding(5) var<storage, read> positions: array<f32>;
+@group(0) @binding(8) var<storage, read> table: array<u32>;
 @group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> doubts: array<u32>;
 
@@ -54,10 +57,38 @@ fn word_mask(word: u32, l: Lines) -> u32 {
     return ~out;
 }
 
+// Samples inside one line, from the table: the mask of the nearest tabulated direction and distance from the centre.
+fn table_mask(line: vec3<f32>) -> vec4<u32> {
+    let sum = abs(line.y) + abs(line.z);
+    // The angle as its place on a diamond, -1 to 3.
+    let part = line.z / sum;
+    let turn = select(2.0 - part, part, line.y >= 0.0) + 1.0;
+    let distance = -line.x / length(line.yz);
+    let a = min(u32(turn * 0.25 * f32(ANGLES)), ANGLES - 1u);
+    let o = u32(clamp((distance * 0.70710678 + 0.5) * f32(OFFSETS), 0.0, f32(OFFSETS) - 1.0));
+    let at = (a * OFFSETS + o) * WORDS;
+    var m = vec4(table[at], 0u, 0u, 0u);
+    if WORDS > 1u { m.y = table[at + 1u]; }
+    if WORDS > 2u {
+        m.z = table[at + 2u];
+        m.w = table[at + 3u];
+    }
+    return m;
+}
+
 fn inside(l: Lines) -> vec4<u32> {
     let reach = 0.501 * (abs(l.right) + abs(l.down));
     if any(l.centre < -reach) { return vec4(0u); }
-    if all(l.centre > reach) { return vec4(0xffffffffu); }
+    let crossing = l.centre <= reach;
+    if !any(crossing) { return vec4(0xffffffffu); }
+    if ANGLES != 0u {
+        var t = vec4(0xffffffffu);
+        if crossing.x { t &= table_mask(vec3(l.centre.x, l.right.x, l.down.x)); }
+        if crossing.y { t &= table_mask(vec3(l.centre.y, l.right.y, l.down.y)); }
+        if crossing.z { t &= table_mask(vec3(l.centre.z, l.right.z, l.down.z)); }
+        if crossing.w { t &= table_mask(vec3(l.centre.w, l.right.w, l.down.w)); }
+        return t;
+    }
     var m = vec4(0u);
     m.x = word_mask(0u, l);
     if WORDS > 1u { m.y = word_mask(1u, l); }

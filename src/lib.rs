@@ -11,6 +11,7 @@ pub mod error;
 pub mod frame;
 pub mod gpu;
 pub mod light_view;
+pub mod mask_table;
 pub mod methods;
 pub mod plan;
 pub mod reference;

@@ -1,5 +1,7 @@
 //! Measuring: ceilings of the device, interleaved repeats, tables.
 
+pub mod geometry;
+
 use serde::Serialize;
 use std::fmt;
 use subpixel_shadows::gpu::program::{Access, Binding};

@@ -7,13 +7,19 @@
 //! stamps around the stage; upload, readback and compilation are left out. The limit of a case is the larger of its
 //! bytes at the copy bandwidth and its atomics at their rate, plus its dispatches.
 
+mod camera_visibility;
 mod compact;
 mod dispatch_args;
+mod front_layer;
 mod harness;
+mod light_layers;
 mod prefix_scan;
 mod radix_sort;
+mod silhouette_mask;
 mod summed_area;
 mod texel_group;
+mod triangle_setup;
+mod vertex_project;
 
 use harness::{Ceilings, Options, Row};
 use subpixel_shadows::Result;
@@ -38,6 +44,12 @@ fn run(options: &Options) -> Result<()> {
         radix_sort::cases,
         texel_group::cases,
         dispatch_args::cases,
+        vertex_project::cases,
+        triangle_setup::cases,
+        camera_visibility::cases,
+        light_layers::cases,
+        silhouette_mask::cases,
+        front_layer::cases,
     ];
     for log_size in options.log_sizes() {
         let mut cases = Vec::new();

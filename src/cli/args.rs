@@ -3,6 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use subpixel_shadows::Result;
+use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::Settings;
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -67,6 +68,9 @@ pub struct Options {
     /// Keep the validity mask, which drops samples that see another surface than the pixel centre
     #[arg(long, value_enum, default_value_t, value_name = "SWITCH")]
     pub validity: Switch,
+    /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
+    #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
+    pub masks: Masks,
     /// Where to compute; without an adapter, and if not asked for, the CPU takes over and says so [default: gpu]
     #[arg(long, value_enum)]
     pub engine: Option<EngineName>,
@@ -130,6 +134,13 @@ pub enum Switch {
     Off,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Masks {
+    #[default]
+    Exact,
+    Table,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
     Gpu,
@@ -170,6 +181,10 @@ impl Options {
             samples: Samples::new(self.pattern.into(), self.samples)?,
             validity: self.validity == Switch::On,
             cull_back: true,
+            masks: match self.masks {
+                Masks::Exact => MaskVariant::Exact,
+                Masks::Table => MaskVariant::TABLE,
+            },
             settle: true,
         };
         settings.check()?;

@@ -8,6 +8,7 @@ use crate::gpu::kernels::{
 };
 use crate::gpu::{Buffer, Groups, Program, Recorder};
 use crate::light_view::LightView;
+use crate::mask_table::{MaskVariant, mask_table};
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility};
@@ -40,6 +41,8 @@ pub struct Settings {
     pub validity: bool,
     /// Leave out casters that face away from the light, in closed meshes.
     pub cull_back: bool,
+    /// How half-planes become masks.
+    pub masks: MaskVariant,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
 }
@@ -139,6 +142,7 @@ pub struct FacetMasks {
 /// Every buffer of a frame.
 struct Memory {
     samples: Buffer<[f32; 4]>,
+    table: Buffer<u32>,
     frames: Vec<Buffer<Frame>>,
     points: Buffer<[f32; 4]>,
     map_points: Buffer<[f32; 4]>,
@@ -193,7 +197,7 @@ impl FacetMasks {
             pixel_pairs: PixelTexelPairs::new(device),
             triangle_pairs: TriangleTexelPairs::new(device),
             candidates: CandidatePairs::new(device, words),
-            masks: VisibilityMasks::new(device, words),
+            masks: VisibilityMasks::new(device, words, settings.masks.size()),
             resolve: Resolve::new(device, words),
             scan: PrefixScan::new(device),
             fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
@@ -408,7 +412,7 @@ impl FacetMasks {
         }
         {
             let stage = &mut rec.stage("visibility_masks");
-            let casters = Casters { samples: m.samples.raw(), triangles, positions };
+            let casters = Casters { samples: m.samples.raw(), table: m.table.raw(), triangles, positions };
             let frame = frame_of(0);
             self.args(stage, Arg::Candidates, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Candidates.word());
@@ -416,7 +420,7 @@ impl FacetMasks {
         }
         {
             let stage = &mut rec.stage("visibility_refine");
-            let casters = Casters { samples: m.samples.raw(), triangles, positions };
+            let casters = Casters { samples: m.samples.raw(), table: m.table.raw(), triangles, positions };
             let frame = frame_of(0);
             self.args(stage, Arg::Doubts, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Doubts.word());
@@ -533,8 +537,10 @@ impl Memory {
         let words_of = |label: &str, len: usize| Buffer::storage(device, label, len);
         let samples = Buffer::uniform(device, "samples", 64)?;
         samples.write(queue, &sample_words(&settings.samples));
+        let table = mask_table(&settings.samples, settings.masks.size());
         Ok(Self {
             samples,
+            table: Buffer::from_slice(device, queue, "visibility_masks.table", &table)?,
             frames: frames(device, capacities)?,
             points: Buffer::storage(device, "vertex_project.points", vertices)?,
             map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,

@@ -43,7 +43,7 @@ pub fn nearest(view: &View, triangles: &[Triangle], doubt: Doubt) -> Vec<Seen> {
         for &t in list {
             let triangle = &triangles[t as usize];
             let (Some(corners), Some((lo, hi))) = (triangle.corners, triangle.image) else { continue };
-            let shape = Shape::new(view, corners);
+            let shape = Shape::new(corners);
             let (first, last) = ((lo.x - 2.0).max(0.0), (hi.x + 2.0).min(f64::from(width) - 1.0));
             if first > last {
                 continue;
@@ -83,7 +83,7 @@ struct Shape {
 }
 
 impl Shape {
-    fn new(_: &View, corners: [DVec3; 3]) -> Self {
+    fn new(corners: [DVec3; 3]) -> Self {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a);
         let turn = if normal.dot(a) < 0.0 { 1.0 } else { -1.0 };
@@ -99,12 +99,11 @@ impl Shape {
         for m in self.edges {
             let slope = DVec2::new(m.dot(view.rays.step_x), m.dot(view.rays.step_y)).length();
             let inside = m.dot(ray);
-            if !(inside >= -doubt.edge * slope) {
+            if inside < -doubt.edge * slope || inside.is_nan() {
                 return None;
             }
             sure &= inside > doubt.edge * slope;
         }
-        // Without slope in the image an edge says nothing, and the next does.
         let over = self.normal.dot(ray);
         let depths = self.corners.map(|p| p.dot(view.rays.forward));
         let lo = depths[0].min(depths[1]).min(depths[2]);
@@ -112,7 +111,7 @@ impl Shape {
         let depth = (self.distance / over).clamp(lo, hi);
         let tilt = (self.normal.dot(view.rays.step_x).abs() + self.normal.dot(view.rays.step_y).abs()) * doubt.edge;
         let reach = doubt.depth * depth + if over.abs() > tilt { depth * tilt / (over.abs() - tilt) } else { hi - lo };
-        if !(depth >= view.near * (1.0 - doubt.depth)) && !(depth + reach >= view.near) {
+        if depth + reach < view.near {
             return None;
         }
         sure &= depth - reach > view.near && over != 0.0;

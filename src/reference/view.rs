@@ -195,7 +195,7 @@ pub fn centres_within(low: DVec2, high: DVec2, size: [u32; 2]) -> Option<[u32; 4
     let limit = DVec2::new(f64::from(size[0]), f64::from(size[1]));
     let half = DVec2::splat(0.5);
     let (a, b) = ((low - half).ceil().max(DVec2::ZERO), (high - half).floor().min(limit - DVec2::ONE));
-    (a.x <= b.x && a.y <= b.y).then(|| [a.x as u32, a.y as u32, b.x as u32, b.y as u32])
+    (a.x <= b.x && a.y <= b.y).then_some([a.x as u32, a.y as u32, b.x as u32, b.y as u32])
 }
 
 /// How many 8 × 8 blocks, aligned to multiples of 8, a rectangle of cells (both corners included) touches.

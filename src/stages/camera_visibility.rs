@@ -14,7 +14,7 @@ use crate::shared_struct;
 
 shared_struct! {
     /// Which of a kernel's two runs it is.
-    "camera_visibility" => pub struct Pass {
+    "shared/pass" => pub struct Pass {
         /// 0 or 1.
         pub index: u32,
     }

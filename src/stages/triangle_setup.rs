@@ -59,6 +59,7 @@ impl TriangleSetup {
     ///
     /// # Errors
     /// None that input can cause.
+    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record(
         &self,
         stage: &mut Stage,

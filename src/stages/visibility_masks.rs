@@ -26,6 +26,8 @@ pub struct VisibilityMasks {
 pub struct Casters<'a> {
     /// Sample offsets.
     pub samples: &'a wgpu::Buffer,
+    /// Lookup table of masks; not read if its size is 0.
+    pub table: &'a wgpu::Buffer,
     /// Vertex indices, three a triangle.
     pub triangles: &'a wgpu::Buffer,
     /// Positions, world units, three words a vertex.
@@ -33,9 +35,10 @@ pub struct Casters<'a> {
 }
 
 impl VisibilityMasks {
-    /// Builds the pipelines for masks of `words` words.
-    pub fn new(device: &wgpu::Device, words: u32) -> Self {
-        let constants = [("WORDS", f64::from(words))];
+    /// Builds the pipelines for masks of `words` words, with a lookup table of `angles` by `offsets` masks or, if both are
+    /// 0, without.
+    pub fn new(device: &wgpu::Device, words: u32, [angles, offsets]: [u32; 2]) -> Self {
+        let constants = [("WORDS", f64::from(words)), ("ANGLES", f64::from(angles)), ("OFFSETS", f64::from(offsets))];
         Self {
             evaluate: Program::new(device, kernel::ENTRY_EVALUATE, &constants),
             refine: Program::new(device, kernel::ENTRY_REFINE, &constants),
@@ -88,6 +91,7 @@ impl VisibilityMasks {
             ("samples", casters.samples),
             ("facets", facets.list.raw()),
             ("candidates", lists.candidates.raw()),
+            ("table", casters.table),
             ("triangles", casters.triangles),
             ("positions", casters.positions),
             ("masks", facets.masks.raw()),

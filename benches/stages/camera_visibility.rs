@@ -1,0 +1,21 @@
+//! A ball in an image of 800 × 600. The keys hold the result of the run before, so that no atomic changes them: what is
+//! timed is the raster alone.
+
+use crate::harness::Case;
+use crate::harness::geometry::Setup;
+use subpixel_shadows::Result;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::stages::camera_visibility::CameraVisibility;
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
+    let stage = CameraVisibility::new(&gpu.device);
+    let (count, pixels) = (setup.casters.triangles.len(), setup.depth_keys.len());
+    Ok(vec![Case {
+        name: "camera_visibility".to_owned(),
+        size: count,
+        bytes: 2 * (setup.in_camera.items * 96 + pixels * 4),
+        atomics: 0,
+        record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.seen(), &setup.depth_keys, &setup.id_keys)),
+    }])
+}

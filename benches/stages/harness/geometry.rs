@@ -1,0 +1,205 @@
+//! A frame for the geometry stages: one closed, bumpy ball of about as many triangles as the size asks for, seen by camera
+//! and light, with every stage's input made by the stages before it.
+
+use std::rc::Rc;
+use subpixel_shadows::frame::Frame;
+use subpixel_shadows::glam::DVec3;
+use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage, kernels, recorder};
+use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::prepared::CasterBuffers;
+use subpixel_shadows::reference::prefix_scan;
+use subpixel_shadows::samples::Samples;
+use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility};
+use subpixel_shadows::stages::front_layer::FrontLayer;
+use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
+use subpixel_shadows::stages::silhouette_mask::SilhouetteMask;
+use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
+use subpixel_shadows::stages::vertex_project::VertexProject;
+use subpixel_shadows::{Error, Result};
+
+/// Image and map of the frame.
+pub const IMAGE: [u32; 2] = [800, 600];
+/// Texels a side.
+pub const MAP: u32 = 512;
+/// Sizes above this are left out: the frame would be made on the CPU for longer than it is measured.
+pub const MOST: usize = 1 << 20;
+
+/// Offsets of work items and the arguments that cover them.
+pub struct Work {
+    offsets: Buffer<u32>,
+    args: Buffer<u32>,
+    /// Work items.
+    pub items: usize,
+}
+
+/// Everything that the stages read and write.
+pub struct Setup {
+    pub frame: Buffer<Frame>,
+    pub casters: CasterBuffers,
+    pub points: Buffer<[f32; 4]>,
+    pub map_points: Buffer<[f32; 4]>,
+    pub facts: TriangleFacts,
+    pub in_camera: Work,
+    pub in_light: Work,
+    pub depth_keys: Buffer<u32>,
+    pub id_keys: Buffer<u32>,
+    pub layers: Layers,
+    pub edge_rects: Buffer<[u32; 2]>,
+    pub edge_items: Buffer<u32>,
+    pub edge_work: Work,
+    pub status: Buffer<u32>,
+}
+
+fn bumpy_ball(triangles: usize) -> Mesh {
+    let n = ((triangles as f64 / 2.0).sqrt() as u32).max(4);
+    let mut mesh = Mesh::default();
+    for j in 0..=n {
+        for i in 0..n {
+            let (u, v) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+            let (turn, polar) = (u * std::f64::consts::TAU, v * std::f64::consts::PI);
+            let radius = 1.0 + 0.1 * (9.0 * turn).sin() * (7.0 * polar).sin();
+            let p = DVec3::new(polar.sin() * turn.cos(), polar.cos(), -polar.sin() * turn.sin()) * radius;
+            mesh.positions.push(p.as_vec3().into());
+        }
+    }
+    let at = |i: u32, j: u32| j * n + i % n;
+    for j in 0..n {
+        for i in 0..n {
+            let quad = [at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)];
+            mesh.triangles.extend([[quad[0], quad[1], quad[2]], [quad[2], quad[1], quad[3]]]);
+        }
+    }
+    mesh
+}
+
+fn submit(gpu: &Gpu, record: impl FnOnce(&mut Stage) -> Result<()>) -> Result<()> {
+    let mut encoder = gpu.encoder();
+    record(&mut Recorder::new(&gpu.device, &mut encoder, None).stage("setup"))?;
+    gpu.submit_and_wait(encoder)
+}
+
+impl Work {
+    fn of(gpu: &Gpu, items: &Buffer<u32>, per_group: u32) -> Result<Self> {
+        let scan = prefix_scan::exclusive(&items.read(gpu)?);
+        let offsets = [scan.sums, vec![scan.total, 0]].concat();
+        let args = Buffer::indirect(&gpu.device, "bench.args", 4)?;
+        args.write(&gpu.queue, &recorder::fold(u64::from(scan.total.div_ceil(per_group))));
+        let offsets = Buffer::from_slice(&gpu.device, &gpu.queue, "bench.offsets", &offsets)?;
+        Ok(Self { offsets, args, items: scan.total as usize })
+    }
+
+    /// The arguments of a dispatch over all items.
+    pub fn args(&self) -> (&subpixel_shadows::wgpu::Buffer, u64) {
+        (self.args.raw(), 0)
+    }
+
+    /// The offsets of each owner's items.
+    pub fn offsets(&self) -> &Buffer<u32> {
+        &self.offsets
+    }
+}
+
+impl Setup {
+    /// A frame of about `size` triangles; `None` above [`MOST`].
+    pub fn new(gpu: &Gpu, size: usize) -> Result<Option<Rc<Self>>> {
+        if size > MOST {
+            return Ok(None);
+        }
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let prepared = Prepared::new(&bumpy_ball(size));
+        let casters = prepared.upload(device, queue)?;
+        let bounds = prepared.mesh.bounds().ok_or_else(|| Error::Scene("no mesh".to_owned()))?;
+        let light = Light::Point { position: [2.0, 4.0, 1.0] };
+        let view = LightView::fit(&prepared.mesh, &light, MAP)?;
+        let samples = Samples::new(Default::default(), 32)?;
+        let mut content = Frame::new(&Camera::framing(bounds.0, bounds.1), &light, &view, bounds, IMAGE, &samples);
+        content.vertex_count = casters.positions.len() as u32;
+        content.triangle_count = casters.triangles.len() as u32;
+        content.edge_count = casters.edges.len() as u32;
+        let frame = Buffer::uniform(device, "bench.frame", 1)?;
+        frame.write(queue, &[content]);
+        let (vertices, triangles, edges) = (casters.positions.len(), casters.triangles.len(), casters.edges.len());
+        let pixels = (IMAGE[0] * IMAGE[1]) as usize;
+        let points = Buffer::storage(device, "bench.points", vertices)?;
+        let map_points = Buffer::storage(device, "bench.map_points", vertices)?;
+        let facts = TriangleFacts::new(device, triangles)?;
+        let raw = casters.triangles.raw();
+        submit(gpu, |s| {
+            VertexProject::new(device).record(
+                s,
+                frame.raw(),
+                casters.positions.raw(),
+                &points,
+                &map_points,
+                vertices,
+            )?;
+            TriangleSetup::new(device).record(s, frame.raw(), raw, &points, &map_points, &facts, triangles)
+        })?;
+        let in_camera = Work::of(gpu, &facts.camera_items, kernels::camera_visibility::WORKGROUP)?;
+        let in_light = Work::of(gpu, &facts.light_items, kernels::light_layers::WORKGROUP)?;
+        let edge_rects = Buffer::storage(device, "bench.edge_rects", edges)?;
+        let edge_items = Buffer::storage(device, "bench.edge_items", edges)?;
+        let status = Buffer::storage(device, "bench.status", 64)?;
+        submit(gpu, |s| {
+            let (facing, map) = (&facts.facing, &map_points);
+            let stage = SilhouetteMask::new(device);
+            stage.record_classify(
+                s,
+                frame.raw(),
+                casters.edges.raw(),
+                facing,
+                map,
+                &edge_rects,
+                &edge_items,
+                &status,
+                edges,
+            )
+        })?;
+        let edge_work = Work::of(gpu, &edge_items, kernels::silhouette_mask::WORKGROUP)?;
+        let setup = Self {
+            frame,
+            points,
+            map_points,
+            facts,
+            in_camera,
+            in_light,
+            depth_keys: Buffer::storage(device, "bench.depth_keys", pixels)?,
+            id_keys: Buffer::storage(device, "bench.id_keys", pixels)?,
+            layers: Layers::new(device, MAP as usize)?,
+            edge_rects,
+            edge_items,
+            edge_work,
+            status,
+            casters,
+        };
+        submit(gpu, |s| {
+            CameraVisibility::new(device).record(
+                s,
+                setup.frame.raw(),
+                setup.seen(),
+                &setup.depth_keys,
+                &setup.id_keys,
+            )?;
+            LightLayers::new(device).record(s, setup.frame.raw(), setup.lit(), &setup.layers)?;
+            FrontLayer::new(device).record_settle(s, setup.frame.raw(), &setup.layers)
+        })?;
+        Ok(Some(Rc::new(setup)))
+    }
+
+    /// What the camera sees of each triangle.
+    pub fn seen(&self) -> Blocks<'_> {
+        self.blocks(&self.points, &self.facts.camera_rects, &self.in_camera)
+    }
+
+    /// What the light sees.
+    pub fn lit(&self) -> Blocks<'_> {
+        self.blocks(&self.map_points, &self.facts.light_rects, &self.in_light)
+    }
+
+    fn blocks<'a>(&'a self, points: &'a Buffer<[f32; 4]>, rects: &'a Buffer<[u32; 2]>, work: &'a Work) -> Blocks<'a> {
+        let triangles = self.casters.triangles.raw();
+        Blocks { triangles, points, rects, offsets: &work.offsets, args: work.args() }
+    }
+}

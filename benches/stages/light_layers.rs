@@ -1,0 +1,20 @@
+//! A ball in a map of 512 × 512. The keys hold the result of the run before, so that only ties change anything.
+
+use crate::harness::Case;
+use crate::harness::geometry::Setup;
+use subpixel_shadows::Result;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::stages::light_layers::LightLayers;
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
+    let stage = LightLayers::new(&gpu.device);
+    let (count, texels) = (setup.casters.triangles.len(), setup.layers.splits.len());
+    Ok(vec![Case {
+        name: "light_layers".to_owned(),
+        size: count,
+        bytes: 2 * (setup.in_light.items * 96 + texels * 4),
+        atomics: 0,
+        record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.lit(), &setup.layers)),
+    }])
+}

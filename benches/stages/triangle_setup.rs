@@ -1,0 +1,23 @@
+//! Triangles of a ball.
+
+use crate::harness::Case;
+use crate::harness::geometry::Setup;
+use subpixel_shadows::Result;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::stages::triangle_setup::TriangleSetup;
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
+    let stage = TriangleSetup::new(&gpu.device);
+    let count = setup.casters.triangles.len();
+    Ok(vec![Case {
+        name: "triangle_setup".to_owned(),
+        size: count,
+        bytes: count * 40 + setup.points.len() * 32,
+        atomics: 0,
+        record: Box::new(move |s| {
+            let (triangles, map) = (setup.casters.triangles.raw(), &setup.map_points);
+            stage.record(s, setup.frame.raw(), triangles, &setup.points, map, &setup.facts, count)
+        }),
+    }])
+}

@@ -1,0 +1,22 @@
+//! Vertices of a ball, about half as many as the size says.
+
+use crate::harness::Case;
+use crate::harness::geometry::Setup;
+use subpixel_shadows::Result;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::stages::vertex_project::VertexProject;
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
+    let stage = VertexProject::new(&gpu.device);
+    let count = setup.casters.positions.len();
+    Ok(vec![Case {
+        name: "vertex_project".to_owned(),
+        size: count,
+        bytes: count * 44,
+        atomics: 0,
+        record: Box::new(move |s| {
+            stage.record(s, setup.frame.raw(), setup.casters.positions.raw(), &setup.points, &setup.map_points, count)
+        }),
+    }])
+}
