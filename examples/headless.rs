@@ -4,6 +4,7 @@
 
 use std::path::Path;
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::report::write_png_grey;
@@ -40,6 +41,7 @@ fn main() -> subpixel_shadows::Result<()> {
         samples: Samples::new(Pattern::LowDiscrepancy, 32)?,
         validity: true,
         cull_back: false,
+        masks: MaskVariant::Exact,
         settle: true,
     };
 
