@@ -12,16 +12,16 @@ use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 
 fn main() -> subpixel_shadows::Result<()> {
-    // A ground square with a triangle standing on it.
+    // A ground square with a triangle above it.
     let mesh = Mesh {
         positions: vec![
             [-3.0, 0.0, -3.0],
             [3.0, 0.0, -3.0],
             [3.0, 0.0, 3.0],
             [-3.0, 0.0, 3.0],
-            [-1.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.5, 0.0],
+            [-1.0, 1.0, -0.5],
+            [1.0, 1.0, -0.5],
+            [0.0, 1.3, 0.8],
         ],
         triangles: vec![[0, 2, 1], [0, 3, 2], [4, 5, 6]],
     };
@@ -34,7 +34,7 @@ fn main() -> subpixel_shadows::Result<()> {
         near: 0.01,
         far: 100.0,
     };
-    let light = Light::Directional { direction: [0.9, 1.0, 0.5] };
+    let light = Light::Directional { direction: [0.6, 1.0, 0.3] };
     let settings = Settings {
         size: [320, 240],
         map: 128,
