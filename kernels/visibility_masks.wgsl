@@ -52,17 +52,20 @@ fn add(f: u32, part: u32, m: vec4<u32>) {
     }
 }
 
-// Takes in what a triangle does to a facet: `turn` 1 if it faces the light, `h` its heights over the facet.
+// Takes in what a triangle does to a facet, `h` being its heights over it.
 fn apply(f: u32, g: Ground, l: Lines, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
     let m = inside(l);
     if any(m != vec4(0u)) { add(f, 1u, m); }
+    cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
+}
+
+// Where a triangle cuts the facet within its pixel, along `line`, the samples on the other side of the line than the pixel
+// centre see another surface.
+fn cut(f: u32, g: Ground, line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
     if (frame.flags & FLAG_VALIDITY) == 0u || all(h > vec3(0.0)) { return; }
-    let own = vec3(l.centre.w, l.right.w, l.down.w);
-    if own.x == 0.0 || !meets_pixel(own, a, b, c, h, g.pixel) { return; }
-    // The samples on the other side of the line than the pixel centre see another surface.
-    let far = -sign(own.x);
-    let one = Lines(vec4(far * own.x), vec4(far * own.y), vec4(far * own.z));
-    add(f, 2u, inside(one));
+    if line.x == 0.0 || !meets_pixel(line, a, b, c, h, g.pixel) { return; }
+    let far = -sign(line.x) * line;
+    add(f, 2u, inside(Lines(vec4(far.x), vec4(far.y), vec4(far.z))));
 }
 
 fn rising(t: u32) -> vec3<u32> {
@@ -131,15 +134,24 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let n = full_normal(g.own);
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
     if all(h <= vec3(0.0)) { return; }
-    let turn = full_turn_of(i);
-    if turn == 0.0 { return; }
     let p = full_point_of(i.x);
+    let crosses = !all(h > vec3(0.0));
+    var own = vec3(0.0);
+    if crosses { own = full_line(g, n, full_normal(i), p); }
+    let a = point_of(i.x);
+    let b = point_of(i.y);
+    let c = point_of(i.z);
+    let turn = full_turn_of(i);
+    if turn == 0.0 {
+        // Edge-on to the light it casts nothing, but it may still cut.
+        if crosses { cut(pair.x, g, own, a, b, c, h); }
+        return;
+    }
     let ab = full_edge_line(g, n, i.xy);
     let bc = full_edge_line(g, n, i.yz);
     let ac = full_edge_line(g, n, i.xz);
-    var own = vec3(3.0e38, 0.0, 0.0) * turn;
-    if !all(h > vec3(0.0)) { own = full_line(g, n, full_normal(i), p); }
+    if !crosses { own = vec3(3.0e38, 0.0, 0.0) * turn; }
     let l = Lines(
         turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y), turn * vec4(ab.z, bc.z, -ac.z, own.z));
-    apply(pair.x, g, l, point_of(i.x), point_of(i.y), point_of(i.z), h);
+    apply(pair.x, g, l, a, b, c, h);
 }

@@ -47,7 +47,7 @@ pub struct Plan {
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 12] = [
+const STAGES: [(&str, &str, Extent); 13] = [
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
     ("light_layers", "two nearest layers at every texel centre", Extent::Everything),
@@ -59,6 +59,7 @@ const STAGES: [(&str, &str, Extent); 12] = [
     ("triangle_texel_pairs", "casters that touch those texels", Extent::Everything),
     ("candidate_pairs", "facets and casters that are worth evaluating", Extent::Everything),
     ("visibility_masks", "occluded and invalid samples", Extent::Everything),
+    ("visibility_refine", "the same with 46 bits, where 24 leave it open", Extent::Everything),
     ("resolve", "masks to visibility", Extent::Facing),
 ];
 
