@@ -122,7 +122,8 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let ray = ray_at(pixel, origin);
     let depth = plane.w / dot(normal, ray);
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
-    let limit = max(far_corner, depth) * 1.0001;
+    // Followed well beyond its own triangle, but not to the horizon.
+    let limit = max(far_corner, depth) * 4.0;
     let outline = facet_box(pixel, plane, limit);
     if !outline.whole { keep_own_triangle(f, given, pixel_ray(pixel)); }
     var rect = EMPTY_RECT;

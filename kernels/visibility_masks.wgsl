@@ -52,6 +52,13 @@ fn add(f: u32, part: u32, m: vec4<u32>) {
     }
 }
 
+// Whether the coverage mask already says which samples the facet stands in for: then nothing cuts it.
+fn is_partial(f: u32) -> bool {
+    var seen = 0u;
+    for (var w = 0u; w < WORDS; w++) { seen += countOneBits(atomicLoad(&masks[3u * WORDS * f + w])); }
+    return seen != frame.sample_count;
+}
+
 // Takes in what a triangle does to a facet, `h` being its heights over it.
 fn apply(f: u32, g: Ground, l: Lines, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
     let m = inside(l);
@@ -62,7 +69,7 @@ fn apply(f: u32, g: Ground, l: Lines, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, 
 // Where a triangle cuts the facet within its pixel, along `line`, the samples on the other side of the line than the pixel
 // centre see another surface.
 fn cut(f: u32, g: Ground, line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
-    if (frame.flags & FLAG_VALIDITY) == 0u || all(h > vec3(0.0)) { return; }
+    if (frame.flags & FLAG_VALIDITY) == 0u || all(h > vec3(0.0)) || is_partial(f) { return; }
     if line.x == 0.0 || !meets_pixel(line, a, b, c, h, g.pixel) { return; }
     let far = -sign(line.x) * line;
     add(f, 2u, inside(Lines(vec4(far.x), vec4(far.y), vec4(far.z))));

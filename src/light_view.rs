@@ -22,6 +22,9 @@ pub struct LightView {
     pub near: f64,
     /// Whether the light is at a point.
     pub perspective: bool,
+    /// Whether the view holds every caster that can shadow something. Where it does not, a receiver outside the map may
+    /// be in shadow all the same.
+    pub complete: bool,
 }
 
 /// Widest half angle of the view of a point or spot light, as its tangent: 80 degrees.
@@ -112,6 +115,7 @@ impl LightView {
             w: DVec4::W,
             near: 0.0,
             perspective: false,
+            complete: true,
         }
     }
 
@@ -122,12 +126,14 @@ impl LightView {
         let nearest = distances.fold(far, f64::min);
         // Casters nearer than this, or behind the light, are "not in front": they are looked at everywhere.
         let near = (0.5 * nearest).max(1e-4 * far);
+        let mut complete = true;
         let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &p in casters {
             let q = p - light;
             let w = q.dot(axis).max(near);
-            let at =
-                DVec3::new(q.dot(right) / w, q.dot(up) / w, 0.0).clamp(DVec3::splat(-WIDEST), DVec3::splat(WIDEST));
+            let raw = DVec3::new(q.dot(right) / w, q.dot(up) / w, 0.0);
+            let at = raw.clamp(DVec3::splat(-WIDEST), DVec3::splat(WIDEST));
+            complete &= q.dot(axis) > 0.0 && raw == at;
             (lo, hi) = (lo.min(at), hi.max(at));
         }
         let (lo, size) = padded(lo, hi);
@@ -138,7 +144,22 @@ impl LightView {
         // depth = (1/near - 1/w) / (1/near - 1/far) = (far * w - near * far) / ((far - near) * w)
         let far = far.max(near * 1.001);
         let z = (w * far - DVec4::W * (near * far)) / (far - near);
-        Self { map_size, u: row(right, lo.x, size.x), v: row(up, lo.y, size.y), z, w, near, perspective: true }
+        Self { map_size, u: row(right, lo.x, size.x), v: row(up, lo.y, size.y), z, w, near, perspective: true, complete }
+    }
+
+    /// Refuses a view that leaves casters out: what they shadow would silently be lit.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if the light stands among its casters, so that no one view holds them.
+    pub fn check(&self) -> Result<()> {
+        if self.complete {
+            return Ok(());
+        }
+        Err(Error::Scene(
+            "the light stands among its casters: one view of at most 160 degrees does not hold them, and a cube of views \
+             is not supported yet"
+                .to_owned(),
+        ))
     }
 
     /// Texel `x`, `y` and depth of `point`; `None` if it is not in front of the light.

@@ -105,7 +105,6 @@ fn engines_agree_where_all_is_evaluated() {
 }
 
 #[test]
-#[ignore = "open: meets_pixel takes a cut that runs behind the eye to meet every pixel its line crosses"]
 fn engines_agree_on_validity() {
     compare(false, &settings(false, true), &settings(false, true));
 }

@@ -41,6 +41,7 @@ pub fn render(
     camera.check()?;
     let mesh = &prepared.mesh;
     let map = LightView::fit(mesh, light, settings.map)?;
+    map.check()?;
     let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
     let cull_back = settings.cull_back && prepared.closed;
     let view = View::new(camera, light, &map, bounds, settings.size, cull_back);

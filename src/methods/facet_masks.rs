@@ -490,6 +490,11 @@ impl FacetMasks {
         &self.memory.facets
     }
 
+    /// Pair lists of the last band.
+    pub fn lists(&self) -> &PairLists {
+        &self.memory.lists
+    }
+
     /// Light layers, mask and splits.
     pub fn layers(&self) -> &Layers {
         &self.memory.layers

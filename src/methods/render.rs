@@ -131,6 +131,7 @@ impl<'a> Renderer<'a> {
     /// [`Error::Scene`] for an impossible camera or light, [`Error::Memory`] if the lists fit in no way, [`Error::Gpu`].
     pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
         let view = LightView::fit(&self.prepared.mesh, light, self.settings.map)?;
+        view.check()?;
         let bounds = self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut runs = 0;
         loop {

@@ -135,7 +135,7 @@ fn one(
     let ray = pixel_ray(view, pixel, DVec2::ZERO);
     let depth = facet.plane.w / normal.dot(ray);
     let far_corner = corners.map(|p| p.dot(view.rays.forward)).into_iter().fold(f64::MIN, f64::max);
-    facet.outline = outline(view, pixel, facet.plane, far_corner.max(depth) * 1.0001);
+    facet.outline = outline(view, pixel, facet.plane, far_corner.max(depth) * 4.0);
     facet.open |= facet.outline.open;
     if !facet.outline.whole || facet.outline.open {
         keep_own_triangle(view, around.samples, corners, &mut facet);

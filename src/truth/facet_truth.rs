@@ -8,7 +8,8 @@
 //! **Validity** (section 3.4, figure 7 of the paper). A triangle that crosses or touches the facet's plane, has a part
 //! strictly on the light's side of it and meets the plane in a segment whose image crosses the pixel's closed square,
 //! makes the samples beyond the segment's line, seen from the pixel centre, invalid. Triangles that only fall away
-//! (convex neighbours) mark nothing, and neither does a line through the centre.
+//! (convex neighbours) mark nothing, and neither does a line through the centre. A facet whose coverage is not full has
+//! no validity lines: its coverage already says which samples it stands in for.
 //!
 //! **Ambiguity.** Distances on the image to the lines of each shadow and each validity line are exact here, so lines are
 //! used rather than probes around each sample: they also notice slivers. A sample that no triangle shadows is ambiguous
@@ -156,6 +157,8 @@ struct Judge<'a> {
     valid: u128,
     doubt_occluded: u128,
     doubt_valid: u128,
+    /// Whether validity lines are looked for: not where the coverage already says which samples are meant.
+    validity: bool,
     /// The part of the pixel within which candidates matter.
     low: DVec2,
     high: DVec2,
@@ -176,6 +179,7 @@ impl<'a> Judge<'a> {
             valid: 0,
             doubt_occluded: 0,
             doubt_valid: 0,
+            validity: truth.validity && asked == full_mask(truth.offsets.len() as u32),
             low: DVec2::ZERO,
             high: DVec2::ONE,
             shadows: Vec::new(),
@@ -188,7 +192,7 @@ impl<'a> Judge<'a> {
         }
         judge.doubt_occluded = judge.doubt_valid;
         judge.valid = judge.met;
-        if !truth.validity {
+        if !judge.validity {
             let met = || bits(judge.met).map(|k| truth.offsets[k]);
             (judge.low, judge.high) = (met().fold(DVec2::ONE, DVec2::min), met().fold(DVec2::ZERO, DVec2::max));
         }
@@ -227,7 +231,7 @@ impl<'a> Judge<'a> {
             let heights = corners.map(|c| light * self.plane.height(c));
             if heights.iter().any(|&h| h > 0.0) {
                 self.add_shadow(corners);
-                if self.truth.validity && heights.iter().any(|&h| h <= 0.0) {
+                if self.validity && heights.iter().any(|&h| h <= 0.0) {
                     self.cut(corners, heights);
                 }
             }

@@ -285,7 +285,6 @@ fn random_seeded() {
 }
 
 #[test]
-#[ignore = "open: meets_pixel takes a cut that runs behind the eye to meet every pixel its line crosses"]
 fn cuts_behind_the_eye_are_as_exact() {
     anywhere().assert_right("anywhere");
 }
@@ -361,7 +360,6 @@ fn degenerate() {
 
 /// A caster in whose plane the light lies casts nothing, but where it rises through a facet it still cuts it.
 #[test]
-#[ignore = "open: refine leaves at an edge-on caster before its cut is taken in"]
 fn edge_on_casters_still_cut() {
     let light = Light::Directional { direction: [1.0, 0.0, 0.3] };
     let eye = DVec3::new(0.3, 2.0, 3.0);
