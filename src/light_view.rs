@@ -144,7 +144,16 @@ impl LightView {
         // depth = (1/near - 1/w) / (1/near - 1/far) = (far * w - near * far) / ((far - near) * w)
         let far = far.max(near * 1.001);
         let z = (w * far - DVec4::W * (near * far)) / (far - near);
-        Self { map_size, u: row(right, lo.x, size.x), v: row(up, lo.y, size.y), z, w, near, perspective: true, complete }
+        Self {
+            map_size,
+            u: row(right, lo.x, size.x),
+            v: row(up, lo.y, size.y),
+            z,
+            w,
+            near,
+            perspective: true,
+            complete,
+        }
     }
 
     /// Refuses a view that leaves casters out: what they shadow would silently be lit.

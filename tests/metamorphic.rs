@@ -1,12 +1,12 @@
 //! Changes of the input or of the memory that must not change a bit of the picture: order, duplicates, scale, list
 //! sizes, bands, map size, number of samples, repetition.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock};
 use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
-use subpixel_shadows::methods::facet_masks::Settings;
+use subpixel_shadows::methods::facet_masks::{Pipelines, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
@@ -28,10 +28,21 @@ fn settings(settle: bool) -> Settings {
     Settings { settle, ..Settings::new(SIZE, 64, samples) }
 }
 
+/// Pipelines are made once for each number of mask words.
+fn renderer<'a>(prepared: &'a Prepared, settings: &Settings, budget: Budget) -> Renderer<'a> {
+    static MADE: Mutex<Vec<Arc<Pipelines>>> = Mutex::new(Vec::new());
+    let mut made = MADE.lock().expect("no test panicked while making pipelines");
+    let pipelines = made.iter().find(|p| p.serve(settings)).cloned().unwrap_or_else(|| {
+        let new = Arc::new(Pipelines::new(&gpu().device, settings));
+        made.push(new.clone());
+        new
+    });
+    Renderer::with_pipelines(gpu(), prepared, settings, budget, pipelines).expect("a renderer")
+}
+
 fn render_with(mesh: &Mesh, camera: &Camera, light: &Light, settings: &Settings, budget: Budget) -> Output {
     let prepared = Prepared::new(mesh);
-    let mut renderer = Renderer::new(gpu(), &prepared, settings, budget).expect("a renderer");
-    renderer.render(camera, light).expect("a frame")
+    renderer(&prepared, settings, budget).render(camera, light).expect("a frame")
 }
 
 fn render(scene: &Scene, settings: &Settings) -> Output {

@@ -27,6 +27,7 @@ use crate::stages::visibility_masks::{Casters, VisibilityMasks};
 use crate::stages::{Count, PrefixScan, SummedArea, prefix_scan, summed_area};
 use crate::{Error, Result};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// What a frame is computed with.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,9 +124,12 @@ pub struct Capacities {
     pub rounds: u32,
 }
 
-/// The pipelines and the memory of one image and map size.
-pub struct FacetMasks {
-    settings: Settings,
+/// The pipelines, which may serve any number of meshes, images and settings with as many mask words and the same mask
+/// variant.
+#[derive(Debug)]
+pub struct Pipelines {
+    words: u32,
+    masks_by: MaskVariant,
     project: VertexProject,
     setup: TriangleSetup,
     visibility: CameraVisibility,
@@ -141,6 +145,43 @@ pub struct FacetMasks {
     resolve: Resolve,
     scan: PrefixScan,
     fold: Program,
+}
+
+impl Pipelines {
+    /// Builds the pipelines that `settings` need.
+    pub fn new(device: &wgpu::Device, settings: &Settings) -> Self {
+        let words = settings.samples.words();
+        Self {
+            words,
+            masks_by: settings.masks,
+            project: VertexProject::new(device),
+            setup: TriangleSetup::new(device),
+            visibility: CameraVisibility::new(device),
+            layers: LightLayers::new(device),
+            front: FrontLayer::new(device),
+            silhouettes: SilhouetteMask::new(device),
+            summed_area: SummedArea::new(device, Texels::Bits),
+            classify: FacetClassify::new(device, words),
+            pixel_pairs: PixelTexelPairs::new(device),
+            triangle_pairs: TriangleTexelPairs::new(device),
+            candidates: CandidatePairs::new(device, words),
+            masks: VisibilityMasks::new(device, words, settings.masks.size()),
+            resolve: Resolve::new(device, words),
+            scan: PrefixScan::new(device),
+            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+        }
+    }
+
+    /// Whether they serve `settings`.
+    pub fn serve(&self, settings: &Settings) -> bool {
+        self.words == settings.samples.words() && self.masks_by == settings.masks
+    }
+}
+
+/// The pipelines with the memory of one mesh, image and map size.
+pub struct FacetMasks {
+    settings: Settings,
+    with: Arc<Pipelines>,
     memory: Memory,
     capacities: Capacities,
 }
@@ -175,41 +216,25 @@ struct Memory {
 }
 
 impl FacetMasks {
-    /// Builds all pipelines and all memory but that of the casters.
+    /// Makes all memory but that of the casters.
     ///
     /// # Errors
-    /// [`Error::Config`] for impossible settings, [`Error::Memory`] and [`Error::Gpu`] if memory does not suffice.
+    /// [`Error::Config`] for impossible settings or pipelines made for others, [`Error::Memory`] and [`Error::Gpu`] if
+    /// memory does not suffice.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
+        pipelines: Arc<Pipelines>,
         casters: &CasterBuffers,
         settings: &Settings,
         capacities: Capacities,
     ) -> Result<Self> {
         settings.check()?;
-        let words = settings.samples.words();
-        let summed_area = SummedArea::new(device, Texels::Bits);
-        let memory = Memory::new(device, queue, casters, settings, &summed_area, capacities)?;
-        Ok(Self {
-            settings: settings.clone(),
-            project: VertexProject::new(device),
-            setup: TriangleSetup::new(device),
-            visibility: CameraVisibility::new(device),
-            layers: LightLayers::new(device),
-            front: FrontLayer::new(device),
-            silhouettes: SilhouetteMask::new(device),
-            summed_area,
-            classify: FacetClassify::new(device, words),
-            pixel_pairs: PixelTexelPairs::new(device),
-            triangle_pairs: TriangleTexelPairs::new(device),
-            candidates: CandidatePairs::new(device, words),
-            masks: VisibilityMasks::new(device, words, settings.masks.size()),
-            resolve: Resolve::new(device, words),
-            scan: PrefixScan::new(device),
-            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
-            memory,
-            capacities,
-        })
+        if !pipelines.serve(settings) {
+            return Err(Error::Config("the pipelines were made for other numbers of samples or masks".to_owned()));
+        }
+        let memory = Memory::new(device, queue, casters, settings, &pipelines.summed_area, capacities)?;
+        Ok(Self { settings: settings.clone(), with: pipelines, memory, capacities })
     }
 
     /// Sizes the lists anew, keeping all else.
@@ -287,7 +312,7 @@ impl FacetMasks {
 
         {
             let stage = &mut rec.stage("triangle_setup");
-            self.project.record(
+            self.with.project.record(
                 stage,
                 frame,
                 casters.positions.raw(),
@@ -295,7 +320,7 @@ impl FacetMasks {
                 &m.map_points,
                 casters.positions.len(),
             )?;
-            self.setup.record(stage, frame, triangles, &m.points, &m.map_points, &m.facts, count)?;
+            self.with.setup.record(stage, frame, triangles, &m.points, &m.map_points, &m.facts, count)?;
             self.scan(stage, &m.facts.camera_items, &m.camera_offsets, count)?;
             self.scan(stage, &m.facts.light_items, &m.light_offsets, count)?;
             self.args(stage, Arg::Camera, &m.camera_offsets)?;
@@ -315,12 +340,18 @@ impl FacetMasks {
             offsets: &m.light_offsets,
             args: (m.args.raw(), Arg::Light.word()),
         };
-        self.visibility.record(&mut rec.stage("camera_visibility"), frame, in_camera, &m.depth_keys, &m.id_keys)?;
-        self.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers)?;
+        self.with.visibility.record(
+            &mut rec.stage("camera_visibility"),
+            frame,
+            in_camera,
+            &m.depth_keys,
+            &m.id_keys,
+        )?;
+        self.with.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers)?;
         {
             let stage = &mut rec.stage("silhouette_mask");
             let edges = casters.edges.raw();
-            self.silhouettes.record_classify(
+            self.with.silhouettes.record_classify(
                 stage,
                 frame,
                 edges,
@@ -334,7 +365,7 @@ impl FacetMasks {
             self.scan(stage, &m.edge_items, &m.edge_offsets, casters.edges.len())?;
             self.args(stage, Arg::Edges, &m.edge_offsets)?;
             let args = (m.args.raw(), Arg::Edges.word());
-            self.silhouettes.record_raster(
+            self.with.silhouettes.record_raster(
                 stage,
                 frame,
                 edges,
@@ -347,23 +378,30 @@ impl FacetMasks {
         }
         {
             let stage = &mut rec.stage("front_layer");
-            self.front.record_check(stage, frame, in_light, &m.layers)?;
-            self.front.record_settle(stage, frame, &m.layers)?;
+            self.with.front.record_check(stage, frame, in_light, &m.layers)?;
+            self.with.front.record_settle(stage, frame, &m.layers)?;
         }
-        self.summed_area.record(&mut rec.stage("summed_area"), &m.layers.mask, &m.sat, &m.sat_scratch)?;
+        self.with.summed_area.record(&mut rec.stage("summed_area"), &m.layers.mask, &m.sat, &m.sat_scratch)?;
         rec.copy_words(m.sat.raw(), m.sat.len() as u64 - 1, m.status.raw(), status::TEXELS as u64, 1);
         {
             let stage = &mut rec.stage("facet_classify");
             let around = Surroundings { triangles, points: &m.points, sat: &m.sat, splits: &m.layers.splits };
-            self.classify.record_one(stage, frame, &m.id_keys, &m.facets)?;
-            self.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, m.facets.list.len())?;
+            self.with.classify.record_one(stage, frame, &m.id_keys, &m.facets)?;
+            self.with.classify.record_classify(
+                stage,
+                frame,
+                m.samples.raw(),
+                around,
+                &m.facets,
+                m.facets.list.len(),
+            )?;
             self.scan(stage, &m.facets.items, &m.facet_offsets, m.facets.list.len())?;
             self.args(stage, Arg::Facets, &m.facet_offsets)?;
         }
         for band in 0..self.capacities.bands {
             self.record_band(rec, casters, in_light, band)?;
         }
-        self.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
+        self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
     }
 
     /// The pairs of one band of facets, and their evaluation.
@@ -377,7 +415,7 @@ impl FacetMasks {
             rec.clear(m.lists.texel_counts.raw());
             let stage = &mut rec.stage("pixel_texel_pairs");
             let splits = &m.layers.splits;
-            self.pixel_pairs.record(
+            self.with.pixel_pairs.record(
                 stage,
                 run,
                 frame_of(0),
@@ -394,7 +432,7 @@ impl FacetMasks {
         for run in 0..2 {
             rec.clear(m.lists.texel_counts.raw());
             let stage = &mut rec.stage("triangle_texel_pairs");
-            self.triangle_pairs.record(stage, run, frame_of(0), in_light, &m.lists)?;
+            self.with.triangle_pairs.record(stage, run, frame_of(0), in_light, &m.lists)?;
             if run == 0 {
                 self.scan(stage, &m.lists.texel_counts, &m.lists.triangle_offsets, texels)?;
             }
@@ -413,7 +451,15 @@ impl FacetMasks {
             self.args(stage, Arg::Pairs, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Pairs.word());
             for round in 0..self.capacities.rounds {
-                self.candidates.record(stage, frame_of(round), triangles, &m.map_points, &m.facets, args, &m.lists)?;
+                self.with.candidates.record(
+                    stage,
+                    frame_of(round),
+                    triangles,
+                    &m.map_points,
+                    &m.facets,
+                    args,
+                    &m.lists,
+                )?;
             }
         }
         {
@@ -422,7 +468,7 @@ impl FacetMasks {
             let frame = frame_of(0);
             self.args(stage, Arg::Candidates, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Candidates.word());
-            self.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args)?;
+            self.with.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args)?;
         }
         {
             let stage = &mut rec.stage("visibility_refine");
@@ -430,7 +476,7 @@ impl FacetMasks {
             let frame = frame_of(0);
             self.args(stage, Arg::Doubts, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Doubts.word());
-            self.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;
+            self.with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;
         }
         let slot = (status::BANDS + status::BAND_WORDS * band as usize) as u64;
         rec.copy_words(m.lists.pixel_offsets.raw(), texels as u64, m.status.raw(), slot, 2);
@@ -454,7 +500,7 @@ impl FacetMasks {
         offsets: &Buffer<u32>,
         count: usize,
     ) -> Result<()> {
-        self.scan.record(stage, items, offsets, (offsets, count), &self.memory.scan_scratch, Count::Exactly(count))
+        self.with.scan.record(stage, items, offsets, (offsets, count), &self.memory.scan_scratch, Count::Exactly(count))
     }
 
     /// Indirect arguments for as many items as the last but one word of `offsets` says.
@@ -462,7 +508,7 @@ impl FacetMasks {
         let m = &self.memory;
         let requests = &m.requests[arg as usize];
         let buffers = [("counts", offsets.raw()), ("requests", requests.raw()), ("args", m.args.raw())];
-        stage.run(&self.fold, &buffers, Groups::Workgroups(1))
+        stage.run(&self.with.fold, &buffers, Groups::Workgroups(1))
     }
 
     /// How the lists are sized.

@@ -1,7 +1,7 @@
 //! Computing one frame of `facet-masks` on the GPU and reading it back: records, submits, looks at what the lists needed,
 //! grows them and runs again until nothing is left out.
 
-use super::facet_masks::{Capacities, FacetMasks, Settings, status};
+use super::facet_masks::{Capacities, FacetMasks, Pipelines, Settings, status};
 use super::prepared::{CasterBuffers, Prepared};
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
 use crate::light_view::LightView;
@@ -11,6 +11,7 @@ use crate::stages::facet_classify::State;
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::Serialize;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What was counted in a frame.
@@ -115,12 +116,27 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`FacetMasks::new`].
     pub fn new(gpu: &'a Gpu, prepared: &'a Prepared, settings: &Settings, budget: Budget) -> Result<Self> {
+        let pipelines = Arc::new(Pipelines::new(&gpu.device, settings));
+        Self::with_pipelines(gpu, prepared, settings, budget, pipelines)
+    }
+
+    /// Uploads the mesh and makes memory, with pipelines that exist already.
+    ///
+    /// # Errors
+    /// As [`FacetMasks::new`].
+    pub fn with_pipelines(
+        gpu: &'a Gpu,
+        prepared: &'a Prepared,
+        settings: &Settings,
+        budget: Budget,
+        pipelines: Arc<Pipelines>,
+    ) -> Result<Self> {
         let casters = prepared.upload(&gpu.device, &gpu.queue)?;
         let pixels = settings.size.iter().map(|&s| s as usize).product::<usize>();
         let start = budget.start.unwrap_or((pixels * 2).clamp(1 << 12, 1 << 24));
         let capacities =
             Capacities { pixel_pairs: start, triangle_pairs: start, candidates: start, bands: 1, rounds: 1 };
-        let method = FacetMasks::new(&gpu.device, &gpu.queue, &casters, settings, capacities)?;
+        let method = FacetMasks::new(&gpu.device, &gpu.queue, pipelines, &casters, settings, capacities)?;
         gpu.check()?;
         Ok(Self { gpu, prepared, casters, method, budget, timer: Timer::new(gpu), settings: settings.clone() })
     }
@@ -195,7 +211,9 @@ impl<'a> Renderer<'a> {
             if now.bands >= Self::MAX_BANDS {
                 return Err(Error::Memory { what: "pair lists".to_owned(), needed: bytes, limit: self.budget.bytes });
             }
-            wanted.bands = now.bands * 2;
+            // As many as it takes if the need spreads evenly; then twice as many each time.
+            let share = bytes.div_ceil(self.budget.bytes.min(binding).max(1)).next_power_of_two().clamp(2, 64) as u32;
+            wanted.bands = (now.bands * share).min(Self::MAX_BANDS);
         } else {
             (wanted.pixel_pairs, wanted.triangle_pairs, wanted.candidates) = (p as usize, t as usize, c as usize);
         }
