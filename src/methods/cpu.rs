@@ -27,7 +27,8 @@ const MARGIN: Margin = Margin { texels: 1.0 / 1024.0, depth: 1e-7 };
 /// Renders one frame. Progress counts the facets of the last and longest stage.
 ///
 /// # Errors
-/// [`Error::Config`] for impossible settings, [`Error::Scene`] for an impossible camera or light, [`Error::Mesh`] for a mesh
+/// [`crate::Error::Config`] for impossible settings, [`crate::Error::Scene`] for an impossible camera or light,
+/// [`crate::Error::Mesh`] for a mesh
 /// that has not passed its check.
 pub fn render(
     prepared: &Prepared,

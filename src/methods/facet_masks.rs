@@ -120,7 +120,7 @@ pub struct Capacities {
     pub candidates: usize,
     /// Bands of facets that are evaluated one after the other.
     pub bands: u32,
-    /// Rounds of [`candidate_pairs::ROUND_LENGTH`](crate::stages::candidate_pairs::ROUND_LENGTH) triangles.
+    /// Rounds of [`candidate_pairs::ROUND_LENGTH`] triangles.
     pub rounds: u32,
 }
 
