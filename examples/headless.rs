@@ -4,6 +4,8 @@
 
 use std::path::Path;
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::mask_table::MaskVariant;
+use subpixel_shadows::methods::facet_masks::FacetMode;
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::report::write_png_grey;
@@ -38,8 +40,10 @@ fn main() -> subpixel_shadows::Result<()> {
         size: [320, 240],
         map: 128,
         samples: Samples::new(Pattern::LowDiscrepancy, 32)?,
+        facets: FacetMode::One,
         validity: true,
         cull_back: false,
+        masks: MaskVariant::Exact,
         settle: true,
     };
 

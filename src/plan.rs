@@ -7,7 +7,7 @@
 //! Proofs are made in `f64` with margins far above the rounding of the kernels: what is not certain is not left out.
 
 use crate::Result;
-use crate::methods::facet_masks::Settings;
+use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
 use crate::scene::{Camera, Light};
 use glam::{DVec3, DVec4, Vec3};
@@ -47,9 +47,11 @@ pub struct Plan {
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 12] = [
+const STAGES: [(&str, &str, Extent); 14] = [
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
+    ("pixel_triangles", "triangles that the samples of each pixel may see", Extent::Facing),
+    ("sample_surfaces", "the surface each sample sees, a facet for each", Extent::Facing),
     ("light_layers", "two nearest layers at every texel centre", Extent::Everything),
     ("silhouette_mask", "texels that silhouette edges touch", Extent::Everything),
     ("front_layer", "proves which texels are covered by one sheet", Extent::Everything),
@@ -85,7 +87,7 @@ impl Plan {
             (Extent::Everything, String::new())
         } else if let Some(reason) = nothing_seen(prepared, camera, wanted.size) {
             (Extent::Nothing, reason)
-        } else if let Some(reason) = no_shadow(prepared, camera, light) {
+        } else if let Some(reason) = no_shadow(prepared, camera, light).filter(|_| wanted.facets == FacetMode::One) {
             (Extent::Facing, reason)
         } else {
             (Extent::Everything, String::new())
@@ -97,7 +99,10 @@ impl Plan {
         };
         let mut steps: Vec<Step> = STAGES
             .iter()
-            .map(|&(name, purpose, least)| Step { name, purpose, left_out: (!needs(least)).then(|| reason.clone()) })
+            .map(|&(name, purpose, least)| {
+                let needless = (!needs(least)).then(|| reason.clone());
+                Step { name, purpose, left_out: needless.or_else(|| other_mode(name, wanted.facets)) }
+            })
             .collect();
         let mut settings = wanted.clone();
         let mut part = |(name, purpose): (&'static str, &'static str), left_out: Option<String>| {
@@ -125,9 +130,21 @@ impl Plan {
     }
 }
 
+/// Why a stage that finds what pixels see is not the one for this number of facets.
+fn other_mode(stage: &str, facets: FacetMode) -> Option<String> {
+    let reason = match (stage, facets) {
+        ("pixel_triangles" | "sample_surfaces", FacetMode::One) => "one facet a pixel: the surface at its centre",
+        ("camera_visibility", FacetMode::All) => "every sample is looked at, the centre among them",
+        _ => return None,
+    };
+    Some(reason.to_owned())
+}
+
 /// Why the validity mask cannot change anything or is not wanted.
 fn no_validity(wanted: &Settings) -> Option<String> {
-    if wanted.samples.count() == 1 {
+    if wanted.facets == FacetMode::All {
+        Some("every sample lies in the facet of the surface it sees".to_owned())
+    } else if wanted.samples.count() == 1 {
         Some("one sample: the pixel centre is always valid".to_owned())
     } else {
         (!wanted.validity).then(|| "switched off".to_owned())
@@ -142,7 +159,7 @@ fn no_settling(wanted: &Settings, validity: bool, force_all: bool) -> Option<Str
     } else if !wanted.settle {
         Some("switched off".to_owned())
     } else {
-        (!validity && wanted.samples.count() > 1)
+        (!validity && wanted.samples.count() > 1 && wanted.facets == FacetMode::One)
             .then(|| "without validity masks samples off the surface count, of which nothing is proved".to_owned())
     }
 }
@@ -271,12 +288,22 @@ fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mask_table::MaskVariant;
     use crate::samples::{Pattern, Samples};
     use crate::scene::{Mesh, Scene};
 
     fn settings(samples: u32, validity: bool) -> Settings {
         let samples = Samples::new(Pattern::default(), samples).unwrap();
-        Settings { size: [64, 48], map: 64, samples, validity, cull_back: true, settle: true }
+        Settings {
+            size: [64, 48],
+            map: 64,
+            samples,
+            facets: FacetMode::One,
+            validity,
+            cull_back: true,
+            masks: MaskVariant::Exact,
+            settle: true,
+        }
     }
 
     fn triangles(corners: &[[f32; 3]]) -> Mesh {
