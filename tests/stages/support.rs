@@ -1,6 +1,7 @@
 //! What the stage tests share: the device, seeded values, poison, and comparison.
 
 pub mod geometry;
+pub mod surfaces;
 
 use std::sync::OnceLock;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage};
