@@ -133,7 +133,7 @@ impl<'a> Renderer<'a> {
             rounds: 1,
             facets: if all { camera(pixels * 3 / 2) } else { pixels },
             pixel_triangles: camera(pixels * 3),
-            complex_pixels: camera(pixels / 4),
+            complex_pixels: camera(pixels / 4).min(pixels),
             camera_rounds: 1,
         };
         let method = FacetMasks::new(&gpu.device, &gpu.queue, &casters, settings, capacities)?;
@@ -247,7 +247,7 @@ impl<'a> Renderer<'a> {
         };
         Ok(Some(Capacities {
             pixel_triangles: grown(0),
-            complex_pixels: grown(1),
+            complex_pixels: grown(1).min(self.settings.pixels()),
             facets: grown(2),
             camera_rounds: rounds.max(now.camera_rounds),
             ..now

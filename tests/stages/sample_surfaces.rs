@@ -215,8 +215,8 @@ fn several_rounds() {
     let found = check(gpu(), &case, 128, 1.0);
     assert!(found.longest > 4096 && found.longest < 3 * 4096, "{}", found.longest);
     let room = found.needed.map(|n| n + 8);
-    assert!(find_within(gpu(), &case, &pattern(128), room, 1) != found, "one round is enough");
-    assert!(find_within(gpu(), &case, &pattern(128), room, 2) == find_within(gpu(), &case, &pattern(128), room, 3));
+    assert!(find_within(gpu(), &case, &pattern(128), room, 1).surfaces != found.surfaces, "one round is enough");
+    assert!(find_within(gpu(), &case, &pattern(128), room, 4) == found, "a round too many changes something");
 }
 
 /// Needs are counted in full, and nothing is written past the end (see `find_within`).
@@ -232,7 +232,9 @@ fn overflow_by_one() {
             rooms[list] = room;
             let found = find_within(gpu(), &case, &samples, rooms, 1);
             assert_eq!(found.needed[list], all.needed[list], "list {list}, room {room}");
-            assert_eq!(found.surfaces == all.surfaces, room >= all.needed[list], "list {list}, room {room}");
+            // A triangle that is not listed may be one that no sample sees.
+            let same = found.surfaces == all.surfaces;
+            assert!(same == (room >= all.needed[list]) || (same && list == 0), "list {list}, room {room}");
         }
     }
 }

@@ -3,12 +3,11 @@
 use super::geometry::Case;
 use super::{POISON, poisoned, read_padded, run, upload};
 use subpixel_shadows::frame::{Frame, sample_words};
-use subpixel_shadows::gpu::{Buffer, Gpu, kernels};
+use subpixel_shadows::gpu::{Buffer, Gpu, kernels, recorder::fold_within};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Mesh as Scene;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::compact::{Compact, Flags};
-use subpixel_shadows::stages::dispatch_args::{DispatchArgs, Request};
 use subpixel_shadows::stages::facet_classify::Facets;
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
 use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces};
@@ -108,13 +107,11 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
     let scratch = PrefixScan::scratch(device, pixels.max(count)).expect(memory);
     let work = Buffer::storage(device, "test.work", count + 2).expect(memory);
     let args = [(); 2].map(|()| Buffer::indirect(device, "test.args", 4).expect(memory));
-    let fold = DispatchArgs::new(device);
-    let request = |word, per_group, limit| {
-        let request = Request::new(word, per_group, limit, 0).expect("a request");
-        DispatchArgs::requests(device, &gpu.queue, &[request]).expect(memory)
+    // Arguments are made here: the stage that makes them does not know of a device's smaller limits.
+    let cover = |args: &Buffer<u32>, groups: u32| {
+        let most = device.limits().max_compute_workgroups_per_dimension;
+        args.write(&gpu.queue, &fold_within(u64::from(groups), most));
     };
-    let of_blocks = request(count, kernels::pixel_triangles::WORKGROUP, Request::MAX_LIMIT);
-    let of_pixels = request(0, 1, room[1]);
     let lists = PixelLists { list: poisoned(gpu, room[0]), ..PixelLists::new(device, pixels, 1).expect(memory) };
     let complex = ComplexPixels {
         pixels: poisoned(gpu, room[1]),
@@ -129,10 +126,8 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
     let status = Buffer::storage(device, "test.status", 32).expect(memory);
     let compact = Compact::new(device, &scan);
     let compact_scratch = Compact::scratch(device, pixels).expect(memory);
-    run(gpu, |s| {
-        scan.record(s, &facts.camera_items, &work, (&work, count), &scratch, Count::Exactly(count))?;
-        fold.record(s, &work, &of_blocks, &args[0])
-    });
+    run(gpu, |s| scan.record(s, &facts.camera_items, &work, (&work, count), &scratch, Count::Exactly(count)));
+    cover(&args[0], work.read(gpu).expect("readback")[count].div_ceil(kernels::pixel_triangles::WORKGROUP));
     let blocks = Blocks {
         triangles: triangles.raw(),
         points: &points,
@@ -143,10 +138,8 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
     let find = PixelTriangles::new(device, &scan);
     run(gpu, |s| find.record(s, frame, blocks, &lists, &scratch, &status));
     let (flags, kept) = (Flags::Words(&lists.complex_flags), &complex.pixels);
-    run(gpu, |s| {
-        compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels))?;
-        fold.record(s, &complex.total, &of_pixels, &args[1])
-    });
+    run(gpu, |s| compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels)));
+    cover(&args[1], complex.total.read(gpu).expect("readback")[0].min(room[1] as u32));
     let mesh = Mesh { samples: offsets_of_samples.raw(), triangles: triangles.raw(), points: &points };
     let stage = SampleSurfaces::new(device, &scan, words);
     let per_pixel = (args[1].raw(), 0);
@@ -173,9 +166,11 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
         listed.sort_unstable();
         listed
     };
+    let needed = [offsets[pixels], complex.total.read(gpu).expect(readback)[0] as usize, pixel_facets[pixels]];
+    let fits = needed.iter().zip(room).all(|(&needed, room)| needed <= room);
     let surfaces = |pixel| {
         let facet = |f: usize| {
-            assert_eq!(made[f].pixel as usize, pixel, "the pixel of facet {f}");
+            assert!(made[f].pixel as usize == pixel || !fits, "the pixel of facet {f}");
             (made[f].triangle, mask(f))
         };
         within(&pixel_facets, pixel, room[2]).map(facet).collect()
@@ -183,7 +178,7 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
     assert!(made[pixel_facets[pixels].min(room[2])..].iter().all(|f| f.triangle == u32::MAX), "a facet too many");
     Found {
         image: case.image,
-        needed: [offsets[pixels], complex.total.read(gpu).expect(readback)[0] as usize, pixel_facets[pixels]],
+        needed,
         longest: status.read(gpu).expect(readback)[PixelTriangles::STATUS_LONGEST],
         lists: (0..pixels).map(listed).collect(),
         complex: lists.complex_flags.read(gpu).expect(readback).iter().map(|&f| f != 0).collect(),
