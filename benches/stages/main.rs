@@ -13,8 +13,10 @@ mod dispatch_args;
 mod front_layer;
 mod harness;
 mod light_layers;
+mod pixel_triangles;
 mod prefix_scan;
 mod radix_sort;
+mod sample_surfaces;
 mod silhouette_mask;
 mod summed_area;
 mod texel_group;
@@ -50,6 +52,8 @@ fn run(options: &Options) -> Result<()> {
         light_layers::cases,
         silhouette_mask::cases,
         front_layer::cases,
+        pixel_triangles::cases,
+        sample_surfaces::cases,
     ];
     for log_size in options.log_sizes() {
         let mut cases = Vec::new();
