@@ -4,8 +4,6 @@
 
 use std::path::Path;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::facet_masks::FacetMode;
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::report::write_png_grey;
@@ -36,16 +34,7 @@ fn main() -> subpixel_shadows::Result<()> {
         far: 100.0,
     };
     let light = Light::Directional { direction: [0.9, 1.0, 0.5] };
-    let settings = Settings {
-        size: [320, 240],
-        map: 128,
-        samples: Samples::new(Pattern::LowDiscrepancy, 32)?,
-        facets: FacetMode::One,
-        validity: true,
-        cull_back: false,
-        masks: MaskVariant::Exact,
-        settle: true,
-    };
+    let settings = Settings::new([320, 240], 128, Samples::new(Pattern::LowDiscrepancy, 32)?);
 
     // The mesh is prepared and uploaded once, pipelines and memory are made once; frames are rendered as often as wanted.
     let gpu = Gpu::open(None)?;

@@ -33,71 +33,7 @@ const WORKGROUP = 64u;
 
 //@import shadow_lines
 //@import shadow_lines_46
-
-// Four half-planes as matrices: column k holds what line k is at the centre, per pixel right, per pixel down.
-struct Lines {
-    centre: vec4<f32>,
-    right: vec4<f32>,
-    down: vec4<f32>,
-}
-
-// Samples inside all four lines. A sample on a line is inside for one of the two triangles that share it.
-fn word_mask(word: u32, l: Lines) -> u32 {
-    var out = 0u;
-    let count = (min(frame.sample_count, 32u) + 1u) >> 1u;
-    let first = word << 4u;
-    for (var k = 0u; k < count; k++) {
-        let s = samples[first + k];
-        let a = l.centre + s.x * l.right + s.y * l.down;
-        let b = l.centre + s.z * l.right + s.w * l.down;
-        let ma = min(min(a.x, a.y), min(a.z, a.w));
-        let mb = min(min(b.x, b.y), min(b.z, b.w));
-        out |= ((bitcast<u32>(ma) >> 31u) | ((bitcast<u32>(mb) >> 31u) << 1u)) << (2u * k);
-    }
-    return ~out;
-}
-
-// Samples inside one line, from the table: the mask of the nearest tabulated direction and distance from the centre.
-fn table_mask(line: vec3<f32>) -> vec4<u32> {
-    let sum = abs(line.y) + abs(line.z);
-    // The angle as its place on a diamond, -1 to 3.
-    let part = line.z / sum;
-    let turn = select(2.0 - part, part, line.y >= 0.0) + 1.0;
-    let distance = -line.x / length(line.yz);
-    let a = min(u32(turn * 0.25 * f32(ANGLES)), ANGLES - 1u);
-    let o = u32(clamp((distance * 0.70710678 + 0.5) * f32(OFFSETS), 0.0, f32(OFFSETS) - 1.0));
-    let at = (a * OFFSETS + o) * WORDS;
-    var m = vec4(table[at], 0u, 0u, 0u);
-    if WORDS > 1u { m.y = table[at + 1u]; }
-    if WORDS > 2u {
-        m.z = table[at + 2u];
-        m.w = table[at + 3u];
-    }
-    return m;
-}
-
-fn inside(l: Lines) -> vec4<u32> {
-    let reach = 0.501 * (abs(l.right) + abs(l.down));
-    if any(l.centre < -reach) { return vec4(0u); }
-    let crossing = l.centre <= reach;
-    if !any(crossing) { return vec4(0xffffffffu); }
-    if ANGLES != 0u {
-        var t = vec4(0xffffffffu);
-        if crossing.x { t &= table_mask(vec3(l.centre.x, l.right.x, l.down.x)); }
-        if crossing.y { t &= table_mask(vec3(l.centre.y, l.right.y, l.down.y)); }
-        if crossing.z { t &= table_mask(vec3(l.centre.z, l.right.z, l.down.z)); }
-        if crossing.w { t &= table_mask(vec3(l.centre.w, l.right.w, l.down.w)); }
-        return t;
-    }
-    var m = vec4(0u);
-    m.x = word_mask(0u, l);
-    if WORDS > 1u { m.y = word_mask(1u, l); }
-    if WORDS > 2u {
-        m.z = word_mask(2u, l);
-        m.w = word_mask(3u, l);
-    }
-    return m;
-}
+//@import sample_masks
 
 // Whether no sample is left that could still be lit: nothing more needs to be known of the facet.
 fn is_dark(f: u32) -> bool {
@@ -116,17 +52,20 @@ fn add(f: u32, part: u32, m: vec4<u32>) {
     }
 }
 
-// Takes in what a triangle does to a facet: `turn` 1 if it faces the light, `h` its heights over the facet.
+// Takes in what a triangle does to a facet, `h` being its heights over it.
 fn apply(f: u32, g: Ground, l: Lines, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
     let m = inside(l);
     if any(m != vec4(0u)) { add(f, 1u, m); }
+    cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
+}
+
+// Where a triangle cuts the facet within its pixel, along `line`, the samples on the other side of the line than the pixel
+// centre see another surface.
+fn cut(f: u32, g: Ground, line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
     if (frame.flags & FLAG_VALIDITY) == 0u || all(h > vec3(0.0)) { return; }
-    let own = vec3(l.centre.w, l.right.w, l.down.w);
-    if own.x == 0.0 || !meets_pixel(own, a, b, c, h, g.pixel) { return; }
-    // The samples on the other side of the line than the pixel centre see another surface.
-    let far = -sign(own.x);
-    let one = Lines(vec4(far * own.x), vec4(far * own.y), vec4(far * own.z));
-    add(f, 2u, inside(one));
+    if line.x == 0.0 || !meets_pixel(line, a, b, c, h, g.pixel) { return; }
+    let far = -sign(line.x) * line;
+    add(f, 2u, inside(Lines(vec4(far.x), vec4(far.y), vec4(far.z))));
 }
 
 fn rising(t: u32) -> vec3<u32> {
@@ -195,15 +134,24 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let n = full_normal(g.own);
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
     if all(h <= vec3(0.0)) { return; }
-    let turn = full_turn_of(i);
-    if turn == 0.0 { return; }
     let p = full_point_of(i.x);
+    let crosses = !all(h > vec3(0.0));
+    var own = vec3(0.0);
+    if crosses { own = full_line(g, n, full_normal(i), p); }
+    let a = point_of(i.x);
+    let b = point_of(i.y);
+    let c = point_of(i.z);
+    let turn = full_turn_of(i);
+    if turn == 0.0 {
+        // Edge-on to the light it casts nothing, but it may still cut.
+        if crosses { cut(pair.x, g, own, a, b, c, h); }
+        return;
+    }
     let ab = full_edge_line(g, n, i.xy);
     let bc = full_edge_line(g, n, i.yz);
     let ac = full_edge_line(g, n, i.xz);
-    var own = vec3(3.0e38, 0.0, 0.0) * turn;
-    if !all(h > vec3(0.0)) { own = full_line(g, n, full_normal(i), p); }
+    if !crosses { own = vec3(3.0e38, 0.0, 0.0) * turn; }
     let l = Lines(
         turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y), turn * vec4(ab.z, bc.z, -ac.z, own.z));
-    apply(pair.x, g, l, point_of(i.x), point_of(i.y), point_of(i.z), h);
+    apply(pair.x, g, l, a, b, c, h);
 }

@@ -59,9 +59,34 @@ impl LightView {
             Self::directional(&casters, l.truncate().normalize(), map_size)
         } else {
             let start = light.towards((bounds.0 + bounds.1) * 0.5).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
-            let axis = middle_of_directions(&casters, l.truncate(), start);
-            Self::perspective(&casters, l.truncate(), axis, map_size)
+            let light = l.truncate();
+            let axis = middle_of_directions(&casters, light, start);
+            let view = Self::perspective(&casters, light, axis, map_size);
+            // What casts nothing, such as a ground, is better in front of the light too: what reaches behind it is looked
+            // at in every texel.
+            let mut best = (view.not_in_front(mesh), view);
+            for axis in facing_axes(mesh, &view, light) {
+                if best.0 == 0 {
+                    break;
+                }
+                let turned = Self::perspective(&casters, light, axis, map_size);
+                let left = turned.not_in_front(mesh);
+                if left < best.0 {
+                    best = (left, turned);
+                }
+            }
+            best.1
         })
+    }
+
+    /// Number of vertices that are not in front of the light.
+    fn not_in_front(&self, mesh: &Mesh) -> usize {
+        let behind = |&p: &[f32; 3]| !self.is_in_front(glam::Vec3::from(p).as_dvec3());
+        mesh.positions.par_iter().filter(|p| behind(p)).count()
+    }
+
+    fn is_in_front(&self, point: DVec3) -> bool {
+        self.w.dot(point.extend(1.0)) > self.near
     }
 
     /// Most texels a side.
@@ -201,9 +226,26 @@ fn middle_of_directions(points: &[DVec3], light: DVec3, start: DVec3) -> DVec3 {
             .map(|k| (directions[k].dot(axis), k))
             .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let Some((_, k)) = farthest else { break };
-        axis = (axis + (directions[k] - axis) / f64::from(round + 2)).try_normalize().unwrap_or(axis);
+        axis += (directions[k] - axis) / f64::from(round + 2);
     }
-    axis
+    axis.try_normalize().unwrap_or(start)
+}
+
+/// Directions from the light straight at the planes of triangles that reach behind it, at most eight.
+fn facing_axes(mesh: &Mesh, view: &LightView, light: DVec3) -> Vec<DVec3> {
+    let behind = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).filter(|c| !c.iter().all(|&p| view.is_in_front(p)));
+    let mut axes: Vec<DVec3> = Vec::new();
+    for [a, b, c] in behind {
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+        let axis = normal * normal.dot(a - light).signum();
+        if axes.iter().all(|other| other.dot(axis) < 0.999_999) {
+            axes.push(axis);
+        }
+        if axes.len() == 8 {
+            break;
+        }
+    }
+    axes
 }
 
 /// Two unit axes across `along`.
@@ -341,6 +383,19 @@ mod tests {
             let bounds = scene.mesh.bounds().unwrap();
             let frame = crate::frame::Frame::new(&scene.camera, &scene.light, &view, bounds, [8, 6], &samples);
             assert!(frame.map_margin < 0.1 && frame.depth_margin < 1e-3, "{name}: {}", frame.map_margin);
+        }
+    }
+
+    #[test]
+    fn a_ground_lies_in_front_of_a_lamp_above_it() {
+        for (name, high) in [("spheres", 4.9), ("cage", 5.2), ("plant", 6.0)] {
+            let mut mesh = crate::scene::builtin(name).unwrap().mesh;
+            let ground = mesh.ground_below().unwrap();
+            mesh.add_ground(&ground);
+            for (x, z) in [(-2.6, 3.1), (1.0, 0.2), (-5.0, -4.0)] {
+                let view = LightView::fit(&mesh, &Light::Point { position: [x, high, z] }, 512).unwrap();
+                assert_eq!(view.not_in_front(&mesh), 0, "{name} {x} {z}");
+            }
         }
     }
 

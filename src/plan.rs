@@ -47,7 +47,7 @@ pub struct Plan {
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 14] = [
+const STAGES: [(&str, &str, Extent); 15] = [
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
     ("pixel_triangles", "triangles that the samples of each pixel may see", Extent::Facing),
@@ -61,6 +61,7 @@ const STAGES: [(&str, &str, Extent); 14] = [
     ("triangle_texel_pairs", "casters that touch those texels", Extent::Everything),
     ("candidate_pairs", "facets and casters that are worth evaluating", Extent::Everything),
     ("visibility_masks", "occluded and invalid samples", Extent::Everything),
+    ("visibility_refine", "the same with 46 bits, where 24 leave it open", Extent::Everything),
     ("resolve", "masks to visibility", Extent::Facing),
 ];
 
@@ -288,7 +289,6 @@ fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mask_table::MaskVariant;
     use crate::samples::{Pattern, Samples};
     use crate::scene::{Mesh, Scene};
 
@@ -301,7 +301,7 @@ mod tests {
             facets: FacetMode::One,
             validity,
             cull_back: true,
-            masks: MaskVariant::Exact,
+            masks: Default::default(),
             settle: true,
         }
     }

@@ -10,7 +10,10 @@ use subpixel_shadows::gpu::kernels;
 use subpixel_shadows::gpu::layout::{Field, Shared};
 use subpixel_shadows::scene::Edge;
 use subpixel_shadows::stages::camera_visibility::Pass;
-use subpixel_shadows::stages::{compact, dispatch_args, prefix_scan, radix_sort, summed_area, texel_group};
+use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
+use subpixel_shadows::stages::{
+    compact, dispatch_args, facet_classify, prefix_scan, radix_sort, summed_area, texel_group,
+};
 
 /// A struct as Rust knows it.
 struct Registered {
@@ -35,6 +38,15 @@ fn edge() -> Registered {
     Registered { kernel: "silhouette_mask", name: "Edge", size: size_of::<Edge>(), fields: FIELDS }
 }
 
+/// A list with a header, which the host writes as plain words: 16 counters, then pairs.
+fn candidates() -> Registered {
+    const FIELDS: &[Field] = &[
+        Field { name: "tally", offset: 0, size: 4 * TALLY_WORDS },
+        Field { name: "list", offset: 4 * TALLY_WORDS, size: 8 },
+    ];
+    Registered { kernel: "shared/candidates", name: "Candidates", size: 4 * TALLY_WORDS + 8, fields: FIELDS }
+}
+
 /// Every struct that the host shares with a kernel. A struct of `kernels/shared/<name>.wgsl` is registered under
 /// `shared/<name>` and found in every kernel that imports it.
 fn registry() -> Vec<Registered> {
@@ -42,8 +54,10 @@ fn registry() -> Vec<Registered> {
         of::<Frame>(),
         of::<Pass>(),
         edge(),
+        candidates(),
         of::<compact::Params>(),
         of::<dispatch_args::Request>(),
+        of::<facet_classify::Facet>(),
         of::<prefix_scan::Params>(),
         of::<radix_sort::Params>(),
         of::<summed_area::Params>(),

@@ -1,6 +1,7 @@
 //! Measuring: ceilings of the device, interleaved repeats, tables.
 
 pub mod geometry;
+pub mod shadow;
 
 use serde::Serialize;
 use std::fmt;

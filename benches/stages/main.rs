@@ -8,20 +8,26 @@
 //! bytes at the copy bandwidth and its atomics at their rate, plus its dispatches.
 
 mod camera_visibility;
+mod candidate_pairs;
 mod compact;
 mod dispatch_args;
+mod facet_classify;
 mod front_layer;
 mod harness;
 mod light_layers;
+mod pixel_texel_pairs;
 mod pixel_triangles;
 mod prefix_scan;
 mod radix_sort;
+mod resolve;
 mod sample_surfaces;
 mod silhouette_mask;
 mod summed_area;
 mod texel_group;
 mod triangle_setup;
+mod triangle_texel_pairs;
 mod vertex_project;
+mod visibility_masks;
 
 use harness::{Ceilings, Options, Row};
 use subpixel_shadows::Result;
@@ -54,6 +60,12 @@ fn run(options: &Options) -> Result<()> {
         front_layer::cases,
         pixel_triangles::cases,
         sample_surfaces::cases,
+        facet_classify::cases,
+        pixel_texel_pairs::cases,
+        triangle_texel_pairs::cases,
+        candidate_pairs::cases,
+        visibility_masks::cases,
+        resolve::cases,
     ];
     for log_size in options.log_sizes() {
         let mut cases = Vec::new();

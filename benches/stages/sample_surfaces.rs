@@ -36,7 +36,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     samples.write(&gpu.queue, &sample_words(&Samples::new(Default::default(), 32)?));
     let mut encoder = gpu.encoder();
     {
-        let stage = &mut Recorder::new(device, &mut encoder, None).stage("setup");
+        let mut recorder = Recorder::new(device, &mut encoder, None);
+        let stage = &mut recorder.stage("setup");
         PixelTriangles::new(device, &scan).record(stage, setup.frame.raw(), setup.seen(), &lists, &scratch, &status)?;
         let (flags, compact) = (Flags::Words(&lists.complex_flags), Compact::new(device, &scan));
         let own = Compact::scratch(device, pixels)?;

@@ -88,23 +88,34 @@ fn own_line(g: Ground, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec4<f32> {
     return line_of(g, cross(b - a, c - a), 2.0 * largest(b - a) * largest(c - a), a);
 }
 
-// Whether the segment in which a triangle crosses the facet's plane touches the pixel's square; `line` is its line.
+// Where edge a-b crosses the facet's plane, heights ha and hb being on different sides.
+fn crossing(a: vec3<f32>, b: vec3<f32>, ha: f32, hb: f32) -> vec3<f32> {
+    return a + (b - a) * (ha / (ha - hb));
+}
+
+// Whether the segment in which a triangle crosses the facet's plane touches the pixel's square; `line` is its line. What
+// lies nearer than the near plane, or behind the eye, is cut off.
 fn meets_pixel(line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>, pixel: u32) -> bool {
     if abs(line.x) > 0.5 * (abs(line.y) + abs(line.z)) { return false; }
-    var low = vec2(3.0e38);
-    var high = vec2(-3.0e38);
-    var p = array<vec3<f32>, 3>(a, b, c);
-    var s = array<f32, 3>(h.x, h.y, h.z);
-    for (var k = 0u; k < 3u; k++) {
-        let j = (k + 1u) % 3u;
-        if (s[k] > 0.0) == (s[j] > 0.0) { continue; }
-        let at = p[k] + (p[j] - p[k]) * (s[k] / (s[k] - s[j]));
-        let depth = dot(at, frame.forward.xyz);
-        if depth <= 0.0 { return true; }
-        let xy = vec2(dot(at, frame.pixel_x.xyz), dot(at, frame.pixel_y.xyz)) / depth + vec2(frame.pixel_x.w, frame.pixel_y.w);
-        low = min(low, xy);
-        high = max(high, xy);
+    let up = h > vec3(0.0);
+    // Two of the three edges cross: the one corner that is alone on its side has both.
+    var p = crossing(a, b, h.x, h.y);
+    var q = crossing(a, c, h.x, h.z);
+    if up.x == up.y {
+        p = crossing(c, a, h.z, h.x);
+        q = crossing(c, b, h.z, h.y);
+    } else if up.x == up.z {
+        p = crossing(b, a, h.y, h.x);
+        q = crossing(b, c, h.y, h.z);
     }
-    let corner = vec2(f32(pixel % frame.image_size.x), f32(pixel / frame.image_size.x));
-    return all(high >= corner) && all(low <= corner + 1.0);
+    let near = frame.forward.w;
+    let dp = dot(p, frame.forward.xyz);
+    let dq = dot(q, frame.forward.xyz);
+    if dp < near && dq < near { return false; }
+    if dp < near { p += (q - p) * ((near - dp) / (dq - dp)); }
+    if dq < near { q += (p - q) * ((near - dq) / (dp - dq)); }
+    let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / max(dp, near);
+    let to = vec2(dot(q, frame.pixel_x.xyz), dot(q, frame.pixel_y.xyz)) / max(dq, near);
+    let corner = vec2(f32(pixel % frame.image_size.x), f32(pixel / frame.image_size.x)) - vec2(frame.pixel_x.w, frame.pixel_y.w);
+    return all(max(at, to) >= corner) && all(min(at, to) <= corner + 1.0);
 }

@@ -45,7 +45,7 @@ fn describe(report: &mut Report, adapter: &wgpu::Adapter) {
         "limits",
         &format!(
             "binding {} MiB, buffer {} MiB, {} storage buffers a stage, {} invocations a workgroup",
-            u64::from(limits.max_storage_buffer_binding_size) >> 20,
+            limits.max_storage_buffer_binding_size >> 20,
             limits.max_buffer_size >> 20,
             limits.max_storage_buffers_per_shader_stage,
             limits.max_compute_invocations_per_workgroup

@@ -66,6 +66,21 @@ impl Settings {
         self.size.iter().map(|&s| s as usize).product()
     }
 
+    /// The settings of the paper for an image of `size` pixels and a map of `map` texels a side: validity masks, exact
+    /// masks, every facet settled early that can be, no caster left out.
+    pub fn new(size: [u32; 2], map: u32, samples: Samples) -> Self {
+        Self {
+            size,
+            map,
+            samples,
+            facets: FacetMode::One,
+            validity: true,
+            cull_back: false,
+            masks: MaskVariant::Exact,
+            settle: true,
+        }
+    }
+
     /// Checks sizes against what is possible.
     ///
     /// # Errors

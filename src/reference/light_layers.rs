@@ -12,7 +12,8 @@ pub struct Layer {
     pub second: Option<(f64, u32)>,
     /// An edge passes the centre within the guard, or the two are equally far: not certain.
     pub open: bool,
-    /// A triangle so thin that 32 bits do not tell its orientation passes the centre within the guard.
+    /// A triangle so thin, or reaching so far out, that 32 bits do not place its edges within the guard passes the centre
+    /// that near.
     pub thin: bool,
 }
 
@@ -40,8 +41,10 @@ pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<La
                 }
                 let layer = &mut row[x as usize];
                 let near = inside.iter().any(|&e| e <= guard);
-                layer.open |= near && !flat.is_thin();
-                layer.thin |= near && flat.is_thin();
+                let (lo, hi) = flat.bounds();
+                let far = 1e-6 * lo.abs().max(hi.abs()).max_element() > guard;
+                layer.open |= near && !flat.is_thin() && !far;
+                layer.thin |= near && (flat.is_thin() || far);
                 if inside.iter().all(|&e| e >= 0.0) {
                     add(layer, flat.depth(at), t);
                 }

@@ -3,17 +3,23 @@
 //! the definition.
 
 pub mod camera_visibility;
+pub mod candidate_pairs;
 pub mod compact;
 pub mod dispatch_args;
+pub mod facet_classify;
 pub mod front_layer;
 pub mod light_layers;
+pub mod pixel_texel_pairs;
 pub mod pixel_triangles;
 pub mod prefix_scan;
 pub mod radix_sort;
+pub mod resolve;
 pub mod sample_surfaces;
 pub mod silhouette_mask;
 pub mod summed_area;
 pub mod texel_group;
 pub mod triangle_setup;
+pub mod triangle_texel_pairs;
 pub mod vertex_project;
 pub mod view;
+pub mod visibility_masks;

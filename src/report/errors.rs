@@ -49,8 +49,9 @@ impl FacetSet {
 /// A frame against facet truth: numeric error alone. Counts are of samples.
 ///
 /// Of a facet that was settled as lit or shadowed the samples on its own triangle are compared: there its plane is a real
-/// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared for occlusion,
-/// and for validity unless all are occluded: then it changes nothing, and is not found out. Of one that is dark, all.
+/// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared, for occlusion
+/// and for validity; where ours leave none that is valid and open, evaluation may have ended there, and what is asked is
+/// whether truth leaves one. Of one that is dark, all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FacetErrors {
     /// Samples compared.
@@ -154,16 +155,20 @@ impl View<'_> {
         let count = |mask: u128| u64::from(mask.count_ones());
         let mut e = FacetErrors::default();
         // Which samples are compared for occlusion, what ours are, and which count a fault is put to.
+        let closed = state == State::Undecided as u32 && self.validity && (masks[1] | masks[2]) & met == met;
+        let open = join_mask(truth.valid) & !occluded;
         let (asked, ours) = match state {
             s if s == State::Dark as u32 => (met, met),
             s if s == State::Lit as u32 => (own, 0),
             s if s == State::Shadowed as u32 => (own, own),
+            _ if closed => (met & open, met),
             _ => (met, masks[1] & met),
         };
+        let (doubt, compared) = if closed { (doubt | doubt_valid, met) } else { (doubt, asked) };
         let wrong = (ours ^ occluded) & asked;
         let outside = count(wrong & !doubt);
-        e.facet_samples = count(asked);
-        let mut ambiguous = doubt & asked;
+        e.facet_samples = count(compared);
+        let mut ambiguous = doubt & compared;
         let mut inside = wrong & doubt;
         let mut surely_wrong = wrong & !doubt;
         match state {
@@ -176,7 +181,7 @@ impl View<'_> {
             }
             _ => {
                 e.facet_wrong_occluded = outside;
-                if self.validity && ours != met {
+                if self.validity && !closed {
                     let wrong = (!masks[2] ^ join_mask(truth.valid)) & met;
                     e.facet_wrong_invalid = count(wrong & !doubt_valid);
                     inside |= wrong & doubt_valid;

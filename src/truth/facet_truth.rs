@@ -132,6 +132,17 @@ impl<'a> FacetTruth<'a> {
         };
         Ok(facets.par_chunks(512).flat_map_iter(judge).collect())
     }
+
+    /// Judges one facet as if the mesh were its own triangle and `candidates` alone.
+    ///
+    /// # Panics
+    /// If a triangle does not exist.
+    pub fn judge_among(&self, facet: &FacetInput, candidates: &[u32]) -> FacetResult {
+        Judge::new(self, facet).judge_among(|judge| {
+            let place = |&t: &u32| (t, self.tracer.corners(t).map(|c| c - self.rays.eye));
+            candidates.iter().filter(|&&t| t != judge.own).map(place).collect()
+        })
+    }
 }
 
 /// One facet being judged.
@@ -199,7 +210,11 @@ impl<'a> Judge<'a> {
         self.plane.side_of_eye() != 0.0 && along * self.plane.distance > 0.0
     }
 
-    fn judge(mut self) -> FacetResult {
+    fn judge(self) -> FacetResult {
+        self.judge_among(Self::candidates)
+    }
+
+    fn judge_among(mut self, candidates: impl Fn(&Self) -> Vec<(u32, [DVec3; 3])>) -> FacetResult {
         let (eye, light) = (self.plane.side_of_eye(), self.plane.side_of_light(self.truth.local_light));
         if light == 0.0 || eye == 0.0 {
             self.doubt_occluded |= self.met;
@@ -207,7 +222,7 @@ impl<'a> Judge<'a> {
         if self.met == 0 || eye * light <= 0.0 {
             return self.result(self.met);
         }
-        let candidates = self.candidates();
+        let candidates = candidates(&self);
         for &(_, corners) in &candidates {
             let heights = corners.map(|c| light * self.plane.height(c));
             if heights.iter().any(|&h| h > 0.0) {

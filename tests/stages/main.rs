@@ -3,16 +3,22 @@
 mod support;
 
 mod camera_visibility;
+mod candidate_pairs;
 mod compact;
 mod dispatch_args;
+mod facet_classify;
 mod front_layer;
 mod light_layers;
+mod pixel_texel_pairs;
 mod pixel_triangles;
 mod prefix_scan;
 mod radix_sort;
+mod resolve;
 mod sample_surfaces;
 mod silhouette_mask;
 mod summed_area;
 mod texel_group;
 mod triangle_setup;
+mod triangle_texel_pairs;
 mod vertex_project;
+mod visibility_masks;

@@ -1,0 +1,247 @@
+//! The facets of a pixel list, and which of them need no evaluation.
+
+use super::front_layer::{Margin, Split};
+use super::summed_area::{rect_sum, table};
+use super::triangle_setup::Triangle;
+use super::view::{View, cells_touched};
+use crate::truth::full_mask;
+use glam::{DVec2, DVec3, DVec4};
+use rayon::prelude::*;
+
+/// What is known of a facet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// No surface.
+    Empty,
+    /// Its seen side faces away from the light.
+    Dark,
+    /// Nothing lies between it and the light.
+    Lit,
+    /// One sheet covers all of it.
+    Shadowed,
+    /// To be evaluated.
+    Undecided,
+}
+
+/// The footprint of a pixel on a plane as the light sees it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outline {
+    /// Corners in texels, in order around.
+    pub corners: Vec<DVec2>,
+    /// Largest depth from the light.
+    pub farthest: f64,
+    /// All of it lies in front of the light.
+    pub in_front: bool,
+    /// Every ray of the pixel meets the plane in front of the limit.
+    pub whole: bool,
+    /// Rounding may turn `whole` or `in_front`.
+    pub open: bool,
+}
+
+/// What stands for a surface inside one pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Facet {
+    /// The pixel.
+    pub pixel: u32,
+    /// The triangle whose plane it is.
+    pub triangle: Option<u32>,
+    /// `xyz · point = w` on it, more on the side of the light and the eye.
+    pub plane: DVec4,
+    /// What is known.
+    pub state: State,
+    /// Texels its outline may touch: first and last column and row; `None` unless undecided.
+    pub rect: Option<[u32; 4]>,
+    /// Its outline.
+    pub outline: Outline,
+    /// Samples it stands for.
+    pub coverage: u128,
+    /// Samples that rounding may take in or out.
+    pub open_coverage: u128,
+    /// Rounding to 32 bits may lead to another state.
+    pub open: bool,
+}
+
+/// Half a pixel and 1/256: samples lie well inside the outline.
+const PIXEL_REACH: f64 = 0.503_906_25;
+/// Half an ulp of 1 in 32 bits.
+const TINY: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// What facets are classified by.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// Triangles.
+    pub triangles: &'a [Triangle],
+    /// The mask: texels whose front layer is not one proved sheet.
+    pub marked: &'a [bool],
+    /// What is known of each texel.
+    pub splits: &'a [Split],
+    /// Sample offsets inside a pixel, `[0, 1)²`.
+    pub samples: &'a [[f32; 2]],
+}
+
+/// Classifies the facets `(pixel, triangle)`. Rectangles reach out by `margin`; nothing is settled without `settle`.
+pub fn classify(
+    view: &View,
+    around: &Surroundings,
+    listed: &[(u32, Option<u32>)],
+    margin: Margin,
+    settle: bool,
+) -> Vec<Facet> {
+    let words: Vec<u32> = around.marked.iter().map(|&m| u32::from(m)).collect();
+    let sat = table(&words, view.map.map_size as usize);
+    listed.par_iter().map(|&(pixel, triangle)| one(view, around, &sat, (pixel, triangle), margin, settle)).collect()
+}
+
+fn one(
+    view: &View,
+    around: &Surroundings,
+    sat: &[u32],
+    (pixel, triangle): (u32, Option<u32>),
+    margin: Margin,
+    settle: bool,
+) -> Facet {
+    let mut facet = Facet {
+        pixel,
+        triangle,
+        plane: DVec4::ZERO,
+        state: State::Empty,
+        rect: None,
+        outline: Outline::default(),
+        coverage: full_mask(around.samples.len() as u32),
+        open_coverage: 0,
+        open: false,
+    };
+    let found = triangle.and_then(|t| around.triangles.get(t as usize)).and_then(|t| t.corners);
+    let Some(corners) = found else { return facet };
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a);
+    let to_light = view.light.truncate() - a * view.light.w;
+    let side = normal.dot(to_light);
+    // Edge-on to the light within 2^-20: unlit by definition.
+    let least = 16.0 * TINY * normal.length() * to_light.length();
+    let tilt = (b - a).length() * (c - a).length() / normal.length();
+    let noise = 8.0 * TINY * (tilt + 4.0) * normal.length();
+    facet.open = (side.abs() - least).abs() <= noise * to_light.length();
+    facet.state = State::Dark;
+    if side.abs() <= least || side.is_nan() {
+        return facet;
+    }
+    let normal = normal * side.signum();
+    facet.plane = normal.extend(normal.dot(a));
+    facet.open |= facet.plane.w.abs() <= noise * a.length();
+    if facet.plane.w >= 0.0 {
+        return facet;
+    }
+    let ray = pixel_ray(view, pixel, DVec2::ZERO);
+    let depth = facet.plane.w / normal.dot(ray);
+    let far_corner = corners.map(|p| p.dot(view.rays.forward)).into_iter().fold(f64::MIN, f64::max);
+    facet.outline = outline(view, pixel, facet.plane, far_corner.max(depth) * 1.0001);
+    facet.open |= facet.outline.open;
+    if !facet.outline.whole || facet.outline.open {
+        keep_own_triangle(view, around.samples, corners, &mut facet);
+    }
+    let size = view.map.map_size;
+    let rect = if facet.outline.in_front {
+        let (low, high) = bounds(&facet.outline.corners);
+        cells_touched(low - margin.texels, high + margin.texels, [size; 2])
+    } else {
+        Some([0, 0, size - 1, size - 1])
+    };
+    let Some(rect) = rect else {
+        facet.state = State::Lit;
+        return facet;
+    };
+    facet.state = State::Undecided;
+    if settle && facet.outline.in_front && rect_sum(sat, size as usize, rect.map(|v| v as usize)) == 0 {
+        settle_unmarked(view, around.splits, ray * depth, &mut facet);
+    }
+    if facet.state == State::Undecided {
+        facet.rect = Some(rect);
+    }
+    facet
+}
+
+/// The state of a facet none of whose texels is marked, by what is known at its point at the pixel centre.
+fn settle_unmarked(view: &View, splits: &[Split], point: DVec3, facet: &mut Facet) {
+    let Some(at) = view.on_map(point) else { return };
+    let (x, y) = (at.x.floor(), at.y.floor());
+    let size = f64::from(view.map.map_size);
+    let border = |v: f64| (v - v.round()).abs() < 2e-3;
+    facet.open |= border(at.x) || border(at.y);
+    if !(x >= 0.0 && y >= 0.0 && x < size && y < size) {
+        return;
+    }
+    facet.state = match splits[(y * size + x) as usize] {
+        Split::Marked | Split::Uncovered => State::Lit,
+        Split::At(split) => {
+            facet.open |= (at.z - split).abs() < 1e-4;
+            if at.z < split { State::Lit } else { State::Shadowed }
+        }
+    };
+}
+
+fn keep_own_triangle(view: &View, samples: &[[f32; 2]], [a, b, c]: [DVec3; 3], facet: &mut Facet) {
+    let edges = [a.cross(b), b.cross(c), c.cross(a)];
+    let slopes = edges.map(|e| e.dot(view.rays.step_x).hypot(e.dot(view.rays.step_y)));
+    let (mut own, mut near) = (1u128, 0u128);
+    for (k, o) in samples.iter().enumerate() {
+        let ray = pixel_ray(view, facet.pixel, DVec2::new(f64::from(o[0]), f64::from(o[1])) - 0.5);
+        let v = edges.map(|e| e.dot(ray));
+        let inside = v.iter().all(|&v| v >= 0.0) || v.iter().all(|&v| v <= 0.0);
+        own |= u128::from(inside) << k;
+        near |= u128::from(v.iter().zip(slopes).any(|(v, s)| v.abs() <= s / 256.0)) << k;
+    }
+    facet.open_coverage = if facet.outline.open { u128::MAX } else { near };
+    if !facet.outline.whole {
+        facet.coverage &= own;
+    }
+}
+
+/// The ray at an offset from a pixel's centre.
+pub fn pixel_ray(view: &View, pixel: u32, offset: DVec2) -> DVec3 {
+    let (x, y) = (pixel % view.image[0], pixel / view.image[0]);
+    view.rays.direction(f64::from(x) + 0.5 + offset.x, f64::from(y) + 0.5 + offset.y)
+}
+
+/// The pixel's footprint on `plane` as the light sees it, cut off where view depth exceeds `limit`.
+pub fn outline(view: &View, pixel: u32, plane: DVec4, limit: f64) -> Outline {
+    let normal = plane.truncate();
+    let mut out = Outline { farthest: f64::MIN, in_front: true, whole: true, ..Outline::default() };
+    let offsets = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| DVec2::new(x, y) * PIXEL_REACH);
+    let rays = offsets.map(|o| pixel_ray(view, pixel, o));
+    // A ray meets the plane nearer than the limit where this is not positive.
+    let over = |ray: DVec3| normal.dot(ray) - plane.w / limit;
+    let mut add = |point: DVec3| match view.on_map(point) {
+        Some(at) => {
+            out.corners.push(DVec2::new(at.x, at.y));
+            out.farthest = out.farthest.max(at.z);
+            out.open |= view.map.perspective && at.w < view.map.near * 1.0001;
+        }
+        None => {
+            out.in_front = false;
+            out.open |= view.map.w.dot(point.extend(1.0)) > view.map.near * 0.9999;
+        }
+    };
+    let (mut whole, mut open) = (true, false);
+    for k in 0..4 {
+        let (ray, next) = (rays[k], rays[(k + 1) % 4]);
+        let (at, at_next) = (over(ray), over(next));
+        open |= at.abs() <= 16.0 * TINY * normal.length() * ray.length();
+        if at <= 0.0 {
+            add(ray * (plane.w / normal.dot(ray)));
+        } else {
+            whole = false;
+        }
+        if (at <= 0.0) != (at_next <= 0.0) {
+            add((ray + (next - ray) * (at / (at - at_next))) * limit);
+        }
+    }
+    out.whole = whole;
+    out.open |= open;
+    out
+}
+
+/// Lowest and highest corner of some places.
+pub fn bounds(corners: &[DVec2]) -> (DVec2, DVec2) {
+    corners.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)))
+}

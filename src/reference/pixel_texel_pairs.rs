@@ -1,0 +1,70 @@
+//! Which undecided facets touch which texel.
+
+use super::facet_classify::{Facet, Outline, State, bounds};
+use super::front_layer::{Margin, Split};
+use super::view::centre;
+use glam::DVec2;
+
+/// The facets (by their place in the list, rising) that touch each texel of a map of `size` texels a side. A texel without
+/// casters has none; with `skip_front` nor has one whose split depth lies behind the facet by more than the margin.
+pub fn pairs(facets: &[Facet], splits: &[Split], size: u32, margin: Margin, skip_front: bool) -> Vec<Vec<u32>> {
+    let mut texels = vec![Vec::new(); splits.len()];
+    for (f, facet) in facets.iter().enumerate().filter(|(_, f)| f.state == State::Undecided) {
+        let Some([x0, y0, x1, y1]) = facet.rect else { continue };
+        for (x, y) in (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| (x, y))) {
+            let texel = (y * size + x) as usize;
+            let listed = match splits[texel] {
+                Split::Uncovered => false,
+                Split::Marked => true,
+                Split::At(split) => !skip_front || facet.outline.farthest + margin.depth >= split,
+            };
+            if listed && touches(&facet.outline, centre(x, y), 0.5 + margin.texels) {
+                texels[texel].push(f as u32);
+            }
+        }
+    }
+    texels
+}
+
+/// The farthest depth of the facets of each texel; `None` where there are none.
+pub fn deepest(facets: &[Facet], pairs: &[Vec<u32>]) -> Vec<Option<f64>> {
+    let depth = |&f: &u32| {
+        let outline = &facets[f as usize].outline;
+        if outline.in_front { outline.farthest.max(0.0) } else { f64::INFINITY }
+    };
+    pairs.iter().map(|list| list.iter().map(depth).reduce(f64::max)).collect()
+}
+
+/// Whether the outline touches the closed square of half side `reach`: no axis across a side of either parts them.
+pub fn touches(outline: &Outline, at: DVec2, reach: f64) -> bool {
+    let corners = &outline.corners;
+    if corners.len() < 3 || !outline.in_front {
+        return true;
+    }
+    let (low, high) = bounds(corners);
+    let (mut left, mut right) = (true, true);
+    for (k, &a) in corners.iter().enumerate() {
+        let d = corners[(k + 1) % corners.len()] - a;
+        let e = d.perp_dot(at - a);
+        let slack = reach * (d.x.abs() + d.y.abs());
+        left &= e >= -slack;
+        right &= e <= slack;
+    }
+    (left || right) && at.cmpge(low - reach).all() && at.cmple(high + reach).all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_diamond_touches_what_its_box_does_not_tell() {
+        let corners = [[2.0, 0.0], [4.0, 2.0], [2.0, 4.0], [0.0, 2.0]].map(|[x, y]| DVec2::new(x, y)).to_vec();
+        let outline = Outline { corners, farthest: 1.0, in_front: true, whole: true, open: false };
+        let touched = |x, y, reach| touches(&outline, centre(x, y), reach);
+        assert!(touched(1, 1, 0.5) && touched(2, 2, 0.5) && touched(0, 1, 0.5));
+        assert!(touched(0, 0, 0.5), "its corner lies on the diamond's side");
+        assert!(!touched(0, 0, 0.49), "shrunk it does not");
+        assert!(!touched(4, 4, 0.5));
+    }
+}

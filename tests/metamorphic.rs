@@ -1,0 +1,370 @@
+//! Changes of the input or of the memory that must not change a bit of the picture: order, duplicates, scale, list
+//! sizes, bands, map size, number of samples, repetition.
+
+use std::sync::OnceLock;
+use subpixel_shadows::Error;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::facet_masks::Settings;
+use subpixel_shadows::methods::render::{Budget, Output, Renderer};
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
+
+const SCENES: [&str; 8] = ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "bumpy", "plane"];
+const SIZE: [u32; 2] = [80, 60];
+
+fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
+}
+
+fn scene(name: &str) -> Scene {
+    builtin(name).expect("a built-in scene")
+}
+
+fn settings(settle: bool) -> Settings {
+    let samples = Samples::new(Pattern::LowDiscrepancy, 32).expect("32 samples");
+    Settings { settle, ..Settings::new(SIZE, 64, samples) }
+}
+
+fn render_with(mesh: &Mesh, camera: &Camera, light: &Light, settings: &Settings, budget: Budget) -> Output {
+    let prepared = Prepared::new(mesh);
+    let mut renderer = Renderer::new(gpu(), &prepared, settings, budget).expect("a renderer");
+    renderer.render(camera, light).expect("a frame")
+}
+
+fn render(scene: &Scene, settings: &Settings) -> Output {
+    render_with(&scene.mesh, &scene.camera, &scene.light, settings, Budget::default())
+}
+
+/// Words of one picture: visibility and lit masks, to the bit.
+fn picture(output: &Output) -> Vec<u32> {
+    output.visibility.iter().map(|v| v.to_bits()).chain(output.lit.iter().copied()).collect()
+}
+
+/// How many words differ, and the first; `None` if none does.
+fn difference(a: &[u32], b: &[u32]) -> Option<String> {
+    if a.len() != b.len() {
+        return Some(format!("{} and {} words", a.len(), b.len()));
+    }
+    let first = a.iter().zip(b).position(|(a, b)| a != b)?;
+    let count = a.iter().zip(b).filter(|(a, b)| a != b).count();
+    Some(format!("{count} of {} words differ, first {first}: {:#x} and {:#x}", a.len(), a[first], b[first]))
+}
+
+/// Collects what differs, so that one run names every scene.
+#[derive(Default)]
+struct Failures(Vec<String>);
+
+impl Failures {
+    fn compare(&mut self, what: &str, a: &Output, b: &Output) {
+        let (a, b) = (picture(a), picture(b));
+        if let Some(difference) = difference(&a, &b) {
+            self.0.push(format!("{what}: {difference}"));
+        }
+        // The comparison must notice one bit.
+        let mut corrupted = b;
+        let middle = corrupted.len() / 2;
+        corrupted[middle] ^= 1;
+        assert!(difference(&a, &corrupted).is_some(), "{what}: a corrupted picture passes");
+    }
+
+    fn report(self) {
+        assert!(self.0.is_empty(), "{}", self.0.join("\n"));
+    }
+}
+
+/// A small generator, the same on every machine.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) % n as u64) as usize
+    }
+
+    fn shuffle<T>(&mut self, list: &mut [T]) {
+        (1..list.len()).rev().for_each(|i| list.swap(i, self.below(i + 1)));
+    }
+}
+
+/// The same triangles in another order, of other vertex numbers, each begun at another corner.
+fn disordered(mesh: &Mesh, seed: u64) -> Mesh {
+    let mut random = Random(seed);
+    let mut out = mesh.clone();
+    let mut place: Vec<usize> = (0..mesh.positions.len()).collect();
+    random.shuffle(&mut place);
+    for (from, &to) in place.iter().enumerate() {
+        out.positions[to] = mesh.positions[from];
+    }
+    for triangle in &mut out.triangles {
+        *triangle = triangle.map(|v| place[v as usize] as u32);
+        triangle.rotate_left(random.below(3));
+    }
+    random.shuffle(&mut out.triangles);
+    out
+}
+
+fn scaled(scene: &Scene, factor: f32) -> Scene {
+    let mut out = scene.clone();
+    let scale = |p: &mut [f32; 3]| p.iter_mut().for_each(|c| *c *= factor);
+    out.mesh.positions.iter_mut().for_each(scale);
+    scale(&mut out.camera.eye);
+    scale(&mut out.camera.target);
+    out.camera.near *= factor;
+    out.camera.far *= factor;
+    match &mut out.light {
+        Light::Directional { .. } => {}
+        Light::Point { position } => scale(position),
+        Light::Spot { position, target, .. } => {
+            scale(position);
+            scale(target);
+        }
+    }
+    out
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn frames_repeat() {
+    let mut failures = Failures::default();
+    for (k, name) in SCENES.into_iter().enumerate() {
+        let scene = scene(name);
+        let prepared = Prepared::new(&scene.mesh);
+        let mut renderer = Renderer::new(gpu(), &prepared, &settings(true), Budget::default()).expect("a renderer");
+        let mut frame = || renderer.render(&scene.camera, &scene.light).expect("a frame");
+        let first = frame();
+        assert!(first.counts.silhouette_pixels > 0 || name == "plane", "{name}: nothing to evaluate");
+        for n in 1..if k == 0 { 100 } else { 5 } {
+            failures.compare(&format!("{name}, frame {n}"), &first, &frame());
+        }
+    }
+    failures.report();
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn order_does_not_matter() {
+    let mut failures = Failures::default();
+    for name in SCENES {
+        let scene = scene(name);
+        let first = render(&scene, &settings(true));
+        for seed in [1, 2] {
+            let mesh = disordered(&scene.mesh, seed);
+            assert_ne!(mesh, scene.mesh);
+            let other = render_with(&mesh, &scene.camera, &scene.light, &settings(true), Budget::default());
+            failures.compare(&format!("{name}, order {seed}"), &first, &other);
+        }
+    }
+    failures.report();
+}
+
+/// Every triangle twice. Where a sheet is doubled its texels are marked, so fewer facets are settled; all are evaluated
+/// here. (A settled facet of a pixel stands for its sheet, an evaluated one for its plane.)
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn duplicates_do_not_matter() {
+    let mut failures = Failures::default();
+    for name in SCENES {
+        let mut scene = scene(name);
+        let first = render(&scene, &settings(false));
+        let once = scene.mesh.triangles.clone();
+        scene.mesh.triangles.extend(once);
+        failures.compare(&format!("{name}, doubled"), &first, &render(&scene, &settings(false)));
+    }
+    failures.report();
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn scale_does_not_matter() {
+    let mut failures = Failures::default();
+    for name in SCENES {
+        let scene = scene(name);
+        let first = render(&scene, &settings(true));
+        for power in [-20, 20] {
+            let other = scaled(&scene, 2f32.powi(power));
+            failures.compare(&format!("{name}, times 2^{power}"), &first, &render(&other, &settings(true)));
+        }
+    }
+    failures.report();
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn list_sizes_do_not_matter() {
+    let mut failures = Failures::default();
+    for name in SCENES {
+        let scene = scene(name);
+        let with = |budget| render_with(&scene.mesh, &scene.camera, &scene.light, &settings(true), budget);
+        let first = with(Budget::default());
+        let grown = with(Budget { start: Some(1), ..Budget::default() });
+        failures.compare(&format!("{name}, lists begun at 1"), &first, &grown);
+        let bytes = first.lists[0].needed * 8 + first.lists[1].needed * 4;
+        if bytes < 64 {
+            continue;
+        }
+        let banded = with(Budget { start: Some(1), bytes: bytes / 8 });
+        assert!(banded.lists[0].needed * 2 <= first.lists[0].needed, "{name}: the budget asked for no bands");
+        failures.compare(&format!("{name}, an eighth of the memory"), &first, &banded);
+    }
+    failures.report();
+}
+
+/// With nothing settled, the light-view map only lists candidates: its size changes no answer.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn map_size_does_not_matter() {
+    let mut failures = Failures::default();
+    for name in SCENES {
+        let scene = scene(name);
+        let first = render(&scene, &settings(false));
+        for map in [1, 2, 33] {
+            let other = render(&scene, &Settings { map, ..settings(false) });
+            failures.compare(&format!("{name}, map of {map}"), &first, &other);
+        }
+    }
+    failures.report();
+}
+
+/// The samples of a shorter pattern are the first of a longer one, and each is decided by itself.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn samples_do_not_influence_each_other() {
+    for name in SCENES {
+        let scene = scene(name);
+        let with = |count| {
+            let samples = Samples::new(Pattern::LowDiscrepancy, count).expect("a pattern");
+            render(&scene, &Settings { samples, ..settings(true) })
+        };
+        let all = with(128);
+        for count in [1u32, 8, 32, 64] {
+            let few = with(count);
+            let differing = |few: &Output| {
+                let words = few.words as usize;
+                (0..few.visibility.len())
+                    .filter(|&pixel| {
+                        (0..count as usize).any(|k| {
+                            let bit = |o: &Output, words: usize| o.lit[pixel * words + k / 32] >> (k % 32) & 1;
+                            bit(few, words) != bit(&all, 4)
+                        })
+                    })
+                    .count()
+            };
+            assert_eq!(differing(&few), 0, "{name}: pixels whose first {count} samples differ from those of 128");
+            let mut corrupted = few;
+            corrupted.lit[7 * corrupted.words as usize] ^= 1;
+            assert_eq!(differing(&corrupted), 1, "{name}: a corrupted picture passes");
+        }
+    }
+}
+
+/// Samples of a pixel that lie inside the triangle seen at its centre, farther than a hundredth of a pixel from its edges.
+fn own_samples(prepared: &Prepared, output: &Output, scene: &Scene, samples: &Samples) -> Vec<u32> {
+    let rays = scene.camera.rays(SIZE[0], SIZE[1]);
+    let own = |pixel: usize| -> u32 {
+        let t = output.triangles[pixel];
+        if t == u32::MAX {
+            return u32::MAX;
+        }
+        let [a, b, c] = prepared.mesh.corners(t as usize).map(|p| p - rays.eye);
+        let edges = [a.cross(b), b.cross(c), c.cross(a)];
+        let (x, y) = ((pixel % SIZE[0] as usize) as f64, (pixel / SIZE[0] as usize) as f64);
+        samples.offsets().iter().enumerate().fold(0, |mask, (k, o)| {
+            let r = rays.direction(x + f64::from(o[0]), y + f64::from(o[1]));
+            let inside = |turn: f64| {
+                edges.iter().all(|e| {
+                    let slope = e.dot(rays.step_x).hypot(e.dot(rays.step_y));
+                    turn * e.dot(r) > 0.01 * slope
+                })
+            };
+            mask | u32::from(inside(1.0) || inside(-1.0)) << k
+        })
+    };
+    (0..output.triangles.len()).map(own).collect()
+}
+
+/// Settled facets are answered as evaluation would, at the samples on the triangle itself, whatever the size of the map.
+/// A settled facet stands for its sheet and keeps no validity mask, so elsewhere the two may differ.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn settling_does_not_matter_on_the_own_triangle() {
+    let mut failures = Failures::default();
+    for name in SCENES {
+        let scene = scene(name);
+        let prepared = Prepared::new(&scene.mesh);
+        let without = |settle| Settings { validity: false, ..settings(settle) };
+        let exact = render(&scene, &without(false));
+        let own = own_samples(&prepared, &exact, &scene, &settings(true).samples);
+        let masked = |o: &Output| o.lit.iter().zip(&own).map(|(l, m)| l & m).collect::<Vec<_>>();
+        for map in [1, 2, 33, 64, 256] {
+            let settled = render(&scene, &Settings { map, ..without(true) });
+            if map == 256 && settled.counts.lit_facets + settled.counts.shadowed_facets == 0 {
+                failures.0.push(format!("{name}: nothing was settled"));
+            }
+            let (a, mut b) = (masked(&exact), masked(&settled));
+            if let Some(difference) = difference(&a, &b) {
+                failures.0.push(format!("{name}, map of {map}: {difference}"));
+            }
+            b[11] ^= 1;
+            assert!(difference(&a, &b).is_some());
+        }
+    }
+    failures.report();
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn tiny_images_obey_the_same() {
+    let mut failures = Failures::default();
+    for name in ["windmill", "spheres"] {
+        let scene = scene(name);
+        for size in [[1, 1], [3, 5]] {
+            let settings = Settings { size, ..settings(false) };
+            let first = render(&scene, &settings);
+            assert_eq!(first.visibility.len(), (size[0] * size[1]) as usize);
+            let label = |what: &str| format!("{name}, {size:?}, {what}");
+            let mesh = disordered(&scene.mesh, 3);
+            let other = render_with(&mesh, &scene.camera, &scene.light, &settings, Budget::default());
+            failures.compare(&label("order"), &first, &other);
+            failures.compare(&label("scale"), &first, &render(&scaled(&scene, 0.125), &settings));
+            failures.compare(&label("map"), &first, &render(&scene, &Settings { map: 7, ..settings.clone() }));
+            let small = Budget { start: Some(1), ..Budget::default() };
+            let grown = render_with(&scene.mesh, &scene.camera, &scene.light, &settings, small);
+            failures.compare(&label("lists begun at 1"), &first, &grown);
+        }
+    }
+    failures.report();
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn nothing_is_lit() {
+    let scene = scene("plane");
+    for mesh in [Mesh::default(), Mesh { positions: vec![[0.0; 3]; 4], triangles: Vec::new() }] {
+        for settle in [true, false] {
+            let output = render_with(&mesh, &scene.camera, &scene.light, &settings(settle), Budget::default());
+            assert!(output.visibility.iter().all(|&v| v == 1.0), "an empty scene is lit");
+            assert!(output.lit.iter().all(|&l| l == u32::MAX));
+            assert_eq!(output.counts.pixel_texel_pairs + output.counts.triangle_texel_pairs, 0);
+        }
+    }
+}
+
+/// Settings that cannot be rendered are refused, and the same device renders the next frame.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn impossible_settings_are_errors() {
+    let scene = scene("plane");
+    let prepared = Prepared::new(&scene.mesh);
+    for (size, map) in [([0, 5], 64), ([80, 60], 0), ([80, 60], LightView::LARGEST_MAP + 1), ([16385, 1], 64)] {
+        let bad = Settings { size, map, ..settings(true) };
+        let result = Renderer::new(gpu(), &prepared, &bad, Budget::default()).map(|_| ());
+        assert!(matches!(result, Err(Error::Config(_))), "{size:?} {map}");
+    }
+    let mut renderer = Renderer::new(gpu(), &prepared, &settings(true), Budget::default()).expect("a renderer");
+    let nowhere = Light::Directional { direction: [0.0; 3] };
+    assert!(matches!(renderer.render(&scene.camera, &nowhere), Err(Error::Scene(_))));
+    assert!(renderer.render(&scene.camera, &scene.light).is_ok());
+}

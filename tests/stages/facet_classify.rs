@@ -1,0 +1,361 @@
+//! Facets and their states against their definition, and settled ones against rays.
+
+use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, soup, unit, vector};
+use crate::support::{Random, assert_same, difference, gpu, poisoned, run, sizes_around, upload};
+use subpixel_shadows::glam::DVec2;
+use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::methods::render::{Budget, Renderer};
+use subpixel_shadows::methods::{Prepared, Settings};
+use subpixel_shadows::reference::facet_classify::{self as reference, State, Surroundings, classify, pixel_ray};
+use subpixel_shadows::reference::front_layer::{Margin, Split};
+use subpixel_shadows::reference::view::block_count;
+use subpixel_shadows::scene::Light;
+use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets};
+use subpixel_shadows::truth::{Tracer, join_mask};
+
+const STATES: [State; 5] = [State::Empty, State::Dark, State::Lit, State::Shadowed, State::Undecided];
+
+/// What the GPU made of a list.
+struct Got {
+    facets: Vec<Facet>,
+    masks: Vec<u32>,
+    items: Vec<u32>,
+}
+
+fn read(gpu: &Gpu, facets: &Facets) -> Got {
+    Got {
+        facets: facets.list.read(gpu).expect("readback"),
+        masks: facets.masks.read(gpu).expect("readback"),
+        items: facets.items.read(gpu).expect("readback"),
+    }
+}
+
+fn rect(packed: [u32; 2]) -> [u32; 4] {
+    [packed[0] & 0xffff, packed[0] >> 16, packed[1] & 0xffff, packed[1] >> 16]
+}
+
+fn within(inner: Option<[u32; 4]>, outer: Option<[u32; 4]>) -> bool {
+    match (inner, outer) {
+        (None, _) => true,
+        (Some(i), Some(o)) => i[0] >= o[0] && i[1] >= o[1] && i[2] <= o[2] && i[3] <= o[3],
+        _ => false,
+    }
+}
+
+/// What is wrong with each facet, and how many were open to rounding.
+fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits: &[Split], got: &Got) -> Vec<String> {
+    let around = Surroundings { triangles: &world.triangles, marked, splits, samples: world.samples.offsets() };
+    let m = world.margin();
+    let by = |times: f64| classify(&world.view, &around, listed, m.times(times), world.frame.flags & 8 == 0);
+    let (exact, wide) = (by(0.0), by(2.0));
+    let same = by(1.0);
+    let words = world.words();
+    let mut out = Vec::new();
+    let mut open = 0;
+    for (k, facet) in got.facets.iter().enumerate() {
+        let mut fault = |what: String| out.push(format!("facet {k} of {:?}: {what}", listed[k]));
+        let wanted = [&exact[k], &same[k], &wide[k]];
+        let Some(&state) = STATES.get(facet.state as usize) else {
+            fault(format!("state {}", facet.state));
+            continue;
+        };
+        let undecided = state == State::Undecided;
+        let items = if undecided { block_count(Some(rect(facet.rect))) } else { 0 };
+        if got.items[k] != items {
+            fault(format!("{} items, {items} expected", got.items[k]));
+        }
+        let mask = |part: usize| {
+            let mut all = [0; 4];
+            all[..words].copy_from_slice(&got.masks[(3 * k + part) * words..(3 * k + part + 1) * words]);
+            join_mask(all)
+        };
+        if mask(1) != 0 || mask(2) != 0 {
+            fault("occluded and invalid are not cleared".into());
+        }
+        if same[k].open {
+            open += 1;
+            continue;
+        }
+        if !wanted.iter().any(|w| w.state == state) {
+            fault(format!("{state:?}, expected {:?}", wanted.map(|w| w.state)));
+            continue;
+        }
+        if undecided {
+            if !within(exact[k].rect, Some(rect(facet.rect))) || !within(Some(rect(facet.rect)), wide[k].rect) {
+                fault(format!("rect {:?}, {:?} to {:?} expected", rect(facet.rect), exact[k].rect, wide[k].rect));
+            }
+            let (n, p) = (same[k].plane.truncate().normalize(), facet.plane.map(f64::from));
+            let tilt = (n - subpixel_shadows::glam::DVec3::new(p[0], p[1], p[2]).normalize()).length();
+            if tilt > 6e-8 * (f64::from(facet.tilt) + 4.0) * 6.0 {
+                fault(format!("plane is off by {tilt}"));
+            }
+        }
+        if matches!(state, State::Undecided | State::Lit) && (mask(0) ^ same[k].coverage) & !same[k].open_coverage != 0
+        {
+            fault(format!("coverage {:x}, {:x} expected", mask(0), same[k].coverage));
+        }
+    }
+    // Where the light grazes everything, everything may be open.
+    let grazing = world.samples.count() == 16;
+    if open * 20 > listed.len() + 40 && !grazing {
+        out.push(format!("{open} of {} facets are open to rounding", listed.len()));
+    }
+    out
+}
+
+/// Marks and splits of no particular meaning.
+fn any_map(world: &World, marks: u32, random: &mut Random) -> (Vec<bool>, Vec<Split>) {
+    let texels = (world.view.map.map_size as usize).pow(2);
+    let marked: Vec<bool> = (0..texels).map(|_| random.below(100) < marks).collect();
+    let split = |&m: &bool| match random.below(5) {
+        _ if m => Split::Marked,
+        0 => Split::Uncovered,
+        1 => Split::At(f64::INFINITY),
+        _ => Split::At(unit(random)),
+    };
+    let splits = marked.iter().map(split).collect();
+    (marked, splits)
+}
+
+#[track_caller]
+fn check(world: &World, listed: &[(u32, Option<u32>)], marks: u32, random: &mut Random) {
+    let (marked, splits) = any_map(world, marks, random);
+    let facets = world.classify(listed, &marked, &splits);
+    let found = faults(world, listed, &marked, &splits, &read(world.gpu, &facets));
+    assert!(found.is_empty(), "{} of {}: {}", found.len(), listed.len(), found[..found.len().min(5)].join("\n"));
+}
+
+fn world(gpu: &'static Gpu, kind: u32, random: &mut Random) -> World {
+    let mesh = random_scene(kind, random);
+    let eye = vector(random).normalize() * (1.5 + 2.0 * unit(random));
+    let light = random_light(random.below(2) == 0, random);
+    let count = [32, 8, 128][random.below(3) as usize];
+    World::new(gpu, &mesh, camera(eye, vector(random) * 0.3, 50.0), light, [24, 18], 40, samples(count))
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    let mut random = Random::new(1);
+    let world = world(gpu(), 0, &mut random);
+    check(&world, &[], 10, &mut random);
+    check(&world, &[(0, None), (7, None), (8, None)], 10, &mut random);
+}
+
+/// The list of one facet a pixel.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    for (words, count) in [(1, 32), (1, 8), (2, 64), (4, 128)] {
+        let stage = FacetClassify::new(&gpu().device, words);
+        for [w, h] in [[1, 1], [3, 5], [16, 12]] {
+            let pixels = w * h;
+            let mut world = world(gpu(), 0, &mut Random::new(2));
+            (world.frame.image_size, world.frame.sample_count) = ([w as u32, h as u32], count);
+            let keys = Random::new(3).list(pixels, 1000);
+            let facets = Facets::new(&gpu().device, pixels, pixels, words as usize).expect("memory");
+            let pixel_facets = poisoned(gpu(), pixels + 1);
+            let facets = Facets { pixel_facets, ..facets };
+            let frame = crate::support::shadow::uniform(gpu(), &world.frame);
+            let id_keys = upload(gpu(), &keys);
+            run(gpu(), |s| stage.record_one(s, frame.raw(), &id_keys, &facets));
+            let list = facets.list.read(gpu()).expect("readback");
+            let made: Vec<_> = list.iter().map(|f| (f.pixel, f.triangle)).collect();
+            let wanted: Vec<_> = keys.iter().enumerate().map(|(k, key)| (k as u32, !key)).collect();
+            assert_same("facets", &made, &wanted);
+            let firsts: Vec<u32> = (0..=pixels as u32).collect();
+            assert_same("pixel_facets", &facets.pixel_facets.read(gpu()).expect("readback"), &firsts);
+            let masks = facets.masks.read(gpu()).expect("readback");
+            let full = |w: u32| crate::support::shadow::full_word(count, w);
+            for coverage in masks.chunks(3 * words as usize) {
+                assert_same("coverage", &coverage[..words as usize], &(0..words).map(full).collect::<Vec<_>>());
+            }
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    let mut random = Random::new(4);
+    let world = world(gpu(), 1, &mut random);
+    let seen = world.seen();
+    for size in sizes_around(64) {
+        check(&world, &seen[..size], 5, &mut random);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    let mut random = Random::new(5);
+    for round in 0..48 {
+        let world = world(gpu(), round, &mut random);
+        check(&world, &world.seen(), [0, 1, 10, 100][random.below(4) as usize], &mut random);
+    }
+}
+
+/// Light along a facet, behind the eye, in a triangle's plane; slivers; a floor up to the horizon.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    let mut random = Random::new(6);
+    let floor = crate::support::shadow::sheet(1, 50.0, |_, _| 0.0, |p| p);
+    let eye = subpixel_shadows::glam::DVec3::new(0.0, 0.3, 4.0);
+    for elevation in [1e-1, 1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 0.0, -1e-3] {
+        let light = Light::Directional { direction: [1.0, elevation, 0.2] };
+        let world = World::new(gpu(), &floor, camera(eye, eye * 0.1, 60.0), light, [24, 18], 40, samples(16));
+        check(&world, &world.seen(), 10, &mut random);
+    }
+    let slivers = {
+        let mut mesh = soup(40, 0.8, &mut random);
+        for t in 0..40 {
+            let (a, b) = (mesh.positions[3 * t], mesh.positions[3 * t + 1]);
+            mesh.positions[3 * t + 2] = std::array::from_fn(|k| 0.5 * (a[k] + b[k]) + 1e-5 * k as f32);
+        }
+        mesh
+    };
+    let light = Light::Point { position: slivers.positions[7] };
+    let world = World::new(gpu(), &slivers, camera(eye * 0.5, eye * 0.0, 60.0), light, [24, 18], 40, samples(32));
+    check(&world, &world.seen(), 10, &mut random);
+}
+
+/// There is no list to overflow here: the last facet of a buffer with nothing behind it.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let mut random = Random::new(7);
+    let world = world(gpu(), 1, &mut random);
+    let (marked, splits) = any_map(&world, 10, &mut random);
+    let seen = world.seen();
+    for count in [63, 64, 65] {
+        let mut longer = world.classify(&seen[..count + 1], &marked, &splits);
+        let whole = read(gpu(), &longer);
+        // The same list, told to be one shorter: its last facet stays as it was.
+        longer = world.classify(&seen[..count], &marked, &splits);
+        let part = read(gpu(), &longer);
+        let bytes = |f: &[Facet]| bytemuck_words(f);
+        assert_same("facets", &bytes(&part.facets), &bytes(&whole.facets[..count]));
+    }
+}
+
+fn bytemuck_words(facets: &[Facet]) -> Vec<u32> {
+    facets.iter().flat_map(|f| [f.state, f.rect[0], f.rect[1], f.pixel, f.triangle]).collect()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    let mut random = Random::new(8);
+    let small = folding_gpu();
+    let front = world_on(small, &mut random);
+    check(&front, &front.seen(), 10, &mut random);
+}
+
+fn world_on(gpu: &'static Gpu, random: &mut Random) -> World {
+    let mesh = random_scene(1, random);
+    let eye = subpixel_shadows::glam::DVec3::new(1.0, 1.2, 2.0);
+    let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
+    World::new(gpu, &mesh, camera(eye, eye * 0.0, 50.0), light, [24, 18], 40, samples(32))
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let mut random = Random::new(9);
+    let world = world_on(gpu(), &mut random);
+    let (marked, splits) = any_map(&world, 10, &mut random);
+    let seen = world.seen();
+    let facets = world.classify(&seen, &marked, &splits);
+    let mut got = read(gpu(), &facets);
+    let check = |got: &Got| faults(&world, &seen, &marked, &splits, got).len();
+    assert_eq!(check(&got), 0);
+    let around = Surroundings {
+        triangles: &world.triangles,
+        marked: &marked,
+        splits: &splits,
+        samples: world.samples.offsets(),
+    };
+    let wanted: Vec<reference::Facet> = classify(&world.view, &around, &seen, Margin::default(), true);
+    let k = wanted.iter().position(|f| f.state == State::Undecided && !f.open).expect("an undecided facet");
+    got.facets[k].rect[1] -= 1;
+    got.facets[k].rect[0] += 2;
+    assert!(check(&got) > 0, "a shrunken rectangle passes");
+    got = read(gpu(), &facets);
+    got.facets[k].state = State::Lit as u32;
+    assert!(check(&got) > 0, "a wrong state passes");
+    got = read(gpu(), &facets);
+    got.masks[3 * k] ^= 4;
+    assert!(check(&got) > 0, "a wrong coverage passes");
+    assert!(difference(&[1], &[2]).is_some());
+}
+
+/// Settled facets against rays from points of their own triangle: how many were looked at, and how many are wrong.
+fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5]) {
+    let mut random = Random::new(seed);
+    let mesh = random_scene(kind, &mut random);
+    let prepared = Prepared::new(&mesh);
+    let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+    let samples = samples(32);
+    let size = [40, 30];
+    let settings = Settings { validity: false, ..Settings::new(size, 96, samples.clone()) };
+    let mut renderer = Renderer::new(gpu(), &prepared, &settings, Budget::default()).expect("a renderer");
+    let (mut looked_at, mut wrong, mut states) = (0, 0, [0; 5]);
+    for view in 0..views {
+        let eye = vector(&mut random).normalize() * (1.5 + 2.0 * unit(&mut random));
+        let camera = camera(eye, vector(&mut random) * 0.3, 50.0);
+        let light = random_light(view % 2 == 0, &mut random);
+        renderer.render(&camera, &light).expect("a frame");
+        let facets = renderer.method().facets().list.read(gpu()).expect("readback");
+        let rays = camera.rays(size[0], size[1]);
+        for facet in facets {
+            states[facet.state as usize] += 1;
+            let shadowed = match STATES[facet.state as usize] {
+                State::Lit => false,
+                State::Shadowed => true,
+                _ => continue,
+            };
+            let [a, b, c] = tracer.corners(facet.triangle).map(|p| p - rays.eye);
+            let normal = (b - a).cross(c - a);
+            let edges = [a.cross(b), b.cross(c), c.cross(a)];
+            for o in samples.offsets() {
+                let (x, y) = (facet.pixel % size[0], facet.pixel / size[0]);
+                let ray = rays.direction(f64::from(x) + f64::from(o[0]), f64::from(y) + f64::from(o[1]));
+                let at = edges.map(|e| e.dot(ray) / e.dot(rays.step_x).hypot(e.dot(rays.step_y)));
+                let inside = at.iter().all(|&v| v > 0.01) || at.iter().all(|&v| v < -0.01);
+                if !inside {
+                    continue;
+                }
+                let point = rays.eye + ray * (normal.dot(a) / normal.dot(ray));
+                let own = facet.triangle;
+                let shade = tracer.shade(point, point.length() * 1e-12, light.homogeneous(), &|t| t == own);
+                looked_at += 1;
+                wrong += usize::from(!shade.touching && shade.occluded != shadowed);
+            }
+        }
+    }
+    (looked_at, wrong, states)
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn settled_facets_are_never_wrong() {
+    let mut total = 0;
+    for kind in 0..4 {
+        let (looked_at, wrong, states) = wrongly_settled(kind, 100 + u64::from(kind), 24);
+        assert_eq!(wrong, 0, "kind {kind}: of {looked_at} points; states {states:?}");
+        total += looked_at;
+    }
+    assert!(total > 100_000, "only {total} points of settled facets");
+}
+
+/// The reference's rays are those of the truth.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn rays_are_the_cameras() {
+    let world = world(gpu(), 0, &mut Random::new(11));
+    let rays = world.camera.rays(24, 18);
+    let (a, b) = (pixel_ray(&world.view, 25, DVec2::new(0.25, -0.5)), rays.direction(1.75, 1.0));
+    assert!((a - b).length() < 1e-12, "{a} {b}");
+    let _: Buffer<u32> = poisoned(gpu(), 1);
+}

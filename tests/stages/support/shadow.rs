@@ -1,0 +1,489 @@
+//! What the tests of the shadow stages share: random scenes, and stages run one at a time on lists made by hand.
+
+use super::{POISON, Random, run};
+use std::collections::HashMap;
+use std::sync::{Mutex, OnceLock};
+use subpixel_shadows::frame::{Frame, sample_words};
+use subpixel_shadows::glam::DVec3;
+use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
+use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::prepared::CasterBuffers;
+use subpixel_shadows::reference::camera_visibility::{Doubt, nearest};
+use subpixel_shadows::reference::front_layer::{Margin, Split};
+use subpixel_shadows::reference::prefix_scan::exclusive;
+use subpixel_shadows::reference::summed_area::table;
+use subpixel_shadows::reference::triangle_setup::{Triangle, setup};
+use subpixel_shadows::reference::vertex_project::project;
+use subpixel_shadows::reference::view::View;
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::stages::camera_visibility::Blocks;
+use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets, Surroundings};
+use subpixel_shadows::stages::front_layer::{MARKED, UNCOVERED};
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs};
+use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
+use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
+use subpixel_shadows::stages::vertex_project::VertexProject;
+use subpixel_shadows::wgpu;
+
+/// A value in [0, 1).
+pub fn unit(random: &mut Random) -> f64 {
+    f64::from(random.word()) / (f64::from(u32::MAX) + 1.0)
+}
+
+/// A vector in the cube from -1 to 1.
+pub fn vector(random: &mut Random) -> DVec3 {
+    DVec3::new(unit(random), unit(random), unit(random)) * 2.0 - 1.0
+}
+
+fn push(mesh: &mut Mesh, corners: [DVec3; 3]) {
+    let base = mesh.positions.len() as u32;
+    mesh.positions.extend(corners.map(|c| <[f32; 3]>::from(c.as_vec3())));
+    mesh.triangles.push([base, base + 1, base + 2]);
+}
+
+/// `n` triangles of this size, anywhere in the cube from -1 to 1.
+pub fn soup(n: usize, size: f64, random: &mut Random) -> Mesh {
+    let mut mesh = Mesh::default();
+    for _ in 0..n {
+        let at = vector(random);
+        push(&mut mesh, [at, at + vector(random) * size, at + vector(random) * size]);
+    }
+    mesh
+}
+
+/// A box between two corners, wound outward.
+pub fn add_box(mesh: &mut Mesh, lo: DVec3, hi: DVec3) {
+    let base = mesh.positions.len() as u32;
+    for k in 0..8 {
+        let pick = |bit: u32, lo: f64, hi: f64| if k >> bit & 1 == 1 { hi } else { lo };
+        let p = DVec3::new(pick(0, lo.x, hi.x), pick(1, lo.y, hi.y), pick(2, lo.z, hi.z));
+        mesh.positions.push(p.as_vec3().into());
+    }
+    for [a, b, c, d] in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+        mesh.triangles.extend([[a, b, c], [a, c, d]].map(|t| t.map(|v| v + base)));
+    }
+}
+
+/// A square sheet of `n` × `n` quads around the origin, of half width `half`, turned by `turn` and lifted by `bump`.
+pub fn sheet(n: u32, half: f64, bump: impl Fn(f64, f64) -> f64, turn: impl Fn(DVec3) -> DVec3) -> Mesh {
+    let mut mesh = Mesh::default();
+    for j in 0..=n {
+        for i in 0..=n {
+            let (x, z) = (f64::from(i) / f64::from(n) * 2.0 - 1.0, f64::from(j) / f64::from(n) * 2.0 - 1.0);
+            let p = turn(DVec3::new(x * half, bump(x, z), z * half));
+            mesh.positions.push(p.as_vec3().into());
+        }
+    }
+    let row = n + 1;
+    for j in 0..n {
+        for i in 0..n {
+            let a = i + j * row;
+            mesh.triangles.extend([[a, a + row, a + 1], [a + 1, a + row, a + row + 1]]);
+        }
+    }
+    mesh
+}
+
+/// A scene of one of four kinds: soup, closed boxes that run into each other over a floor, a bumpy open sheet, all doubled.
+pub fn random_scene(kind: u32, random: &mut Random) -> Mesh {
+    match kind % 4 {
+        0 => soup(60, 0.5, random),
+        1 => {
+            let mut mesh = Mesh::default();
+            add_box(&mut mesh, DVec3::new(-3.0, -1.2, -3.0), DVec3::new(3.0, -1.0, 3.0));
+            for _ in 0..5 {
+                let (at, size) = (vector(random) * 0.7, vector(random).abs() * 0.5 + 0.1);
+                add_box(&mut mesh, at - size, at + size);
+            }
+            mesh
+        }
+        2 => {
+            let phase = unit(random) * 6.0;
+            let mut mesh = sheet(8, 1.5, |x, z| 0.3 * (7.0 * x + phase).sin() * (5.0 * z).cos() - 0.5, |p| p);
+            let extra = soup(10, 0.7, random);
+            let base = mesh.positions.len() as u32;
+            mesh.positions.extend(extra.positions);
+            mesh.triangles.extend(extra.triangles.iter().map(|t| t.map(|v| v + base)));
+            mesh
+        }
+        _ => {
+            let mut mesh = random_scene(1, random);
+            mesh.triangles.extend(mesh.triangles.clone());
+            mesh
+        }
+    }
+}
+
+/// A camera at `eye` that looks at `target`.
+pub fn camera(eye: DVec3, target: DVec3, fov: f32) -> Camera {
+    Camera {
+        eye: eye.as_vec3().into(),
+        target: target.as_vec3().into(),
+        up: [0.03, 1.0, 0.02],
+        vertical_fov_degrees: fov,
+        near: 1e-4,
+        far: 1e4,
+    }
+}
+
+/// A light in a random direction, mostly above, or at a point there outside the scene.
+pub fn random_light(directional: bool, random: &mut Random) -> Light {
+    let v = vector(random) + DVec3::new(0.0, 1.3, 0.0);
+    if directional {
+        Light::Directional { direction: v.as_vec3().into() }
+    } else {
+        Light::Point { position: (v.normalize() * 6.0).as_vec3().into() }
+    }
+}
+
+/// The low-discrepancy pattern.
+pub fn samples(count: u32) -> Samples {
+    Samples::new(Pattern::LowDiscrepancy, count).expect("a pattern")
+}
+
+/// A mesh under camera and light, its vertices and triangles set up on the GPU and by their definitions.
+pub struct World {
+    pub gpu: &'static Gpu,
+    pub prepared: Prepared,
+    pub camera: Camera,
+    pub light: Light,
+    pub samples: Samples,
+    pub frame: Frame,
+    pub casters: CasterBuffers,
+    pub points: Buffer<[f32; 4]>,
+    pub map_points: Buffer<[f32; 4]>,
+    pub facts: TriangleFacts,
+    pub view: View,
+    pub triangles: Vec<Triangle>,
+}
+
+struct Front {
+    project: VertexProject,
+    setup: TriangleSetup,
+}
+
+impl World {
+    pub fn new(
+        gpu: &'static Gpu,
+        mesh: &Mesh,
+        camera: Camera,
+        light: Light,
+        size: [u32; 2],
+        map: u32,
+        samples: Samples,
+    ) -> Self {
+        static FRONT: OnceLock<Front> = OnceLock::new();
+        static FOLDING: OnceLock<Front> = OnceLock::new();
+        let front = if std::ptr::eq(gpu, super::gpu()) { &FRONT } else { &FOLDING };
+        let front = front
+            .get_or_init(|| Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) });
+        let prepared = Prepared::new(mesh);
+        let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
+        let fitted = LightView::fit(&prepared.mesh, &light, map).expect("a light view");
+        let bounds = prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let mut frame = Frame::new(&camera, &light, &fitted, bounds, size, &samples);
+        let (vertices, triangles) = (prepared.mesh.positions.len(), prepared.mesh.triangles.len());
+        (frame.vertex_count, frame.triangle_count) = (vertices as u32, triangles as u32);
+        let points = Buffer::storage(&gpu.device, "test.points", vertices).expect("memory");
+        let map_points = Buffer::storage(&gpu.device, "test.map_points", vertices).expect("memory");
+        let facts = TriangleFacts::new(&gpu.device, triangles).expect("memory");
+        let uniform = uniform(gpu, &frame);
+        run(gpu, |s| {
+            front.project.record(s, uniform.raw(), casters.positions.raw(), &points, &map_points, vertices)?;
+            let indices = casters.triangles.raw();
+            front.setup.record(s, uniform.raw(), indices, &points, &map_points, &facts, triangles)
+        });
+        let view = View::new(&camera, &light, &fitted, bounds, size, false);
+        let projected = project(&view, &prepared.mesh.positions);
+        let set_up = setup(&view, &projected, &prepared.mesh.triangles);
+        Self {
+            gpu,
+            prepared,
+            camera,
+            light,
+            samples,
+            frame,
+            casters,
+            points,
+            map_points,
+            facts,
+            view,
+            triangles: set_up,
+        }
+    }
+
+    pub fn words(&self) -> usize {
+        self.samples.words() as usize
+    }
+
+    pub fn margin(&self) -> Margin {
+        Margin { texels: f64::from(self.frame.map_margin), depth: f64::from(self.frame.depth_margin) }
+    }
+
+    /// One facet a pixel: the triangle at its centre.
+    pub fn seen(&self) -> Vec<(u32, Option<u32>)> {
+        let seen = nearest(&self.view, &self.triangles, Doubt { edge: 0.0, depth: 0.0 });
+        (0u32..).zip(seen).map(|(pixel, s)| (pixel, s.triangle)).collect()
+    }
+
+    /// `count` facets of a random pixel and a random triangle whose plane the pixel's centre ray meets.
+    pub fn anything(&self, count: usize, random: &mut Random) -> Vec<(u32, Option<u32>)> {
+        let pixels = self.view.image[0] * self.view.image[1];
+        let mut out = Vec::with_capacity(count);
+        for _ in 0..count * 50 {
+            let (pixel, t) = (random.below(pixels), random.below(self.triangles.len() as u32));
+            let Some([a, b, c]) = self.triangles[t as usize].corners else { continue };
+            let normal = (b - a).cross(c - a);
+            let ray = subpixel_shadows::reference::facet_classify::pixel_ray(&self.view, pixel, Default::default());
+            let depth = normal.dot(a) / normal.dot(ray);
+            if depth > 1e-4 && depth < 100.0 {
+                out.push((pixel, Some(t)));
+            }
+            if out.len() == count {
+                break;
+            }
+        }
+        out
+    }
+
+    /// Runs `classify` on listed facets over given marks and splits.
+    pub fn classify(&self, listed: &[(u32, Option<u32>)], marked: &[bool], splits: &[Split]) -> Facets {
+        type Made = Mutex<HashMap<(u32, usize), &'static FacetClassify>>;
+        static MADE: OnceLock<Made> = OnceLock::new();
+        let (gpu, words) = (self.gpu, self.words());
+        let key = (gpu.device.limits().max_compute_workgroups_per_dimension, words);
+        let classify = *MADE
+            .get_or_init(Made::default)
+            .lock()
+            .expect("no test panicked while making a pipeline")
+            .entry(key)
+            .or_insert_with(|| Box::leak(Box::new(FacetClassify::new(&gpu.device, words as u32))));
+        let pixels = (self.view.image[0] * self.view.image[1]) as usize;
+        let facets = Facets::new(&gpu.device, listed.len(), pixels, words).expect("memory");
+        let one = |&(pixel, t): &(u32, Option<u32>)| Facet {
+            pixel,
+            triangle: t.unwrap_or(u32::MAX),
+            state: POISON,
+            ..Facet::default()
+        };
+        facets.list.write(&gpu.queue, &listed.iter().map(one).collect::<Vec<_>>());
+        let full: Vec<u32> = (0..words as u32).map(|w| full_word(self.samples.count(), w)).collect();
+        let masks: Vec<u32> = listed.iter().flat_map(|_| [full.clone(), vec![POISON; 2 * words]].concat()).collect();
+        facets.masks.write(&gpu.queue, &masks);
+        facets.items.write(&gpu.queue, &vec![POISON; listed.len()]);
+        let bits: Vec<u32> = marked.iter().map(|&m| u32::from(m)).collect();
+        let sat =
+            Buffer::from_slice(&gpu.device, &gpu.queue, "test.sat", &table(&bits, self.view.map.map_size as usize))
+                .expect("memory");
+        let splits = self.splits(splits);
+        let mut frame = self.frame;
+        frame.facets_total = listed.len() as u32;
+        let (frame, offsets) = (uniform(gpu, &frame), self.sample_offsets());
+        let around =
+            Surroundings { triangles: self.casters.triangles.raw(), points: &self.points, sat: &sat, splits: &splits };
+        run(gpu, |s| classify.record_classify(s, frame.raw(), offsets.raw(), around, &facets, listed.len()));
+        facets
+    }
+
+    /// Split depths as the kernels hold them.
+    pub fn splits(&self, splits: &[Split]) -> Buffer<f32> {
+        let words: Vec<f32> = splits
+            .iter()
+            .map(|s| match *s {
+                Split::Marked => MARKED,
+                Split::Uncovered => UNCOVERED,
+                Split::At(depth) => depth.min(3.0e38) as f32,
+            })
+            .collect();
+        Buffer::from_slice(&self.gpu.device, &self.gpu.queue, "test.splits", &words).expect("memory")
+    }
+
+    pub fn sample_offsets(&self) -> Buffer<[f32; 4]> {
+        let buffer = Buffer::uniform(&self.gpu.device, "test.samples", 64).expect("memory");
+        buffer.write(&self.gpu.queue, &sample_words(&self.samples));
+        buffer
+    }
+
+    /// Both runs of `pixel_texel_pairs` over the first `facets`: counts and `deepest` of each texel, and the padded list.
+    pub fn pixel_pairs(&self, stage: &PixelTexelPairs, facets: &Facets, splits: &[Split], capacity: usize) -> Listed {
+        let gpu = self.gpu;
+        let (map, count) = (self.view.map.map_size as usize, facets.list.len());
+        let lists = PairLists::new(&gpu.device, map, capacity.max(1), 1, 1).expect("memory");
+        let items = facets.items.read(gpu).expect("readback");
+        let (offsets, args, total) = self.items(&items);
+        let splits = self.splits(splits);
+        let mut frame = self.frame;
+        (frame.facet_count, frame.facets_total) = (count as u32, count as u32);
+        frame.pixel_texel_capacity = capacity as u32;
+        let frame = uniform(gpu, &frame);
+        lists.pixel_pairs.write(&gpu.queue, &vec![[POISON; 2]; capacity.max(1)]);
+        let mut counts = Vec::new();
+        let mut deepest = Vec::new();
+        for pass in 0..2 {
+            lists.texel_counts.write(&gpu.queue, &vec![0; map * map]);
+            if total > 0 {
+                run(gpu, |s| stage.record(s, pass, frame.raw(), facets, &offsets, (args.raw(), 0), &splits, &lists));
+            }
+            counts.push(lists.texel_counts.read(gpu).expect("readback"));
+            if pass == 0 {
+                deepest = lists.texel_deepest.read(gpu).expect("readback");
+                lists.pixel_offsets.write(&gpu.queue, &with_total(&counts[0]));
+            }
+        }
+        assert_eq!(counts[0], counts[1], "both runs find the same pairs");
+        let list = lists.pixel_pairs.read(gpu).expect("readback");
+        Listed { counts: counts.swap_remove(0), deepest, list: list.into_iter().map(|[a, b]| (a, b)).collect() }
+    }
+
+    /// The list of pairs in a buffer of `len` when its capacity is said to be less.
+    pub fn pixel_pairs_in(
+        &self,
+        stage: &PixelTexelPairs,
+        facets: &Facets,
+        splits: &[Split],
+        capacity: usize,
+        len: usize,
+    ) -> Vec<[u32; 2]> {
+        let gpu = self.gpu;
+        let map = self.view.map.map_size as usize;
+        let lists = PairLists::new(&gpu.device, map, len, 1, 1).expect("memory");
+        let (offsets, args, _) = self.items(&facets.items.read(gpu).expect("readback"));
+        let splits_on_gpu = self.splits(splits);
+        let mut frame = self.frame;
+        (frame.facet_count, frame.facets_total) = (facets.list.len() as u32, facets.list.len() as u32);
+        frame.pixel_texel_capacity = capacity as u32;
+        let frame = uniform(gpu, &frame);
+        let counts = self.pixel_pairs(stage, facets, splits, 1).counts;
+        lists.pixel_offsets.write(&gpu.queue, &with_total(&counts));
+        lists.pixel_pairs.write(&gpu.queue, &vec![[POISON; 2]; len]);
+        run(gpu, |s| stage.record(s, 1, frame.raw(), facets, &offsets, (args.raw(), 0), &splits_on_gpu, &lists));
+        lists.pixel_pairs.read(gpu).expect("readback")
+    }
+
+    /// Both runs of `triangle_texel_pairs` where `deepest` says there are facets.
+    pub fn triangle_pairs(&self, stage: &TriangleTexelPairs, deepest: &[Option<f32>], capacity: usize) -> Listed {
+        self.triangle_pairs_in(stage, deepest, capacity, capacity.max(1))
+    }
+
+    /// The same with a list of `len` elements, of which it may use `capacity`.
+    pub fn triangle_pairs_in(
+        &self,
+        stage: &TriangleTexelPairs,
+        deepest: &[Option<f32>],
+        capacity: usize,
+        len: usize,
+    ) -> Listed {
+        let gpu = self.gpu;
+        let map = self.view.map.map_size as usize;
+        let lists = PairLists::new(&gpu.device, map, 1, len, 1).expect("memory");
+        let items = self.facts.light_items.read(gpu).expect("readback");
+        let (offsets, args, total) = self.items(&items);
+        let across = map.div_ceil(8);
+        let mut words: Vec<u32> = deepest.iter().map(|d| d.map_or(0, |d| d.to_bits() + 1)).collect();
+        words.resize(map * map + across * across, 0);
+        for texel in (0..map * map).filter(|&t| deepest[t].is_some()) {
+            words[map * map + texel / map / 8 * across + texel % map / 8] = 1;
+        }
+        lists.texel_deepest.write(&gpu.queue, &words);
+        lists.triangle_pairs.write(&gpu.queue, &vec![POISON; len]);
+        let mut frame = self.frame;
+        frame.triangle_texel_capacity = capacity as u32;
+        let frame = uniform(gpu, &frame);
+        let blocks = Blocks {
+            triangles: self.casters.triangles.raw(),
+            points: &self.map_points,
+            rects: &self.facts.light_rects,
+            offsets: &offsets,
+            args: (args.raw(), 0),
+        };
+        let mut counts = Vec::new();
+        for pass in 0..2 {
+            lists.texel_counts.write(&gpu.queue, &vec![0; map * map]);
+            if total > 0 {
+                run(gpu, |s| stage.record(s, pass, frame.raw(), blocks, &lists));
+            }
+            counts.push(lists.texel_counts.read(gpu).expect("readback"));
+            if pass == 0 {
+                lists.triangle_offsets.write(&gpu.queue, &with_total(&counts[0]));
+            }
+        }
+        assert_eq!(counts[0], counts[1], "both runs find the same pairs");
+        let offsets = with_total(&counts[0]);
+        let list = lists.triangle_pairs.read(gpu).expect("readback");
+        let owner = |k: usize| offsets[..map * map].partition_point(|&o| o as usize <= k) as u32 - 1;
+        let list = list.into_iter().enumerate().map(|(k, t)| (t, if t == POISON { POISON } else { owner(k) }));
+        Listed { counts: counts.swap_remove(0), deepest: Vec::new(), list: list.collect() }
+    }
+
+    /// Scan of work items with its total and flag, and indirect arguments for them.
+    fn items(&self, items: &[u32]) -> (Buffer<u32>, Buffer<u32>, u32) {
+        let gpu = self.gpu;
+        let words = with_total(items);
+        let total = words[items.len()];
+        let offsets = Buffer::from_slice(&gpu.device, &gpu.queue, "test.offsets", &words).expect("memory");
+        let args = indirect(gpu, total);
+        (offsets, args, total)
+    }
+}
+
+/// What a pair stage listed.
+pub struct Listed {
+    /// Pairs of each texel.
+    pub counts: Vec<u32>,
+    /// As the kernel leaves it.
+    pub deepest: Vec<u32>,
+    /// The list with what was in it before: (facet or triangle, texel).
+    pub list: Vec<(u32, u32)>,
+}
+
+impl Listed {
+    /// The pairs of each texel, rising.
+    pub fn sets(&self) -> Vec<Vec<u32>> {
+        let offsets = with_total(&self.counts);
+        let set = |texel: usize| {
+            let mut set: Vec<u32> =
+                self.list[offsets[texel] as usize..offsets[texel + 1] as usize].iter().map(|p| p.0).collect();
+            set.sort_unstable();
+            set
+        };
+        (0..self.counts.len()).map(set).collect()
+    }
+}
+
+/// Exclusive scan, total and flag.
+pub fn with_total(values: &[u32]) -> Vec<u32> {
+    let scan = exclusive(values);
+    [scan.sums, vec![scan.total, u32::from(scan.overflow)]].concat()
+}
+
+/// Indirect arguments for `items` invocations of workgroups of 64.
+pub fn indirect(gpu: &Gpu, items: u32) -> Buffer<u32> {
+    let most = gpu.device.limits().max_compute_workgroups_per_dimension;
+    let args = Buffer::indirect(&gpu.device, "test.args", 4).expect("memory");
+    args.write(&gpu.queue, &recorder::fold_within(u64::from(items.div_ceil(64)), most));
+    args
+}
+
+/// The frame as a uniform buffer.
+pub fn uniform(gpu: &Gpu, frame: &Frame) -> Buffer<Frame> {
+    let buffer = Buffer::uniform(&gpu.device, "test.frame", 1).expect("memory");
+    buffer.write(&gpu.queue, &[*frame]);
+    buffer
+}
+
+/// The bits of samples below `count` in word `word`.
+pub fn full_word(count: u32, word: u32) -> u32 {
+    let left = count - 32 * word;
+    if left >= 32 { u32::MAX } else { (1 << left) - 1 }
+}
+
+/// Folded to at most `groups` workgroups along a dimension: one device for the whole run.
+pub fn folding_gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| {
+        let limits = wgpu::Limits { max_compute_workgroups_per_dimension: 3, ..wgpu::Limits::default() };
+        Gpu::open_with_limits(None, Some(limits)).expect("a device with small limits")
+    })
+}

@@ -1,0 +1,198 @@
+//! Triangle-texel pairs: no exact pair is missing, none is farther than twice the margin.
+
+use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, unit, vector};
+use crate::support::{POISON, Random, gpu, sizes_around};
+use std::sync::OnceLock;
+use subpixel_shadows::glam::DVec3;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::reference::front_layer::Margin;
+use subpixel_shadows::reference::triangle_texel_pairs::pairs;
+use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
+
+fn stage() -> &'static TriangleTexelPairs {
+    static STAGE: OnceLock<TriangleTexelPairs> = OnceLock::new();
+    STAGE.get_or_init(|| TriangleTexelPairs::new(&gpu().device))
+}
+
+const MAPS: [u32; 4] = [1, 2, 33, 64];
+
+fn of_mesh(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32, random: &mut Random) -> World {
+    let eye = vector(random).normalize() * (1.5 + 2.0 * unit(random));
+    World::new(gpu, mesh, camera(eye, vector(random) * 0.3, 50.0), light, [8, 8], map, samples(8))
+}
+
+fn world(gpu: &'static Gpu, kind: u32, random: &mut Random) -> World {
+    let mesh = random_scene(kind, random);
+    let light = random_light(random.below(2) == 0, random);
+    let map = MAPS[random.below(4) as usize];
+    of_mesh(gpu, &mesh, light, map, random)
+}
+
+/// Texels with facets at some depth, and texels without.
+fn any_depths(world: &World, random: &mut Random) -> Vec<Option<f32>> {
+    let texels = world.view.map.map_size.pow(2);
+    (0..texels).map(|_| (random.below(4) > 0).then(|| unit(random) as f32 * 1.2)).collect()
+}
+
+/// Pairs missing of the exact ones, and pairs that are not among those of twice the margin.
+fn faults(least: &[Vec<u32>], got: &[Vec<u32>], most: &[Vec<u32>]) -> (usize, usize) {
+    let without = |a: &[Vec<u32>], b: &[Vec<u32>]| {
+        a.iter().zip(b).map(|(a, b)| a.iter().filter(|&x| b.binary_search(x).is_err()).count()).sum()
+    };
+    (without(least, got), without(got, most))
+}
+
+#[track_caller]
+fn check(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> usize {
+    let size = world.view.map.map_size;
+    let exact: Vec<Option<f64>> = deepest.iter().map(|d| d.map(f64::from)).collect();
+    let by = |margin: Margin| pairs(&world.triangles, &exact, size, margin);
+    let (least, mut most) = (by(Margin::default()), by(world.margin().times(2.0)));
+    let needed: usize = world.triangle_pairs(stage, deepest, 0).counts.iter().map(|&c| c as usize).sum();
+    let got = world.triangle_pairs(stage, deepest, needed).sets();
+    assert!(got.iter().all(|s| s.windows(2).all(|w| w[0] < w[1])), "a pair is listed twice");
+    // Where single precision does not know a triangle's orientation it lists what its edges' lines touch in its box.
+    let thin = |t: u32| {
+        world.triangles[t as usize].flat().is_some_and(|f| {
+            let [a, b, c] = f.corners.map(DVec3::truncate);
+            let (ab, ac) = (b - a, c - a);
+            let size = (ab.x.abs() + ab.y.abs()).max(ac.x.abs() + ac.y.abs());
+            ab.perp_dot(ac).abs() <= 1e-5 * (f.bounds().1.length() + f.bounds().0.length() + size) * size
+        })
+    };
+    for (most, got) in most.iter_mut().zip(&got) {
+        most.extend(got.iter().copied().filter(|&t| thin(t)));
+        most.sort_unstable();
+    }
+    assert_eq!(faults(&least, &got, &most), (0, 0), "missing, too far");
+    got.iter().map(Vec::len).sum()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    let mut random = Random::new(31);
+    let world = world(gpu(), 0, &mut random);
+    let texels = (world.view.map.map_size as usize).pow(2);
+    assert_eq!(check(&world, stage(), &vec![None; texels]), 0, "no facet, no pair");
+    let none = of_mesh(gpu(), &Mesh::default(), Light::Directional { direction: [0.0, 1.0, 0.1] }, 8, &mut random);
+    assert_eq!(check(&none, stage(), &[Some(1.0); 64]), 0);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    let mut random = Random::new(32);
+    let mut found = 0;
+    for map in MAPS {
+        let mut mesh = crate::support::shadow::soup(1, 0.6, &mut random);
+        // A triangle with nothing behind it is not looked at.
+        let below = mesh.positions.iter().map(|p| [p[0], p[1] - 2.0, p[2]]).collect::<Vec<_>>();
+        mesh.positions.extend(below);
+        mesh.triangles.push([3, 4, 5]);
+        let light = random_light(map % 2 == 0, &mut random);
+        let world = of_mesh(gpu(), &mesh, light, map, &mut random);
+        found += check(&world, stage(), &vec![Some(3.0); (map * map) as usize]);
+    }
+    assert!(found > 0);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    let mut random = Random::new(33);
+    // One block a triangle: as many work items as triangles.
+    for size in sizes_around(64) {
+        let mesh = crate::support::shadow::soup(size, 0.1, &mut random);
+        let light = random_light(size % 2 == 0, &mut random);
+        let world = of_mesh(gpu(), &mesh, light, 8, &mut random);
+        check(&world, stage(), &[Some(3.0); 64]);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    let mut random = Random::new(34);
+    let mut found = 0;
+    for kind in 0..60 {
+        let world = world(gpu(), kind, &mut random);
+        found += check(&world, stage(), &any_depths(&world, &mut random));
+    }
+    assert!(found > 10_000, "{found} pairs");
+}
+
+/// Triangles of no area, slivers, triangles far outside the map, sub-texel ones, and ones that reach behind the light.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    let mut random = Random::new(35);
+    for round in 0..12 {
+        let mut mesh = crate::support::shadow::soup(60, 0.6, &mut random);
+        for t in 0..60 {
+            let [a, b] = [mesh.positions[3 * t], mesh.positions[3 * t + 1]];
+            let thin = |by: f32| std::array::from_fn(|k| 0.5 * (a[k] + b[k]) + by * (k as f32 - 1.0));
+            match t % 6 {
+                0 => mesh.positions[3 * t + 2] = thin(0.0),
+                1 => mesh.positions[3 * t + 2] = thin(1e-5),
+                2 => mesh.positions[3 * t + 2] = a,
+                3 => mesh.positions[3 * t + 2] = thin(1e-3),
+                _ => {}
+            }
+        }
+        mesh.triangles.push([5, 5, 7]);
+        let light = if round % 2 == 0 {
+            // Among the triangles: many reach behind it.
+            Light::Point { position: (vector(&mut random) * 0.5).as_vec3().into() }
+        } else {
+            Light::Directional { direction: (vector(&mut random)).as_vec3().into() }
+        };
+        let world = of_mesh(gpu(), &mesh, light, MAPS[random.below(4) as usize], &mut random);
+        check(&world, stage(), &any_depths(&world, &mut random));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let mut random = Random::new(36);
+    let world = world(gpu(), 1, &mut random);
+    let deepest = vec![Some(2.0); (world.view.map.map_size as usize).pow(2)];
+    let counts = world.triangle_pairs(stage(), &deepest, 0).counts;
+    let needed = counts.iter().sum::<u32>() as usize;
+    assert!(needed > 10);
+    for capacity in [needed - 1, needed, needed + 1] {
+        let listed = world.triangle_pairs_in(stage(), &deepest, capacity, needed + 9);
+        assert_eq!(listed.counts, counts, "the need does not depend on the capacity");
+        let (inside, beyond) = listed.list.split_at(capacity.min(needed));
+        assert!(inside.iter().all(|p| p.0 != POISON), "capacity {capacity}: a pair is not written");
+        assert!(beyond.iter().all(|p| p.0 == POISON), "capacity {capacity}: written past the end");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    let mut random = Random::new(37);
+    let small = TriangleTexelPairs::new(&folding_gpu().device);
+    let mesh = crate::support::shadow::soup(150, 0.1, &mut random);
+    let light = random_light(true, &mut random);
+    let world = of_mesh(folding_gpu(), &mesh, light, 33, &mut random);
+    assert!(check(&world, &small, &any_depths(&world, &mut random)) > 150);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let (least, most) = (vec![vec![1, 4]], vec![vec![0, 1, 4]]);
+    assert_eq!(faults(&least, &[vec![1, 4]], &most), (0, 0));
+    assert_eq!(faults(&least, &[vec![4]], &most), (1, 0), "a missing pair is seen");
+    assert_eq!(faults(&least, &[vec![1, 4, 7]], &most), (0, 1), "a spare one too");
+    let mut random = Random::new(38);
+    let world = world(gpu(), 1, &mut random);
+    let depths = vec![Some(2.0); (world.view.map.map_size as usize).pow(2)];
+    let exact: Vec<_> = depths.iter().map(|d| d.map(f64::from)).collect();
+    let by = |texels| pairs(&world.triangles, &exact, world.view.map.map_size, Margin { texels, depth: 0.0 });
+    assert!(faults(&by(1.0), &by(0.0), &by(1.0)).0 > 0 || world.view.map.map_size < 3, "a margin makes pairs");
+}
