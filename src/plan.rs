@@ -40,7 +40,7 @@ pub struct Step {
 pub struct Plan {
     /// How much of the method runs.
     pub extent: Extent,
-    /// Every stage in order, then the parts.
+    /// Every stage of this number of facets a pixel in order, then the parts.
     pub steps: Vec<Step>,
     /// The settings to render with.
     pub settings: Settings,
@@ -100,10 +100,8 @@ impl Plan {
         };
         let mut steps: Vec<Step> = STAGES
             .iter()
-            .map(|&(name, purpose, least)| {
-                let needless = (!needs(least)).then(|| reason.clone());
-                Step { name, purpose, left_out: needless.or_else(|| other_mode(name, wanted.facets)) }
-            })
+            .filter(|(name, ..)| finds_facets_of(name).is_none_or(|mode| mode == wanted.facets))
+            .map(|&(name, purpose, least)| Step { name, purpose, left_out: (!needs(least)).then(|| reason.clone()) })
             .collect();
         let mut settings = wanted.clone();
         let mut part = |(name, purpose): (&'static str, &'static str), left_out: Option<String>| {
@@ -131,14 +129,13 @@ impl Plan {
     }
 }
 
-/// Why a stage that finds what pixels see is not the one for this number of facets.
-fn other_mode(stage: &str, facets: FacetMode) -> Option<String> {
-    let reason = match (stage, facets) {
-        ("pixel_triangles" | "sample_surfaces", FacetMode::One) => "one facet a pixel: the surface at its centre",
-        ("camera_visibility", FacetMode::All) => "every sample is looked at, the centre among them",
-        _ => return None,
-    };
-    Some(reason.to_owned())
+/// The number of facets a pixel with which a stage finds what pixels see; with the other, other stages do.
+fn finds_facets_of(stage: &str) -> Option<FacetMode> {
+    match stage {
+        "pixel_triangles" | "sample_surfaces" => Some(FacetMode::All),
+        "camera_visibility" => Some(FacetMode::One),
+        _ => None,
+    }
 }
 
 /// Why the validity mask cannot change anything or is not wanted.
@@ -428,6 +425,18 @@ mod tests {
             assert!(STAGES.iter().all(|(name, ..)| reason(&forced, name).is_none()), "{forced:?}");
             assert!(forced.settings.validity && !forced.settings.cull_back && !forced.settings.settle);
         }
+    }
+
+    #[test]
+    fn every_surface_has_stages_of_its_own() {
+        let prepared = Prepared::new(&Scene::open("plane", &Default::default()).unwrap().mesh);
+        let scene = Scene::open("plane", &Default::default()).unwrap();
+        let wanted = Settings { facets: FacetMode::All, ..settings(32, true) };
+        let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, false).unwrap();
+        let names: Vec<_> = plan.steps.iter().map(|s| s.name).collect();
+        assert!(names.contains(&"pixel_triangles") && names.contains(&"sample_surfaces"), "{names:?}");
+        assert!(!names.contains(&"camera_visibility"), "{names:?}");
+        assert!(!plan.settings.validity && plan.settings.settle, "coverage replaces validity");
     }
 
     #[test]
