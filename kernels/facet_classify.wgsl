@@ -6,7 +6,8 @@
 //   SHADOWED where no texel of it is marked and it lies behind the split depth;
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
 // There is no depth bias: the split depth was proved (front_layer) to lie between two sheets.
-// A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle.
+// A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle. With
+// FLAG_CLAMP all facets have only such samples: their rectangles are cut to their triangles.
 
 //@import frame
 //@import dispatch
@@ -122,18 +123,20 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let ray = ray_at(pixel, origin);
     let depth = plane.w / dot(normal, ray);
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
-    // Followed well beyond its own triangle, but not to the horizon.
-    let limit = max(far_corner, depth) * 4.0;
-    let outline = facet_box(pixel, plane, limit);
-    if !outline.whole { keep_own_triangle(f, given, pixel_ray(pixel)); }
+    // One facet is followed well beyond its own triangle, but not to the horizon.
+    let clamped = (frame.flags & FLAG_CLAMP) != 0u;
+    let limit = max(far_corner, depth) * select(4.0, 1.0001, clamped);
+    var outline = facet_box(pixel, plane, limit);
+    if clamped {
+        cut_to_triangle(&outline, a, b, c);
+    } else if !outline.whole {
+        keep_own_triangle(f, given, pixel_ray(pixel));
+    }
     var rect = EMPTY_RECT;
-    var low = vec2(-3.0e38);
-    var high = vec2(3.0e38);
-    var farthest = 3.0e38;
+    let low = select(vec2(-3.0e38), outline.low, outline.in_front);
+    let high = select(vec2(3.0e38), outline.high, outline.in_front);
+    let farthest = select(3.0e38, outline.farthest, outline.in_front);
     if outline.in_front {
-        low = outline.low;
-        high = outline.high;
-        farthest = outline.farthest;
         rect = cells_touched(low - frame.map_margin, high + frame.map_margin, vec2(frame.map_size));
     } else {
         rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));

@@ -1,7 +1,8 @@
 // resolve: from masks to visibility (Pan 2009, section 3.4, last paragraphs).
 // Reads facets, their masks (coverage, occluded, invalid: WORDS words each) and which facets a pixel has. Writes
 // `visibility` (lit share of the samples that count, 1 where nothing is seen) and `lit` (WORDS words a pixel: which samples
-// are lit or see nothing). Counts into `status` how many facets each state has.
+// are lit, all of them where nothing is seen). Counts into `status` how many facets each state has; with
+// FLAG_CLAMP a pixel without a facet counts as an empty one.
 
 //@import frame
 //@import dispatch
@@ -28,7 +29,9 @@ fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
         var seen = 0u;
         var bright = 0u;
         var words = vec4(0u);
-        for (var f = pixel_facets[pixel]; f < pixel_facets[pixel + 1u]; f++) {
+        let end = min(pixel_facets[pixel + 1u], arrayLength(&facets));
+        if (frame.flags & FLAG_CLAMP) != 0u && pixel_facets[pixel] >= end { atomicAdd(&wg_states[STATE_EMPTY], 1u); }
+        for (var f = pixel_facets[pixel]; f < end; f++) {
             let state = facets[f].state;
             atomicAdd(&wg_states[state], 1u);
             if state == STATE_EMPTY { continue; }

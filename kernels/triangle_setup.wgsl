@@ -2,6 +2,7 @@
 // Reads `triangles`, `points`, `map_points`. Writes per triangle: `facing` (FRONT, BACK, UNSURE or DROPPED),
 // `camera_rects` and `light_rects` (pixels and texels it may touch) and how many 8 x 8 blocks those take
 // (`camera_items`, `light_items`; 0 where the triangle has no work in that view).
+// With FLAG_CLAMP the pixels whose squares it may touch count, else those whose centres it may cover.
 // Rectangles are conservative; a triangle that crosses the camera's near plane is clipped for its rectangle, one that
 // is not surely in front of the light takes the whole map, one surely behind it nothing.
 
@@ -51,6 +52,7 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
     include_edge(c, a, dc, da, near);
     if box_low.x > box_high.x { return EMPTY_RECT; }
     let slack = 0.015625 + 1e-6 * max(max(abs(box_low.x), abs(box_low.y)), max(abs(box_high.x), abs(box_high.y)));
+    if (frame.flags & FLAG_CLAMP) != 0u { return cells_touched(box_low - slack, box_high + slack, frame.image_size); }
     // A pixel can be covered only if its centre is in the box.
     let low = ceil(box_low - 0.5 - slack);
     let high = floor(box_high - 0.5 + slack);

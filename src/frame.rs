@@ -75,12 +75,12 @@ shared_struct! {
         pub candidate_capacity: u32,
         /// Which slice of long triangle lists is evaluated.
         pub round: u32,
-        /// Facets of all bands.
+        /// Facets of all bands; the capacity of their list where only the GPU knows their number.
         pub facets_total: u32,
-        /// Unused.
-        pub pad_0: u32,
-        /// Unused.
-        pub pad_1: u32,
+        /// Triangles that the lists of all pixels can hold.
+        pub pixel_triangle_capacity: u32,
+        /// Pixels with several surfaces that can be looked at.
+        pub complex_capacity: u32,
         /// Unused.
         pub pad_2: u32,
     }
@@ -95,6 +95,8 @@ impl Frame {
     pub const PERSPECTIVE: u32 = 4;
     /// Settle no facet before evaluation.
     pub const ALL_UNDECIDED: u32 = 8;
+    /// A facet covers only its own triangle, and pixels count by their squares, not their centres.
+    pub const CLAMP: u32 = 16;
 
     /// The frame of a camera, a light and its view of a scene that lies between two corners.
     /// Counts of the mesh, lists and bands are left at 0.

@@ -7,7 +7,7 @@
 //! Proofs are made in `f64` with margins far above the rounding of the kernels: what is not certain is not left out.
 
 use crate::Result;
-use crate::methods::facet_masks::Settings;
+use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
 use crate::scene::{Camera, Light};
 use glam::{DVec3, DVec4, Vec3};
@@ -40,16 +40,18 @@ pub struct Step {
 pub struct Plan {
     /// How much of the method runs.
     pub extent: Extent,
-    /// Every stage in order, then the parts.
+    /// Every stage of this number of facets a pixel in order, then the parts.
     pub steps: Vec<Step>,
     /// The settings to render with.
     pub settings: Settings,
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 13] = [
+const STAGES: [(&str, &str, Extent); 15] = [
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
+    ("pixel_triangles", "triangles that the samples of each pixel may see", Extent::Facing),
+    ("sample_surfaces", "the surface each sample sees, a facet for each", Extent::Facing),
     ("light_layers", "two nearest layers at every texel centre", Extent::Everything),
     ("silhouette_mask", "texels that silhouette edges touch", Extent::Everything),
     ("front_layer", "proves which texels are covered by one sheet", Extent::Everything),
@@ -86,7 +88,7 @@ impl Plan {
             (Extent::Everything, String::new())
         } else if let Some(reason) = nothing_seen(prepared, camera, wanted.size) {
             (Extent::Nothing, reason)
-        } else if let Some(reason) = no_shadow(prepared, camera, light) {
+        } else if let Some(reason) = no_shadow(prepared, camera, light).filter(|_| wanted.facets == FacetMode::One) {
             (Extent::Facing, reason)
         } else {
             (Extent::Everything, String::new())
@@ -98,6 +100,7 @@ impl Plan {
         };
         let mut steps: Vec<Step> = STAGES
             .iter()
+            .filter(|(name, ..)| finds_facets_of(name).is_none_or(|mode| mode == wanted.facets))
             .map(|&(name, purpose, least)| Step { name, purpose, left_out: (!needs(least)).then(|| reason.clone()) })
             .collect();
         let mut settings = wanted.clone();
@@ -126,9 +129,20 @@ impl Plan {
     }
 }
 
+/// The number of facets a pixel with which a stage finds what pixels see; with the other, other stages do.
+fn finds_facets_of(stage: &str) -> Option<FacetMode> {
+    match stage {
+        "pixel_triangles" | "sample_surfaces" => Some(FacetMode::All),
+        "camera_visibility" => Some(FacetMode::One),
+        _ => None,
+    }
+}
+
 /// Why the validity mask cannot change anything or is not wanted.
 fn no_validity(wanted: &Settings) -> Option<String> {
-    if wanted.samples.count() == 1 {
+    if wanted.facets == FacetMode::All {
+        Some("every sample lies in the facet of the surface it sees".to_owned())
+    } else if wanted.samples.count() == 1 {
         Some("one sample: the pixel centre is always valid".to_owned())
     } else {
         (!wanted.validity).then(|| "switched off".to_owned())
@@ -143,7 +157,7 @@ fn no_settling(wanted: &Settings, validity: bool, force_all: bool) -> Option<Str
     } else if !wanted.settle {
         Some("switched off".to_owned())
     } else {
-        (!validity && wanted.samples.count() > 1)
+        (!validity && wanted.samples.count() > 1 && wanted.facets == FacetMode::One)
             .then(|| "without validity masks samples off the surface count, of which nothing is proved".to_owned())
     }
 }
@@ -281,6 +295,7 @@ mod tests {
             size: [64, 48],
             map: 64,
             samples,
+            facets: FacetMode::One,
             validity,
             cull_back: true,
             masks: Default::default(),
@@ -410,6 +425,18 @@ mod tests {
             assert!(STAGES.iter().all(|(name, ..)| reason(&forced, name).is_none()), "{forced:?}");
             assert!(forced.settings.validity && !forced.settings.cull_back && !forced.settings.settle);
         }
+    }
+
+    #[test]
+    fn every_surface_has_stages_of_its_own() {
+        let prepared = Prepared::new(&Scene::open("plane", &Default::default()).unwrap().mesh);
+        let scene = Scene::open("plane", &Default::default()).unwrap();
+        let wanted = Settings { facets: FacetMode::All, ..settings(32, true) };
+        let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, false).unwrap();
+        let names: Vec<_> = plan.steps.iter().map(|s| s.name).collect();
+        assert!(names.contains(&"pixel_triangles") && names.contains(&"sample_surfaces"), "{names:?}");
+        assert!(!names.contains(&"camera_visibility"), "{names:?}");
+        assert!(!plan.settings.validity && plan.settings.settle, "coverage replaces validity");
     }
 
     #[test]

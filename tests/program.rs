@@ -175,7 +175,7 @@ fn help_and_version_succeed_and_usage_is_2() {
         &["--size", "axb"],
         &["--size", "-1x5"],
         &["--method", "pcf"],
-        &["--facets", "all"],
+        &["--facets", "both"],
         &["--engine", "tpu"],
         &["render", "a", "b"],
         &["--unknown"],

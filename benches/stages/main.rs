@@ -16,9 +16,11 @@ mod front_layer;
 mod harness;
 mod light_layers;
 mod pixel_texel_pairs;
+mod pixel_triangles;
 mod prefix_scan;
 mod radix_sort;
 mod resolve;
+mod sample_surfaces;
 mod silhouette_mask;
 mod summed_area;
 mod texel_group;
@@ -56,6 +58,8 @@ fn run(options: &Options) -> Result<()> {
         light_layers::cases,
         silhouette_mask::cases,
         front_layer::cases,
+        pixel_triangles::cases,
+        sample_surfaces::cases,
         facet_classify::cases,
         pixel_texel_pairs::cases,
         triangle_texel_pairs::cases,

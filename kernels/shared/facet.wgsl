@@ -83,6 +83,29 @@ fn facet_box(pixel: u32, plane: vec4<f32>, limit: f32) -> OutlineBox {
     return out;
 }
 
+// Cuts the box to that of the triangle, if all of it lies in front of the light.
+fn cut_to_triangle(out: ptr<function, OutlineBox>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) {
+    var own = OutlineBox(vec2(3.0e38), vec2(-3.0e38), -3.0e38, true, true);
+    box_add(&own, a);
+    box_add(&own, b);
+    box_add(&own, c);
+    if !own.in_front { return; }
+    let extent = max(abs(own.low), abs(own.high));
+    let slack = 1e-6 * max(extent.x, extent.y);
+    own.low -= slack;
+    own.high += slack;
+    // A plane that is hardly known may miss its own triangle.
+    let low = max((*out).low, own.low);
+    let high = min((*out).high, own.high);
+    if (*out).in_front && all(low <= high) {
+        own.low = low;
+        own.high = high;
+        own.farthest = min((*out).farthest, own.farthest);
+    }
+    own.whole = (*out).whole;
+    *out = own;
+}
+
 fn ray_at(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
     return pixel_ray(pixel) + offset.x * frame.ray_x.xyz + offset.y * frame.ray_y.xyz;
 }

@@ -36,8 +36,8 @@ struct Frame {
     candidate_capacity: u32,
     round: u32,              // which slice of the triangle lists is evaluated
     facets_total: u32,
-    pad_0: u32,
-    pad_1: u32,
+    pixel_triangle_capacity: u32,
+    complex_capacity: u32,
     pad_2: u32,
 }
 

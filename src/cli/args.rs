@@ -4,7 +4,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::facet_masks::Settings;
+use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};
@@ -50,7 +50,7 @@ pub struct Options {
     /// Shadow method
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]
     pub method: Method,
-    /// Facets per pixel of facet-masks: one, as in the paper
+    /// Facets per pixel of facet-masks: one, as in the paper, or one for every surface that its samples see
     #[arg(long, value_enum, default_value_t, value_name = "HOW_MANY")]
     pub facets: FacetsPerPixel,
     /// Samples per pixel: 1, 8, 16, 32, 64 or 128
@@ -125,6 +125,16 @@ impl Method {
 pub enum FacetsPerPixel {
     #[default]
     One,
+    All,
+}
+
+impl From<FacetsPerPixel> for FacetMode {
+    fn from(name: FacetsPerPixel) -> Self {
+        match name {
+            FacetsPerPixel::One => Self::One,
+            FacetsPerPixel::All => Self::All,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -179,6 +189,7 @@ impl Options {
             size: self.size,
             map: self.map,
             samples: Samples::new(self.pattern.into(), self.samples)?,
+            facets: self.facets.into(),
             validity: self.validity == Switch::On,
             cull_back: true,
             masks: match self.masks {

@@ -4,12 +4,13 @@ use super::args::{EngineName, Options};
 use super::progress::Console;
 use rayon::prelude::*;
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::facet_masks::FacetMode;
 use subpixel_shadows::methods::render::{Counts, Output, Renderer};
 use subpixel_shadows::methods::{Prepared, unshadowed};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::scene::Scene;
-use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
+use subpixel_shadows::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, full_mask, join_mask, split_mask};
 use subpixel_shadows::{Error, Result};
 
 /// Where frames are computed.
@@ -125,11 +126,21 @@ fn on_the_cpu(plan: &Plan, scene: &Scene, prepared: &Prepared, console: Console)
         })
         .collect();
     let coverage = split_mask(full_mask(samples.count()));
-    let facets: Vec<FacetInput> = (0..w * h)
-        .zip(&triangles)
-        .filter(|(_, t)| **t != u32::MAX)
-        .map(|(pixel, &triangle)| FacetInput { pixel, triangle, coverage })
-        .collect();
+    let facets: Vec<FacetInput> = match settings.facets {
+        FacetMode::One => (0..w * h)
+            .zip(&triangles)
+            .filter(|(_, t)| **t != u32::MAX)
+            .map(|(pixel, &triangle)| FacetInput { pixel, triangle, coverage })
+            .collect(),
+        FacetMode::All => {
+            let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, samples, w, h)?;
+            let of = |pixel| {
+                let surfaces = truth.surfaces(pixel).into_iter();
+                surfaces.map(move |(triangle, coverage)| FacetInput { pixel, triangle, coverage })
+            };
+            (0..w * h).into_par_iter().flat_map_iter(of).collect()
+        }
+    };
     let mut truth = FacetTruth::new(&tracer, &scene.camera, &scene.light, samples, w, h)?;
     if !settings.validity {
         truth = truth.without_validity();
@@ -139,17 +150,23 @@ fn on_the_cpu(plan: &Plan, scene: &Scene, prepared: &Prepared, console: Console)
     drop(task);
     let words = samples.words() as usize;
     let mut output = unshadowed::nothing_seen(settings);
+    let mut seen_of = vec![(0u32, 0u128); triangles.len()];
     for (facet, result) in facets.iter().zip(&judged) {
         let (valid, occluded) = (join_mask(result.valid), join_mask(result.occluded));
         let (seen, lit) = (valid.count_ones(), valid & !occluded);
         let p = facet.pixel as usize;
-        if seen > 0 {
-            output.visibility[p] = lit.count_ones() as f32 / seen as f32;
-            output.lit[p * words..(p + 1) * words].copy_from_slice(&split_mask(lit)[..words]);
+        let all = &mut seen_of[p];
+        *all = (all.0 + seen, all.1 | lit);
+        if all.0 > 0 {
+            output.visibility[p] = all.1.count_ones() as f32 / all.0 as f32;
+            output.lit[p * words..(p + 1) * words].copy_from_slice(&split_mask(all.1)[..words]);
         }
     }
     let seen = facets.len() as u64;
-    let counts =
-        Counts { silhouette_pixels: seen, empty_facets: u64::from(w) * u64::from(h) - seen, ..Counts::default() };
+    let counts = Counts {
+        silhouette_pixels: seen,
+        empty_facets: triangles.iter().filter(|&&t| t == u32::MAX).count() as u64,
+        ..Counts::default()
+    };
     Ok(Output { triangles, counts, wall_ms: start.elapsed().as_secs_f64() * 1e3, ..output })
 }

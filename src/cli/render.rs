@@ -165,17 +165,23 @@ fn idle(stage: &str, rendered: &Rendered) -> String {
 fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
     let c = &rendered.output.counts;
     let row = |name: &str, n: u64, note: String| vec![name.to_owned(), grouped(n), note];
-    let of_pixels = |n: u64| format!("{} of the pixels", percent(n, pixels));
+    let (all, unit) = if c.complex_pixels > 0 { (c.facets, "facets") } else { (pixels, "pixels") };
+    let of_pixels = |n: u64| format!("{} of the {unit}", percent(n, all));
     let mut rows = vec![
         row("silhouette edges", c.silhouette_edges, String::new()),
         row("silhouette texels", c.silhouette_texels, String::new()),
-        row("undecided pixels", c.silhouette_pixels, of_pixels(c.silhouette_pixels)),
+        row("undecided facets", c.silhouette_pixels, of_pixels(c.silhouette_pixels)),
         row("settled: lit", c.lit_facets, of_pixels(c.lit_facets)),
         row("settled: shadowed", c.shadowed_facets, of_pixels(c.shadowed_facets)),
         row("settled: dark", c.dark_facets, of_pixels(c.dark_facets)),
         row("no surface", c.empty_facets, of_pixels(c.empty_facets)),
         row("visibility evaluations", c.visibility_evaluations, String::new()),
     ];
+    if c.complex_pixels > 0 {
+        let note = format!("{} of the pixels", percent(c.complex_pixels, pixels));
+        rows.insert(2, row("pixels looked at sample by sample", c.complex_pixels, note));
+        rows.insert(3, row("facets", c.facets, format!("{:.2} a pixel", c.facets as f64 / pixels.max(1) as f64)));
+    }
     rows.push(row("pixel-texel pairs", c.pixel_texel_pairs, String::new()));
     rows.push(row("triangle-texel pairs", c.triangle_texel_pairs, String::new()));
     report.table(&rows, &[1]);

@@ -1,9 +1,8 @@
 //! `facet-masks` on the CPU: the same stages by their definitions in `f64`, for machines without an adapter.
 
-use super::facet_masks::Settings;
+use super::facet_masks::{FacetMode, Settings};
 use super::prepared::Prepared;
 use super::render::{Counts, ListUse, Output};
-use crate::Result;
 use crate::light_view::LightView;
 use crate::reference::camera_visibility::{Doubt, nearest};
 use crate::reference::candidate_pairs::candidates;
@@ -18,6 +17,7 @@ use crate::reference::view::View;
 use crate::reference::{pixel_texel_pairs, triangle_texel_pairs, visibility_masks};
 use crate::scene::{Camera, Light};
 use crate::truth::{FacetTruth, Progress, Tracer, join_mask, split_mask};
+use crate::{Error, Result};
 use glam::DVec3;
 use std::time::Instant;
 
@@ -39,6 +39,9 @@ pub fn render(
 ) -> Result<Output> {
     let start = Instant::now();
     settings.check()?;
+    if settings.facets == FacetMode::All {
+        return Err(Error::Config("the stages on the CPU know one facet a pixel only".to_owned()));
+    }
     camera.check()?;
     let mesh = &prepared.mesh;
     let map = LightView::fit(mesh, light, settings.map)?;
@@ -96,6 +99,8 @@ pub fn render(
     let total = |lists: &[Vec<u32>]| lists.iter().map(|l| l.len() as u64).sum::<u64>();
     let tests = pixel_pairs.iter().zip(&triangle_pairs).map(|(p, t)| (p.len() * t.len()) as u64).sum();
     let counts = Counts {
+        facets: facets.len() as u64,
+        complex_pixels: 0,
         silhouette_edges: silhouette.iter().filter(|s| **s).count() as u64,
         silhouette_texels: marked.iter().filter(|m| **m).count() as u64,
         silhouette_pixels: state(State::Undecided),

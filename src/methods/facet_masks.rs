@@ -1,5 +1,6 @@
 //! `facet-masks`: the flagship (Pan, Wang, Chen, Zhou, Bao 2009), one page of calls to stages.
 
+use super::every_surface::EverySurface;
 use super::prepared::CasterBuffers;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::kernels::{
@@ -29,6 +30,16 @@ use crate::{Error, Result};
 use glam::DVec3;
 use std::sync::Arc;
 
+/// How many facets a pixel has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FacetMode {
+    /// One, for the surface at its centre (Pan 2009).
+    #[default]
+    One,
+    /// One for each surface that its samples see. Their coverage replaces the validity mask.
+    All,
+}
+
 /// What a frame is computed with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -38,6 +49,8 @@ pub struct Settings {
     pub map: u32,
     /// Sample pattern.
     pub samples: Samples,
+    /// Facets of a pixel.
+    pub facets: FacetMode,
     /// Keep the validity mask.
     pub validity: bool,
     /// Leave out casters that face away from the light, in closed meshes.
@@ -49,10 +62,24 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Pixels of the image.
+    pub fn pixels(&self) -> usize {
+        self.size.iter().map(|&s| s as usize).product()
+    }
+
     /// The settings of the paper for an image of `size` pixels and a map of `map` texels a side: validity masks, exact
     /// masks, every facet settled early that can be, no caster left out.
     pub fn new(size: [u32; 2], map: u32, samples: Samples) -> Self {
-        Self { size, map, samples, validity: true, cull_back: false, masks: MaskVariant::Exact, settle: true }
+        Self {
+            size,
+            map,
+            samples,
+            facets: FacetMode::One,
+            validity: true,
+            cull_back: false,
+            masks: MaskVariant::Exact,
+            settle: true,
+        }
     }
 
     /// Checks sizes against what is possible.
@@ -87,6 +114,14 @@ pub mod status {
     pub const TEXELS: usize = 24;
     /// First word of the bands.
     pub const BANDS: usize = 32;
+    /// Longest list of triangles of a pixel.
+    pub const LONGEST_PIXEL: usize = crate::stages::pixel_triangles::PixelTriangles::STATUS_LONGEST;
+    /// Triangles in the lists of all pixels, and a flag: more than 2^32.
+    pub const PIXEL_TRIANGLES: usize = 26;
+    /// Pixels whose samples are looked at one by one, and 0.
+    pub const COMPLEX_PIXELS: usize = 28;
+    /// Facets, and a flag: more than 2^32.
+    pub const FACETS: usize = 30;
     /// Words of a band: pixel-texel pairs and flag, triangle-texel pairs and flag, candidates, doubts, longest list, unused.
     pub const BAND_WORDS: usize = 8;
 }
@@ -122,6 +157,14 @@ pub struct Capacities {
     pub bands: u32,
     /// Rounds of [`candidate_pairs::ROUND_LENGTH`] triangles.
     pub rounds: u32,
+    /// Facets.
+    pub facets: usize,
+    /// Triangles in the lists of all pixels; 0 with one facet a pixel.
+    pub pixel_triangles: usize,
+    /// Pixels that may show several surfaces; 0 with one facet a pixel.
+    pub complex_pixels: usize,
+    /// Rounds of [`ROUND_LENGTH`](crate::stages::sample_surfaces::ROUND_LENGTH) triangles of a pixel.
+    pub camera_rounds: u32,
 }
 
 /// The pipelines, which may serve any number of meshes, images and settings with as many mask words and the same mask
@@ -182,6 +225,7 @@ impl Pipelines {
 pub struct FacetMasks {
     settings: Settings,
     with: Arc<Pipelines>,
+    every_surface: Option<EverySurface>,
     memory: Memory,
     capacities: Capacities,
 }
@@ -233,8 +277,12 @@ impl FacetMasks {
         if !pipelines.serve(settings) {
             return Err(Error::Config("the pipelines were made for other numbers of samples or masks".to_owned()));
         }
+        let every_surface = match settings.facets {
+            FacetMode::One => None,
+            FacetMode::All => Some(EverySurface::new(device, queue, &pipelines.scan, settings, capacities)?),
+        };
         let memory = Memory::new(device, queue, casters, settings, &pipelines.summed_area, capacities)?;
-        Ok(Self { settings: settings.clone(), with: pipelines, memory, capacities })
+        Ok(Self { settings: settings.clone(), with: pipelines, every_surface, memory, capacities })
     }
 
     /// Sizes the lists anew, keeping all else.
@@ -246,6 +294,15 @@ impl FacetMasks {
         let m = &mut self.memory;
         m.lists =
             PairLists::new(device, size, capacities.pixel_pairs, capacities.triangle_pairs, capacities.candidates)?;
+        if capacities.facets != m.facets.list.len() {
+            let (pixels, words) = (self.settings.pixels(), self.settings.samples.words() as usize);
+            m.facets = Facets::new(device, capacities.facets, pixels, words)?;
+            m.facet_offsets = Buffer::storage(device, "facets.offsets", capacities.facets + 2)?;
+            m.scan_scratch = PrefixScan::scratch(device, m.scan_scratch.capacity().max(capacities.facets))?;
+        }
+        if let Some(every_surface) = &mut self.every_surface {
+            every_surface.resize(device, queue, &self.settings, capacities)?;
+        }
         m.frames = frames(device, capacities)?;
         let totals = [m.camera_offsets.len(), m.light_offsets.len(), m.edge_offsets.len(), m.facet_offsets.len()];
         m.requests = requests(device, queue, totals.map(|len| len - 2), capacities)?;
@@ -273,7 +330,8 @@ impl FacetMasks {
         let mut frame = Frame::new(camera, light, view, bounds, s.size, &s.samples);
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
         frame.flags |= flag(s.cull_back && casters.closed, Frame::CULL_BACK)
-            | flag(s.validity && s.samples.count() > 1, Frame::VALIDITY)
+            | flag(s.validity && s.samples.count() > 1 && s.facets == FacetMode::One, Frame::VALIDITY)
+            | flag(s.facets == FacetMode::All, Frame::CLAMP)
             | flag(!s.settle, Frame::ALL_UNDECIDED);
         frame.vertex_count = casters.positions.len() as u32;
         frame.triangle_count = casters.triangles.len() as u32;
@@ -282,6 +340,8 @@ impl FacetMasks {
         frame.pixel_texel_capacity = self.capacities.pixel_pairs as u32;
         frame.triangle_texel_capacity = self.capacities.triangle_pairs as u32;
         frame.candidate_capacity = self.capacities.candidates as u32;
+        frame.pixel_triangle_capacity = self.capacities.pixel_triangles as u32;
+        frame.complex_capacity = self.capacities.complex_pixels as u32;
         let share = frame.facets_total.div_ceil(self.capacities.bands);
         for band in 0..self.capacities.bands {
             for round in 0..self.capacities.rounds {
@@ -340,13 +400,15 @@ impl FacetMasks {
             offsets: &m.light_offsets,
             args: (m.args.raw(), Arg::Light.word()),
         };
-        self.with.visibility.record(
-            &mut rec.stage("camera_visibility"),
-            frame,
-            in_camera,
-            &m.depth_keys,
-            &m.id_keys,
-        )?;
+        match &self.every_surface {
+            None => {
+                let stage = &mut rec.stage("camera_visibility");
+                self.with.visibility.record(stage, frame, in_camera, &m.depth_keys, &m.id_keys)?;
+            }
+            Some(camera) => {
+                camera.record(rec, frame, m.samples.raw(), in_camera, &m.facets, &m.id_keys, &m.status)?;
+            }
+        }
         self.with.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers)?;
         {
             let stage = &mut rec.stage("silhouette_mask");
@@ -386,15 +448,11 @@ impl FacetMasks {
         {
             let stage = &mut rec.stage("facet_classify");
             let around = Surroundings { triangles, points: &m.points, sat: &m.sat, splits: &m.layers.splits };
-            self.with.classify.record_one(stage, frame, &m.id_keys, &m.facets)?;
-            self.with.classify.record_classify(
-                stage,
-                frame,
-                m.samples.raw(),
-                around,
-                &m.facets,
-                m.facets.list.len(),
-            )?;
+            if self.every_surface.is_none() {
+                self.with.classify.record_one(stage, frame, &m.id_keys, &m.facets)?;
+            }
+            let count = m.facets.list.len();
+            self.with.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, count)?;
             self.scan(stage, &m.facets.items, &m.facet_offsets, m.facets.list.len())?;
             self.args(stage, Arg::Facets, &m.facet_offsets)?;
         }
@@ -589,8 +647,9 @@ impl Memory {
     ) -> Result<Self> {
         let [w, h] = settings.size.map(|s| s as usize);
         let (pixels, map, words) = (w * h, settings.map as usize, settings.samples.words() as usize);
+        let facets = capacities.facets;
         let (vertices, triangles, edges) = (casters.positions.len(), casters.triangles.len(), casters.edges.len());
-        let counts = [triangles, triangles, edges, pixels, map * map];
+        let counts = [triangles, triangles, edges, facets, map * map];
         let words_of = |label: &str, len: usize| Buffer::storage(device, label, len);
         let samples = Buffer::uniform(device, "samples", 64)?;
         samples.write(queue, &sample_words(&settings.samples));
@@ -612,8 +671,8 @@ impl Memory {
             edge_offsets: words_of("silhouette_mask.edge_offsets", edges + 2)?,
             sat: words_of("summed_area.sat", map * map)?,
             sat_scratch: summed_area.scratch(device, map, map)?,
-            facets: Facets::new(device, pixels, pixels, words)?,
-            facet_offsets: words_of("facets.offsets", pixels + 2)?,
+            facets: Facets::new(device, facets, pixels, words)?,
+            facet_offsets: words_of("facets.offsets", facets + 2)?,
             lists: PairLists::new(
                 device,
                 map,
@@ -623,7 +682,7 @@ impl Memory {
             )?,
             scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
             args: Buffer::indirect(device, "dispatch_args.args", 24)?,
-            requests: requests(device, queue, [triangles, triangles, edges, pixels], capacities)?,
+            requests: requests(device, queue, [triangles, triangles, edges, facets], capacities)?,
             status: words_of("status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,

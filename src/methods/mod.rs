@@ -1,6 +1,7 @@
 //! The methods: each a page of calls to stages, in order.
 
 pub mod cpu;
+pub mod every_surface;
 pub mod facet_masks;
 pub mod prepared;
 pub mod render;

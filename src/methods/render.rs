@@ -1,13 +1,14 @@
 //! Computing one frame of `facet-masks` on the GPU and reading it back: records, submits, looks at what the lists needed,
 //! grows them and runs again until nothing is left out.
 
-use super::facet_masks::{Capacities, FacetMasks, Pipelines, Settings, status};
+use super::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, status};
 use super::prepared::{CasterBuffers, Prepared};
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::candidate_pairs::ROUND_LENGTH;
 use crate::stages::facet_classify::State;
+use crate::stages::sample_surfaces;
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::Serialize;
@@ -33,6 +34,10 @@ pub struct Counts {
     pub visibility_evaluations: u64,
     /// Evaluations that single precision could not decide and 46 bits did.
     pub refined_evaluations: u64,
+    /// Facets of all pixels.
+    pub facets: u64,
+    /// Pixels whose samples were looked at one by one; 0 with one facet a pixel.
+    pub complex_pixels: u64,
     /// Facets without a surface.
     pub empty_facets: u64,
     /// Facets turned away from the light.
@@ -132,10 +137,21 @@ impl<'a> Renderer<'a> {
         pipelines: Arc<Pipelines>,
     ) -> Result<Self> {
         let casters = prepared.upload(&gpu.device, &gpu.queue)?;
-        let pixels = settings.size.iter().map(|&s| s as usize).product::<usize>();
+        let pixels = settings.pixels();
         let start = budget.start.unwrap_or((pixels * 2).clamp(1 << 12, 1 << 24));
-        let capacities =
-            Capacities { pixel_pairs: start, triangle_pairs: start, candidates: start, bands: 1, rounds: 1 };
+        let all = settings.facets == FacetMode::All;
+        let camera = |guess: usize| if all { budget.start.unwrap_or(guess.max(64)) } else { 0 };
+        let capacities = Capacities {
+            pixel_pairs: start,
+            triangle_pairs: start,
+            candidates: start,
+            bands: 1,
+            rounds: 1,
+            facets: if all { camera(pixels * 3 / 2) } else { pixels },
+            pixel_triangles: camera(pixels * 3),
+            complex_pixels: camera(pixels / 4).min(pixels),
+            camera_rounds: 1,
+        };
         let method = FacetMasks::new(&gpu.device, &gpu.queue, pipelines, &casters, settings, capacities)?;
         gpu.check()?;
         Ok(Self { gpu, prepared, casters, method, budget, timer: Timer::new(gpu), settings: settings.clone() })
@@ -185,6 +201,9 @@ impl<'a> Renderer<'a> {
     /// The capacities with which nothing is left out, if they are not the ones in use.
     fn wanted(&self, words: &[u32]) -> Result<Option<Capacities>> {
         let now = self.method.capacities();
+        if let Some(wanted) = self.wanted_of_camera(words)? {
+            return Ok(Some(wanted));
+        }
         let [pixel_pairs, triangle_pairs, candidates, longest] = needs(words, now.bands);
         let rounds = (longest as u32).div_ceil(ROUND_LENGTH).max(1);
         if rounds > Self::MAX_ROUNDS {
@@ -220,6 +239,40 @@ impl<'a> Renderer<'a> {
         Ok(Some(wanted))
     }
 
+    /// The capacities with which the camera's lists hold every surface, if they are not the ones in use. What comes after
+    /// these lists has seen a part of them only.
+    fn wanted_of_camera(&self, words: &[u32]) -> Result<Option<Capacities>> {
+        let now = self.method.capacities();
+        if self.settings.facets == FacetMode::One {
+            return Ok(None);
+        }
+        let rounds = words[status::LONGEST_PIXEL].div_ceil(sample_surfaces::ROUND_LENGTH).max(1);
+        if rounds > Self::MAX_ROUNDS {
+            return Err(Error::Memory {
+                what: format!("triangles of one pixel ({} of them)", words[status::LONGEST_PIXEL]),
+                needed: u64::from(rounds),
+                limit: u64::from(Self::MAX_ROUNDS),
+            });
+        }
+        let needs = camera_needs(words);
+        let have = [now.pixel_triangles, now.complex_pixels, now.facets];
+        let fits = needs.iter().zip(have).all(|(&need, have)| need <= have as u64);
+        if fits && rounds <= now.camera_rounds {
+            return Ok(None);
+        }
+        let grown = |k: usize| {
+            let need = needs[k];
+            if need > have[k] as u64 { (need + need / 8) as usize } else { have[k] }
+        };
+        Ok(Some(Capacities {
+            pixel_triangles: grown(0),
+            complex_pixels: grown(1).min(self.settings.pixels()),
+            facets: grown(2),
+            camera_rounds: rounds.max(now.camera_rounds),
+            ..now
+        }))
+    }
+
     fn read(&self, words: &[u32], runs: u32, dispatches: u32, wall_ms: f64) -> Result<Output> {
         let capacities = self.method.capacities();
         let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, capacities.bands);
@@ -238,23 +291,32 @@ impl<'a> Renderer<'a> {
             candidate_tests: u64::from(words[status::TESTS]) | u64::from(words[status::TESTS + 1]) << 32,
             visibility_evaluations: sum(4),
             refined_evaluations: sum(5),
+            facets: State::ALL.iter().map(|&s| state(s)).sum(),
+            complex_pixels: u64::from(words[status::COMPLEX_PIXELS]),
             empty_facets: state(State::Empty),
             dark_facets: state(State::Dark),
             lit_facets: state(State::Lit),
             shadowed_facets: state(State::Shadowed),
         };
         let list = |name, needed, capacity: usize| ListUse { name, needed, capacity: capacity as u64, runs };
+        let mut lists = vec![
+            list("pixel_texel_pairs", pixel_pairs, capacities.pixel_pairs),
+            list("triangle_texel_pairs", triangle_pairs, capacities.triangle_pairs),
+            list("candidate_pairs", candidates, capacities.candidates),
+        ];
+        if self.settings.facets == FacetMode::All {
+            let [triangles, complex, facets] = camera_needs(words);
+            lists.push(list("pixel_triangles", triangles, capacities.pixel_triangles));
+            lists.push(list("complex_pixels", complex, capacities.complex_pixels));
+            lists.push(list("facets", facets, capacities.facets));
+        }
         Ok(Output {
             visibility: self.method.visibility().read(self.gpu)?,
             lit: self.method.lit().read(self.gpu)?,
             words: self.settings.samples.words(),
             triangles: self.method.id_keys().read(self.gpu)?.into_iter().map(|key| !key).collect(),
             counts,
-            lists: vec![
-                list("pixel_texel_pairs", pixel_pairs, capacities.pixel_pairs),
-                list("triangle_texel_pairs", triangle_pairs, capacities.triangle_pairs),
-                list("candidate_pairs", candidates, capacities.candidates),
-            ],
+            lists,
             stages: self.timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(self.gpu))?,
             wall_ms,
             dispatches,
@@ -265,6 +327,12 @@ impl<'a> Renderer<'a> {
     pub fn method(&self) -> &FacetMasks {
         &self.method
     }
+}
+
+/// Elements that the lists of the camera's side needed: triangles of pixels, complex pixels, facets.
+fn camera_needs(words: &[u32]) -> [u64; 3] {
+    [status::PIXEL_TRIANGLES, status::COMPLEX_PIXELS, status::FACETS]
+        .map(|at| if words[at + 1] != 0 { u64::from(u32::MAX) } else { u64::from(words[at]) })
 }
 
 /// Pixel-texel pairs, triangle-texel pairs and candidates that the largest band needed, and the longest list of a texel.

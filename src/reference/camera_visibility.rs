@@ -1,9 +1,9 @@
 //! The nearest triangle at every pixel centre.
 
+use super::sample_surfaces::see;
 use super::triangle_setup::Triangle;
-use super::view::{View, centre};
+use super::view::View;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// What is seen at a pixel centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,38 +29,11 @@ pub struct Doubt {
 
 /// Looks through every pixel centre.
 pub fn nearest(view: &View, triangles: &[Triangle], doubt: Doubt) -> Vec<Seen> {
-    let [width, height] = view.image;
-    let mut rows: Vec<Vec<u32>> = vec![Vec::new(); height as usize];
-    for (t, triangle) in triangles.iter().enumerate() {
-        let Some((lo, hi)) = triangle.image else { continue };
-        let (first, last) = ((lo.y - 2.0).max(0.0), (hi.y + 2.0).min(f64::from(height) - 1.0));
-        if first <= last {
-            (first as usize..=last as usize).for_each(|row| rows[row].push(t as u32));
-        }
-    }
-    let row = |(y, list): (usize, &Vec<u32>)| {
-        let mut found: Vec<Vec<(f64, f64, u32, bool)>> = vec![Vec::new(); width as usize];
-        for &t in list {
-            let triangle = &triangles[t as usize];
-            let (Some(corners), Some((lo, hi))) = (triangle.corners, triangle.image) else { continue };
-            let shape = Shape::new(corners);
-            let (first, last) = ((lo.x - 2.0).max(0.0), (hi.x + 2.0).min(f64::from(width) - 1.0));
-            if first > last {
-                continue;
-            }
-            for x in first as u32..=last as u32 {
-                if let Some((depth, reach, sure)) = shape.at(view, centre(x, y as u32), doubt) {
-                    found[x as usize].push((depth, reach, t, sure));
-                }
-            }
-        }
-        found.into_iter().map(|candidates| judge(&candidates)).collect::<Vec<_>>()
-    };
-    rows.par_iter().enumerate().flat_map_iter(row).collect()
+    see(view, triangles, &[DVec2::splat(0.5)], doubt)
 }
 
 /// The nearest of `(depth, its doubt, triangle, surely covers)`.
-fn judge(candidates: &[(f64, f64, u32, bool)]) -> Seen {
+pub(super) fn judge(candidates: &[(f64, f64, u32, bool)]) -> Seen {
     let best = |all: bool| {
         let chosen = candidates.iter().filter(|c| all || c.3);
         chosen.min_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)))
@@ -75,7 +48,7 @@ fn judge(candidates: &[(f64, f64, u32, bool)]) -> Seen {
 }
 
 /// Edge functions and plane of a triangle seen from the eye.
-struct Shape {
+pub(super) struct Shape {
     edges: [DVec3; 3],
     normal: DVec3,
     distance: f64,
@@ -83,7 +56,7 @@ struct Shape {
 }
 
 impl Shape {
-    fn new(corners: [DVec3; 3]) -> Self {
+    pub(super) fn new(corners: [DVec3; 3]) -> Self {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a);
         let turn = if normal.dot(a) < 0.0 { 1.0 } else { -1.0 };
@@ -93,7 +66,7 @@ impl Shape {
 
     /// Depth at an image position, its doubt, and whether the triangle surely covers the place; `None` if it surely does
     /// not, or not beyond the near plane.
-    fn at(&self, view: &View, at: DVec2, doubt: Doubt) -> Option<(f64, f64, bool)> {
+    pub(super) fn at(&self, view: &View, at: DVec2, doubt: Doubt) -> Option<(f64, f64, bool)> {
         let ray = view.rays.direction(at.x, at.y);
         let mut sure = true;
         for m in self.edges {

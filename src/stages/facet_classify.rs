@@ -64,6 +64,11 @@ pub enum State {
     Undecided = 4,
 }
 
+impl State {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Empty, Self::Dark, Self::Lit, Self::Shadowed, Self::Undecided];
+}
+
 /// The pipelines for one number of mask words.
 #[derive(Debug)]
 pub struct FacetClassify {
@@ -80,7 +85,7 @@ pub struct Facets {
     pub masks: Buffer<u32>,
     /// Blocks of each facet.
     pub items: Buffer<u32>,
-    /// First facet of each pixel, and the end.
+    /// First facet of each pixel, the end, and a flag: more than 2^32.
     pub pixel_facets: Buffer<u32>,
 }
 
@@ -94,7 +99,7 @@ impl Facets {
             list: Buffer::storage(device, "facets.list", count)?,
             masks: Buffer::storage(device, "facets.masks", count * 3 * words)?,
             items: Buffer::storage(device, "facets.items", count)?,
-            pixel_facets: Buffer::storage(device, "facets.pixel_facets", pixels + 1)?,
+            pixel_facets: Buffer::storage(device, "facets.pixel_facets", pixels + 2)?,
         })
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod geometry;
 pub mod shadow;
+pub mod surfaces;
 
 use std::sync::OnceLock;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage};

@@ -104,6 +104,11 @@ impl Work {
 impl Setup {
     /// A frame of about `size` triangles; `None` above [`MOST`].
     pub fn new(gpu: &Gpu, size: usize) -> Result<Option<Rc<Self>>> {
+        Self::with(gpu, size, |_| {})
+    }
+
+    /// As [`Setup::new`], with changes to the frame.
+    pub fn with(gpu: &Gpu, size: usize, change: impl FnOnce(&mut Frame)) -> Result<Option<Rc<Self>>> {
         if size > MOST {
             return Ok(None);
         }
@@ -118,6 +123,7 @@ impl Setup {
         content.vertex_count = casters.positions.len() as u32;
         content.triangle_count = casters.triangles.len() as u32;
         content.edge_count = casters.edges.len() as u32;
+        change(&mut content);
         let frame = Buffer::uniform(device, "bench.frame", 1)?;
         frame.write(queue, &[content]);
         let (vertices, triangles, edges) = (casters.positions.len(), casters.triangles.len(), casters.edges.len());

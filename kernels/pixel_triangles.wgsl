@@ -1,0 +1,149 @@
+// pixel_triangles: lists, pixel by pixel, the triangles that some sample in the pixel's square may see.
+// Three runs of `raster` by 8 x 8 blocks: pass 0 finds the nearest "farthest depth over the square" of the triangles that
+// surely cover the whole square (`cover_keys`, complement of its bits, 0 without one); pass 1 counts the triangles that
+// touch the square no farther than that (`pixel_counts`); pass 2 writes them to `pixel_list` at `pixel_offsets`, never
+// beyond the capacity, and takes the counts down to 0 again; order inside a pixel is not defined.
+// `judge` runs before the counts are scanned. A pixel with one triangle, which covers it, is single; a pixel without any is
+// empty; the others are marked in `complex_flags`. It writes `facet_counts` (1 for single pixels, else 0) and keeps the
+// longest list in `status`.
+// All tests are conservative: margins are far above the rounding of what they are made of.
+
+//@import frame
+//@import dispatch
+//@import pass
+//@import rect
+//@import work_items
+//@import facing
+//@import eye_edges
+
+const WORKGROUP = 64u;
+const STATUS_LONGEST = 25u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> step: Pass;
+@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> camera_rects: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(6) var<storage, read_write> cover_keys: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> pixel_counts: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read> pixel_offsets: array<u32>;
+@group(0) @binding(9) var<storage, read_write> pixel_list: array<u32>;
+@group(0) @binding(10) var<storage, read_write> complex_flags: array<u32>;
+@group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
+@group(0) @binding(12) var<storage, read_write> status: array<atomic<u32>>;
+
+const MARGIN = 1.00001;
+
+// What is known of a triangle over the square of a pixel.
+struct Over {
+    touches: bool,
+    covers: bool,
+    nearest: f32,
+    farthest: f32,
+}
+
+struct Seen {
+    edges: array<vec4<f32>, 3>,  // at the image's middle, per pixel right and down, and doubt
+    plane: vec4<f32>,            // normal . ray likewise, and doubt
+    distance: f32,
+    distance_doubt: f32,
+    nearest: f32,
+    farthest: f32,
+    turn: f32,                   // which sign is inside; 0: not known
+}
+
+fn middle() -> vec2<f32> {
+    return 0.5 * vec2<f32>(frame.image_size);
+}
+
+fn seen_triangle(t: u32) -> Seen {
+    var s: Seen;
+    let i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let ray = frame.ray_corner.xyz + middle().x * frame.ray_x.xyz + middle().y * frame.ray_y.xyz;
+    s.edges[0] = eye_edge(i.x, i.y, ray);
+    s.edges[1] = eye_edge(i.y, i.z, ray);
+    s.edges[2] = eye_edge(i.z, i.x, ray);
+    let a = points[i.x].xyz;
+    let b = points[i.y].xyz;
+    let c = points[i.z].xyz;
+    let normal = cross(b - a, c - a);
+    // Rounding of the normal, of the corners themselves, and of the products with a ray anywhere in the image.
+    let wide = largest(frame.ray_corner.xyz) + largest(ray);
+    let reach = max(largest(a), max(largest(b), largest(c)));
+    let doubt = 2e-6 * largest(b - a) * largest(c - a) + 6e-7 * reach * (largest(b - a) + largest(c - a));
+    s.plane = vec4(dot(normal, ray), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz), doubt * wide);
+    s.distance = dot(normal, a);
+    s.distance_doubt = doubt * reach;
+    s.turn = select(0.0, sign(s.distance), abs(s.distance) > s.distance_doubt);
+    let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
+    s.nearest = min(depths.x, min(depths.y, depths.z));
+    s.farthest = max(depths.x, max(depths.y, depths.z));
+    return s;
+}
+
+fn over_square(s: Seen, x: u32, y: u32) -> Over {
+    var out = Over(true, s.turn != 0.0, s.nearest, s.farthest);
+    let at = vec3(1.0, vec2(f32(x), f32(y)) + 0.5 - middle());
+    let v = vec3(dot(s.edges[0].xyz, at), dot(s.edges[1].xyz, at), dot(s.edges[2].xyz, at));
+    var half = vec3(0.0);
+    for (var k = 0u; k < 3u; k++) { half[k] = 0.5 * (abs(s.edges[k].y) + abs(s.edges[k].z)) + s.edges[k].w; }
+    let ahead = all(v >= -half);
+    let behind = all(v <= half);
+    if s.turn > 0.0 { out.touches = ahead; } else if s.turn < 0.0 { out.touches = behind; } else { out.touches = ahead || behind; }
+    out.covers = out.covers && all(s.turn * v > half);
+    if s.turn != 0.0 {
+        let over = s.turn * dot(s.plane.xyz, at);
+        let reach = 0.5 * (abs(s.plane.y) + abs(s.plane.z)) + s.plane.w;
+        let distance = abs(s.distance);
+        if over + reach > 0.0 { out.nearest = max(out.nearest, (distance - s.distance_doubt) / ((over + reach) * MARGIN)); }
+        if over - reach > 0.0 { out.farthest = min(out.farthest, (distance + s.distance_doubt) / (over - reach) * MARGIN); }
+    }
+    out.nearest = out.nearest - 2e-6 * abs(out.nearest);
+    out.farthest = out.farthest + 2e-6 * abs(out.farthest);
+    out.covers = out.covers && out.nearest > frame.forward.w * MARGIN;
+    return out;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(camera_rects[t], item - work_offsets[t]);
+    let s = seen_triangle(t);
+    if step.index == 0u && s.turn == 0.0 { return; }
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        for (var x = block.low.x; x <= block.high.x; x++) {
+            let over = over_square(s, x, y);
+            if !over.touches { continue; }
+            let pixel = y * frame.image_size.x + x;
+            if step.index == 0u {
+                if over.covers { atomicMax(&cover_keys[pixel], ~bitcast<u32>(over.farthest)); }
+                continue;
+            }
+            // Without a covering triangle the key is 0 and the depth no number: nothing is behind it.
+            let cover = bitcast<f32>(min(~atomicLoad(&cover_keys[pixel]), FAR));
+            if over.nearest > cover { continue; }
+            if step.index == 1u {
+                atomicAdd(&pixel_counts[pixel], 1u);
+            } else {
+                let at = pixel_offsets[pixel] + atomicSub(&pixel_counts[pixel], 1u) - 1u;
+                if at < frame.pixel_triangle_capacity { pixel_list[at] = t; }
+            }
+        }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn judge(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let count = atomicLoad(&pixel_counts[pixel]);
+    // The triangle that covers is always counted, so one triangle and a key mean that it is the one.
+    let single = count == 1u && atomicLoad(&cover_keys[pixel]) != 0u;
+    let many = count != 0u && !single;
+    complex_flags[pixel] = select(0u, 1u, many);
+    facet_counts[pixel] = select(0u, 1u, single);
+    if many && atomicLoad(&status[STATUS_LONGEST]) < count { atomicMax(&status[STATUS_LONGEST], count); }
+}

@@ -1,0 +1,195 @@
+// sample_surfaces: which surface each sample sees, and the facets made of that: one for every triangle that samples of the
+// pixel see, with the mask of those samples.
+// `nearest` runs a workgroup for each complex pixel over ROUND_LENGTH triangles of its list, from `round` on, and keeps for
+// each sample the nearest, of equally near ones the lowest (`sample_depths`, `sample_ids`). Batches of 32 triangles are
+// set up together. A sample that a linear edge function cannot place is looked at from the nearer end of each edge.
+// `group_samples` counts the triangles that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
+// `pixel_facets`, in the order of their first samples. `emit_single` lists the facets of single pixels, and makes what
+// lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the complement of the
+// triangle at the pixel centre, which is sample 0; it must be 0 before.
+
+//@import frame
+//@import dispatch
+//@import pass
+//@import facet
+//@import facing
+//@import eye_edges
+
+override WORDS: u32 = 1u;
+const WORKGROUP = 32u;       // one lane for each sample of a word, and for each triangle of a batch
+const GROUP_SINGLE = 64u;
+const ROUND_LENGTH = 4096u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+@group(0) @binding(2) var<uniform> step: Pass;                     // the round
+@group(0) @binding(3) var<storage, read> triangles: array<u32>;
+@group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> pixel_offsets: array<u32>;
+@group(0) @binding(6) var<storage, read> pixel_list: array<u32>;
+@group(0) @binding(7) var<storage, read> complex_pixels: array<u32>;
+@group(0) @binding(8) var<storage, read> complex_total: array<u32>;
+@group(0) @binding(9) var<storage, read_write> sample_depths: array<f32>;
+@group(0) @binding(10) var<storage, read_write> sample_ids: array<u32>;
+@group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
+@group(0) @binding(12) var<storage, read> complex_flags: array<u32>;
+@group(0) @binding(13) var<storage, read> pixel_facets: array<u32>;
+@group(0) @binding(14) var<storage, read_write> facets: array<Facet>;
+@group(0) @binding(15) var<storage, read_write> masks: array<u32>;  // coverage, occluded, invalid: WORDS words each
+@group(0) @binding(16) var<storage, read_write> id_keys: array<u32>;
+
+var<workgroup> wg_edges: array<vec4<f32>, 96>;
+var<workgroup> wg_triangles: array<u32, 32>;
+var<workgroup> wg_ids: array<u32, 128>;
+var<workgroup> wg_firsts: array<atomic<u32>, 4>;
+var<workgroup> wg_masks: array<atomic<u32>, 512>;
+
+fn sample_offset(k: u32) -> vec2<f32> {
+    let pair = samples[k >> 1u];
+    return select(pair.xy, pair.zw, (k & 1u) == 1u);
+}
+
+fn slot_count() -> u32 {
+    return min(complex_total[0], frame.complex_capacity);
+}
+
+// View depth at which triangle `n` of the batch is seen at a sample; -1 where it is not.
+fn depth_at(n: u32, pixel: u32, offset: vec2<f32>) -> f32 {
+    let at = vec3(1.0, offset);
+    let e0 = wg_edges[3u * n];
+    let e1 = wg_edges[3u * n + 1u];
+    let e2 = wg_edges[3u * n + 2u];
+    var v = vec3(dot(e0.xyz, at), dot(e1.xyz, at), dot(e2.xyz, at));
+    let doubt = vec3(e0.w, e1.w, e2.w);
+    if any(v > doubt) && any(v < -doubt) { return -1.0; }
+    let t = wg_triangles[n];
+    let i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let ray = ray_at(pixel, offset);
+    if any(abs(v) <= doubt) {
+        v = vec3(eye_edge_near(i.x, i.y, ray), eye_edge_near(i.y, i.z, ray), eye_edge_near(i.z, i.x, ray));
+        if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { return -1.0; }
+    }
+    return eye_depth(i, ray);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let slot = flat_group(group, groups);
+    if slot >= slot_count() { return; }
+    let pixel = complex_pixels[slot];
+    let centre = pixel_ray(pixel);
+    let first = pixel_offsets[pixel] + step.index * ROUND_LENGTH;
+    let end = min(min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity), first + ROUND_LENGTH);
+    if step.index != 0u && first >= end { return; }
+    var best = vec4(3.0e38);
+    var ids = vec4(NO_TRIANGLE);
+    let base = slot * 32u * WORDS + lane;
+    if step.index != 0u {
+        for (var w = 0u; w < WORDS; w++) {
+            best[w] = sample_depths[base + 32u * w];
+            ids[w] = sample_ids[base + 32u * w];
+        }
+    }
+    for (var batch = first; batch < end; batch += 32u) {
+        workgroupBarrier();
+        if batch + lane < end {
+            let t = pixel_list[batch + lane];
+            wg_triangles[lane] = t;
+            for (var k = 0u; k < 3u; k++) {
+                wg_edges[3u * lane + k] = eye_edge(triangles[3u * t + k], triangles[3u * t + (k + 1u) % 3u], centre);
+            }
+        }
+        workgroupBarrier();
+        for (var n = 0u; n < min(32u, end - batch); n++) {
+            let t = wg_triangles[n];
+            for (var w = 0u; w < WORDS; w++) {
+                let depth = depth_at(n, pixel, sample_offset(lane + 32u * w));
+                if !(depth >= frame.forward.w) { continue; }
+                if depth < best[w] || (depth == best[w] && t < ids[w]) {
+                    best[w] = depth;
+                    ids[w] = t;
+                }
+            }
+        }
+    }
+    for (var w = 0u; w < WORDS; w++) {
+        let counts = lane + 32u * w < frame.sample_count;
+        sample_depths[base + 32u * w] = best[w];
+        sample_ids[base + 32u * w] = select(NO_TRIANGLE, ids[w], counts);
+    }
+}
+
+// Groups the samples of a complex pixel by triangle: bits of the first samples in `wg_firsts`, and at each first sample
+// the mask of its group in `wg_masks`. All lanes of a workgroup call it.
+fn find_groups(slot: u32, lane: u32) {
+    for (var w = 0u; w < WORDS; w++) {
+        let k = lane + 32u * w;
+        wg_ids[k] = sample_ids[slot * 32u * WORDS + k];
+        for (var n = 0u; n < WORDS; n++) { atomicStore(&wg_masks[WORDS * k + n], 0u); }
+    }
+    if lane < 4u { atomicStore(&wg_firsts[lane], 0u); }
+    workgroupBarrier();
+    for (var w = 0u; w < WORDS; w++) {
+        let k = lane + 32u * w;
+        if wg_ids[k] == NO_TRIANGLE { continue; }
+        var first = 0u;
+        while wg_ids[first] != wg_ids[k] { first += 1u; }
+        if first == k { atomicOr(&wg_firsts[w], 1u << lane); }
+        atomicOr(&wg_masks[WORDS * first + w], 1u << lane);
+    }
+    workgroupBarrier();
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let slot = flat_group(group, groups);
+    if slot >= slot_count() { return; }
+    find_groups(slot, lane);
+    if lane != 0u { return; }
+    var count = 0u;
+    for (var w = 0u; w < WORDS; w++) { count += countOneBits(atomicLoad(&wg_firsts[w])); }
+    facet_counts[complex_pixels[slot]] = count;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let slot = flat_group(group, groups);
+    if slot >= slot_count() { return; }
+    let pixel = complex_pixels[slot];
+    find_groups(slot, lane);
+    if lane == 0u { id_keys[pixel] = ~wg_ids[0]; }
+    var f = pixel_facets[pixel];
+    for (var w = 0u; w < WORDS; w++) {
+        let firsts = atomicLoad(&wg_firsts[w]);
+        let rank = f + countOneBits(firsts & ((1u << lane) - 1u));
+        f += countOneBits(firsts);
+        if ((firsts >> lane) & 1u) == 0u || rank >= frame.facets_total { continue; }
+        let k = lane + 32u * w;
+        facets[rank].pixel = pixel;
+        facets[rank].triangle = wg_ids[k];
+        facets[rank].origin = sample_offset(k);
+        for (var n = 0u; n < WORDS; n++) { masks[3u * WORDS * rank + n] = atomicLoad(&wg_masks[WORDS * k + n]); }
+    }
+}
+
+fn full_word(word: u32) -> u32 {
+    let left = frame.sample_count - 32u * word;
+    return select((1u << left) - 1u, 0xffffffffu, left >= 32u);
+}
+
+@compute @workgroup_size(GROUP_SINGLE)
+fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, GROUP_SINGLE, local);
+    let pixels = frame.image_size.x * frame.image_size.y;
+    if pixel >= pixel_facets[pixels] && pixel < frame.facets_total { facets[pixel].triangle = NO_TRIANGLE; }
+    if pixel >= pixels || complex_flags[pixel] != 0u { return; }
+    let f = pixel_facets[pixel];
+    let entry = pixel_offsets[pixel];
+    if f == pixel_facets[pixel + 1u] || f >= frame.facets_total || entry >= frame.pixel_triangle_capacity { return; }
+    let t = pixel_list[entry];
+    facets[f].pixel = pixel;
+    facets[f].triangle = t;
+    facets[f].origin = vec2(0.0);
+    for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * f + w] = full_word(w); }
+    id_keys[pixel] = ~t;
+}

@@ -1,0 +1,127 @@
+//! The camera side of `facet-masks` with a facet for every surface that a pixel's samples see: which pixels show one
+//! surface is proved, the samples of all others are looked at one by one.
+
+use super::facet_masks::{Capacities, Settings, status};
+use crate::Result;
+use crate::gpu::kernels::dispatch_args;
+use crate::gpu::{Buffer, Groups, Program, Recorder};
+use crate::stages::camera_visibility::Blocks;
+use crate::stages::compact::{self, Compact, Flags};
+use crate::stages::facet_classify::Facets;
+use crate::stages::pixel_triangles::{PixelLists, PixelTriangles};
+use crate::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces};
+use crate::stages::{Count, PrefixScan, prefix_scan};
+
+/// Pipelines and memory.
+#[derive(Debug)]
+pub struct EverySurface {
+    triangles: PixelTriangles,
+    compact: Compact,
+    surfaces: SampleSurfaces,
+    fold: Program,
+    lists: PixelLists,
+    complex: ComplexPixels,
+    compact_scratch: compact::Scratch,
+    scan_scratch: prefix_scan::Scratch,
+    request: Buffer<[u32; 4]>,
+    args: Buffer<u32>,
+    rounds: u32,
+}
+
+impl EverySurface {
+    /// Builds the pipelines and the memory.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scan: &PrefixScan,
+        settings: &Settings,
+        capacities: Capacities,
+    ) -> Result<Self> {
+        let words = settings.samples.words();
+        let pixels = settings.pixels();
+        let c = capacities;
+        Ok(Self {
+            triangles: PixelTriangles::new(device, scan),
+            compact: Compact::new(device, scan),
+            surfaces: SampleSurfaces::new(device, scan, words),
+            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+            lists: PixelLists::new(device, pixels, c.pixel_triangles)?,
+            complex: ComplexPixels::new(device, c.complex_pixels, words as usize)?,
+            compact_scratch: Compact::scratch(device, pixels)?,
+            scan_scratch: PrefixScan::scratch(device, pixels)?,
+            request: request(device, queue, c)?,
+            args: Buffer::indirect(device, "every_surface.args", 4)?,
+            rounds: c.camera_rounds,
+        })
+    }
+
+    /// Sizes the lists anew.
+    ///
+    /// # Errors
+    /// As [`EverySurface::new`].
+    pub fn resize(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        settings: &Settings,
+        capacities: Capacities,
+    ) -> Result<()> {
+        self.lists = PixelLists::new(device, settings.pixels(), capacities.pixel_triangles)?;
+        self.complex = ComplexPixels::new(device, capacities.complex_pixels, settings.samples.words() as usize)?;
+        self.request = request(device, queue, capacities)?;
+        self.rounds = capacities.camera_rounds;
+        Ok(())
+    }
+
+    /// Records the facets of all pixels.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(
+        &self,
+        rec: &mut Recorder,
+        frame: &wgpu::Buffer,
+        samples: &wgpu::Buffer,
+        in_camera: Blocks,
+        facets: &Facets,
+        id_keys: &Buffer<u32>,
+        status_words: &Buffer<u32>,
+    ) -> Result<()> {
+        let (lists, complex) = (&self.lists, &self.complex);
+        let pixels = lists.counts.len();
+        rec.clear(lists.cover_keys.raw());
+        rec.clear(lists.counts.raw());
+        {
+            let stage = &mut rec.stage("pixel_triangles");
+            self.triangles.record(stage, frame, in_camera, lists, &self.scan_scratch, status_words)?;
+        }
+        {
+            let stage = &mut rec.stage("sample_surfaces");
+            let flags = Flags::Words(&lists.complex_flags);
+            let total = (&complex.total, 0);
+            let count = Count::Exactly(pixels);
+            self.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
+            let buffers =
+                [("counts", complex.total.raw()), ("requests", self.request.raw()), ("args", self.args.raw())];
+            stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
+            let mesh = Mesh { samples, triangles: in_camera.triangles, points: in_camera.points };
+            let (args, scratch) = ((self.args.raw(), 0), &self.scan_scratch);
+            self.surfaces.record(stage, frame, mesh, lists, complex, args, self.rounds, scratch, facets, id_keys)?;
+        }
+        let mut keep = |from: &Buffer<u32>, first: usize, at: usize| {
+            rec.copy_words(from.raw(), first as u64, status_words.raw(), at as u64, 2);
+        };
+        keep(&lists.offsets, pixels, status::PIXEL_TRIANGLES);
+        keep(&complex.total, 0, status::COMPLEX_PIXELS);
+        keep(&facets.pixel_facets, pixels, status::FACETS);
+        Ok(())
+    }
+}
+
+/// One workgroup for each complex pixel.
+fn request(device: &wgpu::Device, queue: &wgpu::Queue, c: Capacities) -> Result<Buffer<[u32; 4]>> {
+    Buffer::from_slice(device, queue, "dispatch_args.request", &[[0, 1, c.complex_pixels as u32, 0]])
+}

@@ -1,0 +1,129 @@
+//! Pixel triangles: pixel by pixel, the triangles that samples in its square may see, and which pixels show one surface.
+//!
+//! - **Reads** triangles, projected vertices, the rectangles of pixels that triangles may touch and the scan of their blocks.
+//! - **Writes** `list` (triangles, grouped by pixel) and `offsets`; `complex_flags` (1 where the samples must be looked at one
+//!   by one); `facet_counts` (1 where one triangle surely covers the pixel before all others). `cover_keys` and `counts` must
+//!   be 0 before; `counts` is so again after.
+//! - **Guarantee.** Conservative: every triangle that a sample sees is listed at its pixel, and a pixel passes for single
+//!   only if its one triangle covers its whole square by a margin far above rounding. Nothing is written beyond the capacity.
+//!   The order inside a pixel is not defined; what is made of it does not depend on it.
+//! - **Cost.** Three indirect dispatches over blocks (an invocation looks at up to 64 pixels), one over pixels, a scan.
+//! - **Source.** The pair lists of Pan 2009, section 3.3, turned on the camera's view.
+
+use super::camera_visibility::{Blocks, Pass};
+use super::{Count, PrefixScan, prefix_scan};
+use crate::Result;
+use crate::gpu::kernels::pixel_triangles as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct PixelTriangles {
+    raster: Program,
+    judge: Program,
+    scan: PrefixScan,
+    uniforms: Uniforms,
+}
+
+/// Lists of triangles by pixel.
+#[derive(Debug)]
+pub struct PixelLists {
+    /// Complement of the nearest depth behind which a covering triangle hides everything; 0 where there is none.
+    pub cover_keys: Buffer<u32>,
+    /// Triangles of each pixel, while they are counted.
+    pub counts: Buffer<u32>,
+    /// Scan of the counts, their sum, and the overflow flag.
+    pub offsets: Buffer<u32>,
+    /// The triangles.
+    pub list: Buffer<u32>,
+    /// 1 for each pixel that may show several surfaces.
+    pub complex_flags: Buffer<u32>,
+    /// Facets of each pixel.
+    pub facet_counts: Buffer<u32>,
+}
+
+impl PixelLists {
+    /// Memory for `pixels` pixels and `triangles` entries of all their lists.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, pixels: usize, triangles: usize) -> Result<Self> {
+        Ok(Self {
+            cover_keys: Buffer::storage(device, "pixel_triangles.cover_keys", pixels)?,
+            counts: Buffer::storage(device, "pixel_triangles.counts", pixels)?,
+            offsets: Buffer::storage(device, "pixel_triangles.offsets", pixels + 2)?,
+            list: Buffer::storage(device, "pixel_triangles.list", triangles)?,
+            complex_flags: Buffer::storage(device, "pixel_triangles.complex_flags", pixels)?,
+            facet_counts: Buffer::storage(device, "pixel_triangles.facet_counts", pixels)?,
+        })
+    }
+}
+
+impl PixelTriangles {
+    /// Word of `status` that takes the longest list of a pixel with several surfaces.
+    pub const STATUS_LONGEST: usize = kernel::STATUS_LONGEST as usize;
+
+    /// Builds the pipelines; `scan` is shared.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
+        Self {
+            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            judge: Program::new(device, kernel::ENTRY_JUDGE, &[]),
+            scan: scan.clone(),
+            uniforms: Uniforms::default(),
+        }
+    }
+
+    /// Records all of it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if a buffer is too small for the image.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        blocks: Blocks,
+        lists: &PixelLists,
+        scratch: &prefix_scan::Scratch,
+        status: &Buffer<u32>,
+    ) -> Result<()> {
+        let pixels = lists.counts.len();
+        self.raster(stage, 0, frame, blocks, lists)?;
+        self.raster(stage, 1, frame, blocks, lists)?;
+        let buffers = [
+            ("frame", frame),
+            ("cover_keys", lists.cover_keys.raw()),
+            ("pixel_counts", lists.counts.raw()),
+            ("complex_flags", lists.complex_flags.raw()),
+            ("facet_counts", lists.facet_counts.raw()),
+            ("status", status.raw()),
+        ];
+        stage.run(&self.judge, &buffers, Groups::Items(pixels as u64))?;
+        let total = (&lists.offsets, pixels);
+        self.scan.record(stage, &lists.counts, &lists.offsets, total, scratch, Count::Exactly(pixels))?;
+        self.raster(stage, 2, frame, blocks, lists)
+    }
+
+    fn raster(
+        &self,
+        stage: &mut Stage,
+        index: u32,
+        frame: &wgpu::Buffer,
+        blocks: Blocks,
+        lists: &PixelLists,
+    ) -> Result<()> {
+        let pass = self.uniforms.get(stage.device, &Pass { index });
+        let buffers = [
+            ("frame", frame),
+            ("step", &pass),
+            ("triangles", blocks.triangles),
+            ("points", blocks.points.raw()),
+            ("camera_rects", blocks.rects.raw()),
+            ("work_offsets", blocks.offsets.raw()),
+            ("cover_keys", lists.cover_keys.raw()),
+            ("pixel_counts", lists.counts.raw()),
+            ("pixel_offsets", lists.offsets.raw()),
+            ("pixel_list", lists.list.raw()),
+        ];
+        stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
+    }
+}

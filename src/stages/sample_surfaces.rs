@@ -1,0 +1,158 @@
+//! Sample surfaces: which surface each sample sees, and one facet for each surface that a pixel's samples see.
+//!
+//! - **Reads** the lists of [`super::pixel_triangles`], the compacted list of complex pixels, triangles, projected vertices.
+//! - **Writes** facets (pixel, triangle, origin), their coverage masks, `pixel_facets`, and `id_keys` (complement of the
+//!   triangle at each pixel centre; must be 0 before).
+//! - **Guarantee.** Each sample that sees a surface lies in exactly one facet: that of the nearest triangle, of equally near
+//!   ones the lowest. Edges belong to both sides, and around a vertex all edges agree on where the sample is. Bit-equal from
+//!   run to run. Nothing is written beyond the capacities.
+//! - **Capacity.** [`ROUND_LENGTH`] triangles of a pixel a dispatch; longer lists take more rounds.
+//! - **Cost.** One workgroup for each complex pixel and round: about 20 flop for each sample and triangle of its list; per
+//!   complex pixel 8 bytes a sample.
+
+use super::facet_classify::Facets;
+use super::pixel_triangles::PixelLists;
+use super::{Count, PrefixScan, prefix_scan};
+use crate::Result;
+use crate::gpu::kernels::sample_surfaces as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::stages::camera_visibility::Pass;
+
+pub use kernel::ROUND_LENGTH;
+
+/// The pipelines for one number of mask words.
+#[derive(Debug)]
+pub struct SampleSurfaces {
+    nearest: Program,
+    group: Program,
+    emit: Program,
+    emit_single: Program,
+    scan: PrefixScan,
+    uniforms: Uniforms,
+}
+
+/// Complex pixels and what their samples see.
+#[derive(Debug)]
+pub struct ComplexPixels {
+    /// The pixels.
+    pub pixels: Buffer<u32>,
+    /// How many there are, and 0.
+    pub total: Buffer<u32>,
+    /// View depth of each sample.
+    pub depths: Buffer<f32>,
+    /// Triangle of each sample.
+    pub ids: Buffer<u32>,
+}
+
+impl ComplexPixels {
+    /// Memory for `count` pixels with masks of `words` words.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, count: usize, words: usize) -> Result<Self> {
+        Ok(Self {
+            pixels: Buffer::storage(device, "sample_surfaces.pixels", count)?,
+            total: Buffer::storage(device, "sample_surfaces.total", 2)?,
+            depths: Buffer::storage(device, "sample_surfaces.depths", count * 32 * words)?,
+            ids: Buffer::storage(device, "sample_surfaces.ids", count * 32 * words)?,
+        })
+    }
+}
+
+/// What the stage reads besides the lists.
+#[derive(Clone, Copy, Debug)]
+pub struct Mesh<'a> {
+    /// Sample offsets.
+    pub samples: &'a wgpu::Buffer,
+    /// Vertex indices, three a triangle.
+    pub triangles: &'a wgpu::Buffer,
+    /// Projected vertices.
+    pub points: &'a Buffer<[f32; 4]>,
+}
+
+impl SampleSurfaces {
+    /// Builds the pipelines for masks of `words` words; `scan` is shared.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
+        let constants = [("WORDS", f64::from(words))];
+        Self {
+            nearest: Program::new(device, kernel::ENTRY_NEAREST, &constants),
+            group: Program::new(device, kernel::ENTRY_GROUP_SAMPLES, &constants),
+            emit: Program::new(device, kernel::ENTRY_EMIT, &constants),
+            emit_single: Program::new(device, kernel::ENTRY_EMIT_SINGLE, &constants),
+            scan: scan.clone(),
+            uniforms: Uniforms::default(),
+        }
+    }
+
+    /// Records all of it, in `rounds` rounds. `args`: indirect arguments of one workgroup for each complex pixel.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if a buffer is too small for the image.
+    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        mesh: Mesh,
+        lists: &PixelLists,
+        complex: &ComplexPixels,
+        args: (&wgpu::Buffer, u64),
+        rounds: u32,
+        scratch: &prefix_scan::Scratch,
+        facets: &Facets,
+        id_keys: &Buffer<u32>,
+    ) -> Result<()> {
+        let pixels = lists.counts.len();
+        let per_pixel = || Groups::Indirect(args.0, args.1);
+        for index in 0..rounds {
+            let round = self.uniforms.get(stage.device, &Pass { index });
+            let buffers = [
+                ("frame", frame),
+                ("samples", mesh.samples),
+                ("step", &round),
+                ("triangles", mesh.triangles),
+                ("points", mesh.points.raw()),
+                ("pixel_offsets", lists.offsets.raw()),
+                ("pixel_list", lists.list.raw()),
+                ("complex_pixels", complex.pixels.raw()),
+                ("complex_total", complex.total.raw()),
+                ("sample_depths", complex.depths.raw()),
+                ("sample_ids", complex.ids.raw()),
+            ];
+            stage.run(&self.nearest, &buffers, per_pixel())?;
+        }
+        let buffers = [
+            ("frame", frame),
+            ("complex_pixels", complex.pixels.raw()),
+            ("complex_total", complex.total.raw()),
+            ("sample_ids", complex.ids.raw()),
+            ("facet_counts", lists.facet_counts.raw()),
+        ];
+        stage.run(&self.group, &buffers, per_pixel())?;
+        let (counts, offsets) = (&lists.facet_counts, &facets.pixel_facets);
+        self.scan.record(stage, counts, offsets, (offsets, pixels), scratch, Count::Exactly(pixels))?;
+        let buffers = [
+            ("frame", frame),
+            ("pixel_offsets", lists.offsets.raw()),
+            ("pixel_list", lists.list.raw()),
+            ("complex_flags", lists.complex_flags.raw()),
+            ("pixel_facets", facets.pixel_facets.raw()),
+            ("facets", facets.list.raw()),
+            ("masks", facets.masks.raw()),
+            ("id_keys", id_keys.raw()),
+        ];
+        stage.run(&self.emit_single, &buffers, Groups::Items(pixels.max(facets.list.len()) as u64))?;
+        let buffers = [
+            ("frame", frame),
+            ("samples", mesh.samples),
+            ("complex_pixels", complex.pixels.raw()),
+            ("complex_total", complex.total.raw()),
+            ("sample_ids", complex.ids.raw()),
+            ("pixel_facets", facets.pixel_facets.raw()),
+            ("facets", facets.list.raw()),
+            ("masks", facets.masks.raw()),
+            ("id_keys", id_keys.raw()),
+        ];
+        stage.run(&self.emit, &buffers, per_pixel())
+    }
+}

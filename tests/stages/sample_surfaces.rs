@@ -1,0 +1,275 @@
+//! Facets for every surface, against `f64`: each sample of each pixel in exactly one facet, that of the triangle it sees,
+//! wherever no edge is within 1/256 pixel and no two depths are too near to tell; none missed where one surely covers.
+
+use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
+use crate::support::surfaces::{Found, find, find_within, pattern, square};
+use crate::support::{gpu, sizes_around, small_gpu};
+use subpixel_shadows::glam::{DVec2, DVec3};
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::reference::camera_visibility::Doubt;
+use subpixel_shadows::reference::sample_surfaces::{Sample, see, surfaces};
+use subpixel_shadows::samples::Samples;
+use subpixel_shadows::scene::Mesh;
+use subpixel_shadows::truth::{AMBIGUITY, SceneTruth, Tracer, join_mask};
+
+const DOUBT: Doubt = Doubt { edge: AMBIGUITY, depth: 1e-5 };
+
+fn wanted(case: &Case, samples: &Samples) -> Vec<Sample> {
+    let wanted = case.wanted();
+    let offsets: Vec<DVec2> = samples.offsets().iter().map(|o| DVec2::new(o[0].into(), o[1].into())).collect();
+    see(&wanted.view, &wanted.triangles, &offsets, DOUBT)
+}
+
+/// Where the stage departs from its definition, else how many samples are left open.
+fn compare(found: &Found, wanted: &[Sample], samples: &Samples) -> Result<usize, String> {
+    let count = samples.count();
+    if found.surfaces.len() * count as usize != wanted.len() {
+        return Err("another number of samples".to_owned());
+    }
+    let (mut open, mut facet) = (0, 0);
+    for (pixel, wanted) in wanted.chunks(count as usize).enumerate() {
+        let got = found.samples(pixel, count)?;
+        if surfaces(&got) != found.surfaces[pixel] {
+            return Err(format!("facets of pixel {pixel} in another order: {:?}", found.surfaces[pixel]));
+        }
+        for (_, mask) in &found.surfaces[pixel] {
+            let first = samples.offsets()[mask.trailing_zeros() as usize].map(|o| o - 0.5);
+            if found.origins.get(facet) != Some(&first) {
+                return Err(format!("facet {facet} is not at its first sample"));
+            }
+            facet += 1;
+        }
+        if got[0] != (found.id_keys[pixel] != 0).then_some(!found.id_keys[pixel]) {
+            return Err(format!("pixel {pixel}: the triangle at the centre is not that of sample 0"));
+        }
+        for (k, (got, want)) in got.iter().zip(wanted).enumerate() {
+            let at = format!("pixel {} {} sample {k}", pixel as u32 % found.image[0], pixel as u32 / found.image[0]);
+            if want.covered && got.is_none() {
+                return Err(format!("{at}: a hole; {want:?}"));
+            }
+            open += usize::from(want.open);
+            if !want.open && *got != want.triangle {
+                return Err(format!("{at}: {got:?}, {want:?}"));
+            }
+        }
+    }
+    Ok(open)
+}
+
+/// Fails on any difference, or if more than `share` of the samples are open.
+#[track_caller]
+fn check(gpu: &Gpu, case: &Case, count: u32, share: f64) -> Found {
+    let samples = pattern(count);
+    let found = find(gpu, case, &samples);
+    let wanted = wanted(case, &samples);
+    match compare(&found, &wanted, &samples) {
+        Ok(open) => assert!(open as f64 <= 64.0 + share * wanted.len() as f64, "{open} of {} are open", wanted.len()),
+        Err(text) => panic!("image {:?}: {text}", case.image),
+    }
+    found
+}
+
+/// Every sample that the tracer says sees something, away from edges, lies in the facet of what it sees.
+#[track_caller]
+fn check_truth(case: &Case, found: &Found, count: u32) {
+    let samples = pattern(count);
+    let tracer = Tracer::new(&case.prepared.mesh).expect("a tracer");
+    let [w, h] = case.image;
+    let truth = SceneTruth::new(&tracer, &case.camera, &case.light, &samples, w, h).expect("a truth");
+    let wanted = wanted(case, &samples);
+    for (pixel, wanted) in wanted.chunks(count as usize).enumerate() {
+        let sure = wanted.iter().enumerate().filter(|(_, w)| !w.open).fold(0u128, |m, (k, _)| m | 1 << k);
+        let seen = truth.surfaces(pixel as u32);
+        let mut want: Vec<_> = seen.into_iter().map(|(t, mask)| (t, join_mask(mask) & sure)).collect();
+        let mut got: Vec<_> = found.surfaces[pixel].iter().map(|&(t, mask)| (t, mask & sure)).collect();
+        for list in [&mut want, &mut got] {
+            list.retain(|s| s.1 != 0);
+            list.sort_unstable();
+        }
+        assert_eq!(got, want, "pixel {pixel}");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    let found = check(gpu(), &Case::new(&Mesh::default(), light(0), [5, 3], 1), 32, 0.0);
+    assert_eq!(found.needed, [0; 3]);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    let mut mesh = Mesh::default();
+    add(&mut mesh, &[DVec3::ZERO, DVec3::X, DVec3::Z], &[[0, 1, 2]]);
+    for (image, count) in [([1, 1], 1), ([3, 1], 8), ([33, 17], 128)] {
+        let mut case = Case::new(&mesh, light(0), image, 1);
+        case.camera.target = [0.3, 0.0, 0.3];
+        let found = check(gpu(), &case, count, 0.02);
+        assert!(found.surfaces.iter().all(|s| s.len() <= 1) && found.needed[2] > 0);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    for (size, count) in [(1, 32), (2, 64), (3, 128), (4, 16), (5, 32), (7, 8), (8, 32), (9, 64), (17, 1)] {
+        let case = Case::new(&mesh("closed balls", size), light(0), [size as u32, 2 * size as u32 + 1], 8);
+        check(gpu(), &case, count, 0.05);
+    }
+    // Lists around a batch of 32 triangles.
+    for n in sizes_around(32) {
+        let mut mesh = Mesh::default();
+        fan(&mut mesh, n.max(3) as u32);
+        check(gpu(), &Case::new(&mesh, light(0), [9, 7], 8), 32, 0.3);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    for name in MESHES {
+        for seed in 0..2 {
+            // Coplanar and doubled triangles are open wherever they are seen.
+            let share = if ["doubled", "slivers"].contains(&name) { 1.0 } else { 0.06 };
+            let case = Case::new(&mesh(name, seed), light(seed), [61, 45], 8);
+            let found = check(gpu(), &case, 32, share);
+            check_truth(&case, &found, 32);
+        }
+    }
+}
+
+/// Samples exactly on edges and vertices: closed fans and squares have no holes and no sample twice, however they are cut.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    let grid = Samples::new(subpixel_shadows::samples::Pattern::Grid, 16).expect("a grid");
+    let mut looked = 0;
+    let mut meshes: Vec<(Mesh, f64)> = [1, 2, 7, 16, 31, 64].map(|n| (square(n), 0.999)).into();
+    for n in [4u32, 5, 16, 64, 255, 1024] {
+        let mut mesh = Mesh::default();
+        fan(&mut mesh, n);
+        // The hub is seen exactly at samples: it is the origin, and the camera looks at it.
+        mesh.positions.iter_mut().for_each(|p| p[1] = 0.0);
+        mesh.positions[0] = [0.0; 3];
+        meshes.push((mesh, 0.7 * (std::f64::consts::PI / f64::from(n)).cos()));
+    }
+    for (mesh, inner) in &meshes {
+        for (eye, up) in [
+            ([0.0, 2.5, 0.0], [0.0, 0.0, -1.0]),
+            ([0.7, 0.4, 1.3], [0.0, 1.0, 0.0]),
+            ([0.0, 2.0, 0.3], [0.0, 0.0, -1.0]),
+        ] {
+            for image in [[33, 33], [32, 32]] {
+                let mut case = Case::new(mesh, light(0), image, 8);
+                (case.camera.eye, case.camera.target, case.camera.up) = (eye, [0.0; 3], up);
+                (case.camera.near, case.camera.vertical_fov_degrees) = (1e-3, 45.0);
+                let found = find(gpu(), &case, &grid);
+                let view = case.view();
+                for pixel in 0..found.surfaces.len() {
+                    let seen = found.samples(pixel, 16).expect("each sample in one facet");
+                    for (k, o) in grid.offsets().iter().enumerate() {
+                        let (x, y) = (pixel as u32 % image[0], pixel as u32 / image[0]);
+                        let ray = view.rays.direction(f64::from(x) + f64::from(o[0]), f64::from(y) + f64::from(o[1]));
+                        let p = view.eye - ray * (view.eye.y / ray.y);
+                        let inside = ray.y < 0.0 && p.x.abs() < *inner && p.z.abs() < *inner;
+                        looked += usize::from(inside);
+                        assert!(!inside || seen[k].is_some(), "hole at {x} {y} sample {k}, eye {eye:?}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(looked > 300_000, "{looked} samples");
+    // Through the near plane, behind the camera, huge; a vertex that is no number; far away, below a pixel.
+    for seed in 0..3 {
+        let mut case = Case::new(&mesh("huge", seed), light(0), [61, 45], 8);
+        check(gpu(), &case, 32, 0.1);
+        (case.camera.eye, case.camera.target) = ([0.2, 0.6, 0.3], [0.6, 0.1, -1.0]);
+        for near in [1e-1, 1e-3] {
+            (case.camera.near, case.camera.far) = (near, 1e9);
+            check(gpu(), &case, 32, 0.1);
+        }
+    }
+    let mut case = Case::new(&mesh("closed balls", 1), light(0), [49, 37], 8);
+    let mut positions = case.prepared.mesh.positions.clone();
+    positions[11][2] = f32::NAN;
+    case.positions = Some(positions);
+    check(gpu(), &case, 32, 0.06);
+    let mut dense = Mesh::default();
+    ball(&mut dense, DVec3::ZERO, 1.0, 90, 60);
+    let mut case = Case::new(&dense, light(0), [9, 9], 8);
+    case.camera.vertical_fov_degrees = 90.0;
+    let found = check(gpu(), &case, 32, 1.0);
+    assert!(found.longest > 1000, "{}", found.longest);
+}
+
+/// More triangles in a pixel than a dispatch takes: what the first round found is kept.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn several_rounds() {
+    let mut dense = Mesh::default();
+    ball(&mut dense, DVec3::ZERO, 1.0, 90, 60);
+    let mut case = Case::new(&dense, light(0), [1, 1], 8);
+    case.camera.vertical_fov_degrees = 100.0;
+    let found = check(gpu(), &case, 128, 1.0);
+    assert!(found.longest > 4096 && found.longest < 3 * 4096, "{}", found.longest);
+    let room = found.needed.map(|n| n + 8);
+    assert!(find_within(gpu(), &case, &pattern(128), room, 1).surfaces != found.surfaces, "one round is enough");
+    assert!(find_within(gpu(), &case, &pattern(128), room, 4) == found, "a round too many changes something");
+}
+
+/// Needs are counted in full, and nothing is written past the end (see `find_within`).
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let case = Case::new(&mesh("closed balls", 3), light(0), [31, 23], 8);
+    let samples = pattern(32);
+    let all = find(gpu(), &case, &samples);
+    for list in 0..3 {
+        for room in [0, 1, all.needed[list] - 1, all.needed[list], all.needed[list] + 1] {
+            let mut rooms = all.needed;
+            rooms[list] = room;
+            let found = find_within(gpu(), &case, &samples, rooms, 1);
+            assert_eq!(found.needed[list], all.needed[list], "list {list}, room {room}");
+            // A triangle that is not listed may be one that no sample sees.
+            let same = found.surfaces == all.surfaces;
+            assert!(same == (room >= all.needed[list]) || (same && list == 0), "list {list}, room {room}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    let small = small_gpu(24, 1 << 24);
+    let mut dense = Mesh::default();
+    ball(&mut dense, DVec3::ZERO, 1.0, 30, 20);
+    let case = Case::new(&dense, light(0), [60, 40], 8);
+    let found = check(&small, &case, 32, 0.15);
+    assert!(found == find(gpu(), &case, &pattern(32)), "the fold changes the result");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let case = Case::new(&mesh("closed balls", 5), light(0), [49, 37], 8);
+    let samples = pattern(32);
+    let found = check(gpu(), &case, 32, 0.06);
+    assert!(found == find(gpu(), &case, &samples), "another result in a second run");
+    let wanted = wanted(&case, &samples);
+    let several = found.surfaces.iter().position(|s| s.len() > 1).expect("a pixel of several surfaces");
+    let broken = |change: &dyn Fn(&mut Found)| {
+        let mut found = found.clone();
+        change(&mut found);
+        compare(&found, &wanted, &samples).is_err()
+    };
+    assert!(!broken(&|_| {}));
+    assert!(broken(&|f| f.surfaces[several][0].1 |= f.surfaces[several][1].1), "a sample in two facets");
+    assert!(broken(&|f| f.surfaces[several].swap(0, 1)), "the order");
+    assert!(broken(&|f| f.surfaces[several].truncate(1)), "a facet is missing");
+    assert!(broken(&|f| f.surfaces[several][0].0 += 1), "another triangle");
+    assert!(broken(&|f| f.origins[0][0] += 0.25), "another origin");
+    assert!(broken(&|f| f.id_keys[several] ^= 1), "another centre");
+    assert!(broken(&|f| drop(f.surfaces.pop())), "a pixel is missing");
+}

@@ -1,0 +1,207 @@
+//! A run of the stages that find every surface a pixel's samples see, with everything they wrote.
+
+use super::geometry::Case;
+use super::{POISON, poisoned, read_padded, run, upload};
+use subpixel_shadows::frame::{Frame, sample_words};
+use subpixel_shadows::gpu::{Buffer, Gpu, kernels, recorder::fold_within};
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::Mesh as Scene;
+use subpixel_shadows::stages::camera_visibility::Blocks;
+use subpixel_shadows::stages::compact::{Compact, Flags};
+use subpixel_shadows::stages::facet_classify::Facets;
+use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
+use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces};
+use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
+use subpixel_shadows::stages::vertex_project::VertexProject;
+use subpixel_shadows::stages::{Count, PrefixScan};
+
+/// Elements the lists can hold: triangles of pixels, complex pixels, facets.
+pub type Room = [usize; 3];
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    pub image: [u32; 2],
+    /// Needed elements of the three lists.
+    pub needed: [usize; 3],
+    /// Longest list of a complex pixel.
+    pub longest: u32,
+    /// Triangles of each pixel, rising.
+    pub lists: Vec<Vec<u32>>,
+    /// Pixels whose samples were looked at one by one.
+    pub complex: Vec<bool>,
+    /// Surfaces of each pixel: triangle and mask.
+    pub surfaces: Vec<Vec<(u32, u128)>>,
+    /// Offset of the sample that each facet is placed at, facet by facet.
+    pub origins: Vec<[f32; 2]>,
+    pub id_keys: Vec<u32>,
+}
+
+impl Found {
+    /// What each sample of a pixel sees, or why its facets are none.
+    pub fn samples(&self, pixel: usize, count: u32) -> Result<Vec<Option<u32>>, String> {
+        let mut out = vec![None; count as usize];
+        for &(triangle, mask) in &self.surfaces[pixel] {
+            if mask == 0 || mask >> (count - 1) > 1 {
+                return Err(format!("a facet of pixel {pixel} has mask {mask:x}"));
+            }
+            for (k, seen) in out.iter_mut().enumerate().filter(|(k, _)| mask >> k & 1 == 1) {
+                if seen.replace(triangle).is_some() {
+                    return Err(format!("sample {k} of pixel {pixel} lies in two facets"));
+                }
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// A pattern of the default kind.
+pub fn pattern(count: u32) -> Samples {
+    Samples::new(Pattern::default(), count).expect("a pattern")
+}
+
+/// The frame of a case, for lists of these sizes.
+pub fn frame(case: &Case, samples: &Samples, room: Room) -> Frame {
+    let mut frame = case.frame();
+    frame.sample_count = samples.count();
+    frame.flags |= Frame::CLAMP;
+    [frame.pixel_triangle_capacity, frame.complex_capacity, frame.facets_total] = room.map(|n| n as u32);
+    frame
+}
+
+/// Runs with as much room as is needed.
+pub fn find(gpu: &Gpu, case: &Case, samples: &Samples) -> Found {
+    let pixels = (case.image[0] * case.image[1]) as usize;
+    let mut room = [pixels * 4 + 16, pixels, pixels * 2 + 16];
+    loop {
+        let found = find_within(gpu, case, samples, room, 3);
+        if found.needed.iter().zip(room).all(|(&needed, room)| needed <= room) {
+            return found;
+        }
+        room = std::array::from_fn(|k| room[k].max(found.needed[k]));
+    }
+}
+
+/// Runs with this much room. Fails if anything is written beyond it.
+pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32) -> Found {
+    let device = &gpu.device;
+    let words = samples.words();
+    let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
+    uniform.write(&gpu.queue, &[frame(case, samples, room)]);
+    let offsets_of_samples = Buffer::uniform(device, "samples", 64).expect("memory");
+    offsets_of_samples.write(&gpu.queue, &sample_words(samples));
+    let frame = uniform.raw();
+    let positions = upload(gpu, case.positions());
+    let triangles = upload(gpu, &case.prepared.mesh.triangles);
+    let (vertices, count) = (positions.len(), triangles.len());
+    let pixels = (case.image[0] * case.image[1]) as usize;
+    let memory = "memory";
+    let points = Buffer::storage(device, "test.points", vertices).expect(memory);
+    let map_points = Buffer::storage(device, "test.map_points", vertices).expect(memory);
+    let facts = TriangleFacts::new(device, count).expect(memory);
+    run(gpu, |s| {
+        VertexProject::new(device).record(s, frame, positions.raw(), &points, &map_points, vertices)?;
+        TriangleSetup::new(device).record(s, frame, triangles.raw(), &points, &map_points, &facts, count)
+    });
+    let scan = PrefixScan::new(device);
+    let scratch = PrefixScan::scratch(device, pixels.max(count)).expect(memory);
+    let work = Buffer::storage(device, "test.work", count + 2).expect(memory);
+    let args = [(); 2].map(|()| Buffer::indirect(device, "test.args", 4).expect(memory));
+    // Arguments are made here: the stage that makes them does not know of a device's smaller limits.
+    let cover = |args: &Buffer<u32>, groups: u32| {
+        let most = device.limits().max_compute_workgroups_per_dimension;
+        args.write(&gpu.queue, &fold_within(u64::from(groups), most));
+    };
+    let lists = PixelLists { list: poisoned(gpu, room[0]), ..PixelLists::new(device, pixels, 1).expect(memory) };
+    let complex = ComplexPixels {
+        pixels: poisoned(gpu, room[1]),
+        ids: poisoned(gpu, room[1] * 32 * words as usize),
+        ..ComplexPixels::new(device, room[1], words as usize).expect(memory)
+    };
+    let facets = Facets {
+        masks: poisoned(gpu, room[2] * 3 * words as usize),
+        ..Facets::new(device, room[2], pixels, words as usize).expect(memory)
+    };
+    let id_keys = Buffer::storage(device, "test.id_keys", pixels).expect(memory);
+    let status = Buffer::storage(device, "test.status", 32).expect(memory);
+    let compact = Compact::new(device, &scan);
+    let compact_scratch = Compact::scratch(device, pixels).expect(memory);
+    run(gpu, |s| scan.record(s, &facts.camera_items, &work, (&work, count), &scratch, Count::Exactly(count)));
+    cover(&args[0], work.read(gpu).expect("readback")[count].div_ceil(kernels::pixel_triangles::WORKGROUP));
+    let blocks = Blocks {
+        triangles: triangles.raw(),
+        points: &points,
+        rects: &facts.camera_rects,
+        offsets: &work,
+        args: (args[0].raw(), 0),
+    };
+    let find = PixelTriangles::new(device, &scan);
+    run(gpu, |s| find.record(s, frame, blocks, &lists, &scratch, &status));
+    let (flags, kept) = (Flags::Words(&lists.complex_flags), &complex.pixels);
+    run(gpu, |s| compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels)));
+    cover(&args[1], complex.total.read(gpu).expect("readback")[0].min(room[1] as u32));
+    let mesh = Mesh { samples: offsets_of_samples.raw(), triangles: triangles.raw(), points: &points };
+    let stage = SampleSurfaces::new(device, &scan, words);
+    let per_pixel = (args[1].raw(), 0);
+    run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, rounds, &scratch, &facets, &id_keys));
+
+    for (buffer, len) in [(&lists.list, room[0]), (&complex.pixels, room[1]), (&facets.masks, facets.masks.len())] {
+        let all = read_padded(gpu, buffer);
+        assert!(all[len..].iter().all(|&w| w == POISON), "written past {len} words of '{}'", buffer.label());
+    }
+    let readback = "readback";
+    assert!(lists.counts.read(gpu).expect(readback).iter().all(|&c| c == 0) || pixels == 0, "counts left over");
+    let offsets: Vec<usize> = lists.offsets.read(gpu).expect(readback).iter().map(|&o| o as usize).collect();
+    let list = lists.list.read(gpu).expect(readback);
+    let pixel_facets: Vec<usize> = facets.pixel_facets.read(gpu).expect(readback).iter().map(|&f| f as usize).collect();
+    let made = facets.list.read(gpu).expect(readback);
+    let masks = facets.masks.read(gpu).expect(readback);
+    let within = |all: &[usize], pixel: usize, room: usize| all[pixel].min(room)..all[pixel + 1].min(room);
+    let mask = |f: usize| {
+        let first = f * 3 * words as usize;
+        masks[first..first + words as usize].iter().rev().fold(0u128, |mask, &w| mask << 32 | u128::from(w))
+    };
+    let listed = |pixel| {
+        let mut listed = list[within(&offsets, pixel, room[0])].to_vec();
+        listed.sort_unstable();
+        listed
+    };
+    let needed = [offsets[pixels], complex.total.read(gpu).expect(readback)[0] as usize, pixel_facets[pixels]];
+    let fits = needed.iter().zip(room).all(|(&needed, room)| needed <= room);
+    let surfaces = |pixel| {
+        let facet = |f: usize| {
+            assert!(made[f].pixel as usize == pixel || !fits, "the pixel of facet {f}");
+            (made[f].triangle, mask(f))
+        };
+        within(&pixel_facets, pixel, room[2]).map(facet).collect()
+    };
+    assert!(made[pixel_facets[pixels].min(room[2])..].iter().all(|f| f.triangle == u32::MAX), "a facet too many");
+    Found {
+        image: case.image,
+        needed,
+        longest: status.read(gpu).expect(readback)[PixelTriangles::STATUS_LONGEST],
+        lists: (0..pixels).map(listed).collect(),
+        complex: lists.complex_flags.read(gpu).expect(readback).iter().map(|&f| f != 0).collect(),
+        surfaces: (0..pixels).map(surfaces).collect(),
+        origins: made[..pixel_facets[pixels].min(room[2])].iter().map(|f| f.origin).collect(),
+        id_keys: id_keys.read(gpu).expect(readback),
+    }
+}
+
+/// A flat tessellated square seen from above, its lines through rows and columns of pixel centres, and through corners.
+pub fn square(n: u32) -> Scene {
+    let mut mesh = Scene::default();
+    for j in 0..=n {
+        for i in 0..=n {
+            mesh.positions.push([2.0 * i as f32 / n as f32 - 1.0, 0.0, 2.0 * j as f32 / n as f32 - 1.0]);
+        }
+    }
+    for j in 0..n {
+        for i in 0..n {
+            let at = |i: u32, j: u32| i + j * (n + 1);
+            mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
+            mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
+        }
+    }
+    mesh
+}

@@ -1,0 +1,175 @@
+//! A facet for every surface, from end to end: each sample lit or dark as traced rays say, on the built-in scenes.
+//! (`city` is left out: its truth takes minutes.)
+
+#![cfg_attr(no_gpu, allow(dead_code, unused_imports))]
+
+use std::sync::OnceLock;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::mask_table::MaskVariant;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
+use subpixel_shadows::methods::render::{Budget, Output, Renderer};
+use subpixel_shadows::plan::Plan;
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Light, Scene, SceneOptions};
+use subpixel_shadows::truth::{SceneTruth, Tracer, TruthImage, join_mask};
+
+const SIZE: [u32; 2] = [120, 90];
+const SCENES: [&str; 8] = ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "bumpy", "plane"];
+
+fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
+}
+
+fn settings(facets: FacetMode) -> Settings {
+    let samples = Samples::new(Pattern::default(), 32).expect("a pattern");
+    let masks = MaskVariant::Exact;
+    Settings { size: SIZE, map: 128, samples, facets, validity: true, cull_back: true, masks, settle: true }
+}
+
+/// A built-in scene, under its own light or under a point where a directional light comes from, and the other way round.
+fn scene(name: &str, other_light: bool) -> Scene {
+    let mut scene = Scene::open(name, &SceneOptions::default()).expect("a built-in scene");
+    if other_light {
+        let (lo, hi) = scene.mesh.bounds().expect("a mesh");
+        let (centre, radius) = ((lo + hi) * 0.5, (hi - lo).length() * 0.5);
+        let l = scene.light.homogeneous();
+        scene.light = if l.w == 0.0 {
+            let at = centre + l.truncate().normalize() * radius * 2.0;
+            Light::Point { position: at.as_vec3().into() }
+        } else {
+            Light::Directional { direction: (l.truncate() - centre).as_vec3().into() }
+        };
+    }
+    scene
+}
+
+fn truth(scene: &Scene, prepared: &Prepared, settings: &Settings) -> TruthImage {
+    let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+    let [w, h] = SIZE;
+    let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &settings.samples, w, h).expect("a truth");
+    let mut image = truth.image(None);
+    for (pixel, p) in image.pixels.iter_mut().enumerate() {
+        p.ambiguous = truth.ambiguous_mask(pixel as u32);
+    }
+    image
+}
+
+/// Wrong samples that a scene may have. What is seen is exact; but facets that are edge-on to the light or the eye within
+/// the rounding of single precision may be taken for dark, and slivers among them shade one another too little.
+const MOST_WRONG: u32 = 16;
+
+/// Samples of which is wrong whether they see a surface, outside the ambiguity band.
+fn wrong_coverage(renderer: &Renderer, truth: &TruthImage) -> u32 {
+    let facets = renderer.method().facets();
+    let masks = facets.masks.read(gpu()).expect("readback");
+    let first = facets.pixel_facets.read(gpu()).expect("readback");
+    let off = |(pixel, p): (usize, &subpixel_shadows::truth::PixelTruth)| {
+        let of = |f: u32| masks[3 * f as usize];
+        let twice = (first[pixel]..first[pixel + 1]).map(|f| of(f).count_ones()).sum::<u32>();
+        let seen = (first[pixel]..first[pixel + 1]).fold(0, |seen, f| seen | of(f));
+        assert_eq!(seen.count_ones(), twice, "a sample of pixel {pixel} lies in two facets");
+        ((seen ^ p.seen[0]) & !p.ambiguous[0]).count_ones()
+    };
+    truth.pixels.iter().enumerate().map(off).sum()
+}
+
+/// Samples that differ outside the ambiguity band, and pixels off by more than 1/32.
+fn wrong(output: &Output, truth: &TruthImage) -> (u32, usize) {
+    let mut samples = 0;
+    let mut pixels = 0;
+    for (pixel, p) in truth.pixels.iter().enumerate() {
+        if p.seen_count > 0 {
+            let off = (u128::from(output.lit[pixel]) ^ join_mask(p.lit)) & !join_mask(p.ambiguous);
+            samples += off.count_ones();
+        }
+        pixels += usize::from((output.visibility[pixel] - p.visibility).abs() > 1.0 / 32.0 + 1e-6);
+    }
+    (samples, pixels)
+}
+
+fn render(prepared: &Prepared, scene: &Scene, settings: &Settings, budget: Budget) -> Output {
+    let mut renderer = Renderer::new(gpu(), prepared, settings, budget).expect("a renderer");
+    renderer.render(&scene.camera, &scene.light).expect("a frame")
+}
+
+fn check(name: &str) {
+    for other_light in [false, true] {
+        let scene = scene(name, other_light);
+        let prepared = Prepared::new(&scene.mesh);
+        let plan = Plan::of(&prepared, &scene.camera, &scene.light, &settings(FacetMode::All), false).expect("a plan");
+        assert!(!plan.settings.validity, "coverage replaces validity");
+        let truth = truth(&scene, &prepared, &plan.settings);
+        let mut renderer = Renderer::new(gpu(), &prepared, &plan.settings, Budget::default()).expect("a renderer");
+        let mut output = renderer.render(&scene.camera, &scene.light).expect("a frame");
+        assert_eq!(wrong_coverage(&renderer, &truth), 0, "{name}");
+        let (samples, pixels) = wrong(&output, &truth);
+        eprintln!("{name}, {:?}: {samples} wrong samples, {pixels} pixels off", scene.light);
+        assert!(samples <= MOST_WRONG, "{name}, {:?}: {samples} wrong samples", scene.light);
+        let most = truth.pixels.len().div_ceil(10_000) + samples as usize;
+        assert!(pixels <= most, "{name}: {pixels} pixels off by more than 1/32, at most {most}");
+        // One sample that is not at an edge, turned over, is noticed.
+        let sure = truth.pixels.iter().position(|p| p.seen_count > 0 && p.ambiguous[0] & 1 == 0 && p.seen[0] & 1 == 1);
+        output.lit[sure.expect("a sample that is sure")] ^= 1;
+        assert_eq!(wrong(&output, &truth).0.abs_diff(samples), 1);
+    }
+}
+
+macro_rules! scenes {
+    ($($name:ident)*) => { $(
+        #[test]
+        #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+        fn $name() {
+            assert!(SCENES.contains(&stringify!($name)));
+            check(stringify!($name));
+        }
+    )* };
+}
+scenes! { windmill cage bicycle plant spheres knot bumpy plane }
+
+/// With one facet a pixel the same comparison fails: it is not blind.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one_facet_is_wrong() {
+    let scene = scene("bicycle", false);
+    let prepared = Prepared::new(&scene.mesh);
+    let settings = settings(FacetMode::One);
+    let (samples, pixels) =
+        wrong(&render(&prepared, &scene, &settings, Budget::default()), &truth(&scene, &prepared, &settings));
+    assert!(samples > 1000 && pixels > 100, "{samples} samples, {pixels} pixels");
+}
+
+/// The same bits from lists that start at one element, from bands, in later frames, with nothing settled early, and with
+/// casters culled or not.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_way_gives_the_same_bits() {
+    for name in ["plane", "spheres", "knot"] {
+        let scene = scene(name, false);
+        let prepared = Prepared::new(&scene.mesh);
+        let wanted = settings(FacetMode::All);
+        let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, false).expect("a plan");
+        let mut renderer = Renderer::new(gpu(), &prepared, &plan.settings, Budget::default()).expect("a renderer");
+        let first = renderer.render(&scene.camera, &scene.light).expect("a frame");
+        let same = |what: &str, output: &Output| {
+            assert!(output.lit == first.lit, "{name}: other masks {what}");
+            assert!(output.visibility == first.visibility, "{name}: another picture {what}");
+            assert!(output.triangles == first.triangles, "{name}: other triangles {what}");
+        };
+        same("in the next frame", &renderer.render(&scene.camera, &scene.light).expect("a frame"));
+        let small = Budget { start: Some(1), ..Budget::default() };
+        let grown = render(&prepared, &scene, &plan.settings, small);
+        assert!(grown.lists.iter().all(|l| l.runs > 1), "{name}: {:?}", grown.lists);
+        same("from lists of one element", &grown);
+        let bands = Budget { bytes: 1 << 18, ..small };
+        same("in bands", &render(&prepared, &scene, &plan.settings, bands));
+        let forced = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, true).expect("a plan");
+        assert!(!forced.settings.settle && !forced.settings.cull_back);
+        same("with nothing left out", &render(&prepared, &scene, &forced.settings, Budget::default()));
+        if prepared.closed {
+            let culled = Settings { cull_back: true, ..forced.settings };
+            same("with casters culled", &render(&prepared, &scene, &culled, Budget::default()));
+        }
+    }
+}
