@@ -7,7 +7,7 @@ use crate::gpu::{Gpu, Recorder, StageTime, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::candidate_pairs::ROUND_LENGTH;
-use crate::stages::facet_classify::State;
+use crate::stages::facet_classify::{Facet, State};
 use crate::stages::sample_surfaces;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -264,10 +264,14 @@ impl<'a> Renderer<'a> {
             let need = needs[k];
             if need > have[k] as u64 { (need + need / 8) as usize } else { have[k] }
         };
+        // No more slack than one binding holds.
+        let limits = self.gpu.device.limits();
+        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) as usize;
+        let most_facets = (binding / size_of::<Facet>()).max(needs[2] as usize);
         Ok(Some(Capacities {
             pixel_triangles: grown(0),
             complex_pixels: grown(1).min(self.settings.pixels()),
-            facets: grown(2),
+            facets: grown(2).min(most_facets),
             camera_rounds: rounds.max(now.camera_rounds),
             ..now
         }))
