@@ -105,6 +105,7 @@ fn engines_agree_where_all_is_evaluated() {
 }
 
 #[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn engines_agree_on_validity() {
     compare(false, &settings(false, true), &settings(false, true));
 }
