@@ -80,6 +80,7 @@ impl EverySurface {
     ///
     /// # Errors
     /// None that input can cause.
+    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record(
         &self,
         rec: &mut Recorder,
