@@ -1,18 +1,16 @@
 //! `facet-masks`: the flagship (Pan, Wang, Chen, Zhou, Bao 2009), one page of calls to stages.
 
 use super::every_surface::EverySurface;
+use super::geometry::{Geometry, GeometryPipelines};
 use super::prepared::CasterBuffers;
+pub use super::settings::{FacetMode, Settings};
 use crate::frame::{Frame, sample_words};
-use crate::gpu::kernels::{
-    camera_visibility, candidate_pairs, dispatch_args, light_layers, pixel_texel_pairs, silhouette_mask,
-    visibility_masks,
-};
+use crate::gpu::kernels::{candidate_pairs, dispatch_args, pixel_texel_pairs, silhouette_mask, visibility_masks};
 use crate::gpu::{Buffer, Groups, Program, Recorder};
 use crate::light_view::LightView;
 use crate::mask_table::{MaskVariant, mask_table};
-use crate::samples::Samples;
 use crate::scene::{Camera, Light};
-use crate::stages::camera_visibility::{Blocks, CameraVisibility};
+use crate::stages::camera_visibility::Blocks;
 use crate::stages::candidate_pairs::{CandidatePairs, tally};
 use crate::stages::facet_classify::{FacetClassify, Facets, Surroundings};
 use crate::stages::front_layer::FrontLayer;
@@ -21,86 +19,12 @@ use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_WORDS};
 use crate::stages::resolve::Resolve;
 use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
-use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
-use crate::stages::vertex_project::VertexProject;
 use crate::stages::visibility_masks::{Casters, VisibilityMasks};
 use crate::stages::{Count, PrefixScan, SummedArea, prefix_scan, summed_area};
 use crate::{Error, Result};
 use glam::DVec3;
 use std::sync::Arc;
-
-/// How many facets a pixel has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FacetMode {
-    /// One, for the surface at its centre (Pan 2009).
-    #[default]
-    One,
-    /// One for each surface that its samples see. Their coverage replaces the validity mask.
-    All,
-}
-
-/// What a frame is computed with.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Image width and height, pixels.
-    pub size: [u32; 2],
-    /// Light-view map, texels a side.
-    pub map: u32,
-    /// Sample pattern.
-    pub samples: Samples,
-    /// Facets of a pixel.
-    pub facets: FacetMode,
-    /// Keep the validity mask.
-    pub validity: bool,
-    /// Leave out casters that face away from the light, in closed meshes.
-    pub cull_back: bool,
-    /// How half-planes become masks.
-    pub masks: MaskVariant,
-    /// Settle facets before evaluation; without it all go the exact way.
-    pub settle: bool,
-}
-
-impl Settings {
-    /// Pixels of the image.
-    pub fn pixels(&self) -> usize {
-        self.size.iter().map(|&s| s as usize).product()
-    }
-
-    /// The settings of the paper for an image of `size` pixels and a map of `map` texels a side: validity masks, exact
-    /// masks, every facet settled early that can be, no caster left out.
-    pub fn new(size: [u32; 2], map: u32, samples: Samples) -> Self {
-        Self {
-            size,
-            map,
-            samples,
-            facets: FacetMode::One,
-            validity: true,
-            cull_back: false,
-            masks: MaskVariant::Exact,
-            settle: true,
-        }
-    }
-
-    /// Checks sizes against what is possible.
-    ///
-    /// # Errors
-    /// [`Error::Config`] with the numbers.
-    pub fn check(&self) -> Result<()> {
-        let [w, h] = self.size;
-        if w == 0 || h == 0 || w > 16384 || h > 16384 {
-            return Err(Error::Config(format!("an image of {w}x{h} pixels; sides of 1 to 16384 are possible")));
-        }
-        if !(1..=LightView::LARGEST_MAP).contains(&self.map) {
-            return Err(Error::Config(format!(
-                "a map of {} texels a side; 1 to {} are possible",
-                self.map,
-                LightView::LARGEST_MAP
-            )));
-        }
-        Ok(())
-    }
-}
 
 /// Words of the status buffer.
 pub mod status {
@@ -129,8 +53,6 @@ pub mod status {
 /// Indirect arguments, by position.
 #[derive(Clone, Copy)]
 enum Arg {
-    Camera,
-    Light,
     Edges,
     Facets,
     Pairs,
@@ -173,9 +95,7 @@ pub struct Capacities {
 pub struct Pipelines {
     words: u32,
     masks_by: MaskVariant,
-    project: VertexProject,
-    setup: TriangleSetup,
-    visibility: CameraVisibility,
+    geometry: GeometryPipelines,
     layers: LightLayers,
     front: FrontLayer,
     silhouettes: SilhouetteMask,
@@ -197,9 +117,7 @@ impl Pipelines {
         Self {
             words,
             masks_by: settings.masks,
-            project: VertexProject::new(device),
-            setup: TriangleSetup::new(device),
-            visibility: CameraVisibility::new(device),
+            geometry: GeometryPipelines::new(device),
             layers: LightLayers::new(device),
             front: FrontLayer::new(device),
             silhouettes: SilhouetteMask::new(device),
@@ -235,13 +153,7 @@ struct Memory {
     samples: Buffer<[f32; 4]>,
     table: Buffer<u32>,
     frames: Vec<Buffer<Frame>>,
-    points: Buffer<[f32; 4]>,
-    map_points: Buffer<[f32; 4]>,
-    facts: TriangleFacts,
-    camera_offsets: Buffer<u32>,
-    light_offsets: Buffer<u32>,
-    depth_keys: Buffer<u32>,
-    id_keys: Buffer<u32>,
+    geometry: Geometry,
     layers: Layers,
     edge_rects: Buffer<[u32; 2]>,
     edge_items: Buffer<u32>,
@@ -304,7 +216,7 @@ impl FacetMasks {
             every_surface.resize(device, queue, &self.settings, capacities)?;
         }
         m.frames = frames(device, capacities)?;
-        let totals = [m.camera_offsets.len(), m.light_offsets.len(), m.edge_offsets.len(), m.facet_offsets.len()];
+        let totals = [m.edge_offsets.len(), m.facet_offsets.len()];
         m.requests = requests(device, queue, totals.map(|len| len - 2), capacities)?;
         m.status = Buffer::storage(device, "status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?;
         self.capacities = capacities;
@@ -362,51 +274,21 @@ impl FacetMasks {
         let m = &self.memory;
         let frame = m.frames[0].raw();
         let triangles = casters.triangles.raw();
-        let count = casters.triangles.len();
-        for zero in [&m.depth_keys, &m.id_keys, &m.layers.nearest_keys, &m.layers.second_keys, &m.layers.tie_counts] {
+        for zero in [&m.layers.nearest_keys, &m.layers.second_keys, &m.layers.tie_counts] {
             rec.clear(zero.raw());
         }
         rec.clear(m.layers.mask.raw());
         rec.clear(m.status.raw());
         rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
-        {
-            let stage = &mut rec.stage("triangle_setup");
-            self.with.project.record(
-                stage,
-                frame,
-                casters.positions.raw(),
-                &m.points,
-                &m.map_points,
-                casters.positions.len(),
-            )?;
-            self.with.setup.record(stage, frame, triangles, &m.points, &m.map_points, &m.facts, count)?;
-            self.scan(stage, &m.facts.camera_items, &m.camera_offsets, count)?;
-            self.scan(stage, &m.facts.light_items, &m.light_offsets, count)?;
-            self.args(stage, Arg::Camera, &m.camera_offsets)?;
-            self.args(stage, Arg::Light, &m.light_offsets)?;
-        }
-        let in_camera = Blocks {
-            triangles,
-            points: &m.points,
-            rects: &m.facts.camera_rects,
-            offsets: &m.camera_offsets,
-            args: (m.args.raw(), Arg::Camera.word()),
-        };
-        let in_light = Blocks {
-            triangles,
-            points: &m.map_points,
-            rects: &m.facts.light_rects,
-            offsets: &m.light_offsets,
-            args: (m.args.raw(), Arg::Light.word()),
-        };
+        let geometry = &m.geometry;
+        geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
+        let (in_camera, in_light) = (geometry.in_camera(casters), geometry.in_light(casters));
         match &self.every_surface {
-            None => {
-                let stage = &mut rec.stage("camera_visibility");
-                self.with.visibility.record(stage, frame, in_camera, &m.depth_keys, &m.id_keys)?;
-            }
+            None => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
             Some(camera) => {
-                camera.record(rec, frame, m.samples.raw(), in_camera, &m.facets, &m.id_keys, &m.status)?;
+                rec.clear(geometry.id_keys.raw());
+                camera.record(rec, frame, m.samples.raw(), in_camera, &m.facets, &geometry.id_keys, &m.status)?;
             }
         }
         self.with.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers)?;
@@ -417,8 +299,8 @@ impl FacetMasks {
                 stage,
                 frame,
                 edges,
-                &m.facts.facing,
-                &m.map_points,
+                &geometry.facts.facing,
+                &geometry.map_points,
                 &m.edge_rects,
                 &m.edge_items,
                 &m.status,
@@ -431,7 +313,7 @@ impl FacetMasks {
                 stage,
                 frame,
                 edges,
-                &m.map_points,
+                &geometry.map_points,
                 &m.edge_rects,
                 &m.edge_offsets,
                 args,
@@ -447,9 +329,9 @@ impl FacetMasks {
         rec.copy_words(m.sat.raw(), m.sat.len() as u64 - 1, m.status.raw(), status::TEXELS as u64, 1);
         {
             let stage = &mut rec.stage("facet_classify");
-            let around = Surroundings { triangles, points: &m.points, sat: &m.sat, splits: &m.layers.splits };
+            let around = Surroundings { triangles, points: &geometry.points, sat: &m.sat, splits: &m.layers.splits };
             if self.every_surface.is_none() {
-                self.with.classify.record_one(stage, frame, &m.id_keys, &m.facets)?;
+                self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets)?;
             }
             let count = m.facets.list.len();
             self.with.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, count)?;
@@ -513,7 +395,7 @@ impl FacetMasks {
                     stage,
                     frame_of(round),
                     triangles,
-                    &m.map_points,
+                    &m.geometry.map_points,
                     &m.facets,
                     args,
                     &m.lists,
@@ -586,7 +468,7 @@ impl FacetMasks {
 
     /// Complement of the triangle at every pixel centre; 0 where there is none.
     pub fn id_keys(&self) -> &Buffer<u32> {
-        &self.memory.id_keys
+        &self.memory.geometry.id_keys
     }
 
     /// Facets and their masks.
@@ -618,12 +500,10 @@ fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>> {
 type Requests = Vec<Buffer<[u32; 4]>>;
 
 /// Requests: word of the count, items a workgroup, limit, word of the result. `totals` are the words of the totals of the
-/// first four counts; the rest are in the tally.
-fn requests(device: &wgpu::Device, queue: &wgpu::Queue, totals: [usize; 4], c: Capacities) -> Result<Requests> {
-    let [camera, light, edges, facets] = totals.map(|t| t as u32);
+/// first two counts; the rest are in the tally.
+fn requests(device: &wgpu::Device, queue: &wgpu::Queue, totals: [usize; 2], c: Capacities) -> Result<Requests> {
+    let [edges, facets] = totals.map(|t| t as u32);
     let all = [
-        (camera, camera_visibility::WORKGROUP, u32::MAX),
-        (light, light_layers::WORKGROUP, u32::MAX),
         (edges, silhouette_mask::WORKGROUP, u32::MAX),
         (facets, pixel_texel_pairs::WORKGROUP, u32::MAX),
         (tally::TALLY_PAIRS, candidate_pairs::WORKGROUP, c.pixel_pairs as u32),
@@ -648,8 +528,8 @@ impl Memory {
         let [w, h] = settings.size.map(|s| s as usize);
         let (pixels, map, words) = (w * h, settings.map as usize, settings.samples.words() as usize);
         let facets = capacities.facets;
-        let (vertices, triangles, edges) = (casters.positions.len(), casters.triangles.len(), casters.edges.len());
-        let counts = [triangles, triangles, edges, facets, map * map];
+        let edges = casters.edges.len();
+        let counts = [edges, facets, map * map];
         let words_of = |label: &str, len: usize| Buffer::storage(device, label, len);
         let samples = Buffer::uniform(device, "samples", 64)?;
         samples.write(queue, &sample_words(&settings.samples));
@@ -658,13 +538,7 @@ impl Memory {
             samples,
             table: Buffer::from_slice(device, queue, "visibility_masks.table", &table)?,
             frames: frames(device, capacities)?,
-            points: Buffer::storage(device, "vertex_project.points", vertices)?,
-            map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
-            facts: TriangleFacts::new(device, triangles)?,
-            camera_offsets: words_of("triangle_setup.camera_offsets", triangles + 2)?,
-            light_offsets: words_of("triangle_setup.light_offsets", triangles + 2)?,
-            depth_keys: words_of("camera_visibility.depth_keys", pixels)?,
-            id_keys: words_of("camera_visibility.id_keys", pixels)?,
+            geometry: Geometry::new(device, queue, casters, pixels)?,
             layers: Layers::new(device, map)?,
             edge_rects: Buffer::storage(device, "silhouette_mask.edge_rects", edges)?,
             edge_items: words_of("silhouette_mask.edge_items", edges)?,
@@ -681,8 +555,8 @@ impl Memory {
                 capacities.candidates,
             )?,
             scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
-            args: Buffer::indirect(device, "dispatch_args.args", 24)?,
-            requests: requests(device, queue, [triangles, triangles, edges, facets], capacities)?,
+            args: Buffer::indirect(device, "dispatch_args.args", 15)?,
+            requests: requests(device, queue, [edges, facets], capacities)?,
             status: words_of("status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,

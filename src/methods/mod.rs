@@ -3,9 +3,13 @@
 pub mod cpu;
 pub mod every_surface;
 pub mod facet_masks;
+pub mod fixed;
+pub mod geometry;
 pub mod prepared;
 pub mod render;
+pub mod settings;
 pub mod unshadowed;
 
-pub use facet_masks::{FacetMasks, Settings};
+pub use facet_masks::FacetMasks;
 pub use prepared::Prepared;
+pub use settings::{FacetMode, Settings};

@@ -2,21 +2,17 @@
 //! whether it faces the light. The same stages decide it, so the picture is the same as that of the whole method.
 
 use super::facet_masks::{Settings, status};
+use super::geometry::{Geometry, GeometryPipelines};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
-use crate::gpu::kernels::{camera_visibility, dispatch_args};
-use crate::gpu::{Buffer, Gpu, Groups, Program, Recorder, Timer};
+use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
-use crate::stages::camera_visibility::{Blocks, CameraVisibility};
 use crate::stages::facet_classify::{FacetClassify, Facets, State, Surroundings};
 use crate::stages::front_layer::UNCOVERED;
 use crate::stages::resolve::Resolve;
-use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
-use crate::stages::vertex_project::VertexProject;
-use crate::stages::{Count, PrefixScan};
 use std::time::Instant;
 
 /// The frame of a scene in which no pixel sees a surface: lit everywhere. Nothing is dispatched.
@@ -68,7 +64,7 @@ pub fn render(
         visibility: made.visibility.read(gpu)?,
         lit: made.lit.read(gpu)?,
         words: settings.samples.words(),
-        triangles: made.id_keys.read(gpu)?.into_iter().map(|key| !key).collect(),
+        triangles: made.geometry.id_keys.read(gpu)?.into_iter().map(|key| !key).collect(),
         counts: Counts {
             empty_facets: state(State::Empty),
             dark_facets: state(State::Dark),
@@ -106,7 +102,7 @@ fn frame(
 
 /// What a frame leaves behind.
 struct Made {
-    id_keys: Buffer<u32>,
+    geometry: Geometry,
     facets: Facets,
     status: Buffer<u32>,
     visibility: Buffer<f32>,
@@ -116,21 +112,13 @@ struct Made {
 fn record(gpu: &Gpu, rec: &mut Recorder, casters: &CasterBuffers, settings: &Settings, frame: Frame) -> Result<Made> {
     let (device, queue) = (&gpu.device, &gpu.queue);
     let pixels = settings.size.iter().map(|&s| s as usize).product::<usize>();
-    let (count, vertices, words) = (casters.triangles.len(), casters.positions.len(), settings.samples.words());
+    let words = settings.samples.words();
     let frame_buffer = Buffer::uniform(device, "frame", 1)?;
     frame_buffer.write(queue, &[frame]);
     let samples = Buffer::uniform(device, "samples", 64)?;
     samples.write(queue, &sample_words(&settings.samples));
-    let points = Buffer::storage(device, "vertex_project.points", vertices)?;
-    let map_points = Buffer::storage(device, "vertex_project.map_points", vertices)?;
-    let facts = TriangleFacts::new(device, count)?;
-    let offsets = Buffer::storage(device, "triangle_setup.camera_offsets", count + 2)?;
-    let args = Buffer::<u32>::indirect(device, "dispatch_args.args", 4)?;
-    let request = [count as u32, camera_visibility::WORKGROUP, u32::MAX, 0];
-    let request = Buffer::from_slice(device, queue, "dispatch_args.request", &[request])?;
-    let depth_keys = Buffer::storage(device, "camera_visibility.depth_keys", pixels)?;
     let made = Made {
-        id_keys: Buffer::storage(device, "camera_visibility.id_keys", pixels)?,
+        geometry: Geometry::new(device, queue, casters, pixels)?,
         facets: Facets::new(device, pixels, pixels, words as usize)?,
         status: Buffer::storage(device, "status", status::BANDS + 4)?,
         visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
@@ -139,28 +127,16 @@ fn record(gpu: &Gpu, rec: &mut Recorder, casters: &CasterBuffers, settings: &Set
     // The light view's one texel: no mark in the table, no caster.
     let sat = Buffer::storage(device, "summed_area.sat", 1)?;
     let splits = Buffer::from_slice(device, queue, "front_layer.splits", &[UNCOVERED])?;
-    let scratch = PrefixScan::scratch(device, count)?;
     let (frame, triangles) = (frame_buffer.raw(), casters.triangles.raw());
-    {
-        let stage = &mut rec.stage("triangle_setup");
-        let project = VertexProject::new(device);
-        project.record(stage, frame, casters.positions.raw(), &points, &map_points, vertices)?;
-        TriangleSetup::new(device).record(stage, frame, triangles, &points, &map_points, &facts, count)?;
-        let scan = PrefixScan::new(device);
-        scan.record(stage, &facts.camera_items, &offsets, (&offsets, count), &scratch, Count::Exactly(count))?;
-        let fold = Program::new(device, dispatch_args::ENTRY_FOLD, &[]);
-        let buffers = [("counts", offsets.raw()), ("requests", request.raw()), ("args", args.raw())];
-        stage.run(&fold, &buffers, Groups::Workgroups(1))?;
-    }
-    let blocks =
-        Blocks { triangles, points: &points, rects: &facts.camera_rects, offsets: &offsets, args: (args.raw(), 0) };
-    let visibility = CameraVisibility::new(device);
-    visibility.record(&mut rec.stage("camera_visibility"), frame, blocks, &depth_keys, &made.id_keys)?;
+    let with = GeometryPipelines::new(device);
+    let geometry = &made.geometry;
+    geometry.record_setup(rec, &with, frame, casters)?;
+    geometry.record_camera(rec, &with, frame, casters)?;
     {
         let stage = &mut rec.stage("facet_classify");
         let classify = FacetClassify::new(device, words);
-        let around = Surroundings { triangles, points: &points, sat: &sat, splits: &splits };
-        classify.record_one(stage, frame, &made.id_keys, &made.facets)?;
+        let around = Surroundings { triangles, points: &geometry.points, sat: &sat, splits: &splits };
+        classify.record_one(stage, frame, &geometry.id_keys, &made.facets)?;
         classify.record_classify(stage, frame, samples.raw(), around, &made.facets, pixels)?;
     }
     let resolve = Resolve::new(device, words);

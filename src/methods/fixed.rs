@@ -1,0 +1,159 @@
+//! Computing a frame of a method whose memory the settings alone decide: no list can overflow, so one run is the frame.
+
+use super::geometry::{Geometry, GeometryPipelines};
+use super::prepared::{CasterBuffers, Prepared};
+use super::render::{Counts, Output};
+use super::settings::Settings;
+use crate::Result;
+use crate::frame::{Frame, sample_words};
+use crate::gpu::{Buffer, Gpu, Recorder, Timer};
+use crate::light_view::LightView;
+use crate::scene::{Camera, Light};
+use glam::DVec3;
+use std::time::Instant;
+
+/// What a stage of such a method may read.
+#[derive(Clone, Copy)]
+pub struct Inputs<'a> {
+    /// The frame uniform.
+    pub frame: &'a wgpu::Buffer,
+    /// Sample offsets, see [`sample_words`].
+    pub samples: &'a wgpu::Buffer,
+    /// The mesh.
+    pub casters: &'a CasterBuffers,
+    /// Projected vertices, rectangles, and the triangle at each pixel centre.
+    pub geometry: &'a Geometry,
+}
+
+/// A method of fixed memory: stages after `triangle_setup` and `camera_visibility`, made for one mesh and setting.
+pub trait FixedMethod {
+    /// Takes in what changes from frame to frame.
+    ///
+    /// # Errors
+    /// [`crate::Error::Scene`] for a camera or light it cannot serve.
+    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, light: &Light, view: &LightView, frame: &Frame) -> Result<()>;
+
+    /// Records its stages.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()>;
+
+    /// Visibility of every pixel, row by row from the top; 1 where nothing is seen.
+    fn visibility(&self) -> &Buffer<f32>;
+
+    /// Lit samples of every pixel, where the method keeps them.
+    fn lit(&self) -> Option<&Buffer<u32>>;
+
+    /// Reads back what was counted.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`].
+    fn counts(&self, gpu: &Gpu) -> Result<Counts>;
+}
+
+/// A method set up for one mesh and one setting, to be rendered again and again.
+pub struct FixedRenderer<'a, M> {
+    gpu: &'a Gpu,
+    prepared: &'a Prepared,
+    casters: CasterBuffers,
+    settings: Settings,
+    with: GeometryPipelines,
+    geometry: Geometry,
+    frame: Buffer<Frame>,
+    samples: Buffer<[f32; 4]>,
+    timer: Option<Timer>,
+    method: M,
+}
+
+impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
+    /// Uploads the mesh and makes the memory; `make` builds the method for the uploaded mesh.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for impossible settings, [`crate::Error::Memory`] and [`crate::Error::Gpu`] if memory
+    /// does not suffice, and what `make` returns.
+    pub fn new(
+        gpu: &'a Gpu,
+        prepared: &'a Prepared,
+        settings: &Settings,
+        make: impl FnOnce(&CasterBuffers) -> Result<M>,
+    ) -> Result<Self> {
+        settings.check()?;
+        let casters = prepared.upload(&gpu.device, &gpu.queue)?;
+        let samples = Buffer::uniform(&gpu.device, "samples", 64)?;
+        samples.write(&gpu.queue, &sample_words(&settings.samples));
+        let method = make(&casters)?;
+        let made = Self {
+            gpu,
+            prepared,
+            settings: settings.clone(),
+            with: GeometryPipelines::new(&gpu.device),
+            geometry: Geometry::new(&gpu.device, &gpu.queue, &casters, settings.pixels())?,
+            frame: Buffer::uniform(&gpu.device, "frame", 1)?,
+            samples,
+            timer: Timer::new(gpu),
+            casters,
+            method,
+        };
+        gpu.check()?;
+        Ok(made)
+    }
+
+    /// Renders one frame.
+    ///
+    /// # Errors
+    /// [`crate::Error::Scene`] for an impossible camera or light, [`crate::Error::Gpu`].
+    pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
+        camera.check()?;
+        light.check()?;
+        let gpu = self.gpu;
+        let view = LightView::fit(&self.prepared.mesh, light, self.settings.map)?;
+        view.check()?;
+        let bounds = self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let mut frame = Frame::new(camera, light, &view, bounds, self.settings.size, &self.settings.samples);
+        frame.vertex_count = self.casters.positions.len() as u32;
+        frame.triangle_count = self.casters.triangles.len() as u32;
+        frame.edge_count = self.casters.edges.len() as u32;
+        frame.facets_total = self.settings.pixels() as u32;
+        frame.facet_count = frame.facets_total;
+        self.frame.write(&gpu.queue, &[frame]);
+        self.method.prepare(gpu, camera, light, &view, &frame)?;
+        let mut encoder = gpu.encoder();
+        if let Some(timer) = &mut self.timer {
+            timer.reset();
+        }
+        let mut rec = Recorder::new(&gpu.device, &mut encoder, self.timer.as_mut());
+        self.geometry.record_setup(&mut rec, &self.with, self.frame.raw(), &self.casters)?;
+        self.geometry.record_camera(&mut rec, &self.with, self.frame.raw(), &self.casters)?;
+        let inputs = Inputs {
+            frame: self.frame.raw(),
+            samples: self.samples.raw(),
+            casters: &self.casters,
+            geometry: &self.geometry,
+        };
+        self.method.record(&mut rec, inputs)?;
+        let dispatches = rec.dispatches();
+        if let Some(timer) = &self.timer {
+            timer.resolve(&mut encoder);
+        }
+        let start = Instant::now();
+        gpu.submit_and_wait(encoder)?;
+        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(Output {
+            visibility: self.method.visibility().read(gpu)?,
+            lit: self.method.lit().map_or(Ok(Vec::new()), |lit| lit.read(gpu))?,
+            words: self.settings.samples.words(),
+            triangles: self.geometry.id_keys.read(gpu)?.into_iter().map(|key| !key).collect(),
+            counts: self.method.counts(gpu)?,
+            lists: Vec::new(),
+            stages: self.timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(gpu))?,
+            wall_ms,
+            dispatches,
+        })
+    }
+
+    /// The method, for looking at its buffers.
+    pub fn method(&self) -> &M {
+        &self.method
+    }
+}

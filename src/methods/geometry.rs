@@ -1,0 +1,161 @@
+//! What every method begins with: vertices in both views, where each triangle lies in them, and the nearest triangle at
+//! every pixel centre.
+
+use super::prepared::CasterBuffers;
+use crate::Result;
+use crate::gpu::kernels::{camera_visibility, dispatch_args, light_layers};
+use crate::gpu::{Buffer, Groups, Program, Recorder, Stage};
+use crate::stages::camera_visibility::{Blocks, CameraVisibility};
+use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
+use crate::stages::vertex_project::VertexProject;
+use crate::stages::{Count, PrefixScan, prefix_scan};
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct GeometryPipelines {
+    project: VertexProject,
+    setup: TriangleSetup,
+    visibility: CameraVisibility,
+    scan: PrefixScan,
+    fold: Program,
+}
+
+impl GeometryPipelines {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            project: VertexProject::new(device),
+            setup: TriangleSetup::new(device),
+            visibility: CameraVisibility::new(device),
+            scan: PrefixScan::new(device),
+            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+        }
+    }
+}
+
+/// The memory for one mesh and image.
+#[derive(Debug)]
+pub struct Geometry {
+    /// Vertices relative to the eye, scaled.
+    pub points: Buffer<[f32; 4]>,
+    /// Vertices in the light view.
+    pub map_points: Buffer<[f32; 4]>,
+    /// Facing, rectangles and block counts of each triangle.
+    pub facts: TriangleFacts,
+    /// Complement of the bits of the view depth at every pixel centre; 0 where nothing is seen.
+    pub depth_keys: Buffer<u32>,
+    /// Complement of the triangle at every pixel centre; 0 where there is none.
+    pub id_keys: Buffer<u32>,
+    camera_offsets: Buffer<u32>,
+    light_offsets: Buffer<u32>,
+    scan_scratch: prefix_scan::Scratch,
+    requests: [Buffer<[u32; 4]>; 2],
+    args: Buffer<u32>,
+}
+
+/// First words of the indirect arguments.
+const CAMERA_ARGS: u32 = 0;
+const LIGHT_ARGS: u32 = 3;
+
+impl Geometry {
+    /// Makes the memory for an image of `pixels` pixels.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &CasterBuffers, pixels: usize) -> Result<Self> {
+        let (vertices, triangles) = (casters.positions.len(), casters.triangles.len());
+        let request = |group: u32, at: u32| {
+            let words = [triangles as u32, group, u32::MAX, at];
+            Buffer::from_slice(device, queue, "dispatch_args.request", &[words])
+        };
+        Ok(Self {
+            points: Buffer::storage(device, "vertex_project.points", vertices)?,
+            map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
+            facts: TriangleFacts::new(device, triangles)?,
+            depth_keys: Buffer::storage(device, "camera_visibility.depth_keys", pixels)?,
+            id_keys: Buffer::storage(device, "camera_visibility.id_keys", pixels)?,
+            camera_offsets: Buffer::storage(device, "triangle_setup.camera_offsets", triangles + 2)?,
+            light_offsets: Buffer::storage(device, "triangle_setup.light_offsets", triangles + 2)?,
+            scan_scratch: PrefixScan::scratch(device, triangles)?,
+            requests: [
+                request(camera_visibility::WORKGROUP, CAMERA_ARGS)?,
+                request(light_layers::WORKGROUP, LIGHT_ARGS)?,
+            ],
+            args: Buffer::indirect(device, "dispatch_args.args", 6)?,
+        })
+    }
+
+    /// Records the stage `triangle_setup`: vertices, rectangles, and the lists of their blocks.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_setup(
+        &self,
+        rec: &mut Recorder,
+        with: &GeometryPipelines,
+        frame: &wgpu::Buffer,
+        casters: &CasterBuffers,
+    ) -> Result<()> {
+        let stage = &mut rec.stage("triangle_setup");
+        let (positions, triangles) = (&casters.positions, &casters.triangles);
+        with.project.record(stage, frame, positions.raw(), &self.points, &self.map_points, positions.len())?;
+        let count = triangles.len();
+        with.setup.record(stage, frame, triangles.raw(), &self.points, &self.map_points, &self.facts, count)?;
+        self.list_blocks(stage, with, &self.facts.camera_items, &self.camera_offsets, 0)?;
+        self.list_blocks(stage, with, &self.facts.light_items, &self.light_offsets, 1)
+    }
+
+    fn list_blocks(
+        &self,
+        stage: &mut Stage,
+        with: &GeometryPipelines,
+        items: &Buffer<u32>,
+        offsets: &Buffer<u32>,
+        view: usize,
+    ) -> Result<()> {
+        let count = items.len();
+        with.scan.record(stage, items, offsets, (offsets, count), &self.scan_scratch, Count::Exactly(count))?;
+        let request = &self.requests[view];
+        let buffers = [("counts", offsets.raw()), ("requests", request.raw()), ("args", self.args.raw())];
+        stage.run(&with.fold, &buffers, Groups::Workgroups(1))
+    }
+
+    /// Records the stage `camera_visibility`, after [`Geometry::record_setup`].
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_camera(
+        &self,
+        rec: &mut Recorder,
+        with: &GeometryPipelines,
+        frame: &wgpu::Buffer,
+        casters: &CasterBuffers,
+    ) -> Result<()> {
+        rec.clear(self.depth_keys.raw());
+        rec.clear(self.id_keys.raw());
+        let stage = &mut rec.stage("camera_visibility");
+        with.visibility.record(stage, frame, self.in_camera(casters), &self.depth_keys, &self.id_keys)
+    }
+
+    /// The triangles' blocks of pixels.
+    pub fn in_camera<'a>(&'a self, casters: &'a CasterBuffers) -> Blocks<'a> {
+        Blocks {
+            triangles: casters.triangles.raw(),
+            points: &self.points,
+            rects: &self.facts.camera_rects,
+            offsets: &self.camera_offsets,
+            args: (self.args.raw(), u64::from(CAMERA_ARGS)),
+        }
+    }
+
+    /// The triangles' blocks of texels.
+    pub fn in_light<'a>(&'a self, casters: &'a CasterBuffers) -> Blocks<'a> {
+        Blocks {
+            triangles: casters.triangles.raw(),
+            points: &self.map_points,
+            rects: &self.facts.light_rects,
+            offsets: &self.light_offsets,
+            args: (self.args.raw(), u64::from(LIGHT_ARGS)),
+        }
+    }
+}
