@@ -1,5 +1,6 @@
 //! The methods: each a page of calls to stages, in order.
 
+pub mod any;
 pub mod cpu;
 pub mod every_surface;
 pub mod facet_masks;
@@ -10,6 +11,7 @@ pub mod render;
 pub mod settings;
 pub mod unshadowed;
 
+pub use any::{AnyRenderer, MethodName};
 pub use facet_masks::FacetMasks;
 pub use prepared::Prepared;
 pub use settings::{FacetMode, Settings};
