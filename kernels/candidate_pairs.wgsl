@@ -4,8 +4,9 @@
 // conservative by the frame's margins: what they drop casts nothing on the facet, nor cuts it within its pixel.
 // A triangle that covers the whole box and lies wholly before the facet settles it: its occluded mask is filled and the
 // walk ends.
-// Writes `candidates` (facet, triangle), never beyond the capacity, and counts into its `tally`; their order is not defined,
-// and a pair that shares several texels is listed as often.
+// Writes `candidates` (facet, triangle), never beyond the capacity, and counts into its `tally`; their order is not defined.
+// A pair that shares several texels is met in each. `seen` remembers what was listed lately: a slot holds one pair, which
+// slot and content together name without doubt, so what is left out was listed, and what was forgotten is listed again.
 
 //@import frame
 //@import dispatch
@@ -31,6 +32,18 @@ var<workgroup> wg_tests: atomic<u32>;
 const NOTHING = 0u;
 const MATTERS = 1u;
 const COVERS = 2u;
+
+const SEEN_BITS = 16u;  // SEEN = 1 << SEEN_BITS
+const KNOWN = 0x80000000u;
+
+// Whether the pair was listed, as far as `seen` remembers; it does from now on. A facet of 25 bits and the high bits of a
+// triangle of 22 fill a slot; the low bits of the triangle, and they, choose it.
+fn is_listed(f: u32, t: u32) -> bool {
+    if f >= (1u << 25u) || t >= (1u << (SEEN_BITS + 6u)) { return false; }
+    let content = KNOWN | f | ((t >> SEEN_BITS) << 25u);
+    let slot = (t ^ ((content * 2654435769u) >> (32u - SEEN_BITS))) & (SEEN - 1u);
+    return atomicExchange(&candidates.seen[slot], content) == content;
+}
 
 // How far the box reaches beyond the line a-b (x: its outermost point, y: its innermost, both positive inside).
 fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, middle: vec2<f32>, half: vec2<f32>) -> vec2<f32> {
@@ -96,7 +109,7 @@ fn walk(pair: vec2<u32>) -> u32 {
                 for (var w = 0u; w < WORDS; w++) { atomicOr(&masks[3u * WORDS * f + WORDS + w], 0xffffffffu); }
                 return end - first;
             }
-            if e == MATTERS { kept |= 1u << (n - batch); }
+            if e == MATTERS && !is_listed(f, t) { kept |= 1u << (n - batch); }
         }
         if kept == 0u { continue; }
         var at = atomicAdd(&candidates.tally[TALLY_CANDIDATES], countOneBits(kept));

@@ -2,8 +2,11 @@
 
 struct Candidates {
     tally: array<atomic<u32>, 16>,
+    seen: array<atomic<u32>, SEEN>,  // pairs listed lately, see candidate_pairs
     list: array<vec2<u32>>,  // facet, triangle
 }
+
+const SEEN = 65536u;
 
 // Words of `tally`.
 

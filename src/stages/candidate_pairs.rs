@@ -4,8 +4,8 @@
 //! - **Writes** `candidates` (facet, triangle) and, before them, how many were needed and how many tests were made; the
 //!   occluded mask of a facet that one triangle covers wholly, which then needs no candidates.
 //! - **Guarantee.** Conservative: a triangle that casts on a facet, or cuts it within its pixel, is kept. The order is not
-//!   defined, and a pair that shares several texels is listed as often; what is made of it depends on neither. Nothing is
-//!   written beyond the capacity.
+//!   defined, and of a pair that shares several texels most but not all repetitions are left out (which is why the count
+//!   may differ a little from run to run); what is made of it depends on neither. Nothing is written beyond the capacity.
 //! - **Capacity.** [`ROUND_LENGTH`] triangles of a texel a dispatch; longer lists take more rounds.
 //! - **Cost.** One indirect dispatch a round; per test about 60 flop and 12 words read.
 

@@ -9,7 +9,7 @@
 use super::camera_visibility::Pass;
 use super::facet_classify::Facets;
 use crate::Result;
-use crate::gpu::kernels::pixel_texel_pairs as kernel;
+use crate::gpu::kernels::{candidate_pairs::SEEN, pixel_texel_pairs as kernel};
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 
 /// The pipeline.
@@ -34,15 +34,15 @@ pub struct PairLists {
     pub pixel_pairs: Buffer<[u32; 2]>,
     /// Triangle-texel pairs: triangle.
     pub triangle_pairs: Buffer<u32>,
-    /// Counters of the band at work (see `kernels/shared/candidates.wgsl`), then facet and triangle of each pair worth
-    /// evaluating.
+    /// Counters of the band at work and pairs listed lately (see `kernels/shared/candidates.wgsl`), then facet and triangle
+    /// of each pair worth evaluating.
     pub candidates: Buffer<u32>,
     /// Candidates to be evaluated again with 46 bits.
     pub doubts: Buffer<u32>,
 }
 
 /// Words before the list of candidates.
-pub const TALLY_WORDS: usize = 16;
+pub const TALLY_WORDS: usize = 16 + SEEN as usize;
 
 impl PairLists {
     /// Memory for a map of `size` texels a side and this many pairs.

@@ -40,11 +40,24 @@ fn world(gpu: &'static Gpu, mesh: &Mesh, random: &mut Random) -> World {
 
 /// Culls all triangles against all listed facets, with room for `capacity` of `len` candidates.
 fn cull(world: &World, stage: &CandidatePairs, listed: &[(u32, Option<u32>)], capacity: u32, len: usize) -> Got {
+    cull_in(1, world, stage, listed, capacity, len)
+}
+
+/// As [`cull`], each facet being paired with the texel `times` times, as with so many texels of one list.
+fn cull_in(
+    times: usize,
+    world: &World,
+    stage: &CandidatePairs,
+    listed: &[(u32, Option<u32>)],
+    capacity: u32,
+    len: usize,
+) -> Got {
     let gpu = world.gpu;
     let facets = world.classify(listed, &[true; MAP * MAP], &[Split::Marked; MAP * MAP]);
     let states = facets.list.read(gpu).expect("readback");
     let undecided = |f: &u32| states[*f as usize].state == State::Undecided as u32;
-    let pairs: Vec<[u32; 2]> = (0..listed.len() as u32).filter(undecided).map(|f| [f, 0]).collect();
+    let once: Vec<[u32; 2]> = (0..listed.len() as u32).filter(undecided).map(|f| [f, 0]).collect();
+    let pairs = once.repeat(times);
     let triangles = world.prepared.mesh.triangles.len() as u32;
     let lists = PairLists::new(&gpu.device, MAP, pairs.len(), triangles as usize, len).expect("memory");
     lists.pixel_pairs.write(&gpu.queue, &pairs);
@@ -227,6 +240,26 @@ fn overflow_by_one() {
         assert!(inside.iter().all(|p| *p != [POISON; 2]), "capacity {capacity}: a candidate is not written");
         assert!(beyond.iter().all(|p| *p == [POISON; 2]), "capacity {capacity}: written past the end");
     }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn repetitions_are_left_out_and_nothing_else() {
+    let mut random = Random::new(79);
+    let (mut once, mut repeated) = (0, 0);
+    for kind in 0..8 {
+        let world = world(gpu(), &random_scene(kind, &mut random), &mut random);
+        let listed = world.seen();
+        let single = cull(&world, stage(), &listed, 1 << 20, 1 << 18);
+        let mut many = cull_in(6, &world, stage(), &listed, 1 << 20, 1 << 18);
+        once += single.kept.len();
+        repeated += many.kept.len();
+        many.kept.dedup();
+        // A facet that one triangle settled may have listed others first, or not.
+        let open = |got: &Got| got.kept.iter().filter(|[f, _]| !got.settled[*f as usize]).copied().collect::<Vec<_>>();
+        assert!(open(&many) == open(&single), "another set of pairs");
+    }
+    assert!(once > 1_000 && repeated < once + once / 2, "{once} pairs, with repetitions {repeated}");
 }
 
 #[test]
