@@ -10,7 +10,7 @@ use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::compact::{Compact, Flags};
 use subpixel_shadows::stages::facet_classify::Facets;
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces};
+use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, GROUP_NEAREST, Mesh, SampleSurfaces};
 use subpixel_shadows::stages::{Count, PrefixScan};
 
 const FACETS: usize = 1 << 20;
@@ -46,13 +46,13 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     }
     gpu.submit_and_wait(encoder)?;
     let count = complex.total.read(gpu)?[0];
-    let args = Buffer::indirect(device, "bench.args", 4)?;
-    args.write(&gpu.queue, &recorder::fold(u64::from(count)));
+    let args = Buffer::<u32>::indirect(device, "bench.args", 6)?;
+    args.write(&gpu.queue, &[count, count.div_ceil(GROUP_NEAREST)].map(|n| recorder::fold(u64::from(n))).concat());
     let stage = SampleSurfaces::new(device, &scan, 1);
     Ok(vec![Case {
         name: "sample_surfaces".to_owned(),
         size: setup.casters.triangles.len(),
-        bytes: count as usize * 32 * 16 + pixels * 24,
+        bytes: count as usize * 32 * 12 + pixels * 24,
         atomics: count as usize * 64,
         record: Box::new(move |s| {
             let (triangles, points) = (setup.casters.triangles.raw(), &setup.points);

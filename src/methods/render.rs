@@ -115,6 +115,8 @@ impl<'a> Renderer<'a> {
     pub const MAX_BANDS: u32 = 4096;
     /// Most rounds of triangles a texel may take.
     pub const MAX_ROUNDS: u32 = 256;
+    /// Most rounds of triangles a pixel may take.
+    pub const MAX_CAMERA_ROUNDS: u32 = 2048;
 
     /// Uploads the mesh and builds pipelines and memory.
     ///
@@ -247,11 +249,11 @@ impl<'a> Renderer<'a> {
             return Ok(None);
         }
         let rounds = words[status::LONGEST_PIXEL].div_ceil(sample_surfaces::ROUND_LENGTH).max(1);
-        if rounds > Self::MAX_ROUNDS {
+        if rounds > Self::MAX_CAMERA_ROUNDS {
             return Err(Error::Memory {
                 what: format!("triangles of one pixel ({} of them)", words[status::LONGEST_PIXEL]),
                 needed: u64::from(rounds),
-                limit: u64::from(Self::MAX_ROUNDS),
+                limit: u64::from(Self::MAX_CAMERA_ROUNDS),
             });
         }
         let needs = camera_needs(words);

@@ -7,8 +7,8 @@
 //!   ones the lowest. Edges belong to both sides, and around a vertex all edges agree on where the sample is. Bit-equal from
 //!   run to run. Nothing is written beyond the capacities.
 //! - **Capacity.** [`ROUND_LENGTH`] triangles of a pixel a dispatch; longer lists take more rounds.
-//! - **Cost.** One workgroup for each complex pixel and round: about 20 flop for each sample and triangle of its list; per
-//!   complex pixel 8 bytes a sample.
+//! - **Cost.** One invocation for each complex pixel and round: about 25 flop for each sample and triangle of its list, and
+//!   150 a triangle; per complex pixel 4 bytes a sample.
 
 use super::facet_classify::Facets;
 use super::pixel_triangles::PixelLists;
@@ -18,7 +18,7 @@ use crate::gpu::kernels::sample_surfaces as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::stages::camera_visibility::Pass;
 
-pub use kernel::ROUND_LENGTH;
+pub use kernel::{GROUP_NEAREST, ROUND_LENGTH};
 
 /// The pipelines for one number of mask words.
 #[derive(Debug)]
@@ -38,8 +38,6 @@ pub struct ComplexPixels {
     pub pixels: Buffer<u32>,
     /// How many there are, and 0.
     pub total: Buffer<u32>,
-    /// View depth of each sample.
-    pub depths: Buffer<f32>,
     /// Triangle of each sample.
     pub ids: Buffer<u32>,
 }
@@ -53,7 +51,6 @@ impl ComplexPixels {
         Ok(Self {
             pixels: Buffer::storage(device, "sample_surfaces.pixels", count)?,
             total: Buffer::storage(device, "sample_surfaces.total", 2)?,
-            depths: Buffer::storage(device, "sample_surfaces.depths", count * 32 * words)?,
             ids: Buffer::storage(device, "sample_surfaces.ids", count * 32 * words)?,
         })
     }
@@ -84,7 +81,8 @@ impl SampleSurfaces {
         }
     }
 
-    /// Records all of it, in `rounds` rounds. `args`: indirect arguments of one workgroup for each complex pixel.
+    /// Records all of it, in `rounds` rounds. `args`: indirect arguments of one workgroup for each complex pixel, and three
+    /// words further of one for each [`GROUP_NEAREST`] words of their samples.
     ///
     /// # Errors
     /// [`crate::Error::Config`] if a buffer is too small for the image.
@@ -116,10 +114,9 @@ impl SampleSurfaces {
                 ("pixel_list", lists.list.raw()),
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
-                ("sample_depths", complex.depths.raw()),
                 ("sample_ids", complex.ids.raw()),
             ];
-            stage.run(&self.nearest, &buffers, per_pixel())?;
+            stage.run(&self.nearest, &buffers, Groups::Indirect(args.0, args.1 + 3))?;
         }
         let buffers = [
             ("frame", frame),

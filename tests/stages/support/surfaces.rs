@@ -10,7 +10,7 @@ use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::compact::{Compact, Flags};
 use subpixel_shadows::stages::facet_classify::Facets;
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces};
+use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, GROUP_NEAREST, Mesh, ROUND_LENGTH, SampleSurfaces};
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::vertex_project::VertexProject;
 use subpixel_shadows::stages::{Count, PrefixScan};
@@ -73,11 +73,14 @@ pub fn frame(case: &Case, samples: &Samples, room: Room) -> Frame {
 pub fn find(gpu: &Gpu, case: &Case, samples: &Samples) -> Found {
     let pixels = (case.image[0] * case.image[1]) as usize;
     let mut room = [pixels * 4 + 16, pixels, pixels * 2 + 16];
+    let mut rounds = 1;
     loop {
-        let found = find_within(gpu, case, samples, room, 3);
-        if found.needed.iter().zip(room).all(|(&needed, room)| needed <= room) {
+        let found = find_within(gpu, case, samples, room, rounds);
+        let enough = found.longest.div_ceil(ROUND_LENGTH).max(1);
+        if found.needed.iter().zip(room).all(|(&needed, room)| needed <= room) && enough <= rounds {
             return found;
         }
+        rounds = enough;
         room = std::array::from_fn(|k| room[k].max(found.needed[k]));
     }
 }
@@ -106,11 +109,11 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
     let scan = PrefixScan::new(device);
     let scratch = PrefixScan::scratch(device, pixels.max(count)).expect(memory);
     let work = Buffer::storage(device, "test.work", count + 2).expect(memory);
-    let args = [(); 2].map(|()| Buffer::indirect(device, "test.args", 4).expect(memory));
+    let args = [(); 2].map(|()| Buffer::<u32>::indirect(device, "test.args", 6).expect(memory));
     // Arguments are made here: the stage that makes them does not know of a device's smaller limits.
-    let cover = |args: &Buffer<u32>, groups: u32| {
+    let cover = |args: &Buffer<u32>, groups: [u32; 2]| {
         let most = device.limits().max_compute_workgroups_per_dimension;
-        args.write(&gpu.queue, &fold_within(u64::from(groups), most));
+        args.write(&gpu.queue, &groups.map(|g| fold_within(u64::from(g), most)).concat());
     };
     let lists = PixelLists { list: poisoned(gpu, room[0]), ..PixelLists::new(device, pixels, 1).expect(memory) };
     let complex = ComplexPixels {
@@ -127,7 +130,7 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
     let compact = Compact::new(device, &scan);
     let compact_scratch = Compact::scratch(device, pixels).expect(memory);
     run(gpu, |s| scan.record(s, &facts.camera_items, &work, (&work, count), &scratch, Count::Exactly(count)));
-    cover(&args[0], work.read(gpu).expect("readback")[count].div_ceil(kernels::pixel_triangles::WORKGROUP));
+    cover(&args[0], [work.read(gpu).expect("readback")[count].div_ceil(kernels::pixel_triangles::WORKGROUP), 0]);
     let blocks = Blocks {
         triangles: triangles.raw(),
         points: &points,
@@ -139,7 +142,8 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
     run(gpu, |s| find.record(s, frame, blocks, &lists, &scratch, &status));
     let (flags, kept) = (Flags::Words(&lists.complex_flags), &complex.pixels);
     run(gpu, |s| compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels)));
-    cover(&args[1], complex.total.read(gpu).expect("readback")[0].min(room[1] as u32));
+    let found = complex.total.read(gpu).expect("readback")[0].min(room[1] as u32);
+    cover(&args[1], [found, (found * words).div_ceil(GROUP_NEAREST)]);
     let mesh = Mesh { samples: offsets_of_samples.raw(), triangles: triangles.raw(), points: &points };
     let stage = SampleSurfaces::new(device, &scan, words);
     let per_pixel = (args[1].raw(), 0);
