@@ -1,8 +1,7 @@
 // sample_surfaces: which surface each sample sees, and the facets made of that: one for every triangle that samples of the
 // pixel see, with the mask of those samples.
-// `nearest` runs an invocation for each word of samples of a complex pixel over ROUND_LENGTH triangles of its list, from `round` on, and keeps for
-// each sample the nearest, of equally near ones the lowest (`sample_ids`). A sample that a linear edge function cannot place
-// is looked at from the nearer end of each edge; depths are compared by bounds, and computed where bounds overlap.
+// `nearest` runs an invocation for each word of samples of a complex pixel over ROUND_LENGTH triangles of its list, from
+// round `step` on, and keeps for each sample the nearest, of equally near ones the lowest (`sample_ids`).
 // `group_samples` counts the triangles that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
 // `pixel_facets`, in the order of their first samples. `emit_single` lists the facets of single pixels, and makes what
 // lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the complement of the
@@ -14,13 +13,14 @@
 //@import facet
 //@import facing
 //@import eye_edges
+//@import eye_view
+//@import nearest_sample
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 32u;       // one lane for each sample of a word
 const GROUP_NEAREST = 64u;
 const GROUP_SINGLE = 64u;
 const ROUND_LENGTH = 512u;
-const DEPTH_SLACK = 0.00001;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
@@ -50,116 +50,6 @@ fn sample_offset(k: u32) -> vec2<f32> {
 
 fn slot_count() -> u32 {
     return min(complex_total[0], frame.complex_capacity);
-}
-
-// A triangle as the rays of one pixel see it.
-struct View {
-    edges: array<vec4<f32>, 3>,  // at the pixel centre, per pixel right and down, and doubt
-    over: vec3<f32>,             // normal . ray likewise, positive where the plane is met before the eye's horizon
-    over_doubt: f32,
-    distance: f32,
-    distance_doubt: f32,
-    nearest: f32,
-    farthest: f32,
-}
-
-fn view_of(i: vec3<u32>, centre: vec3<f32>) -> View {
-    var s: View;
-    s.edges[0] = eye_edge(i.x, i.y, centre);
-    s.edges[1] = eye_edge(i.y, i.z, centre);
-    s.edges[2] = eye_edge(i.z, i.x, centre);
-    let a = points[i.x].xyz;
-    let b = points[i.y].xyz;
-    let c = points[i.z].xyz;
-    let normal = cross(b - a, c - a);
-    // Rounding of the normal, of the corners themselves, and of the products with a ray of the pixel.
-    let reach = max(largest(a), max(largest(b), largest(c)));
-    let doubt = 2e-6 * largest(b - a) * largest(c - a) + 6e-7 * reach * (largest(b - a) + largest(c - a));
-    let distance = dot(normal, a);
-    let turn = sign(distance);
-    s.over = turn * vec3(dot(normal, centre), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
-    s.over_doubt = 2.0 * doubt * largest(centre);
-    s.distance = abs(distance);
-    s.distance_doubt = doubt * reach;
-    let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
-    s.nearest = min(depths.x, min(depths.y, depths.z));
-    s.farthest = max(depths.x, max(depths.y, depths.z));
-    return s;
-}
-
-// Nearest and farthest that `eye_depth` may say at a ray with this value of `over`.
-fn depth_bounds(s: View, over: f32) -> vec2<f32> {
-    var near = s.nearest;
-    var far = s.farthest;
-    let most = over + s.over_doubt;
-    let least = over - s.over_doubt;
-    if most > 0.0 && s.distance > s.distance_doubt { near = max(near, (s.distance - s.distance_doubt) / most * (1.0 - DEPTH_SLACK)); }
-    if least > 0.0 { far = min(far, (s.distance + s.distance_doubt) / least * (1.0 + DEPTH_SLACK)); }
-    return vec2(near - DEPTH_SLACK * abs(near), far + DEPTH_SLACK * abs(far));
-}
-
-// What is known of each sample of a word: its triangle, and bounds of its depth.
-var<private> best_ids: array<u32, 32>;
-var<private> best_near: array<f32, 32>;
-var<private> best_far: array<f32, 32>;
-
-fn corners_of(t: u32) -> vec3<u32> {
-    return vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
-}
-
-// Takes in that triangle `t`, of corners `i`, may be what sample `k` of a word sees; `offset` is the sample's.
-// What is rare stands in a loop of one turn: CPU adapters jump over a loop, but not over a branch.
-fn consider(k: u32, offset: vec2<f32>, t: u32, i: vec3<u32>, s: View, unsure: bool, pixel: u32) {
-    var bounds = depth_bounds(s, s.over.x + offset.x * s.over.y + offset.y * s.over.z);
-    var stays = bounds.x <= best_far[k];
-    // Too near to tell, to what is known or to the near plane.
-    let open = !(bounds.x >= frame.forward.w && bounds.y < best_near[k]);
-    for (var look = stays && (unsure || open); look; look = false) {
-        let ray = ray_at(pixel, offset);
-        if unsure {
-            let v = vec3(eye_edge_near(i.x, i.y, ray), eye_edge_near(i.y, i.z, ray), eye_edge_near(i.z, i.x, ray));
-            stays = all(v >= vec3(0.0)) || all(v <= vec3(0.0));
-        }
-        if !stays || !open { continue; }
-        bounds = vec2(eye_depth(i, ray));
-        stays = bounds.x >= frame.forward.w;
-        let other = best_ids[k];
-        if !stays || other == NO_TRIANGLE { continue; }
-        if best_near[k] != best_far[k] { best_near[k] = eye_depth(corners_of(other), ray); }
-        best_far[k] = best_near[k];
-        stays = bounds.x < best_far[k] || (bounds.x == best_far[k] && t < other);
-    }
-    if stays {
-        best_ids[k] = t;
-        best_near[k] = bounds.x;
-        best_far[k] = bounds.y;
-    }
-}
-
-fn look_at(t: u32, word: u32, count: u32, pixel: u32, centre: vec3<f32>) {
-    let i = corners_of(t);
-    let s = view_of(i, centre);
-    let at = vec3(s.edges[0].x, s.edges[1].x, s.edges[2].x);
-    let ax = vec3(s.edges[0].y, s.edges[1].y, s.edges[2].y);
-    let ay = vec3(s.edges[0].z, s.edges[1].z, s.edges[2].z);
-    let doubt = vec3(s.edges[0].w, s.edges[1].w, s.edges[2].w);
-    var inside = 0u;
-    var unsure = 0u;
-    for (var p = 0u; p < (count + 1u) / 2u; p++) {
-        let pair = samples[16u * word + p];
-        let v = at + pair.x * ax + pair.y * ay;
-        let w = at + pair.z * ax + pair.w * ay;
-        inside |= select(1u, 0u, any(v > doubt) && any(v < -doubt)) << (2u * p);
-        inside |= select(2u, 0u, any(w > doubt) && any(w < -doubt)) << (2u * p);
-        unsure |= select(0u, 1u, any(abs(v) <= doubt)) << (2u * p);
-        unsure |= select(0u, 2u, any(abs(w) <= doubt)) << (2u * p);
-    }
-    inside &= select((1u << count) - 1u, 0xffffffffu, count == 32u);
-    while inside != 0u {
-        let k = firstTrailingBit(inside);
-        inside &= inside - 1u;
-        consider(k, sample_offset(32u * word + k), t, i, s, ((unsure >> k) & 1u) != 0u, pixel);
-    }
 }
 
 @compute @workgroup_size(GROUP_NEAREST)

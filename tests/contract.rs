@@ -38,10 +38,11 @@ fn edge() -> Registered {
     Registered { kernel: "silhouette_mask", name: "Edge", size: size_of::<Edge>(), fields: FIELDS }
 }
 
-/// A list with a header, which the host writes as plain words: 16 counters, then pairs.
+/// A list with a header, which the host writes as plain words: 16 counters, what was listed lately, then pairs.
 fn candidates() -> Registered {
     const FIELDS: &[Field] = &[
-        Field { name: "tally", offset: 0, size: 4 * TALLY_WORDS },
+        Field { name: "tally", offset: 0, size: 64 },
+        Field { name: "seen", offset: 64, size: 4 * TALLY_WORDS - 64 },
         Field { name: "list", offset: 4 * TALLY_WORDS, size: 8 },
     ];
     Registered { kernel: "shared/candidates", name: "Candidates", size: 4 * TALLY_WORDS + 8, fields: FIELDS }
