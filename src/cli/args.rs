@@ -4,10 +4,12 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
+use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::Budget;
+use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Scene, SceneOptions};
+use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
 
 /// Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
 #[derive(Debug, Parser)]
@@ -35,6 +37,11 @@ pub enum Command {
         scene: Option<String>,
         #[command(flatten)]
         options: Options,
+    },
+    /// Error against run time: scenes x methods x settings, as tables and plots
+    Report {
+        #[command(flatten)]
+        options: ReportOptions,
     },
     /// List what wgpu finds here: adapters, features, limits, and the path each would take
     Adapters {
@@ -104,6 +111,91 @@ pub struct Options {
     /// No progress, no notes
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// The options of `report`.
+#[derive(Debug, Args)]
+pub struct ReportOptions {
+    /// Built-in scenes or files [default: every built-in scene]
+    pub scenes: Vec<String>,
+    /// Fewer rows of smaller pictures, within 10 minutes on two cores
+    #[arg(long)]
+    pub quick: bool,
+    /// Methods, by name [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", value_parser = method_name)]
+    pub methods: Vec<MethodName>,
+    /// Samples per pixel [default: 1,8,16,32,64,128; quick: 1,32,128]
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    pub samples: Vec<u32>,
+    /// Light-view map sizes; the first is measured at every number of samples [default: 512,256,1024,2048; quick: 256]
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    pub maps: Vec<u32>,
+    /// Image size, pixels [default: 800x600; quick: 400x300]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Frames of each row that count [default: 15; quick: 5]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: Option<u32>,
+    /// Also split each triangle of the first scene into 4, 16, ... as often as this [default: 3; quick: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=6))]
+    pub tessellate: Option<u32>,
+    /// Add a ground plane under each scene
+    #[arg(long)]
+    pub ground: bool,
+    /// Begin anew, without the rows that an earlier run left in the folder
+    #[arg(long)]
+    pub fresh: bool,
+    /// Pick an adapter whose name contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// Folder for the files that are written
+    #[arg(long, default_value = "out/report", value_name = "DIR")]
+    pub out: PathBuf,
+    /// No progress, no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+fn method_name(text: &str) -> std::result::Result<MethodName, String> {
+    let names = MethodName::ALL.map(MethodName::name);
+    let found = MethodName::ALL.into_iter().find(|m| m.name() == text);
+    found.ok_or_else(|| format!("no such method; there are {}", names.join(", ")))
+}
+
+impl ReportOptions {
+    /// The scenes.
+    pub fn scenes(&self) -> Vec<String> {
+        if self.scenes.is_empty() { BUILTIN_NAMES.map(String::from).to_vec() } else { self.scenes.clone() }
+    }
+
+    /// Frames of each row.
+    pub fn repeats(&self) -> u32 {
+        self.repeats.unwrap_or(if self.quick { 5 } else { 15 })
+    }
+
+    /// How often triangles of the first scene are split.
+    pub fn tessellation(&self) -> u32 {
+        self.tessellate.unwrap_or(if self.quick { 2 } else { 3 })
+    }
+
+    /// What is compared.
+    pub fn scope(&self) -> Result<Scope> {
+        let (samples, maps, size): (&[u32], &[u32], _) = match self.quick {
+            true => (&[1, 32, 128], &[256], [400, 300]),
+            false => (&[1, 8, 16, 32, 64, 128], &[512, 256, 1024, 2048], [800, 600]),
+        };
+        let or = |given: &[u32], default: &[u32]| if given.is_empty() { default.to_vec() } else { given.to_vec() };
+        let methods = if self.methods.is_empty() { MethodName::ALL.to_vec() } else { self.methods.clone() };
+        let scope = Scope {
+            methods,
+            samples: or(&self.samples, samples),
+            maps: or(&self.maps, maps),
+            size: self.size.unwrap_or(size),
+            all_settings: !self.quick,
+        };
+        scope.reference()?;
+        Ok(scope)
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]

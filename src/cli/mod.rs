@@ -1,4 +1,4 @@
-//! The command line: `render`, `explain`, `adapters`.
+//! The command line: `render`, `explain`, `report`, `adapters`.
 
 mod adapters;
 mod args;
@@ -7,6 +7,7 @@ mod explain;
 mod output;
 mod progress;
 mod render;
+mod report;
 mod table;
 
 use args::{Cli, Command};
@@ -19,6 +20,7 @@ pub fn main() -> ExitCode {
     let done = match cli.command {
         Some(Command::Render { scene, options }) => render::run(scene.as_deref(), &options),
         Some(Command::Explain { scene, options }) => explain::run(scene.as_deref(), &options),
+        Some(Command::Report { options }) => report::run(&options),
         Some(Command::Adapters { check }) => adapters::run(check),
         None => render::run(None, &cli.options),
     };

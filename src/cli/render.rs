@@ -14,7 +14,7 @@ use subpixel_shadows::plan::Plan;
 use subpixel_shadows::report::frame_json::{AdapterReport, ErrorReport, Sources};
 use subpixel_shadows::report::shaded::Shading;
 use subpixel_shadows::report::{
-    FacetErrors, FrameReport, SceneErrors, shade, write_difference, write_exr, write_png_grey, write_png_rgb,
+    FacetErrors, FrameReport, TracedScene, shade, write_difference, write_exr, write_png_grey, write_png_rgb,
 };
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::truth::{Tracer, TruthImage};
@@ -92,9 +92,8 @@ fn compare(
     let task = console.task("scene truth");
     let progress = |done, total| task.at(done, total);
     let visibility = &rendered.output.visibility;
-    let (errors, image) =
-        SceneErrors::of(visibility, mesh, &tracer, &scene.camera, &scene.light, settings, Some(&progress))?;
-    Ok((ErrorReport { facet, scene: errors }, image))
+    let traced = TracedScene::new(mesh, &tracer, &scene.camera, &scene.light, settings, Some(&progress))?;
+    Ok((ErrorReport { facet, scene: traced.errors(visibility)? }, traced.image))
 }
 
 /// Writes all files, or none.

@@ -11,12 +11,12 @@ use crate::stages::facet_classify::{Facet, State};
 use crate::stages::sample_surfaces;
 use crate::{Error, Result};
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// What was counted in a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
     /// Edges that are silhouettes from the light.
     pub silhouette_edges: u64,

@@ -1,7 +1,7 @@
 //! `frame.json`: what a frame was computed from, with, and in what time.
 
-use super::errors::{FacetErrors, SceneErrors};
 use super::picture;
+use super::{FacetErrors, SceneErrors};
 use crate::methods::facet_masks::Settings;
 use crate::methods::prepared::Prepared;
 use crate::methods::render::{Counts, ListUse, Output};

@@ -1,15 +1,18 @@
 //! What is reported about a picture: error metrics and files.
 
-pub mod errors;
+pub mod comparison;
+pub mod facet_errors;
 pub mod flip;
 pub mod frame_json;
 pub mod metrics;
 pub mod picture;
+pub mod scene_errors;
 pub mod shaded;
 
-pub use errors::{FacetErrors, FacetSet, SceneErrors};
+pub use facet_errors::{FacetErrors, FacetSet};
 pub use flip::{flip, mean_flip};
 pub use frame_json::FrameReport;
 pub use metrics::{Errors, Metrics, Truth, wrong_samples};
-pub use picture::{write_difference, write_exr, write_png_grey, write_png_rgb};
+pub use picture::{write_difference, write_exr, write_png_grey, write_png_rgb, write_text};
+pub use scene_errors::{SceneErrors, TracedScene};
 pub use shaded::shade;

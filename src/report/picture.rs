@@ -56,7 +56,16 @@ pub fn write_difference(path: &Path, width: u32, height: u32, ours: &[f32], trut
     write_png_rgb(path, width, height, &pixels)
 }
 
-fn difference_colour(ours: f32, truth: f32) -> [u8; 3] {
+/// Writes a text file as a whole or not at all.
+///
+/// # Errors
+/// [`Error::File`] naming `path` if the file cannot be written.
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    write(path, |out| Ok(out.write_all(text.as_bytes())?))
+}
+
+/// The colour that [`write_difference`] gives a difference.
+pub(super) fn difference_colour(ours: f32, truth: f32) -> [u8; 3] {
     let grey = 0.6 + 0.25 * truth.clamp(0.0, 1.0);
     let difference = ours - truth;
     if difference == 0.0 {

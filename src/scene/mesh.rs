@@ -5,6 +5,7 @@ use crate::{Error, Result};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::HashMap;
 
 /// A triangle soup with shared vertices. Surfaces are two-sided.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,6 +55,26 @@ impl Mesh {
             }
         }
         Ok(())
+    }
+
+    /// The same surface in four times as many triangles: each split at the middles of its edges. Middles are rounded to
+    /// `f32`, the same for both triangles at an edge, so what is closed stays closed.
+    pub fn split_in_four(&self) -> Self {
+        let mut positions = self.positions.clone();
+        let mut middles = HashMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                let [p, q] = [a.min(b), a.max(b)].map(|v| Vec3::from_array(self.positions[v as usize]));
+                positions.push((p * 0.5 + q * 0.5).to_array());
+                positions.len() as u32 - 1
+            })
+        };
+        let mut triangles = Vec::with_capacity(4 * self.triangles.len());
+        for &[a, b, c] in &self.triangles {
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        Self { positions, triangles }
     }
 
     /// Lowest and highest corner of the vertices that triangles use; `None` without triangles.

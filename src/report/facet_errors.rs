@@ -1,15 +1,12 @@
-//! A frame held against both truths.
+//! A frame held against facet truth.
 
-use super::mean_flip;
-use super::metrics::{Metrics, Truth};
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::methods::facet_masks::Settings;
-use crate::scene::{Camera, Light, Mesh, PixelRays};
+use crate::scene::{Camera, Light, PixelRays};
 use crate::stages::facet_classify::{Facet, Facets, State};
 use crate::truth::facet_truth::FacetResult;
-use crate::truth::predicate::Plane;
-use crate::truth::{FacetInput, FacetTruth, Progress, SceneTruth, Tracer, TruthImage, bits, full_mask, join_mask};
+use crate::truth::{FacetInput, FacetTruth, Progress, Tracer, bits, full_mask, join_mask};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -218,101 +215,4 @@ impl View<'_> {
         }
         (met, own)
     }
-}
-
-/// A frame against scene truth: the whole error of the method, and how much of it is where one facet is the whole truth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct SceneErrors {
-    /// Pixels of the image.
-    pub scene_pixels: u64,
-    /// Root of the mean squared difference.
-    pub scene_rmse: f64,
-    /// Mean absolute difference.
-    pub scene_mean: f64,
-    /// Largest absolute difference.
-    pub scene_max: f64,
-    /// Share of the pixels within 1/N of truth.
-    pub scene_pixel_match: f64,
-    /// Pixels of the silhouette band: neither all lit nor all dark in truth, grown by one pixel.
-    pub scene_band_pixels: u64,
-    /// Root of the mean squared difference in the band.
-    pub scene_band_rmse: f64,
-    /// Mean absolute difference in the band.
-    pub scene_band_mean: f64,
-    /// Largest absolute difference in the band.
-    pub scene_band_max: f64,
-    /// Share of the band's pixels within 1/N of truth.
-    pub scene_band_pixel_match: f64,
-    /// Pixels that are lit in truth, less than that here, and not near the band.
-    pub scene_acne_pixels: u64,
-    /// Pixels that are dark in truth and lit here at all.
-    pub scene_leak_pixels: u64,
-    /// Mean of the FLIP map.
-    pub scene_flip: f64,
-    /// Pixels whose samples all see one plane.
-    pub scene_one_plane_pixels: u64,
-    /// Share of those within 1/N of truth.
-    pub scene_one_plane_match: f64,
-}
-
-impl SceneErrors {
-    /// Traces scene truth and holds `visibility` against it; also returns the truth.
-    ///
-    /// # Errors
-    /// [`crate::Error::Config`] if the sizes do not agree; as [`SceneTruth::new`].
-    pub fn of(
-        visibility: &[f32],
-        mesh: &Mesh,
-        tracer: &Tracer,
-        camera: &Camera,
-        light: &Light,
-        settings: &Settings,
-        progress: Progress,
-    ) -> Result<(Self, TruthImage)> {
-        let [width, height] = settings.size;
-        let samples = settings.samples.count();
-        let scene = SceneTruth::new(tracer, camera, light, &settings.samples, width, height)?;
-        let image = scene.image(progress);
-        let truth = image.visibility();
-        let held = Truth { width, height, samples, visibility: &truth };
-        let Metrics { whole, band, acne_pixels, leak_pixels } = held.compare(visibility)?;
-        let within = 1.0 / f64::from(samples) + 1e-6;
-        let eye = camera.rays(width, height).eye;
-        let (planar, matching) = (0..width * height)
-            .into_par_iter()
-            .filter(|&pixel| sees_one_plane(&scene, mesh, eye, pixel, full_mask(samples)))
-            .map(|pixel| {
-                let p = pixel as usize;
-                (1u64, u64::from((f64::from(visibility[p]) - f64::from(truth[p])).abs() <= within))
-            })
-            .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-        let errors = Self {
-            scene_pixels: whole.pixels,
-            scene_rmse: whole.rmse,
-            scene_mean: whole.mean,
-            scene_max: whole.max,
-            scene_pixel_match: whole.pixel_match,
-            scene_band_pixels: band.pixels,
-            scene_band_rmse: band.rmse,
-            scene_band_mean: band.mean,
-            scene_band_max: band.max,
-            scene_band_pixel_match: band.pixel_match,
-            scene_acne_pixels: acne_pixels,
-            scene_leak_pixels: leak_pixels,
-            scene_flip: mean_flip(width, height, &truth, visibility)?,
-            scene_one_plane_pixels: planar,
-            scene_one_plane_match: if planar == 0 { 1.0 } else { matching as f64 / planar as f64 },
-        };
-        Ok((errors, image))
-    }
-}
-
-/// Whether all samples of a pixel see surfaces of one plane.
-fn sees_one_plane(scene: &SceneTruth, mesh: &Mesh, eye: DVec3, pixel: u32, full: u128) -> bool {
-    let surfaces = scene.surfaces(pixel);
-    let seen = surfaces.iter().fold(0, |seen, (_, mask)| seen | join_mask(*mask));
-    let corners = |t: u32| mesh.corners(t as usize).map(|p| p - eye);
-    let Some((first, others)) = surfaces.split_first() else { return false };
-    let plane = Plane::new(corners(first.0));
-    seen == full && others.iter().all(|&(t, _)| corners(t).iter().all(|&p| plane.height(p) == 0.0))
 }

@@ -1,0 +1,207 @@
+//! `report`: error against run time.
+
+use super::args::ReportOptions;
+use super::output::OutFolder;
+use super::progress::{Console, Task};
+use super::table::Report;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::render::Budget;
+use subpixel_shadows::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
+use subpixel_shadows::report::comparison::page::{Page, csv, markdown};
+use subpixel_shadows::report::comparison::pictures::{Panel, side_by_side};
+use subpixel_shadows::report::comparison::{Bench, Journal, Machine, Row, SceneCase, Scope, Variant, variants};
+use subpixel_shadows::report::write_text;
+use subpixel_shadows::scene::{Scene, SceneOptions};
+use subpixel_shadows::{Error, Result};
+
+/// A scene of the report with its rows.
+struct Job {
+    scene: String,
+    tessellation: u32,
+    variants: Vec<Variant>,
+    /// Samples of which the error that sampling leaves is stated.
+    truths: Vec<Variant>,
+}
+
+/// Measures every row that is missing, then writes tables and plots.
+pub fn run(options: &ReportOptions) -> Result<()> {
+    let start = Instant::now();
+    let console = Console::new(options.quiet);
+    let scope = options.scope()?;
+    OutFolder::check(&options.out)?;
+    let gpu = Gpu::open(options.adapter.as_deref())?;
+    let machine = Machine::of(&gpu.adapter);
+    let jobs = jobs(options, &scope)?;
+    // A scene that cannot be opened is found before hours are spent on the others.
+    for job in &jobs {
+        open(options, &job.scene)?;
+    }
+    std::fs::create_dir_all(&options.out).map_err(|e| Error::file(&options.out, format!("cannot be made: {e}")))?;
+    let at = options.out.join("rows.jsonl");
+    if options.fresh && at.exists() {
+        std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
+    }
+    let mut journal = Journal::open(&at, &machine)?;
+    let bench = Bench { gpu: &gpu, repeats: options.repeats(), budget: Budget::default() };
+    let all: usize = jobs.iter().map(|j| j.variants.len() + j.truths.len()).sum();
+    let mut done = 0;
+    let mut rows = Vec::new();
+    {
+        let task = console.task("report");
+        for job in &jobs {
+            rows.extend(measure(options, &scope, &bench, job, &mut journal, (&task, &mut done, all))?);
+        }
+    }
+    let written = write(options, &machine, &rows)?;
+    summary(&machine, &rows, &written, start);
+    Ok(())
+}
+
+fn open(options: &ReportOptions, scene: &str) -> Result<Scene> {
+    Scene::open(scene, &SceneOptions { ground: options.ground, ..SceneOptions::default() })
+}
+
+/// What is to be measured, in order.
+fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
+    let all = variants(scope)?;
+    let truths: Vec<Variant> = {
+        let mut seen = Vec::new();
+        let first = |v: &&Variant| {
+            let n = v.settings.samples.count();
+            let new = !seen.contains(&n);
+            seen.push(n);
+            new
+        };
+        all.iter().filter(first).cloned().collect()
+    };
+    let mut jobs: Vec<Job> = options
+        .scenes()
+        .into_iter()
+        .map(|scene| Job { scene, tessellation: 0, variants: all.clone(), truths: truths.clone() })
+        .collect();
+    let usual = scope.reference()?;
+    let ladder: Vec<Variant> = all
+        .into_iter()
+        .filter(|v| v.method == usual.method && v.settings.samples == usual.settings.samples)
+        .filter(|v| v.settings.map == usual.settings.map && ["facets=one", "facets=all"].contains(&v.setting.as_str()))
+        .collect();
+    for tessellation in 1..=options.tessellation() {
+        if let Some(scene) = options.scenes().into_iter().next() {
+            jobs.push(Job { scene, tessellation, variants: ladder.clone(), truths: Vec::new() });
+        }
+    }
+    Ok(jobs)
+}
+
+/// The rows of a job: from the journal, or measured.
+fn measure(
+    options: &ReportOptions,
+    scope: &Scope,
+    bench: &Bench,
+    job: &Job,
+    journal: &mut Journal,
+    (task, done, all): (&Task, &mut usize, usize),
+) -> Result<Vec<Row>> {
+    let mut case = SceneCase::new(open(options, &job.scene)?, job.tessellation, scope.size)?;
+    let picture = (job.tessellation == 0).then(|| picture_path(&options.out, &job.scene));
+    let reference = scope.reference()?;
+    let shown =
+        |v: &Variant| v.settings.samples == reference.settings.samples && v.settings.map == reference.settings.map;
+    // Without their picture, rows that it shows are measured again.
+    let draw = picture.as_ref().is_some_and(|p| !p.exists());
+    let missing: Vec<Variant> =
+        job.variants.iter().filter(|v| !journal.has(&case.row(v).key()) || (draw && shown(v))).cloned().collect();
+    *done += job.variants.len() - missing.len();
+    task.at(*done, all);
+    let mut panels = Vec::new();
+    for group in missing.chunks(Bench::GROUP) {
+        for (variant, mut found) in group.iter().zip(bench.measure(&case, &reference, group)?) {
+            if found.row.failed.is_none() {
+                (found.row.matched, found.row.converged) = case.errors(&variant.settings, &found.visibility, None)?;
+                if shown(variant) {
+                    let truth = case.matched(&variant.settings, None)?.visibility().to_vec();
+                    panels.push(Panel { ours: found.visibility, truth });
+                }
+            }
+            journal.add(found.row)?;
+            *done += 1;
+            task.at(*done, all);
+        }
+    }
+    if let Some(path) = picture
+        && !panels.is_empty()
+    {
+        side_by_side(&path, scope.size, &panels)?;
+    }
+    let mut rows = Vec::new();
+    for like in &job.truths {
+        let key = Row { method: SceneCase::TRUTH.to_owned(), setting: String::new(), ..case.row(like) }.key();
+        if !journal.has(&key) {
+            journal.add(case.row_of_truth(&like.settings, None)?)?;
+        }
+        *done += 1;
+        task.at(*done, all);
+        rows.extend(journal.get(&key).cloned());
+    }
+    let keys = job.variants.iter().map(|v| case.row(v).key());
+    let mut found: Vec<Row> = keys.filter_map(|key| journal.get(&key).cloned()).collect();
+    found.extend(rows);
+    Ok(found)
+}
+
+fn picture_path(out: &Path, scene: &str) -> PathBuf {
+    out.join(format!("pictures-{}.png", slug(scene)))
+}
+
+/// Writes tables, plots and the page; returns their paths.
+fn write(options: &ReportOptions, machine: &Machine, rows: &[Row]) -> Result<Vec<PathBuf>> {
+    let out = &options.out;
+    let mut written = Vec::new();
+    let mut plots = Vec::new();
+    for (name, plot) in figures(rows) {
+        let path = out.join(format!("{name}.svg"));
+        if plot.write(&path)? {
+            written.push(path);
+            plots.push(name);
+        }
+    }
+    let measured = measured(rows);
+    let pictured = scenes(&measured).into_iter().filter(|s| picture_path(out, s).exists()).collect();
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let command = format!("cargo run --release -- {}", arguments.join(" "));
+    let page = Page { command, machine: machine.clone(), plots, pictured };
+    let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "rows": rows }));
+    let json = json.map_err(|e| Error::file(out, e.to_string()))?;
+    for (name, text) in [("rows.csv", csv(rows)), ("rows.json", json), ("report.md", markdown(&page, rows))] {
+        let path = out.join(name);
+        write_text(&path, &text)?;
+        written.push(path);
+    }
+    Ok(written)
+}
+
+/// What people want to see first: the front of each scene.
+fn summary(machine: &Machine, rows: &[Row], written: &[PathBuf], start: Instant) {
+    let mut report = Report::default();
+    report.line("adapter", &machine.line());
+    let plain: Vec<&Row> = measured(rows).into_iter().filter(|r| r.tessellation == 0).collect();
+    let mut lines = vec![["scene", "front", "samples", "ms", "band RMSE"].map(String::from).to_vec()];
+    for scene in scenes(&plain) {
+        let of_scene: Vec<&Row> = plain.iter().copied().filter(|r| r.scene == scene).collect();
+        for row in pareto_front(&of_scene) {
+            let (time, error) = (format!("{:.2}", row.time()), format!("{:.5}", error(row)));
+            lines.push(vec![scene.clone(), row.series(), row.samples.to_string(), time, error]);
+        }
+    }
+    report.table(&lines, &[2, 3, 4]);
+    let failed = rows.iter().filter(|r| r.failed.is_some()).count();
+    if failed > 0 {
+        report.text(&format!("{failed} rows have no figures; report.md says why"));
+    }
+    let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
+    report.text(&format!("\nwrote {}", names.join(", ")));
+    report.text(&format!("in {:.0} s", start.elapsed().as_secs_f64()));
+    report.print();
+}

@@ -1,0 +1,290 @@
+//! The plots of a report, made from its rows.
+
+use super::measure::SceneCase;
+use super::plots::{Axis, Plot, Series};
+use super::row::Row;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Name of the file and the plot.
+pub type Figure = (String, Plot);
+
+/// Rows with figures, without those that only say what truth leaves.
+pub fn measured(rows: &[Row]) -> Vec<&Row> {
+    rows.iter().filter(|r| r.failed.is_none() && r.method != SceneCase::TRUTH).collect()
+}
+
+/// The rows that no other row beats in both time and error, from the fastest on. Error: RMSE of the silhouette band against
+/// converged truth.
+pub fn pareto_front<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
+    let mut sorted = rows.to_vec();
+    sorted.sort_by(|a, b| a.time().total_cmp(&b.time()).then(error(a).total_cmp(&error(b))));
+    let mut front: Vec<&Row> = Vec::new();
+    for row in sorted {
+        if front.last().is_none_or(|last| error(row) < error(last)) {
+            front.push(row);
+        }
+    }
+    front
+}
+
+/// The error that rows are ranked by.
+pub fn error(row: &Row) -> f64 {
+    row.converged.scene_band_rmse
+}
+
+/// Scenes in the order in which they come.
+pub fn scenes(rows: &[&Row]) -> Vec<String> {
+    let mut seen = BTreeSet::new();
+    rows.iter().map(|r| r.scene.clone()).filter(|s| seen.insert(s.clone())).collect()
+}
+
+/// A scene's name as part of a file name.
+pub fn slug(name: &str) -> String {
+    let stem = std::path::Path::new(name).file_stem().map_or(name.into(), |s| s.to_string_lossy());
+    stem.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
+}
+
+/// All plots of these rows.
+pub fn figures(rows: &[Row]) -> Vec<Figure> {
+    let all = measured(rows);
+    let plain: Vec<&Row> = all.iter().copied().filter(|r| r.tessellation == 0).collect();
+    let mut found = Vec::new();
+    for scene in scenes(&plain) {
+        let of_scene: Vec<&Row> = plain.iter().copied().filter(|r| r.scene == scene).collect();
+        found.push((format!("error-time-{}", slug(&scene)), error_time(&scene, &of_scene)));
+    }
+    found.push(("error-time".to_owned(), error_time_overall(&plain)));
+    found.push(("time-samples".to_owned(), time_samples(&plain)));
+    found.push(("time-triangles".to_owned(), time_triangles(&all)));
+    found.push(("time-silhouettes".to_owned(), time_silhouettes(&plain)));
+    found.push(("map-size".to_owned(), map_size(&plain)));
+    found
+}
+
+/// Rows by method and setting.
+fn by_series<'a>(rows: &[&'a Row]) -> BTreeMap<String, Vec<&'a Row>> {
+    let mut found: BTreeMap<String, Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        found.entry(row.series()).or_default().push(row);
+    }
+    found
+}
+
+fn points(name: String, mut points: Vec<(f64, f64, String)>) -> Series {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Series { name, points, joined: true, guide: false }
+}
+
+const ERROR: &str = "RMSE of the silhouette band, against 1024 rays a pixel";
+const TIME: &str = "time of all stages, ms";
+
+/// Error against time on one scene, each map size a series of its own, and the front.
+fn error_time(scene: &str, rows: &[&Row]) -> Plot {
+    let first_map = rows.first().map_or(0, |r| r.map);
+    let mut series: Vec<Series> = Vec::new();
+    for (name, rows) in by_series(rows) {
+        let mut maps: Vec<u32> = rows.iter().map(|r| r.map).collect();
+        maps.dedup();
+        for map in maps {
+            let here = rows.iter().filter(|r| r.map == map);
+            let text = |r: &Row| {
+                if map == first_map { r.samples.to_string() } else { format!("{map}²") }
+            };
+            let name = if map == first_map { name.clone() } else { format!("{name}, map {map}²") };
+            series.push(points(name, here.map(|r| (r.time(), error(r), text(r))).collect()));
+        }
+    }
+    let front = pareto_front(rows);
+    let steps = front.iter().map(|r| (r.time(), error(r), String::new())).collect();
+    series.push(Series { name: "Pareto front".to_owned(), points: steps, joined: true, guide: true });
+    Plot { title: format!("{scene}: error against time"), x: Axis::log(TIME), y: Axis::log(ERROR), series }
+}
+
+/// Geometric mean; `None` of nothing or of what is not positive.
+pub fn geometric_mean(values: &[f64]) -> Option<f64> {
+    if values.is_empty() || values.iter().any(|v| *v <= 0.0) {
+        return None;
+    }
+    Some((values.iter().map(|v| v.ln()).sum::<f64>() / values.len() as f64).exp())
+}
+
+/// Error against time over all scenes, geometric means of the rows that every scene has.
+fn error_time_overall(rows: &[&Row]) -> Plot {
+    let count = scenes(rows).len();
+    let mut groups: BTreeMap<(String, u32, u32), Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        groups.entry((row.series(), row.map, row.samples)).or_default().push(row);
+    }
+    let first_map = rows.first().map_or(0, |r| r.map);
+    let mut series: BTreeMap<String, Vec<(f64, f64, String)>> = BTreeMap::new();
+    for ((name, map, samples), rows) in groups.into_iter().filter(|(_, rows)| rows.len() == count) {
+        let time = geometric_mean(&rows.iter().map(|r| r.time()).collect::<Vec<_>>());
+        let errors = geometric_mean(&rows.iter().map(|r| error(r)).collect::<Vec<_>>());
+        if let (Some(time), Some(errors), true) = (time, errors, map == first_map) {
+            series.entry(name).or_default().push((time, errors, samples.to_string()));
+        }
+    }
+    Plot {
+        title: format!("{count} scenes: error against time, geometric means"),
+        x: Axis::log(TIME),
+        y: Axis::log(ERROR),
+        series: series.into_iter().map(|(name, p)| points(name, p)).collect(),
+    }
+}
+
+/// Time against samples, relative to the fewest (Pan 2009, figure 10): geometric means over the scenes.
+fn time_samples(rows: &[&Row]) -> Plot {
+    let mut series = Vec::new();
+    for (name, rows) in by_series(rows) {
+        let mut at: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+        let first_map = rows.first().map_or(0, |r| r.map);
+        for scene in scenes(&rows) {
+            let here: Vec<&Row> = rows.iter().copied().filter(|r| r.scene == scene && r.map == first_map).collect();
+            let Some(least) = here.iter().min_by_key(|r| r.samples) else { continue };
+            for row in &here {
+                at.entry(row.samples).or_default().push(row.time() / least.time());
+            }
+        }
+        let means = at.iter().filter_map(|(n, r)| Some((f64::from(*n), geometric_mean(r)?, String::new())));
+        let means: Vec<_> = means.collect();
+        if means.len() > 1 {
+            series.push(points(name, means));
+        }
+    }
+    Plot {
+        title: "time against samples".to_owned(),
+        x: Axis::linear("samples a pixel"),
+        y: Axis::linear("time over that of the fewest samples, geometric mean over scenes"),
+        series,
+    }
+}
+
+/// Time against triangles where one surface is split finer and finer.
+fn time_triangles(rows: &[&Row]) -> Plot {
+    let split: BTreeSet<&str> = rows.iter().filter(|r| r.tessellation > 0).map(|r| r.scene.as_str()).collect();
+    let mut series = Vec::new();
+    for scene in split {
+        let of_scene: Vec<&Row> = rows.iter().copied().filter(|r| r.scene == scene).collect();
+        for (name, rows) in by_series(&of_scene) {
+            // What was measured at every level.
+            let levels: BTreeSet<u32> = of_scene.iter().map(|r| r.tessellation).collect();
+            let finest: Vec<&&Row> = rows.iter().filter(|r| Some(&r.tessellation) == levels.last()).collect();
+            let Some(like) = finest.first() else { continue };
+            let same = rows.iter().filter(|r| (r.map, r.samples) == (like.map, like.samples));
+            let shadow = |r: &Row| r.time() - r.camera_ms;
+            let of = |f: &dyn Fn(&Row) -> f64| {
+                same.clone().map(|r| (r.triangles as f64, f(r), String::new())).collect::<Vec<_>>()
+            };
+            series.push(points(format!("{scene}, {name}: all stages"), of(&|r| r.time())));
+            series.push(points(format!("{scene}, {name}: without camera visibility"), of(&shadow)));
+        }
+    }
+    Plot {
+        title: "time against triangles of one surface".to_owned(),
+        x: Axis::log("triangles"),
+        y: Axis::log("time, ms"),
+        series,
+    }
+}
+
+/// Time against silhouette pixels over the scenes.
+fn time_silhouettes(rows: &[&Row]) -> Plot {
+    let mut series = Vec::new();
+    for (name, rows) in by_series(rows).into_iter().filter(|(name, _)| name.starts_with("facet-masks")) {
+        let (map, samples) = rows.first().map_or((0, 0), |r| (r.map, usual(&rows, r.map)));
+        let same = rows.iter().filter(|r| r.map == map && r.samples == samples);
+        let place = |r: &&Row| (r.counts.silhouette_pixels as f64, r.time() - r.camera_ms, slug(&r.scene));
+        let mut one = points(format!("{name}, {samples} samples"), same.map(place).collect());
+        one.joined = false;
+        if one.points.len() > 1 {
+            series.push(one);
+        }
+    }
+    Plot {
+        title: "time against undecided facets".to_owned(),
+        x: Axis::log("undecided facets"),
+        y: Axis::log("time without camera visibility, ms"),
+        series,
+    }
+}
+
+/// The samples nearest to 32 that a map size has.
+fn usual(rows: &[&Row], map: u32) -> u32 {
+    rows.iter().filter(|r| r.map == map).map(|r| r.samples).min_by_key(|n| n.abs_diff(32)).unwrap_or(0)
+}
+
+/// Time against map size, geometric means over the scenes.
+fn map_size(rows: &[&Row]) -> Plot {
+    let maps: BTreeSet<u32> = rows.iter().map(|r| r.map).collect();
+    let mut series = Vec::new();
+    for (name, rows) in by_series(rows).into_iter().filter(|_| maps.len() > 1) {
+        let means = maps.iter().filter_map(|&map| {
+            let samples = usual(&rows, map);
+            let here: Vec<f64> =
+                rows.iter().filter(|r| r.map == map && r.samples == samples).map(|r| r.time()).collect();
+            Some((f64::from(map), geometric_mean(&here)?, String::new()))
+        });
+        let means: Vec<_> = means.collect();
+        if means.len() > 1 {
+            series.push(points(name, means));
+        }
+    }
+    Plot {
+        title: "time against map size".to_owned(),
+        x: Axis::log("texels a side"),
+        y: Axis::log("time of all stages, ms, geometric mean over scenes"),
+        series,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::SceneErrors;
+    use crate::report::comparison::Spread;
+
+    fn row(scene: &str, setting: &str, samples: u32, time: f64, error: f64) -> Row {
+        Row {
+            scene: scene.to_owned(),
+            method: "facet-masks".to_owned(),
+            setting: setting.to_owned(),
+            samples,
+            gpu_ms: Spread { median: time, low: time, high: time },
+            converged: SceneErrors { scene_band_rmse: error, ..SceneErrors::default() },
+            ..Row::default()
+        }
+    }
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        let rows = [
+            row("a", "x", 1, 1.0, 0.5),
+            row("a", "x", 8, 2.0, 0.6),
+            row("a", "x", 32, 3.0, 0.1),
+            row("a", "y", 1, 3.0, 0.2),
+            row("a", "y", 8, 9.0, 0.1),
+        ];
+        let rows: Vec<&Row> = rows.iter().collect();
+        let front: Vec<(f64, f64)> = pareto_front(&rows).iter().map(|r| (r.time(), error(r))).collect();
+        assert_eq!(front, [(1.0, 0.5), (3.0, 0.1)]);
+    }
+
+    #[test]
+    fn means_are_over_what_every_scene_has() {
+        let rows = [
+            row("a", "x", 1, 1.0, 0.5),
+            row("b", "x", 1, 4.0, 0.5),
+            row("a", "x", 32, 2.0, 0.1),
+            row("a", "y", 1, 2.0, 0.1),
+            row("b", "y", 1, 2.0, 0.1),
+        ];
+        let found: BTreeMap<String, Plot> = figures(&rows).into_iter().collect();
+        let series = &found["error-time"].series;
+        assert_eq!(series.len(), 2);
+        assert_eq!(series[0].points.len(), 1);
+        assert!((series[0].points[0].0 - 2.0).abs() < 1e-12 && (series[0].points[0].1 - 0.5).abs() < 1e-12);
+        assert!(found.contains_key("error-time-a") && found.contains_key("error-time-b"));
+        assert!(found["time-triangles"].series.is_empty() && found["map-size"].series.is_empty());
+        assert_eq!(geometric_mean(&[]), None);
+    }
+}

@@ -1,0 +1,123 @@
+//! Which methods and settings are compared.
+
+use crate::Result;
+use crate::mask_table::MaskVariant;
+use crate::methods::{FacetMode, MethodName, Settings};
+use crate::samples::{Pattern, Samples};
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scope {
+    /// Methods.
+    pub methods: Vec<MethodName>,
+    /// Samples a pixel; the reference row has the one nearest to 32.
+    pub samples: Vec<u32>,
+    /// Map sizes; every number of samples is measured at the first of them, the others at one number of samples.
+    pub maps: Vec<u32>,
+    /// Image size.
+    pub size: [u32; 2],
+    /// Settings beyond one and several facets a pixel: mask tables, and whatever else a method has.
+    pub all_settings: bool,
+}
+
+/// One method with one setting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// The method.
+    pub method: MethodName,
+    /// What is set beyond samples and map, such as `facets=all`.
+    pub setting: String,
+    /// Everything that is set. The plan of a scene may leave out more.
+    pub settings: Settings,
+}
+
+impl Scope {
+    /// The number of samples that stands for all where one must.
+    pub fn usual_samples(&self) -> u32 {
+        self.samples.iter().copied().min_by_key(|n| n.abs_diff(32)).unwrap_or(32)
+    }
+
+    fn settings(&self, samples: u32, map: u32) -> Result<Settings> {
+        let samples = Samples::new(Pattern::LowDiscrepancy, samples)?;
+        Ok(Settings { cull_back: true, ..Settings::new(self.size, map, samples) })
+    }
+
+    /// The row that others are compared with: `facet-masks` with one facet a pixel, the usual samples, the first map.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for samples, map or image that cannot be.
+    pub fn reference(&self) -> Result<Variant> {
+        let settings = self.settings(self.usual_samples(), self.maps.first().copied().unwrap_or(512))?;
+        settings.check()?;
+        Ok(Variant { method: MethodName::FacetMasks, setting: "facets=one".to_owned(), settings })
+    }
+}
+
+/// Every row of a scope, in a fixed order, the reference first if it is among them.
+///
+/// # Errors
+/// As [`Scope::reference`].
+pub fn variants(scope: &Scope) -> Result<Vec<Variant>> {
+    let usual = scope.usual_samples();
+    let mut found = Vec::new();
+    let places = scope.maps.iter().enumerate().flat_map(|(m, &map)| {
+        let here = scope.samples.iter().copied().filter(move |&n| m == 0 || n == usual);
+        here.map(move |n| (n, map))
+    });
+    for (samples, map) in places {
+        let settings = scope.settings(samples, map)?;
+        settings.check()?;
+        let usual_place = samples == usual && Some(&map) == scope.maps.first();
+        for &method in &scope.methods {
+            of_method(method, &settings, scope.all_settings && usual_place, &mut found);
+        }
+    }
+    let reference = scope.reference()?;
+    found.sort_by_key(|v| *v != reference);
+    Ok(found)
+}
+
+/// The settings in which a method is compared.
+fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Vec<Variant>) {
+    let mut add = |setting: &str, settings: Settings| {
+        found.push(Variant { method, setting: setting.to_owned(), settings });
+    };
+    match method {
+        MethodName::FacetMasks => {
+            let all = Settings { facets: FacetMode::All, ..settings.clone() };
+            add("facets=one", settings.clone());
+            add("facets=all", all.clone());
+            if more {
+                add("facets=one validity=off", Settings { validity: false, ..settings.clone() });
+                add("facets=one masks=table", Settings { masks: MaskVariant::TABLE, ..settings.clone() });
+                add("facets=all masks=table", Settings { masks: MaskVariant::TABLE, ..all });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_another_and_the_reference_comes_first() {
+        let scope = Scope {
+            methods: MethodName::ALL.to_vec(),
+            samples: vec![1, 32, 128],
+            maps: vec![512, 1024],
+            size: [64, 48],
+            all_settings: true,
+        };
+        let rows = variants(&scope).unwrap();
+        assert_eq!(rows[0], scope.reference().unwrap());
+        for (k, row) in rows.iter().enumerate() {
+            assert!(!rows[..k].contains(row), "{row:?} twice");
+            assert!(row.settings.map == 512 || row.settings.samples.count() == 32, "{row:?}");
+        }
+        let fewer = variants(&Scope { all_settings: false, ..scope.clone() }).unwrap();
+        assert!(fewer.len() < rows.len() && fewer.iter().all(|v| rows.contains(v)));
+        assert!(variants(&Scope { samples: vec![7], ..scope.clone() }).is_err());
+        assert!(variants(&Scope { maps: vec![0], ..scope }).is_err());
+    }
+}

@@ -1,0 +1,142 @@
+//! A picture held against scene truth.
+
+use super::mean_flip;
+use super::metrics::{Metrics, Truth};
+use crate::Result;
+use crate::methods::Settings;
+use crate::scene::{Camera, Light, Mesh};
+use crate::truth::predicate::Plane;
+use crate::truth::{Progress, SceneTruth, Tracer, TruthImage, full_mask, join_mask};
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Scene truth of one view, traced once, with what comparing pictures against it needs.
+#[derive(Clone, Debug)]
+pub struct TracedScene {
+    /// The truth.
+    pub image: TruthImage,
+    visibility: Vec<f32>,
+    one_plane: Vec<bool>,
+}
+
+impl TracedScene {
+    /// Traces the samples of `settings` in every pixel.
+    ///
+    /// # Errors
+    /// As [`SceneTruth::new`].
+    pub fn new(
+        mesh: &Mesh,
+        tracer: &Tracer,
+        camera: &Camera,
+        light: &Light,
+        settings: &Settings,
+        progress: Progress,
+    ) -> Result<Self> {
+        let [width, height] = settings.size;
+        let scene = SceneTruth::new(tracer, camera, light, &settings.samples, width, height)?;
+        let image = scene.image(progress);
+        let eye = camera.rays(width, height).eye;
+        let full = full_mask(settings.samples.count());
+        let one_plane =
+            (0..width * height).into_par_iter().map(|pixel| sees_one_plane(&scene, mesh, eye, pixel, full)).collect();
+        Ok(Self { visibility: image.visibility(), image, one_plane })
+    }
+
+    /// Visibility of each pixel, row by row from the top.
+    pub fn visibility(&self) -> &[f32] {
+        &self.visibility
+    }
+
+    /// Holds a picture of visibility against it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if the sizes do not agree.
+    pub fn errors(&self, visibility: &[f32]) -> Result<SceneErrors> {
+        let TruthImage { width, height, samples, .. } = self.image;
+        let mut errors = SceneErrors::against(width, height, samples, &self.visibility, visibility)?;
+        let within = 1.0 / f64::from(samples) + 1e-6;
+        let planar = || self.one_plane.iter().zip(visibility).zip(&self.visibility).filter(|((one, _), _)| **one);
+        let near = |ours: f32, truth: f32| (f64::from(ours) - f64::from(truth)).abs() <= within;
+        let all = planar().count();
+        errors.scene_one_plane_pixels = all as u64;
+        if all > 0 {
+            let matching = planar().filter(|((_, ours), truth)| near(**ours, **truth)).count();
+            errors.scene_one_plane_match = matching as f64 / all as f64;
+        }
+        Ok(errors)
+    }
+}
+
+/// A frame against scene truth: the whole error of the method, and how much of it is where one facet is the whole truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SceneErrors {
+    /// Pixels of the image.
+    pub scene_pixels: u64,
+    /// Root of the mean squared difference.
+    pub scene_rmse: f64,
+    /// Mean absolute difference.
+    pub scene_mean: f64,
+    /// Largest absolute difference.
+    pub scene_max: f64,
+    /// Share of the pixels within 1/N of truth.
+    pub scene_pixel_match: f64,
+    /// Pixels of the silhouette band: neither all lit nor all dark in truth, grown by one pixel.
+    pub scene_band_pixels: u64,
+    /// Root of the mean squared difference in the band.
+    pub scene_band_rmse: f64,
+    /// Mean absolute difference in the band.
+    pub scene_band_mean: f64,
+    /// Largest absolute difference in the band.
+    pub scene_band_max: f64,
+    /// Share of the band's pixels within 1/N of truth.
+    pub scene_band_pixel_match: f64,
+    /// Pixels that are lit in truth, less than that here, and not near the band.
+    pub scene_acne_pixels: u64,
+    /// Pixels that are dark in truth and lit here at all.
+    pub scene_leak_pixels: u64,
+    /// Mean of the FLIP map.
+    pub scene_flip: f64,
+    /// Pixels whose samples all see one plane.
+    pub scene_one_plane_pixels: u64,
+    /// Share of those within 1/N of truth.
+    pub scene_one_plane_match: f64,
+}
+
+impl SceneErrors {
+    /// Holds `visibility` against any picture of truth; nothing is said of pixels that see one plane.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if the sizes do not agree.
+    pub fn against(width: u32, height: u32, samples: u32, truth: &[f32], visibility: &[f32]) -> Result<Self> {
+        let held = Truth { width, height, samples, visibility: truth };
+        let Metrics { whole, band, acne_pixels, leak_pixels } = held.compare(visibility)?;
+        Ok(Self {
+            scene_pixels: whole.pixels,
+            scene_rmse: whole.rmse,
+            scene_mean: whole.mean,
+            scene_max: whole.max,
+            scene_pixel_match: whole.pixel_match,
+            scene_band_pixels: band.pixels,
+            scene_band_rmse: band.rmse,
+            scene_band_mean: band.mean,
+            scene_band_max: band.max,
+            scene_band_pixel_match: band.pixel_match,
+            scene_acne_pixels: acne_pixels,
+            scene_leak_pixels: leak_pixels,
+            scene_flip: mean_flip(width, height, truth, visibility)?,
+            scene_one_plane_pixels: 0,
+            scene_one_plane_match: 1.0,
+        })
+    }
+}
+
+/// Whether all samples of a pixel see surfaces of one plane.
+fn sees_one_plane(scene: &SceneTruth, mesh: &Mesh, eye: DVec3, pixel: u32, full: u128) -> bool {
+    let surfaces = scene.surfaces(pixel);
+    let seen = surfaces.iter().fold(0, |seen, (_, mask)| seen | join_mask(*mask));
+    let corners = |t: u32| mesh.corners(t as usize).map(|p| p - eye);
+    let Some((first, others)) = surfaces.split_first() else { return false };
+    let plane = Plane::new(corners(first.0));
+    seen == full && others.iter().all(|&(t, _)| corners(t).iter().all(|&p| plane.height(p) == 0.0))
+}
