@@ -172,6 +172,28 @@ mod tests {
     }
 
     #[test]
+    fn splitting_keeps_the_surface_closed_and_its_area() {
+        let area = |m: &Mesh| -> f64 {
+            let of = |t| {
+                let [a, b, c] = m.corners(t);
+                (b - a).cross(c - a).length() / 2.0
+            };
+            (0..m.triangles.len()).map(of).sum()
+        };
+        let body = crate::scene::builtin("spheres").expect("built in").mesh;
+        let split = body.split_in_four();
+        assert_eq!(split.triangles.len(), 4 * body.triangles.len());
+        assert!((area(&split) / area(&body) - 1.0).abs() < 1e-5);
+        let edges = |m: &Mesh| {
+            let all = m.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+            all.map(|[a, b]| [a.min(b), a.max(b)]).collect::<std::collections::BTreeSet<_>>().len()
+        };
+        assert_eq!(split.positions.len(), body.positions.len() + edges(&body), "a middle for each edge");
+        let moved = Mesh { positions: split.positions.iter().map(|p| p.map(|c| c * 1.1)).collect(), ..split.clone() };
+        assert!((area(&moved) / area(&body) - 1.0).abs() > 1e-5);
+    }
+
+    #[test]
     fn the_canonical_form_does_not_depend_on_order_rotation_or_numbering() {
         let mesh = sheet();
         let (canonical, from) = mesh.canonical();

@@ -96,7 +96,7 @@ fn error_time(scene: &str, rows: &[&Row]) -> Plot {
     }
     let front = pareto_front(rows);
     let steps = front.iter().map(|r| (r.time(), error(r), String::new())).collect();
-    series.push(Series { name: "Pareto front".to_owned(), points: steps, joined: true, guide: true });
+    series.insert(0, Series { name: "Pareto front".to_owned(), points: steps, joined: true, guide: true });
     Plot { title: format!("{scene}: error against time"), x: Axis::log(TIME), y: Axis::log(ERROR), series }
 }
 
@@ -165,7 +165,7 @@ fn time_triangles(rows: &[&Row]) -> Plot {
     let mut series = Vec::new();
     for scene in split {
         let of_scene: Vec<&Row> = rows.iter().copied().filter(|r| r.scene == scene).collect();
-        for (name, rows) in by_series(&of_scene) {
+        for rows in by_series(&of_scene).into_values() {
             // What was measured at every level.
             let levels: BTreeSet<u32> = of_scene.iter().map(|r| r.tessellation).collect();
             let finest: Vec<&&Row> = rows.iter().filter(|r| Some(&r.tessellation) == levels.last()).collect();
@@ -175,8 +175,8 @@ fn time_triangles(rows: &[&Row]) -> Plot {
             let of = |f: &dyn Fn(&Row) -> f64| {
                 same.clone().map(|r| (r.triangles as f64, f(r), String::new())).collect::<Vec<_>>()
             };
-            series.push(points(format!("{scene}, {name}: all stages"), of(&|r| r.time())));
-            series.push(points(format!("{scene}, {name}: without camera visibility"), of(&shadow)));
+            series.push(points(format!("{scene} {}: all stages", like.setting), of(&|r| r.time())));
+            series.push(points(format!("{scene} {}: shadow stages", like.setting), of(&shadow)));
         }
     }
     Plot {

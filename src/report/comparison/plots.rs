@@ -3,6 +3,7 @@
 use crate::report::picture;
 use crate::{Error, Result};
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use std::ops::Range;
 use std::path::Path;
@@ -37,7 +38,7 @@ pub struct Series {
     pub points: Vec<(f64, f64, String)>,
     /// Whether points are joined.
     pub joined: bool,
-    /// Drawn as a thin grey line without marks: a bound or a front.
+    /// Drawn as a broad grey line without marks: a bound or a front.
     pub guide: bool,
 }
 
@@ -65,7 +66,9 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(120, 80, 40),
     RGBColor(0, 0, 0),
 ];
-const SIZE: (u32, u32) = (960, 600);
+const SIZE: (u32, u32) = (1120, 600);
+/// Where the legend begins.
+const LEGEND: i32 = 820;
 
 impl Plot {
     /// Writes the plot. Points that a logarithmic axis cannot show are left out; a plot without points has no file.
@@ -94,77 +97,125 @@ impl Plot {
         Series { points: points.cloned().collect(), ..series.clone() }
     }
 
-    fn range(&self, of: impl Fn(&(f64, f64, String)) -> f64, axis: &Axis) -> Range<f64> {
-        let values = || self.series.iter().flat_map(|s| &s.points).map(&of);
-        let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-        if axis.log { low / 1.4..high * 1.6 } else { 0.0_f64.min(low)..high.max(1e-12) * 1.08 }
-    }
-
     fn draw(&self, area: &DrawingArea<SVGBackend, Shift>) -> std::result::Result<(), String> {
         area.fill(&WHITE).map_err(|e| e.to_string())?;
-        let (x, y) = (self.range(|p| p.0, &self.x), self.range(|p| p.1, &self.y));
-        // Four kinds of axes, four types of charts.
-        macro_rules! on {
-            ($x:expr, $y:expr) => {{
-                let mut chart = ChartBuilder::on(area)
-                    .caption(&self.title, ("sans-serif", 20))
-                    .margin(12)
-                    .x_label_area_size(46)
-                    .y_label_area_size(70)
-                    .right_y_label_area_size(10)
-                    .build_cartesian_2d($x, $y)
-                    .map_err(|e| e.to_string())?;
-                chart
-                    .configure_mesh()
-                    .x_desc(&self.x.label)
-                    .y_desc(&self.y.label)
-                    .x_label_formatter(&|v| short(*v))
-                    .y_label_formatter(&|v| short(*v))
-                    .label_style(("sans-serif", 14))
-                    .light_line_style(RGBColor(240, 240, 240))
-                    .draw()
-                    .map_err(|e| e.to_string())?;
-                let mut colours = COLOURS.iter().cycle();
-                for series in &self.series {
-                    let places = series.points.iter().map(|(x, y, _)| (*x, *y));
-                    if series.guide {
-                        let style = RGBColor(150, 150, 150).stroke_width(1);
-                        let drawn = chart.draw_series(LineSeries::new(places, style)).map_err(|e| e.to_string())?;
-                        drawn.label(&series.name).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
-                        continue;
-                    }
-                    let colour = *colours.next().unwrap_or(&BLACK);
-                    if series.joined {
-                        chart
-                            .draw_series(LineSeries::new(places.clone(), colour.mix(0.6).stroke_width(1)))
-                            .map_err(|e| e.to_string())?;
-                    }
-                    let marks = places.map(|place| Circle::new(place, 4, colour.filled()));
-                    let drawn = chart.draw_series(marks).map_err(|e| e.to_string())?;
-                    drawn.label(&series.name).legend(move |(x, y)| Circle::new((x + 9, y), 4, colour.filled()));
-                    let font = ("sans-serif", 12).into_font().color(&colour);
-                    let texts = series.points.iter().filter(|p| !p.2.is_empty()).map(|(x, y, text)| {
-                        EmptyElement::at((*x, *y)) + Text::new(text.clone(), (6, -12), font.clone())
-                    });
-                    chart.draw_series(texts).map_err(|e| e.to_string())?;
-                }
-                chart
-                    .configure_series_labels()
-                    .position(SeriesLabelPosition::UpperRight)
-                    .background_style(WHITE.mix(0.85))
-                    .border_style(RGBColor(200, 200, 200))
-                    .label_font(("sans-serif", 13))
-                    .draw()
-                    .map_err(|e| e.to_string())
-            }};
+        let (area, legend) = area.split_horizontally(LEGEND);
+        let all = || self.series.iter().flat_map(|s| &s.points);
+        let (x, y) = (self.x.ticks(all().map(|p| p.0)), self.y.ticks(all().map(|p| p.1)));
+        let place = |p: &(f64, f64, String)| (self.x.place(p.0), self.y.place(p.1));
+        let mut chart = ChartBuilder::on(&area)
+            .caption(&self.title, ("sans-serif", 20))
+            .margin(14)
+            .x_label_area_size(46)
+            .y_label_area_size(70)
+            .build_cartesian_2d(Scale { ticks: x, log: self.x.log }, Scale { ticks: y, log: self.y.log })
+            .map_err(|e| e.to_string())?;
+        chart
+            .configure_mesh()
+            .x_labels(40)
+            .y_labels(40)
+            .x_desc(&self.x.label)
+            .y_desc(&self.y.label)
+            .label_style(("sans-serif", 14))
+            .bold_line_style(RGBColor(225, 225, 225))
+            .light_line_style(TRANSPARENT)
+            .draw()
+            .map_err(|e| e.to_string())?;
+        let mut colours = COLOURS.iter().cycle();
+        for (n, series) in self.series.iter().enumerate() {
+            let at = 60 + 20 * n as i32;
+            let name = Text::new(series.name.clone(), (30, at - 6), ("sans-serif", 13));
+            legend.draw(&name).map_err(|e| e.to_string())?;
+            if series.guide {
+                let style = RGBColor(150, 150, 150).mix(0.4).stroke_width(7);
+                let line = LineSeries::new(series.points.iter().map(place), style);
+                chart.draw_series(line).map_err(|e| e.to_string())?;
+                legend.draw(&PathElement::new([(4, at), (22, at)], style)).map_err(|e| e.to_string())?;
+                continue;
+            }
+            let colour = *colours.next().unwrap_or(&BLACK);
+            if series.joined {
+                let line = LineSeries::new(series.points.iter().map(place), colour.mix(0.7).stroke_width(1));
+                chart.draw_series(line).map_err(|e| e.to_string())?;
+            }
+            let marks = series.points.iter().map(|p| Circle::new(place(p), 4, colour.filled()));
+            chart.draw_series(marks).map_err(|e| e.to_string())?;
+            legend.draw(&Circle::new((13, at), 4, colour.filled())).map_err(|e| e.to_string())?;
+            let font = ("sans-serif", 12).into_font().color(&colour);
+            let named = series.points.iter().filter(|p| !p.2.is_empty());
+            let texts = named.map(|p| EmptyElement::at(place(p)) + Text::new(p.2.clone(), (6, -12), font.clone()));
+            chart.draw_series(texts).map_err(|e| e.to_string())?;
         }
-        match (self.x.log, self.y.log) {
-            (true, true) => on!(x.log_scale(), y.log_scale()),
-            (true, false) => on!(x.log_scale(), y),
-            (false, true) => on!(x, y.log_scale()),
-            (false, false) => on!(x, y),
-        }
+        Ok(())
     }
+}
+
+impl Axis {
+    /// Where a value lies on the axis.
+    fn place(&self, v: f64) -> f64 {
+        if self.log { v.log10() } else { v }
+    }
+
+    /// Places of the marks of an axis that holds these values, the ends of the axis first and last.
+    fn ticks(&self, values: impl Iterator<Item = f64>) -> Vec<f64> {
+        let (low, high) =
+            values.map(|v| self.place(v)).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        if !self.log {
+            let step = step_above(high.max(1e-9) / 8.0);
+            return (0..=(high.max(1e-9) * 1.02 / step).ceil() as u32).map(|k| f64::from(k) * step).collect();
+        }
+        // 1, 2 and 5 times the powers of ten, or the powers alone where there are many.
+        let parts: &[f64] = if high - low > 4.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let (first, last) = ((low - 0.02).floor() as i32, (high + 0.02).floor() as i32 + 1);
+        let all: Vec<f64> = (first..=last).flat_map(|k| parts.iter().map(move |p| f64::from(k) + p.log10())).collect();
+        let from = all.iter().rposition(|v| *v <= low - 0.02).unwrap_or(0);
+        let to = all.iter().position(|v| *v >= high + 0.02).unwrap_or(all.len() - 1);
+        all[from..=to].to_vec()
+    }
+}
+
+/// An axis with marks of our own.
+struct Scale {
+    ticks: Vec<f64>,
+    log: bool,
+}
+
+impl Ranged for Scale {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        let Range { start, end } = ends(&self.ticks);
+        limit.0 + ((value - start) / (end - start) * f64::from(limit.1 - limit.0)).round() as i32
+    }
+
+    fn key_points<H: KeyPointHint>(&self, _: H) -> Vec<f64> {
+        self.ticks.clone()
+    }
+
+    fn range(&self) -> Range<f64> {
+        ends(&self.ticks)
+    }
+}
+
+impl ValueFormatter<f64> for Scale {
+    fn format(place: &f64) -> String {
+        short(*place)
+    }
+
+    fn format_ext(&self, place: &f64) -> String {
+        short(if self.log { 10f64.powf(*place) } else { *place })
+    }
+}
+
+fn ends(ticks: &[f64]) -> Range<f64> {
+    ticks.first().copied().unwrap_or(0.0)..ticks.last().copied().unwrap_or(1.0)
+}
+
+/// The least of 1, 2 and 5 times a power of ten that is not below `v`.
+fn step_above(v: f64) -> f64 {
+    let power = 10f64.powf(v.log10().floor());
+    [1.0, 2.0, 5.0].iter().map(|m| m * power).find(|s| *s >= v).unwrap_or(10.0 * power)
 }
 
 /// A number on an axis: three digits, powers of ten where it is far from 1.
@@ -206,6 +257,19 @@ mod tests {
         let empty = Plot { title: String::new(), x: Axis::log(""), y: Axis::log(""), series: Vec::new() };
         std::fs::remove_file(&path).unwrap();
         assert!(!empty.write(&path).unwrap() && !path.exists());
+    }
+
+    #[test]
+    fn marks_enclose_what_is_shown() {
+        let log = Axis::log("");
+        for (low, high) in [(26.0, 46.0), (100.0, 100.0), (0.03, 0.19), (1.0, 1e6), (1e-7, 5.0)] {
+            let ticks = log.ticks([low, high].into_iter());
+            let (first, last) = (10f64.powf(ticks[0]), 10f64.powf(ticks[ticks.len() - 1]));
+            assert!(first < low && last > high && ticks.len() >= 2, "{low} {high}: {ticks:?}");
+            assert!(first > low / 11.0 && last < high * 11.0 && ticks.len() < 16, "{low} {high}: {ticks:?}");
+        }
+        let ticks = Axis::linear("").ticks([3.0, 128.0].into_iter());
+        assert!(ticks[0] == 0.0 && ends(&ticks).end >= 128.0 && ticks.len() < 12, "{ticks:?}");
     }
 
     #[test]
