@@ -281,8 +281,12 @@ impl World {
         let mut frame = self.frame;
         frame.facets_total = listed.len() as u32;
         let (frame, offsets) = (uniform(gpu, &frame), self.sample_offsets());
-        let around =
-            Surroundings { triangles: self.casters.triangles.raw(), points: &self.points, sat: &sat, splits: &splits };
+        let around = Surroundings {
+            triangles: self.casters.triangles.raw(),
+            positions: self.casters.positions.raw(),
+            sat: &sat,
+            splits: &splits,
+        };
         run(gpu, |s| classify.record_classify(s, frame.raw(), offsets.raw(), around, &facets, listed.len()));
         facets
     }
