@@ -1,7 +1,8 @@
 // facet_classify: makes the facets of a pixel list and settles all that need no evaluation (Pan 2009, section 3.3).
 // `one` lists one facet a pixel, from the triangle at its centre, with a full coverage mask.
 // `classify` finds for each listed facet its plane, its light-view outline and rectangle, and its state:
-//   DARK where its seen side faces away from the light;
+//   DARK where its seen side faces away from the light, or light or eye are in its plane; decided with 46 bits where single
+//   precision leaves it open;
 //   LIT where no caster is in the rectangle, or where no texel of it is marked and the facet lies before the split depth;
 //   SHADOWED where no texel of it is marked and it lies behind the split depth;
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
@@ -14,6 +15,9 @@
 //@import rect
 //@import facet
 //@import facing
+//@import double_float
+//@import vertex
+//@import facing_46
 //@import front_split
 //@import summed_area
 
@@ -24,7 +28,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
 @group(0) @binding(3) var<storage, read> triangles: array<u32>;
-@group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> positions: array<f32>;
 @group(0) @binding(5) var<storage, read> sat: array<u32>;
 @group(0) @binding(6) var<storage, read> splits: array<f32>;
 @group(0) @binding(7) var<storage, read_write> facets: array<Facet>;
@@ -64,8 +68,7 @@ fn sample_offset(k: u32) -> vec2<f32> {
 // Edge function through the eye at the pixel centre, per pixel right, per pixel down; from the lower index.
 fn edge(i: u32, j: u32, ray: vec3<f32>) -> vec3<f32> {
     let low = min(i, j);
-    let p = points[low].xyz;
-    let m = cross(p, points[max(i, j)].xyz - p) * select(-1.0, 1.0, i == low);
+    let m = cross(point_of(low), edge_of(low, max(i, j))) * select(-1.0, 1.0, i == low);
     return vec3(dot(m, ray), dot(m, frame.ray_x.xyz), dot(m, frame.ray_y.xyz));
 }
 
@@ -100,25 +103,21 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
-    let a = points[i.x].xyz;
-    let b = points[i.y].xyz;
-    let c = points[i.z].xyz;
-    let spread = cross(b - a, c - a);
-    var normal = spread;
-    normal *= bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(normal)) & 0x7f800000u));  // a power of two: about 1
-    let to_light = frame.light.xyz - frame.light.w * a;
-    let side = dot(normal, to_light);
-    // Edge-on to the light within 2^-20: unlit by definition.
-    if !(abs(side) > 9.5367e-7 * length(normal) * length(to_light)) {
+    let a = point_of(i.x);
+    let b = point_of(i.y);
+    let c = point_of(i.z);
+    let ab = edge_of(i.x, i.y);
+    let ac = edge_of(i.x, i.z);
+    let spread = cross(ab, ac);
+    let turns = turns_of(i, a, ab, ac);
+    if turns.x * turns.y <= 0.0 {
         settle(f, STATE_DARK);
         return;
     }
-    normal *= sign(side);
-    let plane = vec4(normal, dot(normal, a));
-    if plane.w >= 0.0 {
-        settle(f, STATE_DARK);
-        return;
-    }
+    // A power of two: about 1.
+    let normal = turns.x * spread * bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(spread)) & 0x7f800000u));
+    // Below 0 where single precision does not see it.
+    let plane = vec4(normal, min(dot(normal, a), -1e-9 * largest(a)));
     let origin = facets[f].origin;
     let ray = ray_at(pixel, origin);
     let depth = plane.w / dot(normal, ray);
@@ -167,7 +166,7 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let over = dot(normal, ray);
     let raw = ray * depth;
     let at = raw - ray * (dot(normal, raw - a) / over);
-    let tilt = 2.0 * largest(b - a) * largest(c - a) / largest(spread);
+    let tilt = 2.0 * largest(ab) * largest(ac) / largest(spread);
     var facet: Facet;
     facet.plane = plane;
     facet.pixel = pixel;

@@ -6,14 +6,17 @@
 // point lies inside three planes through the light and an edge and beyond the triangle's own plane. In the image each of
 // the four is a half-plane, found without division: see shared/shadow_lines. A triangle with no part strictly on the
 // light's side of the facet casts nothing on it.
-// `evaluate` works in single precision and puts every candidate it cannot decide, or whose lines it cannot place within
-// LINE_TRUST pixels, on the list `doubts`; `refine` decides those with 46 bits.
+// `evaluate` works in single precision and puts every candidate it cannot decide, whose lines it cannot place within
+// LINE_TRUST pixels, or with a line nearer to a sample than rounding may move it, on the list `doubts`; `refine` decides
+// those with 46 bits. So two triangles at an edge agree on every sample, whichever of the two decides each.
 
 //@import frame
 //@import dispatch
 //@import facet
 //@import facing
 //@import double_float
+//@import vertex
+//@import facing_46
 //@import candidates
 
 override WORDS: u32 = 1u;
@@ -59,9 +62,8 @@ fn is_partial(f: u32) -> bool {
     return seen != frame.sample_count;
 }
 
-// Takes in what a triangle does to a facet, `h` being its heights over it.
-fn apply(f: u32, g: Ground, l: Lines, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
-    let m = inside(l);
+// Takes in what a triangle does to a facet: the samples `m` are in its shadow, `h` are its heights over the facet.
+fn apply(f: u32, g: Ground, m: vec4<u32>, l: Lines, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
     if any(m != vec4(0u)) { add(f, 1u, m); }
     cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }
@@ -93,9 +95,9 @@ fn settle(f: u32, t: u32) -> bool {
     if side == UNSURE { return false; }
     let g = ground_of(f);
     let turn = select(-1.0, 1.0, side == FRONT);
-    let ab = edge_line(g, a, b);
-    let bc = edge_line(g, b, c);
-    let ac = edge_line(g, a, c);
+    let ab = edge_line(g, a, edge_of(i.x, i.y));
+    let bc = edge_line(g, b, edge_of(i.y, i.z));
+    let ac = edge_line(g, a, edge_of(i.x, i.z));
     var l = Lines(
         turn * vec4(ab.x, bc.x, -ac.x, 0.0), turn * vec4(ab.y, bc.y, -ac.y, 0.0), turn * vec4(ab.z, bc.z, -ac.z, 0.0));
     var error = vec4(ab.w, bc.w, ac.w, 0.0);
@@ -108,7 +110,7 @@ fn settle(f: u32, t: u32) -> bool {
     if all(h > vec3(0.0)) {
         l.centre.w = 3.0e38;
     } else {
-        let own = own_line(g, a, b, c);
+        let own = own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z));
         l.centre.w = turn * own.x;
         l.right.w = turn * own.y;
         l.down.w = turn * own.z;
@@ -117,7 +119,14 @@ fn settle(f: u32, t: u32) -> bool {
     let slope = abs(l.right) + abs(l.down);
     let doubtful = (error > LINE_TRUST * slope) & (abs(l.centre) <= 0.501 * slope + error);
     if any(doubtful) { return false; }
-    apply(f, g, l, a, b, c, h);
+    let most = inside(Lines(l.centre + error, l.right, l.down));
+    var m = most;
+    if any(most != vec4(0u)) {
+        m = inside(Lines(l.centre - error, l.right, l.down));
+        // The table rounds lines farther than that.
+        if ANGLES != 0u { m = inside(l); } else if any(m != most) { return false; }
+    }
+    apply(f, g, m, l, a, b, c, h);
     return true;
 }
 
@@ -160,5 +169,5 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     if !crosses { own = vec3(3.0e38, 0.0, 0.0) * turn; }
     let l = Lines(
         turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y), turn * vec4(ab.z, bc.z, -ac.z, own.z));
-    apply(pair.x, g, l, a, b, c, h);
+    apply(pair.x, g, inside(l), l, a, b, c, h);
 }

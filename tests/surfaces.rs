@@ -12,7 +12,7 @@ use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Scene, SceneOptions};
-use subpixel_shadows::truth::{SceneTruth, Tracer, TruthImage, join_mask};
+use subpixel_shadows::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, TruthImage, join_mask};
 
 const SIZE: [u32; 2] = [120, 90];
 const SCENES: [&str; 8] = ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "bumpy", "plane"];
@@ -45,20 +45,33 @@ fn scene(name: &str, other_light: bool) -> Scene {
     scene
 }
 
+/// Scene truth and its ambiguity band: samples whose answer is another within 1/256 pixel, and those within 1/256 pixel of
+/// a shadow on the plane of the surface they see. The second differ at creases: beyond a crease that opens towards the
+/// light the plane of either side runs on beneath the other, into its shadow. Which of the two a sample at the crease sees
+/// is a matter of rounding, and both sides may be lit.
 fn truth(scene: &Scene, prepared: &Prepared, settings: &Settings) -> TruthImage {
     let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
     let [w, h] = SIZE;
     let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &settings.samples, w, h).expect("a truth");
     let mut image = truth.image(None);
+    let facets = FacetTruth::new(&tracer, &scene.camera, &scene.light, &settings.samples, w, h).expect("a truth");
+    let surfaces = |pixel: u32| {
+        truth.surfaces(pixel).into_iter().map(move |(triangle, coverage)| FacetInput { pixel, triangle, coverage })
+    };
+    let inputs: Vec<FacetInput> = (0..w * h).flat_map(surfaces).collect();
+    for (input, result) in inputs.iter().zip(facets.without_validity().judge(&inputs, None).expect("facets")) {
+        let band = &mut image.pixels[input.pixel as usize].ambiguous;
+        *band = std::array::from_fn(|k| band[k] | result.ambiguous_occluded[k]);
+    }
     for (pixel, p) in image.pixels.iter_mut().enumerate() {
-        p.ambiguous = truth.ambiguous_mask(pixel as u32);
+        let around = truth.ambiguous_mask(pixel as u32);
+        p.ambiguous = std::array::from_fn(|k| p.ambiguous[k] | around[k]);
     }
     image
 }
 
-/// Wrong samples that a scene may have. What is seen is exact; but facets that are edge-on to the light or the eye within
-/// the rounding of single precision may be taken for dark, and slivers among them shade one another too little.
-const MOST_WRONG: u32 = 16;
+/// The largest share of the samples that the band may take up.
+const MOST_AMBIGUOUS: f64 = 0.05;
 
 /// Samples of which is wrong whether they see a surface, outside the ambiguity band.
 fn wrong_coverage(renderer: &Renderer, truth: &TruthImage) -> u32 {
@@ -105,9 +118,12 @@ fn check(name: &str) {
         let mut output = renderer.render(&scene.camera, &scene.light).expect("a frame");
         assert_eq!(wrong_coverage(&renderer, &truth), 0, "{name}");
         let (samples, pixels) = wrong(&output, &truth);
-        eprintln!("{name}, {:?}: {samples} wrong samples, {pixels} pixels off", scene.light);
-        assert!(samples <= MOST_WRONG, "{name}, {:?}: {samples} wrong samples", scene.light);
-        let most = truth.pixels.len().div_ceil(10_000) + samples as usize;
+        let in_band: u32 = truth.pixels.iter().map(|p| join_mask(p.ambiguous).count_ones()).sum();
+        let share = f64::from(in_band) / (32 * truth.pixels.len()) as f64;
+        eprintln!("{name}, {:?}: {samples} wrong, {pixels} pixels off, {share:.4} in the band", scene.light);
+        assert_eq!(samples, 0, "{name}, {:?}: wrong samples", scene.light);
+        assert!(share <= MOST_AMBIGUOUS, "{name}, {:?}: {share} of the samples are ambiguous", scene.light);
+        let most = truth.pixels.len().div_ceil(10_000);
         assert!(pixels <= most, "{name}: {pixels} pixels off by more than 1/32, at most {most}");
         // One sample that is not at an edge, turned over, is noticed.
         let sure = truth.pixels.iter().position(|p| p.seen_count > 0 && p.ambiguous[0] & 1 == 0 && p.seen[0] & 1 == 1);

@@ -18,7 +18,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         record: Box::new(move |s| {
             let around = Surroundings {
                 triangles: shadow.triangles(),
-                points: &shadow.setup.points,
+                positions: shadow.setup.casters.positions.raw(),
                 sat: &shadow.sat,
                 splits: &shadow.splits,
             };

@@ -48,6 +48,10 @@ fn df3_sub(a: Df3, b: Df3) -> Df3 {
     return Df3(df_sub(a.x, b.x), df_sub(a.y, b.y), df_sub(a.z, b.z));
 }
 
+fn df3_negate(a: Df3) -> Df3 {
+    return Df3(-a.x, -a.y, -a.z);
+}
+
 fn df3_scale(a: Df3, s: vec2<f32>) -> Df3 {
     return Df3(df_mul(a.x, s), df_mul(a.y, s), df_mul(a.z, s));
 }

@@ -1,5 +1,5 @@
-// The boundaries of a triangle's shadow on a facet, as lines of the image. Needs `frame`, `facet`, `facing`, and the arrays
-// `facets`, `triangles` and `positions`.
+// The boundaries of a triangle's shadow on a facet, as lines of the image. Needs `frame`, `facet`, `facing`, `vertex`, and
+// the arrays `facets`, `triangles` and `positions`.
 //
 // The eye is the origin; r(x, y) = r + x * rx + y * ry is the ray of the sample at offset (x, y) from the pixel centre, the
 // facet's plane is n . p = d, q is its point at one of its samples, from which offsets count until the line is done. A plane through the light and an edge starting at `a` has
@@ -26,14 +26,6 @@ const TINY = 5.9604645e-8;        // 2^-24
 const LINE_TRUST = 0.001953125;   // pixels; half of the band in which a sample's side counts as open
 
 const OPEN = -3.0e38;
-
-fn world_of(v: u32) -> vec3<f32> {
-    return vec3(positions[3u * v], positions[3u * v + 1u], positions[3u * v + 2u]);
-}
-
-fn point_of(v: u32) -> vec3<f32> {
-    return ((world_of(v) - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
-}
 
 fn ground_of(k: u32) -> Ground {
     let f = facets[k];
@@ -69,23 +61,27 @@ fn height_of(g: Ground, shared_vertex: bool, p: vec3<f32>) -> f32 {
     return select(OPEN, h, abs(h) > bound);
 }
 
-// The line of the plane through `a` with normal `m`, and in w how far rounding may have moved it at the pixel centre;
-// `size` bounds the products that made m.
-fn line_of(g: Ground, m: vec3<f32>, size: f32, a: vec3<f32>) -> vec4<f32> {
+// The line of the plane through `a` with normal `m`, and in w how far rounding may have moved it within the pixel;
+// `size` bounds the products that made m, `noise` what the roundings of its factors made of it.
+fn line_of(g: Ground, m: vec3<f32>, size: f32, noise: f32, a: vec3<f32>) -> vec4<f32> {
     let s = dot(m, a - g.at);
-    let error = size * (2.0 * TINY * abs(g.over.x) * (largest(a - g.at) + largest(a) + largest(g.at)) + g.doubt);
+    let far = largest(a - g.at);
+    let error = abs(g.over.x) * (2.0 * TINY * size * (far + largest(a) + largest(g.at)) + noise * far) + size * g.doubt;
     let slope = vec2(dot(m, g.along_x) - s * g.over.y, dot(m, g.along_y) - s * g.over.z);
     return vec4(-s * g.over.x - dot(slope, g.origin), slope, error);
 }
 
-fn edge_line(g: Ground, a: vec3<f32>, b: vec3<f32>) -> vec4<f32> {
-    let e = b - a;
+// Of the edge `e` from `a`.
+fn edge_line(g: Ground, a: vec3<f32>, e: vec3<f32>) -> vec4<f32> {
     let l = frame.light.xyz - frame.light.w * a;
-    return line_of(g, cross(e, l), 2.0 * largest(e) * largest(l), a);
+    // The point of the light and `a` carry roundings of their own.
+    let noise = 4.0 * TINY * largest(e) * (largest(frame.light.xyz) + frame.light.w * largest(a));
+    return line_of(g, cross(e, l), 2.0 * largest(e) * largest(l), noise, a);
 }
 
-fn own_line(g: Ground, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec4<f32> {
-    return line_of(g, cross(b - a, c - a), 2.0 * largest(b - a) * largest(c - a), a);
+// Of the triangle whose edges from `a` are `ab` and `ac`.
+fn own_line(g: Ground, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>) -> vec4<f32> {
+    return line_of(g, cross(ab, ac), 2.0 * largest(ab) * largest(ac), 0.0, a);
 }
 
 // Where edge a-b crosses the facet's plane, heights ha and hb being on different sides.

@@ -1,27 +1,6 @@
-// The lines of shared/shadow_lines with 46 bits, from the vertices as they were given. Needs shared/double_float.
+// The lines of shared/shadow_lines with 46 bits, from the vertices as they were given. Needs shared/facing_46.
 
 const ZERO_46 = 3.6e-12;  // 2^-38: what 46-bit arithmetic leaves of an exact zero, relative
-
-// A vertex with all bits: a difference of two f32 is the sum of two f32.
-fn full_point_of(v: u32) -> Df3 {
-    let w = world_of(v);
-    let s = frame.eye.w;
-    let x = df_sub(two_sum(w.x, -frame.eye.x), vec2(frame.eye_low.x, 0.0)) * s;
-    let y = df_sub(two_sum(w.y, -frame.eye.y), vec2(frame.eye_low.y, 0.0)) * s;
-    let z = df_sub(two_sum(w.z, -frame.eye.z), vec2(frame.eye_low.z, 0.0)) * s;
-    return Df3(x, y, z);
-}
-
-fn full_to_light(a: Df3) -> Df3 {
-    let l = Df3(vec2(frame.light.x, frame.light_low.x), vec2(frame.light.y, frame.light_low.y), vec2(frame.light.z, frame.light_low.z));
-    if frame.light.w == 0.0 { return l; }
-    return df3_sub(l, a);
-}
-
-fn full_normal(i: vec3<u32>) -> Df3 {
-    let a = full_point_of(i.x);
-    return df3_cross(df3_sub(full_point_of(i.y), a), df3_sub(full_point_of(i.z), a));
-}
 
 // 1 if the facet's normal points as g.normal does, -1 if it is opposite.
 fn full_sense(g: Ground, n: Df3) -> f32 {
@@ -35,15 +14,6 @@ fn full_height_of(g: Ground, n: Df3, v: u32) -> f32 {
     let h = df3_dot(n, d).x;
     if abs(h) <= ZERO_46 * df3_size(n) * df3_size(d) { return 0.0; }
     return h * full_sense(g, n);
-}
-
-// 1 if the triangle in this order of its vertices faces the light, -1 if it faces away, 0 if it is edge-on.
-fn full_turn_of(i: vec3<u32>) -> f32 {
-    let n = full_normal(i);
-    let l = full_to_light(full_point_of(i.x));
-    let s = df3_dot(n, l).x;
-    if abs(s) <= ZERO_46 * df3_size(n) * df3_size(l) { return 0.0; }
-    return sign(s);
 }
 
 fn full_value(n: Df3, d: vec2<f32>, m: Df3, e: vec2<f32>, ray: vec3<f32>) -> f32 {
@@ -63,5 +33,5 @@ fn full_line(g: Ground, n: Df3, m: Df3, a: Df3) -> vec3<f32> {
 
 fn full_edge_line(g: Ground, n: Df3, i: vec2<u32>) -> vec3<f32> {
     let p = full_point_of(i.x);
-    return full_line(g, n, df3_cross(df3_sub(full_point_of(i.y), p), full_to_light(p)), p);
+    return full_line(g, n, df3_cross(full_edge_of(i.x, i.y), full_to_light(p)), p);
 }

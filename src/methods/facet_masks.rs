@@ -329,7 +329,8 @@ impl FacetMasks {
         rec.copy_words(m.sat.raw(), m.sat.len() as u64 - 1, m.status.raw(), status::TEXELS as u64, 1);
         {
             let stage = &mut rec.stage("facet_classify");
-            let around = Surroundings { triangles, points: &geometry.points, sat: &m.sat, splits: &m.layers.splits };
+            let around =
+                Surroundings { triangles, positions: casters.positions.raw(), sat: &m.sat, splits: &m.layers.splits };
             if self.every_surface.is_none() {
                 self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets)?;
             }

@@ -135,7 +135,7 @@ fn record(gpu: &Gpu, rec: &mut Recorder, casters: &CasterBuffers, settings: &Set
     {
         let stage = &mut rec.stage("facet_classify");
         let classify = FacetClassify::new(device, words);
-        let around = Surroundings { triangles, points: &geometry.points, sat: &sat, splits: &splits };
+        let around = Surroundings { triangles, positions: casters.positions.raw(), sat: &sat, splits: &splits };
         classify.record_one(stage, frame, &geometry.id_keys, &made.facets)?;
         classify.record_classify(stage, frame, samples.raw(), around, &made.facets, pixels)?;
     }

@@ -59,12 +59,17 @@ pub struct Facet {
     pub open_coverage: u128,
     /// Rounding to 32 bits may lead to another state.
     pub open: bool,
+    /// Light or eye are so nearly in its plane that not even 46 bits tell whether it is dark.
+    pub open_side: bool,
 }
 
 /// Half a pixel and 1/256: samples lie well inside the outline.
 const PIXEL_REACH: f64 = 0.503_906_25;
 /// Half an ulp of 1 in 32 bits.
 const TINY: f64 = 1.0 / (1u64 << 24) as f64;
+/// A facet is edge-on where the determinant of two edges and the direction to light or eye is at most this share of the
+/// product of their largest components.
+const EDGE_ON: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// What facets are classified by.
 #[derive(Clone, Copy, Debug)]
@@ -110,28 +115,27 @@ fn one(
         coverage: full_mask(around.samples.len() as u32),
         open_coverage: 0,
         open: false,
+        open_side: false,
     };
     let found = triangle.and_then(|t| around.triangles.get(t as usize)).and_then(|t| t.corners);
     let Some(corners) = found else { return facet };
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
     let to_light = view.light.truncate() - a * view.light.w;
-    let side = normal.dot(to_light);
-    // Edge-on to the light within 2^-20: unlit by definition.
-    let least = 16.0 * TINY * normal.length() * to_light.length();
     let tilt = (b - a).length() * (c - a).length() / normal.length();
     let noise = 8.0 * TINY * (tilt + 4.0) * normal.length();
-    facet.open = (side.abs() - least).abs() <= noise * to_light.length();
+    let (turn, open) = turn_to(corners, to_light);
+    let (turn_to_eye, open_to_eye) = turn_to(corners, -a);
+    facet.open_side = open || open_to_eye;
+    facet.open = facet.open_side;
     facet.state = State::Dark;
-    if side.abs() <= least || side.is_nan() {
+    // Edge-on to either: unlit by definition.
+    if turn * turn_to_eye <= 0.0 {
         return facet;
     }
-    let normal = normal * side.signum();
+    let normal = normal * turn;
     facet.plane = normal.extend(normal.dot(a));
     facet.open |= facet.plane.w.abs() <= noise * a.length();
-    if facet.plane.w >= 0.0 {
-        return facet;
-    }
     let ray = pixel_ray(view, pixel, DVec2::ZERO);
     let depth = facet.plane.w / normal.dot(ray);
     let far_corner = corners.map(|p| p.dot(view.rays.forward)).into_iter().fold(f64::MIN, f64::max);
@@ -159,6 +163,17 @@ fn one(
         facet.rect = Some(rect);
     }
     facet
+}
+
+/// 1 if the triangle faces where `to` points from its first corner, -1 if it faces away, 0 if it is edge-on; and whether 46
+/// bits may tell another.
+fn turn_to([a, b, c]: [DVec3; 3], to: DVec3) -> (f64, bool) {
+    let side = (b - a).cross(c - a).dot(to);
+    let size = [b - a, c - a, to].map(|v| v.abs().max_element()).iter().product::<f64>();
+    let least = EDGE_ON * size;
+    // NaN is edge-on.
+    let turn = if side.abs() > least { side.signum() } else { 0.0 };
+    (turn, side != 0.0 && (side.abs() - least).abs() <= least)
 }
 
 /// The state of a facet none of whose texels is marked, by what is known at its point at the pixel centre.

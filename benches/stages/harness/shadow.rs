@@ -69,7 +69,7 @@ impl Shadow {
         let classify = FacetClassify::new(device, 1);
         let around = Surroundings {
             triangles: setup.casters.triangles.raw(),
-            points: &setup.points,
+            positions: setup.casters.positions.raw(),
             sat: &sat,
             splits: &splits,
         };

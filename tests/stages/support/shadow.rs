@@ -152,7 +152,6 @@ pub struct World {
     pub samples: Samples,
     pub frame: Frame,
     pub casters: CasterBuffers,
-    pub points: Buffer<[f32; 4]>,
     pub map_points: Buffer<[f32; 4]>,
     pub facts: TriangleFacts,
     pub view: View,
@@ -198,20 +197,7 @@ impl World {
         let view = View::new(&camera, &light, &fitted, bounds, size, false);
         let projected = project(&view, &prepared.mesh.positions);
         let set_up = setup(&view, &projected, &prepared.mesh.triangles);
-        Self {
-            gpu,
-            prepared,
-            camera,
-            light,
-            samples,
-            frame,
-            casters,
-            points,
-            map_points,
-            facts,
-            view,
-            triangles: set_up,
-        }
+        Self { gpu, prepared, camera, light, samples, frame, casters, map_points, facts, view, triangles: set_up }
     }
 
     pub fn words(&self) -> usize {
@@ -281,8 +267,12 @@ impl World {
         let mut frame = self.frame;
         frame.facets_total = listed.len() as u32;
         let (frame, offsets) = (uniform(gpu, &frame), self.sample_offsets());
-        let around =
-            Surroundings { triangles: self.casters.triangles.raw(), points: &self.points, sat: &sat, splits: &splits };
+        let around = Surroundings {
+            triangles: self.casters.triangles.raw(),
+            positions: self.casters.positions.raw(),
+            sat: &sat,
+            splits: &splits,
+        };
         run(gpu, |s| classify.record_classify(s, frame.raw(), offsets.raw(), around, &facets, listed.len()));
         facets
     }

@@ -1,0 +1,14 @@
+// Vertices as they were given, relative to the eye and scaled. Needs `frame` and the array `positions`.
+
+fn world_of(v: u32) -> vec3<f32> {
+    return vec3(positions[3u * v], positions[3u * v + 1u], positions[3u * v + 2u]);
+}
+
+fn point_of(v: u32) -> vec3<f32> {
+    return ((world_of(v) - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
+}
+
+// From vertex i to vertex j, rounded once: a difference of points would carry their roundings.
+fn edge_of(i: u32, j: u32) -> vec3<f32> {
+    return (world_of(j) - world_of(i)) * frame.eye.w;
+}
