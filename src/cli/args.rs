@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
+use subpixel_shadows::methods::SpsmSettings;
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};
@@ -197,6 +198,7 @@ impl Options {
                 Masks::Table => MaskVariant::TABLE,
             },
             settle: true,
+            spsm: SpsmSettings::default(),
         };
         settings.check()?;
         Ok(settings)
