@@ -18,6 +18,7 @@ pub mod reference;
 pub mod report;
 pub mod samples;
 pub mod scene;
+pub mod spsm_code;
 pub mod stages;
 pub mod truth;
 

@@ -286,6 +286,7 @@ fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::methods::SpsmSettings;
     use crate::samples::{Pattern, Samples};
     use crate::scene::{Mesh, Scene};
 
@@ -300,6 +301,7 @@ mod tests {
             cull_back: true,
             masks: Default::default(),
             settle: true,
+            spsm: SpsmSettings::default(),
         }
     }
 

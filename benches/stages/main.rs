@@ -22,6 +22,8 @@ mod radix_sort;
 mod resolve;
 mod sample_surfaces;
 mod silhouette_mask;
+mod spsm_map;
+mod spsm_query;
 mod summed_area;
 mod texel_group;
 mod triangle_setup;
@@ -57,6 +59,8 @@ fn run(options: &Options) -> Result<()> {
         camera_visibility::cases,
         light_layers::cases,
         silhouette_mask::cases,
+        spsm_map::cases,
+        spsm_query::cases,
         front_layer::cases,
         pixel_triangles::cases,
         sample_surfaces::cases,

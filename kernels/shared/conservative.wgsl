@@ -21,12 +21,16 @@ fn cover_edge(a: vec2<f32>, b: vec2<f32>, turn: f32, reach: f32) -> vec3<f32> {
 }
 
 fn cover_triangle(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> Cover {
+    return cover_triangle_by(a, b, c, frame.map_margin);
+}
+
+fn cover_triangle_by(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     var s: Cover;
     s.in_front = a.w > 0.0 && b.w > 0.0 && c.w > 0.0;
     let low = min(min(a.xy, b.xy), c.xy);
     let high = max(max(a.xy, b.xy), c.xy);
     let extent = max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
-    let reach = 0.5 + frame.map_margin + 4e-6 * extent;
+    let reach = 0.5 + margin + 4e-6 * extent;
     s.reach = reach;
     s.low = low - reach;
     s.high = high + reach;

@@ -6,6 +6,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
+use subpixel_shadows::methods::SpsmSettings;
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -289,6 +290,7 @@ impl Options {
                 Masks::Table => MaskVariant::TABLE,
             },
             settle: true,
+            spsm: SpsmSettings::default(),
         };
         settings.check()?;
         Ok(settings)

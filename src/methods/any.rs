@@ -1,8 +1,10 @@
 //! Any of the methods behind one door, as the program and the report take them.
 
+use super::fixed::FixedRenderer;
 use super::prepared::Prepared;
 use super::render::{Budget, Output, Renderer};
 use super::settings::Settings;
+use super::spsm::Spsm;
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::scene::{Camera, Light};
@@ -13,16 +15,19 @@ pub enum MethodName {
     /// `facet-masks`: Pan 2009, and with several facets a pixel beyond it.
     #[default]
     FacetMasks,
+    /// `spsm`: Lecocq 2013.
+    Spsm,
 }
 
 impl MethodName {
     /// All of them.
-    pub const ALL: [Self; 1] = [Self::FacetMasks];
+    pub const ALL: [Self; 2] = [Self::FacetMasks, Self::Spsm];
 
     /// The one name of the method.
     pub fn name(self) -> &'static str {
         match self {
             Self::FacetMasks => "facet-masks",
+            Self::Spsm => "spsm",
         }
     }
 }
@@ -31,6 +36,8 @@ impl MethodName {
 pub enum AnyRenderer<'a> {
     /// `facet-masks`.
     FacetMasks(Box<Renderer<'a>>),
+    /// `spsm`.
+    Spsm(Box<FixedRenderer<'a, Spsm>>),
 }
 
 impl<'a> AnyRenderer<'a> {
@@ -47,6 +54,10 @@ impl<'a> AnyRenderer<'a> {
     ) -> Result<Self> {
         match method {
             MethodName::FacetMasks => Ok(Self::FacetMasks(Box::new(Renderer::new(gpu, prepared, settings, budget)?))),
+            MethodName::Spsm => {
+                let renderer = FixedRenderer::new(gpu, prepared, settings, |_| Spsm::new(gpu, settings))?;
+                Ok(Self::Spsm(Box::new(renderer)))
+            }
         }
     }
 
@@ -57,6 +68,7 @@ impl<'a> AnyRenderer<'a> {
     pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
         match self {
             Self::FacetMasks(renderer) => renderer.render(camera, light),
+            Self::Spsm(renderer) => renderer.render(camera, light),
         }
     }
 }

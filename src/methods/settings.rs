@@ -15,6 +15,57 @@ pub enum FacetMode {
     All,
 }
 
+/// How a texel of `spsm` packs a triangle into 128 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SpsmEncoding {
+    /// Lecocq 2013, section 3.3: three vertices of 2 × 16 bits over the map, 16 bits of depth at the texel's centre, two
+    /// slopes of 8 bits through the arctangent.
+    Paper,
+    /// Three edge lines relative to the texel (12 bits of direction, 12 of distance), 24 bits of depth, two slopes of
+    /// 16 bits. An edge keeps its place whatever the map's size and however far its vertices lie.
+    #[default]
+    Lines,
+}
+
+/// Options of `spsm`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpsmSettings {
+    /// How texels are packed.
+    pub encoding: SpsmEncoding,
+    /// Odd power `n` of the paper's slope code (equations 2 to 4), 1 to 9.
+    pub exponent: u32,
+    /// Depth by which a caster must lie before a receiver to shadow it, beyond what the code itself may be off; depth 1 is
+    /// the extent of the casters along the light.
+    pub bias: f32,
+    /// Texels around the sample's own that are searched: 1 for 3 × 3 as in the paper, 2 for 5 × 5 (section 6.4).
+    pub radius: u32,
+}
+
+impl Default for SpsmSettings {
+    fn default() -> Self {
+        Self { encoding: SpsmEncoding::Lines, exponent: 5, bias: 1e-5, radius: 1 }
+    }
+}
+
+impl SpsmSettings {
+    /// Checks the values against what is possible.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers.
+    pub fn check(&self) -> Result<()> {
+        if !matches!(self.exponent, 1 | 3 | 5 | 7 | 9) {
+            return Err(Error::Config(format!("spsm: exponent {}; 1, 3, 5, 7 and 9 are possible", self.exponent)));
+        }
+        if !(0.0..=1.0).contains(&self.bias) {
+            return Err(Error::Config(format!("spsm: bias {}; 0 to 1 are possible", self.bias)));
+        }
+        if !matches!(self.radius, 1 | 2) {
+            return Err(Error::Config(format!("spsm: search radius {}; 1 and 2 are possible", self.radius)));
+        }
+        Ok(())
+    }
+}
+
 /// What a frame is computed with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -34,6 +85,8 @@ pub struct Settings {
     pub masks: MaskVariant,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
+    /// Options of `spsm`.
+    pub spsm: SpsmSettings,
 }
 
 impl Settings {
@@ -54,6 +107,7 @@ impl Settings {
             cull_back: false,
             masks: MaskVariant::Exact,
             settle: true,
+            spsm: SpsmSettings::default(),
         }
     }
 
@@ -73,6 +127,6 @@ impl Settings {
                 LightView::LARGEST_MAP
             )));
         }
-        Ok(())
+        self.spsm.check()
     }
 }

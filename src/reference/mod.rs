@@ -16,6 +16,8 @@ pub mod radix_sort;
 pub mod resolve;
 pub mod sample_surfaces;
 pub mod silhouette_mask;
+pub mod spsm_map;
+pub mod spsm_query;
 pub mod summed_area;
 pub mod texel_group;
 pub mod triangle_setup;

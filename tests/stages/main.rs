@@ -16,6 +16,8 @@ mod radix_sort;
 mod resolve;
 mod sample_surfaces;
 mod silhouette_mask;
+mod spsm_map;
+mod spsm_query;
 mod summed_area;
 mod texel_group;
 mod triangle_setup;

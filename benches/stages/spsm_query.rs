@@ -1,0 +1,48 @@
+//! Classes of all pixels, and the recovery of the uncertain ones with 32 samples, of a ball on a map of 512 × 512.
+
+use crate::harness::Case;
+use crate::harness::geometry::Setup;
+use subpixel_shadows::Result;
+use subpixel_shadows::frame::sample_words;
+use subpixel_shadows::gpu::{Buffer, Gpu, Recorder};
+use subpixel_shadows::samples::Samples;
+use subpixel_shadows::stages::PrefixScan;
+use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
+use subpixel_shadows::stages::spsm_query::{Options, Seen, SpsmPixels, SpsmQuery};
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let side = (setup.layers.splits.len() as f64).sqrt() as usize;
+    let texels = SpsmTexels::new(device, queue, side, 5)?;
+    let mut encoder = gpu.encoder();
+    SpsmMap::new(device, 1).record(
+        &mut Recorder::new(device, &mut encoder, None).stage("setup"),
+        setup.frame.raw(),
+        setup.lit(),
+        &texels,
+    )?;
+    gpu.submit_and_wait(encoder)?;
+    let samples = Buffer::uniform(device, "bench.samples", 64)?;
+    samples.write(queue, &sample_words(&Samples::new(Default::default(), 32)?));
+    let count = setup.id_keys.len();
+    let pixels = SpsmPixels::new(device, queue, count, 1)?;
+    let options = Options { encoding: 1, words: 1, radius: 1, bias: 1e-5 };
+    let stage = SpsmQuery::new(device, &PrefixScan::new(device), options);
+    Ok(vec![Case {
+        name: "spsm_query".to_owned(),
+        size: setup.casters.triangles.len(),
+        bytes: count * (4 + 16 + 4 + 4 + 4),
+        atomics: 0,
+        record: Box::new(move |s| {
+            let seen = Seen {
+                samples: samples.raw(),
+                id_keys: &setup.id_keys,
+                triangles: setup.casters.triangles.raw(),
+                points: &setup.points,
+            };
+            stage.record_classify(s, setup.frame.raw(), seen, &texels, &pixels)?;
+            stage.record_recover(s, setup.frame.raw(), seen, &texels, &pixels)
+        }),
+    }])
+}

@@ -1,0 +1,53 @@
+// Depth tests of receiver against sheet, and the border of a shadow as the outer edges of the sheets around give it (Lecocq
+// 2013, section 4.2). Needs shared/spsm_sheet, shared/spsm_receiver and the override BIAS.
+
+const MOST_PIECES = 32u;
+
+var<private> pieces: array<vec4<f32>, 32>;  // edges around a texel: both ends
+var<private> piece_count: u32;
+
+// What rounding of the light view may make of a depth, over a receiver of this slope.
+fn bias_of(r: Receiver) -> f32 {
+    return BIAS + depth_noise() + (abs(r.slope.x) + abs(r.slope.y)) * place_noise();
+}
+
+// Whether the texel's triangle lies before the receiver anywhere in the texel.
+fn before(s: Sheet, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
+    return s.held && least_gap(s, receiver_around(r, at, centre)) < -bias_of(r);
+}
+
+// Algorithm 1, for a place relative to the sheet's texel.
+fn shadows(s: Sheet, at: vec3<f32>, r: Receiver) -> bool {
+    let doubt = doubt_at(s, at.xy) + step_doubt(s.depth.xy - r.slope) + bias_of(r);
+    return inside_by(s, at.xy) >= 0.0 && at.z > dot(s.depth, vec3(at.xy, 1.0)) + doubt;
+}
+
+// Whether `at` lies on the lit side of the border that the outer edges link, seen in direction `out`.
+fn beyond_border(at: vec2<f32>, out: vec2<f32>) -> bool {
+    let along = vec2(-out.y, out.x);
+    let t = dot(at, along);
+    let reach = dot(at, out);
+    var top = -3.0e38;
+    var previous = vec2(-3.0e38, 0.0);
+    var after = vec2(3.0e38, 0.0);
+    for (var k = 0u; k < piece_count; k++) {
+        let a = pieces[k].xy;
+        let b = pieces[k].zw;
+        let d = b - a;
+        // The sheet lies on the side (d.y, -d.x): an outer edge looks along `out`.
+        if !(dot(vec2(-d.y, d.x), out) > 0.0) { continue; }
+        let head = vec2(dot(a, along), dot(a, out));
+        let tail = vec2(dot(b, along), dot(b, out));
+        let left = select(tail, head, head.x <= tail.x);
+        let right = select(head, tail, head.x <= tail.x);
+        if left.x <= t && t <= right.x {
+            top = max(top, mix(left.y, right.y, select((t - left.x) / (right.x - left.x), 0.5, right.x - left.x < 1e-6)));
+        }
+        if right.x <= t && (right.x > previous.x || (right.x == previous.x && right.y > previous.y)) { previous = right; }
+        if left.x >= t && (left.x < after.x || (left.x == after.x && left.y > after.y)) { after = left; }
+    }
+    if top < -1.0e38 && previous.x > -1.0e38 && after.x < 1.0e38 {
+        top = mix(previous.y, after.y, (t - previous.x) / max(after.x - previous.x, 1e-6));
+    }
+    return reach > top;
+}

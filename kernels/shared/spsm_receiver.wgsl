@@ -1,0 +1,67 @@
+// What a pixel shows, as `spsm` asks about it: the plane of the triangle at its centre. Needs `frame`, and the arrays
+// `id_keys`, `triangles` and `points`.
+
+const SEEN_NONE = 0u;
+const SEEN_DARK = 1u;   // faces away from the light, or is edge-on to it
+const SEEN_OPEN = 2u;
+
+struct Receiver {
+    seen: u32,
+    normal: vec3<f32>,  // towards the light
+    height: f32,        // dot(normal, point) on the plane
+    slope: vec2<f32>,   // depth per texel to the right and down
+}
+
+fn receiver_of(pixel: u32) -> Receiver {
+    var r: Receiver;
+    let t = ~id_keys[pixel];
+    if t >= frame.triangle_count { return r; }
+    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    let a = points[i.x].xyz;
+    var normal = cross(points[i.y].xyz - a, points[i.z].xyz - a);
+    normal *= bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(normal)) & 0x7f800000u));  // a power of two: about 1
+    let to_light = frame.light.xyz - frame.light.w * a;
+    let side = dot(normal, to_light);
+    r.seen = SEEN_DARK;
+    if !(abs(side) > 9.5367e-7 * length(normal) * length(to_light)) { return r; }
+    r.normal = normal * sign(side);
+    r.height = dot(r.normal, a);
+    if r.height >= 0.0 { return r; }
+    r.seen = SEEN_OPEN;
+    let p = vec4(r.normal, -r.height);
+    let s = -vec2(dot(p, frame.back_u), dot(p, frame.back_v)) / dot(p, frame.back_z);
+    // Steeper than all depth within a texel: nothing more is told by it.
+    r.slope = clamp(s, vec2(-1000.0), vec2(1000.0));
+    if !(abs(s.x) < 3.0e38 && abs(s.y) < 3.0e38) { r.slope = vec2(0.0); }
+    return r;
+}
+
+// A sample's place in the light view (texel x, y, depth); w is 0 where its ray misses the plane, or the plane there is not in
+// front of the light.
+fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
+    let depth = r.height / dot(r.normal, ray);
+    let p = vec4(ray * depth, 1.0);
+    var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+    var front = depth > 0.0;
+    if (frame.flags & FLAG_PERSPECTIVE) != 0u {
+        let w = dot(frame.map_w, p);
+        front = front && w > frame.light_low.w;
+        uvz /= w;
+    }
+    return vec4(uvz, select(0.0, 1.0, front && abs(uvz.x) < 3.0e38 && abs(uvz.y) < 3.0e38));
+}
+
+fn ray_of(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
+    let x = f32(pixel % frame.image_size.x) + 0.5;
+    let y = f32(pixel / frame.image_size.x) + 0.5;
+    let middle = frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
+    return middle + offset.x * frame.ray_x.xyz + offset.y * frame.ray_y.xyz;
+}
+
+// Depth of the receiver around a texel's centre: per x, per y, at it.
+fn receiver_around(r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> vec3<f32> {
+    return vec3(r.slope, at.z + dot(r.slope, centre - at.xy));
+}

@@ -1,0 +1,76 @@
+// Questions to a sheet of the sub-pixel shadow map. Needs shared/spsm_record. Places are in texels.
+
+fn inside_by(s: Sheet, at: vec2<f32>) -> f32 {
+    let p = vec3(at, 1.0);
+    return min(dot(s.edges[0], p), min(dot(s.edges[1], p), dot(s.edges[2], p)));
+}
+
+fn doubt_at(s: Sheet, at: vec2<f32>) -> f32 {
+    return dot(s.doubt, vec3(abs(at), 1.0));
+}
+
+// How far the code may have moved an edge, texels as |x| + |y|.
+fn edge_doubt() -> f32 {
+    if ENCODING == 0u { return f32(frame.map_size) / 65535.0; }
+    return 0.002;
+}
+
+// What that makes of a depth where two sheets meet at an edge: the one is taken for the other across it.
+fn step_doubt(gap: vec2<f32>) -> f32 {
+    return edge_doubt() * (abs(gap.x) + abs(gap.y));
+}
+
+// The part of range (from x to y) of a line  start + s * along  on the inner side of an edge; empty where x > y.
+fn cut_range(range: vec2<f32>, start: vec2<f32>, along: vec2<f32>, edge: vec3<f32>) -> vec2<f32> {
+    let value = dot(edge, vec3(start, 1.0));
+    let rate = dot(edge.xy, along);
+    if abs(rate) < 1e-7 { return select(range, vec2(1.0, 0.0), value < 0.0); }
+    let at = -value / rate;
+    if rate > 0.0 { return vec2(max(range.x, at), range.y); }
+    return vec2(range.x, min(range.y, at));
+}
+
+// Edge k of a sheet inside the square of half side `reach` around `middle`: its two ends, if anything of it is there. The sheet
+// lies on the side (d.y, -d.x) of the way d from start to end.
+struct Piece { start: vec2<f32>, end: vec2<f32>, some: bool }
+
+fn piece_of(s: Sheet, k: u32, middle: vec2<f32>, reach: f32) -> Piece {
+    var edges = s.edges;
+    let e = edges[k];
+    let size = dot(e.xy, e.xy);
+    let start = middle - e.xy * (dot(e, vec3(middle, 1.0)) / size);
+    let along = vec2(-e.y, e.x);
+    var range = vec2(-8.0, 8.0);
+    range = cut_range(range, start, along, vec3(1.0, 0.0, reach - middle.x));
+    range = cut_range(range, start, along, vec3(-1.0, 0.0, reach + middle.x));
+    range = cut_range(range, start, along, vec3(0.0, 1.0, reach - middle.y));
+    range = cut_range(range, start, along, vec3(0.0, -1.0, reach + middle.y));
+    range = cut_range(range, start, along, edges[(k + 1u) % 3u]);
+    range = cut_range(range, start, along, edges[(k + 2u) % 3u]);
+    return Piece(start + range.x * along, start + range.y * along, range.x <= range.y);
+}
+
+// Least depth of the sheet over its texel less that of the receiver (per x, per y, at the centre), each place taken where the
+// triangle lies in the texel (Lecocq 2013, figure 9): at the texel's corner where the triangle holds it, else on an edge.
+// Where nothing of the triangle is in the texel, as coded, the corner nearest to it decides. Doubt included.
+fn least_gap(s: Sheet, receiver: vec3<f32>) -> f32 {
+    let gap = s.depth - receiver;
+    let corner = vec2(select(0.5, -0.5, gap.x > 0.0), select(0.5, -0.5, gap.y > 0.0));
+    let at_corner = dot(gap, vec3(corner, 1.0)) + doubt_at(s, corner) + step_doubt(gap.xy);
+    if inside_by(s, corner) >= 0.0 { return at_corner; }
+    var least = 3.0e38;
+    for (var k = 0u; k < 3u; k++) {
+        let piece = piece_of(s, k, vec2(0.0), 0.5);
+        if piece.some {
+            least = min(least, dot(gap, vec3(piece.start, 1.0)) + doubt_at(s, piece.start) + step_doubt(gap.xy));
+            least = min(least, dot(gap, vec3(piece.end, 1.0)) + doubt_at(s, piece.end) + step_doubt(gap.xy));
+        }
+    }
+    if least < 1.0e38 { return least; }
+    var at = corner;
+    for (var k = 0u; k < 4u; k++) {
+        let other = vec2(select(-0.5, 0.5, (k & 1u) == 1u), select(-0.5, 0.5, k >= 2u));
+        if inside_by(s, other) > inside_by(s, at) { at = other; }
+    }
+    return dot(gap, vec3(at, 1.0)) + doubt_at(s, at) + step_doubt(gap.xy);
+}

@@ -1,0 +1,83 @@
+// spsm_map: the sub-pixel shadow map (Lecocq 2013, sections 3.2 and 3.3): of each texel the closest triangle that touches it.
+// `raster` runs twice over the casters' 8 x 8 blocks of texels: pass 0 finds the least depth that any triangle's plane has
+// over the texel (conservative), pass 1 the lowest triangle index at that depth. `encode` writes the record of each texel.
+// A triangle that is not wholly in front of the light is left out.
+
+//@import frame
+//@import dispatch
+//@import pass
+//@import rect
+//@import work_items
+//@import conservative
+//@import span
+//@import spsm_record
+
+override ENCODING: u32 = 1u;
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> step: Pass;
+@group(0) @binding(2) var<uniform> slopes: array<vec4<f32>, 256>;
+@group(0) @binding(3) var<storage, read> triangles: array<u32>;
+@group(0) @binding(4) var<storage, read> map_points: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> light_rects: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(7) var<storage, read_write> depth_keys: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> id_keys: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> records: array<vec4<u32>>;
+
+// Least depth of the plane over the texel as a key that falls with it. Not below the triangle's own least depth: what is
+// far behind would else come before what hides it.
+fn key_at(shape: Cover, centre: vec2<f32>) -> u32 {
+    return ~bitcast<u32>(max(depth_range(shape, centre).x, 0.0));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let shape = cover_triangle_by(
+        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
+    if !shape.in_front { return; }
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        let row = f32(y) + 0.5;
+        var cut = span_of(block.low.x, block.high.x);
+        if !shape.thin {
+            cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
+        }
+        let cells = cells_of(cut, block.low.x, block.high.x);
+        for (var x = cells.x; x <= cells.y; x++) {
+            let centre = vec2(f32(x) + 0.5, row);
+            if !covers(shape, centre) { continue; }
+            let key = key_at(shape, centre);
+            let texel = y * frame.map_size + x;
+            if step.index == 0u {
+                if atomicLoad(&depth_keys[texel]) < key { atomicMax(&depth_keys[texel], key); }
+            } else if atomicLoad(&depth_keys[texel]) == key {
+                atomicMax(&id_keys[texel], ~t);
+            }
+        }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let texel = flat_invocation(group, groups, WORKGROUP, local);
+    if texel >= frame.map_size * frame.map_size { return; }
+    let t = ~atomicLoad(&id_keys[texel]);
+    if t >= frame.triangle_count {
+        records[texel] = vec4(0u, 0u, 0u, EMPTY_WORD);
+        return;
+    }
+    // Vertices in order of index, so that an edge has one code in both of its triangles.
+    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    let centre = vec2(f32(texel % frame.map_size), f32(texel / frame.map_size)) + 0.5;
+    let shift = vec3(centre, 0.0);
+    let corners = Corners(map_points[i.x].xyz - shift, map_points[i.y].xyz - shift, map_points[i.z].xyz - shift);
+    records[texel] = encode_record(corners, centre);
+}

@@ -1,0 +1,187 @@
+//! Shadows from the sub-pixel shadow map (Lecocq 2013, sections 4 and 5).
+//!
+//! - **Reads** the triangle at each pixel centre, triangles, projected vertices, the records of `spsm_map`, sample offsets.
+//! - **Writes** `visibility` (lit share of the samples; 1 where the pixel sees nothing), `lit` (mask of the lit samples),
+//!   `classes` ([`Class`]) and the list of uncertain pixels.
+//! - **Guarantee.** Bit-equal from run to run. A pixel is settled as a whole or every sample of it is judged by itself.
+//! - **Cost.** One dispatch over pixels; a compaction; one over the uncertain pixels, which alone search and recover.
+
+use super::compact::{self, Compact, Flags};
+use super::spsm_map::SpsmTexels;
+use super::{Count, DispatchArgs, PrefixScan, dispatch_args};
+use crate::Result;
+use crate::gpu::kernels::spsm_query as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::spsm_code::Pattern;
+
+/// What is known of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Class {
+    /// It sees nothing.
+    Empty = kernel::CLASS_EMPTY,
+    /// Its seen side faces away from the light.
+    Dark = kernel::CLASS_DARK,
+    /// No closest triangle lies before it.
+    Lit = kernel::CLASS_LIT,
+    /// One triangle covers it.
+    Shadowed = kernel::CLASS_SHADOWED,
+    /// To be recovered, sample by sample.
+    Uncertain = kernel::CLASS_UNCERTAIN,
+}
+
+/// What the pipelines are made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// 0 for the paper's records, 1 for edge lines.
+    pub encoding: u32,
+    /// Words of a mask.
+    pub words: u32,
+    /// Texels searched around a sample's own.
+    pub radius: u32,
+    /// Depth by which a caster must lie before a receiver.
+    pub bias: f32,
+}
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct SpsmQuery {
+    classify: Program,
+    recover: Program,
+    compact: Compact,
+    fold: DispatchArgs,
+}
+
+/// What the stage reads of the pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// Sample offsets.
+    pub samples: &'a wgpu::Buffer,
+    /// Complement of the triangle at each pixel centre.
+    pub id_keys: &'a Buffer<u32>,
+    /// Vertex indices.
+    pub triangles: &'a wgpu::Buffer,
+    /// Vertices relative to the eye, scaled.
+    pub points: &'a Buffer<[f32; 4]>,
+}
+
+/// What the stage writes.
+#[derive(Debug)]
+pub struct SpsmPixels {
+    /// Lit share of each pixel.
+    pub visibility: Buffer<f32>,
+    /// Lit samples of each pixel.
+    pub lit: Buffer<u32>,
+    /// [`Class`] of each pixel.
+    pub classes: Buffer<u32>,
+    /// The uncertain pixels, rising.
+    pub list: Buffer<u32>,
+    /// How many, and 0.
+    pub total: Buffer<u32>,
+    flags: Buffer<u32>,
+    patterns: Buffer<[u32; 4]>,
+    requests: dispatch_args::Requests,
+    args: Buffer<u32>,
+    scratch: compact::Scratch,
+}
+
+impl SpsmPixels {
+    /// Memory for an image of `pixels` pixels and masks of `words` words.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, pixels: usize, words: usize) -> Result<Self> {
+        let patterns = Buffer::uniform(device, "spsm_query.patterns", 512)?;
+        patterns.write(queue, &Pattern::words());
+        let request = dispatch_args::Request::new(0, kernel::WORKGROUP, pixels, 0)?;
+        Ok(Self {
+            visibility: Buffer::storage(device, "spsm_query.visibility", pixels)?,
+            lit: Buffer::storage(device, "spsm_query.lit", pixels * words)?,
+            classes: Buffer::storage(device, "spsm_query.classes", pixels)?,
+            list: Buffer::storage(device, "spsm_query.list", pixels)?,
+            total: Buffer::storage(device, "spsm_query.total", 2)?,
+            flags: Buffer::storage(device, "spsm_query.flags", pixels)?,
+            patterns,
+            requests: DispatchArgs::requests(device, queue, &[request])?,
+            args: Buffer::indirect(device, "spsm_query.args", 3)?,
+            scratch: Compact::scratch(device, pixels)?,
+        })
+    }
+}
+
+impl SpsmQuery {
+    /// Builds the pipelines; `scan` is shared.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan, options: Options) -> Self {
+        let constants = [
+            ("ENCODING", f64::from(options.encoding)),
+            ("WORDS", f64::from(options.words)),
+            ("RADIUS", f64::from(options.radius)),
+            ("BIAS", f64::from(options.bias)),
+        ];
+        Self {
+            classify: Program::new(device, kernel::ENTRY_CLASSIFY, &constants),
+            recover: Program::new(device, kernel::ENTRY_RECOVER, &constants),
+            compact: Compact::new(device, scan),
+            fold: DispatchArgs::new(device),
+        }
+    }
+
+    /// Records the classes of all pixels and the list of the uncertain ones.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_classify(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        seen: Seen,
+        texels: &SpsmTexels,
+        pixels: &SpsmPixels,
+    ) -> Result<()> {
+        let count = pixels.visibility.len();
+        stage.run(&self.classify, &Self::buffers(frame, seen, texels, pixels), Groups::Items(count as u64))?;
+        let (flags, total) = (Flags::Words(&pixels.flags), (&pixels.total, 0));
+        self.compact.record(stage, flags, None, &pixels.list, total, &pixels.scratch, Count::Exactly(count))?;
+        self.fold.record(stage, &pixels.total, &pixels.requests, &pixels.args)
+    }
+
+    /// Records the recovery of the uncertain pixels.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_recover(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        seen: Seen,
+        texels: &SpsmTexels,
+        pixels: &SpsmPixels,
+    ) -> Result<()> {
+        let buffers = Self::buffers(frame, seen, texels, pixels);
+        stage.run(&self.recover, &buffers, Groups::Indirect(pixels.args.raw(), 0))
+    }
+
+    fn buffers<'a>(
+        frame: &'a wgpu::Buffer,
+        seen: Seen<'a>,
+        texels: &'a SpsmTexels,
+        pixels: &'a SpsmPixels,
+    ) -> [(&'static str, &'a wgpu::Buffer); 14] {
+        [
+            ("frame", frame),
+            ("samples", seen.samples),
+            ("slopes", texels.slopes.raw()),
+            ("patterns", pixels.patterns.raw()),
+            ("id_keys", seen.id_keys.raw()),
+            ("triangles", seen.triangles),
+            ("points", seen.points.raw()),
+            ("records", texels.records.raw()),
+            ("visibility", pixels.visibility.raw()),
+            ("lit", pixels.lit.raw()),
+            ("classes", pixels.classes.raw()),
+            ("flags", pixels.flags.raw()),
+            ("kept", pixels.list.raw()),
+            ("total", pixels.total.raw()),
+        ]
+    }
+}
