@@ -41,8 +41,6 @@ const MOST_TEXELS = 25.0;     // of a footprint that is settled as a whole
 @group(0) @binding(12) var<storage, read> kept: array<u32>;
 @group(0) @binding(13) var<storage, read> total: array<u32>;
 
-fn middle_of(texel: vec2<i32>) -> vec2<f32> { return vec2<f32>(texel) + 0.5; }
-
 fn sheet_at(texel: vec2<i32>) -> Sheet {
     if any(texel < vec2(0)) || any(texel >= vec2(i32(frame.map_size))) { return Sheet(); }
     return decode_record(records[u32(texel.y) * frame.map_size + u32(texel.x)], middle_of(texel));
@@ -107,11 +105,6 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     settle(pixel, class_of(pixel));
 }
 
-fn sample_place(r: Receiver, pixel: u32, k: u32) -> vec4<f32> {
-    let pair = samples[k >> 1u];
-    return place_of(r, ray_of(pixel, select(pair.xy, pair.zw, (k & 1u) == 1u)));
-}
-
 // Samples of `group`, all in one texel, that are in shadow.
 fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: vec4<u32>) -> vec4<u32> {
     if !before(sheet_at(texel), r, at, middle_of(texel)) { return vec4(0u); }
@@ -129,10 +122,12 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
             let here = texel + vec2(x, y);
             let s = sheet_at(here);
             if !s.held { continue; }
-            for (var k = 0u; k < frame.sample_count; k++) {
-                if (group[k >> 5u] & ~dark[k >> 5u] & (1u << (k & 31u))) == 0u { continue; }
-                let place = sample_place(r, pixel, k);
-                if shadows(s, vec3(place.xy - middle_of(here), place.z), r) { dark[k >> 5u] |= 1u << (k & 31u); }
+            for (var w = 0u; w < WORDS; w++) {
+                for (var left = group[w] & ~dark[w]; left != 0u; left &= left - 1u) {
+                    let place = sample_place(r, pixel, 32u * w + firstTrailingBit(left));
+                    let hit = shadows(s, vec3(place.xy - middle_of(here), place.z), r);
+                    dark[w] |= select(0u, left & (0u - left), hit);
+                }
             }
             let inner = max(abs(x), abs(y)) <= 1;
             if inner && (pattern.z & (1u << u32(max(3 * y + x + 4, 0)))) == 0u { continue; }
@@ -143,7 +138,7 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
                 let piece = piece_of(s, e, -offset, 1.5);
                 // An edge behind the receiver throws no shadow on it.
                 let nearer = dot(gap, vec3(0.5 * (piece.start + piece.end), 1.0)) < 0.0;
-                if piece.some && nearer && piece_count < MOST_PIECES {
+                if piece.some && nearer {
                     pieces[piece_count] = vec4(piece.start + offset, piece.end + offset);
                     piece_count++;
                 }
@@ -151,16 +146,18 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
         }
     }
     if pattern.w == 1u { return group; }
-    for (var k = 0u; k < frame.sample_count; k++) {
-        if pattern.y == 0u || (group[k >> 5u] & ~dark[k >> 5u] & (1u << (k & 31u))) == 0u { continue; }
-        let place = sample_place(r, pixel, k).xy - centre;
-        var open = false;
-        for (var n = 0u; n < pattern.y; n++) {
-            let code = pattern.x >> (8u * n);
-            let out = normalize(vec2(f32(code & 15u), f32((code >> 4u) & 15u)) - 8.0);
-            open = open || beyond_border(place, out);
+    if pattern.y == 0u { return dark; }
+    for (var w = 0u; w < WORDS; w++) {
+        for (var left = group[w] & ~dark[w]; left != 0u; left &= left - 1u) {
+            let place = sample_place(r, pixel, 32u * w + firstTrailingBit(left)).xy - centre;
+            var open = false;
+            for (var n = 0u; n < pattern.y; n++) {
+                let code = pattern.x >> (8u * n);
+                let out = normalize(vec2(f32(code & 15u), f32((code >> 4u) & 15u)) - 8.0);
+                open = open || beyond_border(place, out);
+            }
+            dark[w] |= select(left & (0u - left), 0u, open);
         }
-        if !open { dark[k >> 5u] |= 1u << (k & 31u); }
     }
     return dark;
 }
@@ -171,26 +168,27 @@ fn recover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     if item >= min(total[0], arrayLength(&kept)) { return; }
     let pixel = kept[item];
     let r = receiver_of(pixel);
-    var open = vec4(0u);    // samples still to be judged
-    var missed = vec4(0u);  // samples whose ray does not meet the plane: they do not count
+    var open = vec4(0u);    // samples still to be judged: those whose rays meet the plane
     for (var k = 0u; k < frame.sample_count; k++) {
         let bit = 1u << (k & 31u);
-        if sample_place(r, pixel, k).w == 0.0 { missed[k >> 5u] |= bit; } else { open[k >> 5u] |= bit; }
+        if sample_place(r, pixel, k).w != 0.0 { open[k >> 5u] |= bit; }
     }
     let counted = open;
     var dark = vec4(0u);
-    for (var k = 0u; k < frame.sample_count; k++) {
-        if (open[k >> 5u] & (1u << (k & 31u))) == 0u { continue; }
-        let at = sample_place(r, pixel, k);
-        let texel = vec2<i32>(clamp(floor(at.xy), vec2(-9.0), vec2(65536.0)));
-        var here = vec4(0u);
-        for (var j = k; j < frame.sample_count; j++) {
-            let place = sample_place(r, pixel, j);
-            if all(vec2<i32>(clamp(floor(place.xy), vec2(-9.0), vec2(65536.0))) == texel) { here[j >> 5u] |= 1u << (j & 31u); }
+    for (var w = 0u; w < WORDS; w++) {
+        while open[w] != 0u {
+            let at = sample_place(r, pixel, 32u * w + firstTrailingBit(open[w]));
+            let texel = texel_of(at);
+            var here = vec4(0u);
+            for (var v = w; v < WORDS; v++) {
+                for (var left = open[v]; left != 0u; left &= left - 1u) {
+                    let other = texel_of(sample_place(r, pixel, 32u * v + firstTrailingBit(left)));
+                    here[v] |= select(0u, left & (0u - left), all(other == texel));
+                }
+            }
+            open &= ~here;
+            dark |= shadowed_of(r, pixel, texel, at, here);
         }
-        here &= open;
-        open &= ~here;
-        dark |= shadowed_of(r, pixel, texel, at, here);
     }
     let seen = countOneBits(counted);
     let bright = countOneBits(counted & ~dark);

@@ -117,7 +117,7 @@ impl Pattern {
                 word | (x | y << 4) << (8 * k)
             })
         };
-        (0..512).map(|mask| Self::of(mask)).map(|p| [pack(&p), p.count, p.kept, u32::from(p.covered)]).collect()
+        (0..512).map(Self::of).map(|p| [pack(&p), p.count, p.kept, u32::from(p.covered)]).collect()
     }
 }
 
@@ -174,7 +174,8 @@ mod tests {
             let q = Pattern::of(mirrored);
             let mut a: Vec<_> = p.towards_lit[..p.count as usize].iter().map(|[x, y]| [-x, *y]).collect();
             let mut b = q.towards_lit[..q.count as usize].to_vec();
-            (a.sort_unstable(), b.sort_unstable());
+            a.sort_unstable();
+            b.sort_unstable();
             assert_eq!(a, b, "{mask}");
         }
     }

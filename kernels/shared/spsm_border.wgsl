@@ -1,9 +1,7 @@
 // Depth tests of receiver against sheet, and the border of a shadow as the outer edges of the sheets around give it (Lecocq
 // 2013, section 4.2). Needs shared/spsm_sheet, shared/spsm_receiver and the override BIAS.
 
-const MOST_PIECES = 32u;
-
-var<private> pieces: array<vec4<f32>, 32>;  // edges around a texel: both ends
+var<private> pieces: array<vec4<f32>, 75>;  // edges of up to 25 texels: both ends
 var<private> piece_count: u32;
 
 // What rounding of the light view may make of a depth, over a receiver of this slope.

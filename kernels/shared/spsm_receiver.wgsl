@@ -1,5 +1,5 @@
 // What a pixel shows, as `spsm` asks about it: the plane of the triangle at its centre. Needs `frame`, and the arrays
-// `id_keys`, `triangles` and `points`.
+// `id_keys`, `triangles`, `points` and `samples`.
 
 const SEEN_NONE = 0u;
 const SEEN_DARK = 1u;   // faces away from the light, or is edge-on to it
@@ -9,6 +9,7 @@ struct Receiver {
     seen: u32,
     normal: vec3<f32>,  // towards the light
     height: f32,        // dot(normal, point) on the plane
+    at: vec3<f32>,      // a point of it
     slope: vec2<f32>,   // depth per texel to the right and down
 }
 
@@ -29,6 +30,7 @@ fn receiver_of(pixel: u32) -> Receiver {
     if !(abs(side) > 9.5367e-7 * length(normal) * length(to_light)) { return r; }
     r.normal = normal * sign(side);
     r.height = dot(r.normal, a);
+    r.at = a;
     if r.height >= 0.0 { return r; }
     r.seen = SEEN_OPEN;
     let p = vec4(r.normal, -r.height);
@@ -42,8 +44,11 @@ fn receiver_of(pixel: u32) -> Receiver {
 // A sample's place in the light view (texel x, y, depth); w is 0 where its ray misses the plane, or the plane there is not in
 // front of the light.
 fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
-    let depth = r.height / dot(r.normal, ray);
-    let p = vec4(ray * depth, 1.0);
+    let over = dot(r.normal, ray);
+    let depth = r.height / over;
+    let raw = ray * depth;
+    // Back onto the plane, from which rounding moved it.
+    let p = vec4(raw - ray * (dot(r.normal, raw - r.at) / over), 1.0);
     var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
     var front = depth > 0.0;
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {
@@ -64,4 +69,16 @@ fn ray_of(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
 // Depth of the receiver around a texel's centre: per x, per y, at it.
 fn receiver_around(r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> vec3<f32> {
     return vec3(r.slope, at.z + dot(r.slope, centre - at.xy));
+}
+
+fn middle_of(texel: vec2<i32>) -> vec2<f32> { return vec2<f32>(texel) + 0.5; }
+
+fn sample_place(r: Receiver, pixel: u32, k: u32) -> vec4<f32> {
+    let pair = samples[k >> 1u];
+    return place_of(r, ray_of(pixel, select(pair.xy, pair.zw, (k & 1u) == 1u)));
+}
+
+// The texel of a place, held near the map.
+fn texel_of(at: vec4<f32>) -> vec2<i32> {
+    return vec2<i32>(clamp(floor(at.xy), vec2(-9.0), vec2(65536.0)));
 }

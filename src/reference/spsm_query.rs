@@ -19,9 +19,6 @@ pub struct Query<'a> {
     pub noise: f64,
 }
 
-/// Most edges that a border is linked from.
-const MOST_PIECES: usize = 32;
-
 impl Sheet {
     fn inside(&self, at: DVec2) -> f64 {
         self.edges.iter().map(|e| e.dot(at.extend(1.0))).fold(f64::INFINITY, f64::min)
@@ -132,9 +129,9 @@ impl Query<'_> {
             return true;
         }
         let offsets = (0..9).map(|k| [k % 3 - 1, k / 3 - 1]);
-        let mask = offsets.enumerate().fold(0, |mask, (k, [x, y])| {
-            mask | u32::from(self.before([texel[0] + x, texel[1] + y], at, slope)) << k
-        });
+        let mask = offsets
+            .enumerate()
+            .fold(0, |mask, (k, [x, y])| mask | u32::from(self.before([texel[0] + x, texel[1] + y], at, slope)) << k);
         let pattern = Pattern::of(mask);
         if pattern.covered {
             return true;
@@ -150,7 +147,7 @@ impl Query<'_> {
             let offset = middle(here) - middle(texel);
             let gap = s.depth - around(at, slope, here);
             for [a, b] in (0..3).filter_map(|k| s.piece(k, -offset, 1.5)) {
-                if gap.dot(((a + b) * 0.5).extend(1.0)) < 0.0 && pieces.len() < MOST_PIECES {
+                if gap.dot(((a + b) * 0.5).extend(1.0)) < 0.0 {
                     pieces.push([a + offset, b + offset]);
                 }
             }

@@ -2,6 +2,7 @@
 
 pub mod geometry;
 pub mod shadow;
+pub mod spsm;
 pub mod surfaces;
 
 use std::sync::OnceLock;

@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::mask_table::MaskVariant;
-use crate::methods::{FacetMode, MethodName, Settings};
+use crate::methods::{FacetMode, MethodName, Settings, SpsmEncoding, SpsmSettings};
 use crate::samples::{Pattern, Samples};
 
 /// What is asked for.
@@ -91,6 +91,15 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("facets=one validity=off", Settings { validity: false, ..settings.clone() });
                 add("facets=one masks=table", Settings { masks: MaskVariant::TABLE, ..settings.clone() });
                 add("facets=all masks=table", Settings { masks: MaskVariant::TABLE, ..all });
+            }
+        }
+        MethodName::Spsm => {
+            add("encoding=lines", settings.clone());
+            if more {
+                let with = |spsm| Settings { spsm, ..settings.clone() };
+                let (paper, lines) = (SpsmEncoding::Paper, SpsmSettings::default());
+                add("encoding=paper", with(SpsmSettings { encoding: paper, ..lines }));
+                add("encoding=lines radius=2", with(SpsmSettings { radius: 2, ..lines }));
             }
         }
     }

@@ -408,7 +408,7 @@ impl World {
     }
 
     /// Scan of work items with its total and flag, and indirect arguments for them.
-    fn items(&self, items: &[u32]) -> (Buffer<u32>, Buffer<u32>, u32) {
+    pub fn items(&self, items: &[u32]) -> (Buffer<u32>, Buffer<u32>, u32) {
         let gpu = self.gpu;
         let words = with_total(items);
         let total = words[items.len()];

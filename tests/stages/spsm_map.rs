@@ -1,0 +1,359 @@
+//! The closest triangle of each texel and its record, against `f64`; and the codes themselves, bit for bit.
+
+use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, sheet, soup, uniform};
+use crate::support::spsm::{Made, middle, noise};
+use crate::support::{Random, gpu, run, sizes_around, upload};
+use subpixel_shadows::glam::{DVec2, DVec3};
+use subpixel_shadows::gpu::program::{Access, Binding};
+use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program};
+use subpixel_shadows::reference::spsm_map::{
+    EMPTY, closest, direction_code, distance_code, slope_code_16, slope_of_16, unorm_code,
+};
+use subpixel_shadows::reference::triangle_setup::Triangle;
+use subpixel_shadows::reference::view::Flat;
+use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::spsm_code::SlopeCode;
+
+fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32) -> World {
+    let camera = camera(DVec3::new(0.5, 2.0, 5.0), DVec3::ZERO, 40.0);
+    World::new(gpu, mesh, camera, light, [4, 3], map, samples(1))
+}
+
+fn above() -> Light {
+    Light::Directional { direction: [0.3, 1.0, 0.2] }
+}
+
+/// Where the stage departs from its definition.
+fn fault(world: &World, made: &Made) -> Option<String> {
+    let size = world.view.map.map_size;
+    let [place, depth] = noise(world);
+    // Rounding may let a triangle touch a texel more or less; what lies well within or without is certain.
+    let inner = closest(&world.triangles, size, 0.5 - place, 0.0);
+    let outer = closest(&world.triangles, size, 0.5 + 3.0 * place, depth);
+    if made.records.len() != inner.len() {
+        return Some(format!("{} texels", made.records.len()));
+    }
+    for texel in 0..inner.len() {
+        let at = format!("texel {} {}", texel as u32 % size, texel as u32 / size);
+        let Some(t) = made.triangle(texel) else {
+            if inner[texel].is_some() || made.depth_keys[texel] != 0 {
+                return Some(format!("{at}: empty, {:?} expected", inner[texel]));
+            }
+            if made.records[texel][3] != EMPTY {
+                return Some(format!("{at}: a record without a triangle"));
+            }
+            continue;
+        };
+        let Some(flat) = world.triangles.get(t as usize).and_then(Triangle::flat) else {
+            return Some(format!("{at}: triangle {t}"));
+        };
+        let steep = |f: &Flat| f.slope.map_or(0.0, |s| s.x.abs() + s.y.abs());
+        let doubt = |f: &Flat| depth + 4.0 * place * (1.0 + steep(f));
+        let got = made.depth(texel);
+        if let Some((least, s)) = inner[texel] {
+            let of = world.triangles[s as usize].flat().expect("it is there");
+            if got > least + doubt(&of) {
+                return Some(format!("{at}: depth {got}, {least} of {s} expected"));
+            }
+        }
+        let own = flat.depth_range(middle(texel, size), 0.5, 0.0).0.max(0.0);
+        if (got - own).abs() > doubt(&flat) || outer[texel].is_none_or(|(least, _)| got < least - doubt(&flat)) {
+            return Some(format!("{at}: depth {got} of triangle {t}, {own} expected"));
+        }
+        if let Some(text) = record_fault(made, texel, &flat, size) {
+            return Some(format!("{at}, triangle {t}: {text}"));
+        }
+    }
+    None
+}
+
+/// Where a record departs from that of its triangle by more than rounding and a step of the code.
+fn record_fault(made: &Made, texel: usize, flat: &Flat, size: u32) -> Option<String> {
+    let [a, b, c] = flat.corners.map(|p| p.truncate());
+    let shortest = (b - a).length().min((c - b).length()).min((a - c).length());
+    let size_of = flat.corners.iter().fold(1.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
+    // Directions of short edges are lost in the rounding of their ends.
+    if shortest < 1e-4 * size_of || flat.is_thin() {
+        return None;
+    }
+    let at = middle(texel, size);
+    let Some(sheet) = made.coding.decode(made.records[texel], at) else { return Some("no record".to_owned()) };
+    let exact = made.coding.decode(made.coding.encode(flat, at), at).expect("a record");
+    let step = if made.coding.lines { 2.5 / 1024.0 } else { 4.0 * f64::from(size) / 65_535.0 / shortest.min(1.0) };
+    let step = step + 3e-6 * size_of / shortest;
+    // Edges in any order: a canonical mesh has its vertices in order of index, as the kernel takes them.
+    for e in sheet.edges {
+        let near = |o: &DVec3| {
+            (*o - e).truncate().abs().max_element() <= step && (o.z - e.z).abs() <= step * (1.0 + o.z.abs())
+        };
+        if !exact.edges.iter().any(near) {
+            return Some(format!("edge {e:?}, {:?} expected", exact.edges));
+        }
+    }
+    // What rounding of the corners makes of the slope, and of the depth at the centre.
+    let [a, b, c] = flat.corners.map(|p| p.truncate());
+    let extent = (b - a).abs().max_element().max((c - a).abs().max_element());
+    let share = 8e-6 * (size_of + extent) * extent / (b - a).perp_dot(c - a).abs();
+    let area = (b - a).perp_dot(c - a).abs();
+    let tilt = DVec2::splat(exact.depth.truncate().abs().max_element() * share + 4e-7 * extent / area);
+    let rounding =
+        tilt.extend((tilt.x + tilt.y) * extent + 4e-6 + (exact.depth.x.abs() + exact.depth.y.abs()) * 4e-6 * size_of);
+    let off = (sheet.depth - exact.depth).abs();
+    let most = (sheet.doubt + exact.doubt) * 1.1 + rounding;
+    (off.cmpgt(most).any()).then(|| format!("plane {:?}, {:?} expected", sheet.depth, exact.depth))
+}
+
+#[track_caller]
+fn check(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32) -> [Made; 2] {
+    let world = world(gpu, mesh, light, map);
+    [false, true].map(|lines| {
+        let made = Made::new(&world, lines);
+        if let Some(text) = fault(&world, &made) {
+            panic!("lines {lines}, {light:?}, map {map}: {text}");
+        }
+        made
+    })
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    for map in [1, 9] {
+        let [paper, lines] = check(gpu(), &Mesh::default(), above(), map);
+        assert!(paper.records.iter().chain(&lines.records).all(|r| *r == [0, 0, 0, EMPTY]));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    let mesh = soup(1, 1.0, &mut Random::new(3));
+    for map in [1, 2, 7, 64] {
+        let [made, _] = check(gpu(), &mesh, above(), map);
+        assert!(made.id_keys.contains(&u32::MAX), "map {map}: triangle 0 is nowhere");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    let mut random = Random::new(5);
+    let mesh = random_scene(1, &mut random);
+    for map in sizes_around(8) {
+        check(gpu(), &mesh, above(), map as u32);
+    }
+    for count in sizes_around(64) {
+        check(gpu(), &soup(count, 0.4, &mut random), above(), 24);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    let mut random = Random::new(11);
+    for kind in 0..4 {
+        for (k, map) in [5, 33, 150].into_iter().enumerate() {
+            let mesh = random_scene(kind, &mut random);
+            check(gpu(), &mesh, random_light(k % 2 == 0, &mut random), map);
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    // Edge-on to the light, without area, doubled; and a triangle that reaches behind a point light.
+    let mut mesh = sheet(3, 1.0, |_, _| 0.0, |p| DVec3::new(p.x, p.z, 0.1));
+    mesh.triangles.push([0, 0, 5]);
+    mesh.triangles.extend(mesh.triangles.clone());
+    check(gpu(), &mesh, Light::Directional { direction: [0.0, 1.0, 0.0] }, 40);
+    let mut mesh = random_scene(1, &mut Random::new(2));
+    let base = mesh.positions.len() as u32;
+    mesh.positions.extend([[-90.0, -3.0, -90.0], [90.0, -3.0, -90.0], [0.0, 4.0, 90.0]]);
+    mesh.triangles.push([base, base + 1, base + 2]);
+    check(gpu(), &mesh, above(), 64);
+}
+
+/// The stage has no list. At most 65,535 work items fit one dimension of a dispatch of single invocations; here are more.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let mesh = sheet(190, 1.0, |x, z| 0.2 * (9.0 * x).sin() * (7.0 * z).cos(), |p| p);
+    let world = world(gpu(), &mesh, above(), 150);
+    let items: u64 = world.facts.light_items.read(gpu()).expect("readback").iter().map(|&n| u64::from(n)).sum();
+    assert!(items > 65_535, "{items} items");
+    let made = Made::new(&world, true);
+    assert_eq!(fault(&world, &made), None);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    let mesh = random_scene(2, &mut Random::new(8));
+    // Nine workgroups in three rows.
+    let [a, b] = check(folding_gpu(), &mesh, above(), 24);
+    let [c, d] = check(gpu(), &mesh, above(), 24);
+    assert!(a.records == c.records && b.records == d.records, "the fold changes the result");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let mesh = random_scene(1, &mut Random::new(21));
+    let world = world(gpu(), &mesh, above(), 64);
+    for lines in [false, true] {
+        let made = Made::new(&world, lines);
+        assert_eq!(fault(&world, &made), None);
+        let again = Made::new(&world, lines);
+        assert!(made.records == again.records && made.id_keys == again.id_keys, "another result in a second run");
+        let full = (0..64 * 64).find(|&t| made.triangle(t).is_some()).expect("a texel");
+        let bare = (0..64 * 64).find(|&t| made.triangle(t).is_none());
+        let spoilt = |spoil: &dyn Fn(&mut Made)| {
+            let mut off = Made::new(&world, lines);
+            spoil(&mut off);
+            fault(&world, &off).is_some()
+        };
+        assert!(spoilt(&|m| m.id_keys[full] = 0));
+        assert!(spoilt(&|m| m.depth_keys[full] = !(m.depth(full) as f32 + 0.1).to_bits()));
+        assert!(spoilt(&|m| m.records[full][3] = EMPTY));
+        assert!(spoilt(&|m| m.records[full][0] ^= 0x4000_0000), "lines {lines}");
+        assert!(spoilt(&|m| m.records.truncate(9)));
+        if let Some(bare) = bare {
+            assert!(spoilt(&|m| m.id_keys[bare] = u32::MAX));
+        }
+    }
+}
+
+const CODES: &str = concat!(
+    include_str!("../../kernels/shared/frame.wgsl"),
+    "override ENCODING: u32 = 1u;
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> slopes: array<vec4<f32>, 256>;
+@group(0) @binding(2) var<storage, read> inputs: array<f32>;
+@group(0) @binding(3) var<storage, read_write> outputs: array<u32>;
+",
+    include_str!("../../kernels/shared/spsm_record.wgsl"),
+    "
+@compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let k = id.y * 64u * groups.x + id.x;
+    if k >= arrayLength(&inputs) { return; }
+    let v = inputs[k];
+    let w = clamp(v, -1.0, 1.0);
+    let slope = slope_code(v);
+    let wide = slope_code_16(v);
+    outputs[4u * k] = slope | (wide << 8u);
+    outputs[4u * k + 1u] = bitcast<u32>(slope_of_16(wide));
+    outputs[4u * k + 2u] = direction_code(vec2(w, 1.0 - abs(w))) | (direction_code(vec2(w, abs(w) - 1.0)) << 12u);
+    outputs[4u * k + 3u] = distance_code(v) | (unorm_code(v, 65535.0) << 12u);
+}
+"
+);
+
+/// Codes of the GPU, word for word, of the inputs in order.
+fn words_of(v: f32, slopes: &SlopeCode) -> [u32; 4] {
+    let w = v.clamp(-1.0, 1.0);
+    let wide = slope_code_16(v);
+    [
+        slopes.encode(v) | wide << 8,
+        slope_of_16(wide).to_bits(),
+        direction_code(w, 1.0 - w.abs()) | direction_code(w, w.abs() - 1.0) << 12,
+        distance_code(v) | unorm_code(v, 65_535.0) << 12,
+    ]
+}
+
+/// Every code of 2^24 numbers is the same on CPU and GPU, rises with the number, and is decoded within its bound.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn codes_agree_bit_for_bit() {
+    const WORK: Entry = Entry {
+        kernel: "test",
+        name: "work",
+        source: CODES,
+        workgroup: [64, 1, 1],
+        bindings: &[
+            Binding { index: 0, name: "frame", access: Access::Uniform },
+            Binding { index: 1, name: "slopes", access: Access::Uniform },
+            Binding { index: 2, name: "inputs", access: Access::Read },
+            Binding { index: 3, name: "outputs", access: Access::ReadWrite },
+        ],
+    };
+    const PART: usize = 1 << 20;
+    let program = Program::new(&gpu().device, WORK, &[]);
+    let code = SlopeCode::new(5);
+    let slopes = Buffer::uniform(&gpu().device, "test.slopes", 256).expect("memory");
+    slopes.write(&gpu().queue, &code.words());
+    let frame = uniform(gpu(), &Default::default());
+    let output = Buffer::<[u32; 4]>::storage(&gpu().device, "test.output", PART).expect("memory");
+    // Every 256th finite number, so 2^24 of them, from the lowest up.
+    let number = |k: u32| {
+        let bits = k << 8 | 0x55;
+        f32::from_bits(if bits >> 31 == 0 { !bits } else { bits & 0x7fff_ffff })
+    };
+    let mut last: Option<(f32, u32, f32)> = None;
+    for part in 0..16u32 {
+        let inputs: Vec<f32> = (0..PART as u32).map(|k| number(part * PART as u32 + k)).collect();
+        let input = upload(gpu(), &inputs);
+        let buffers =
+            [("frame", frame.raw()), ("slopes", slopes.raw()), ("inputs", input.raw()), ("outputs", output.raw())];
+        run(gpu(), |s| s.run(&program, &buffers, Groups::Items(PART as u64)));
+        let outputs = output.read(gpu()).expect("readback");
+        for (&v, got) in inputs.iter().zip(&outputs).filter(|(v, _)| v.is_finite()) {
+            // Numbers below the normal ones may be taken for 0.
+            if v.abs() < f32::MIN_POSITIVE {
+                continue;
+            }
+            let want = words_of(v, &code);
+            assert_eq!(*got, want, "{v}");
+            let (narrow, wide) = (got[0] & 255, f32::from_bits(got[1]));
+            if let Some((before, code, slope)) = last {
+                assert!(v > before && narrow >= code && wide >= slope, "{v} after {before}");
+            }
+            // 2^-20 itself is the code of 0.
+            if (1e-6..2048.0).contains(&v.abs()) {
+                assert!((wide - v).abs() <= v.abs() / 2048.0, "{v} is decoded as {wide}");
+            }
+            last = Some((v, narrow, wide));
+        }
+    }
+    assert!(last.is_some_and(|(v, narrow, _)| v > 1e38 && narrow == 254));
+    let mut spoilt = words_of(0.7, &code);
+    spoilt[0] ^= 1;
+    assert_ne!(spoilt, words_of(0.7, &code), "a flipped bit shows");
+}
+
+/// The plane that a texel stands for lies within the bound of its code, on random triangles.
+#[test]
+fn planes_are_rebuilt_within_their_bounds() {
+    use subpixel_shadows::reference::spsm_map::Coding;
+    let mut random = Random::new(77);
+    let mut number = |low: f64, high: f64| low + (high - low) * f64::from(random.word()) / 4_294_967_296.0;
+    let codings = [false, true].map(|lines| Coding { lines, slopes: SlopeCode::new(5), size: 1024 });
+    let (mut tried, mut beyond) = (0u32, 0u32);
+    while tried < 1_000_000 {
+        let reach = 10f64.powf(number(-1.0, 2.0));
+        let at = DVec2::new(number(200.0, 800.0).floor() + 0.5, number(200.0, 800.0).floor() + 0.5);
+        let corners =
+            [0; 3].map(|_| (at + DVec2::new(number(-reach, reach), number(-reach, reach))).extend(number(0.2, 0.8)));
+        let flat = Flat::new(corners);
+        let Some(slope) = flat.slope else { continue };
+        let middle = flat.corners[0].z + slope.dot(at - flat.corners[0].truncate());
+        if !flat.touches(at, 0.5) || !(0.0..1.0).contains(&middle) {
+            continue;
+        }
+        tried += 1;
+        for coding in &codings {
+            let sheet = coding.decode(coding.encode(&flat, at), at).expect("a record");
+            let off = (sheet.depth - slope.extend(middle)).abs();
+            // A slope beyond the last code is clamped; it is counted.
+            let steepest = 2000.0 / 1024.0;
+            if coding.lines && slope.abs().max_element() > steepest
+                || slope.abs().max_element() * 1024.0 > 400.0 && !coding.lines
+            {
+                beyond += 1;
+                continue;
+            }
+            assert!(off.cmple(sheet.doubt * 1.001 + DVec3::splat(1e-9)).all(), "{corners:?} {off:?} {:?}", sheet.doubt);
+        }
+    }
+    assert!(beyond < tried, "{beyond} of {tried} are too steep");
+}

@@ -1,0 +1,312 @@
+//! Shadows from the sub-pixel shadow map, sample by sample against the definition in `f64` on the same records. A sample whose
+//! answer is another a little to the side, or at a little more or less depth, may be given either way.
+
+use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform};
+use crate::support::spsm::{Made, noise};
+use crate::support::{POISON, Random, gpu, run, sizes_around};
+use subpixel_shadows::glam::{DVec2, DVec3};
+use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::reference::facet_classify::pixel_ray;
+use subpixel_shadows::reference::spsm_query::Query;
+use subpixel_shadows::reference::view::Flat;
+use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::stages::PrefixScan;
+use subpixel_shadows::stages::spsm_query::{Class, Options, Seen, SpsmPixels, SpsmQuery};
+
+const BIAS: f32 = 1e-5;
+
+struct Ran {
+    made: Made,
+    radius: u32,
+    classes: Vec<u32>,
+    visibility: Vec<f32>,
+    lit: Vec<u32>,
+    list: Vec<u32>,
+    seen: Vec<Option<u32>>,
+}
+
+fn ask(world: &World, lines: bool, radius: u32) -> Ran {
+    let gpu = world.gpu;
+    let made = Made::new(world, lines);
+    let pixels = (world.view.image[0] * world.view.image[1]) as usize;
+    let words = world.words();
+    let out = SpsmPixels::new(&gpu.device, &gpu.queue, pixels, words).expect("memory");
+    for buffer in [&out.lit, &out.classes, &out.list] {
+        buffer.write(&gpu.queue, &vec![POISON; buffer.len()]);
+    }
+    let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
+    let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
+    let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
+    let points: Vec<[f32; 4]> =
+        world.prepared.mesh.positions.iter().map(|p| world.view.point(*p).as_vec3().extend(1.0).into()).collect();
+    let points = Buffer::from_slice(&gpu.device, &gpu.queue, "test.points", &points).expect("memory");
+    let options = Options { encoding: u32::from(lines), words: words as u32, radius, bias: BIAS };
+    let query = SpsmQuery::new(&gpu.device, &PrefixScan::new(&gpu.device), options);
+    let (frame, offsets) = (uniform(gpu, &world.frame), world.sample_offsets());
+    let from =
+        Seen { samples: offsets.raw(), id_keys: &id_keys, triangles: world.casters.triangles.raw(), points: &points };
+    run(gpu, |s| {
+        query.record_classify(s, frame.raw(), from, &made.texels, &out)?;
+        query.record_recover(s, frame.raw(), from, &made.texels, &out)
+    });
+    let total = out.total.read(gpu).expect("readback")[0] as usize;
+    Ran {
+        radius,
+        classes: out.classes.read(gpu).expect("readback"),
+        visibility: out.visibility.read(gpu).expect("readback"),
+        lit: out.lit.read(gpu).expect("readback"),
+        list: out.list.read(gpu).expect("readback")[..total].to_vec(),
+        seen,
+        made,
+    }
+}
+
+/// A receiver as the definition takes it: places of the samples in the light view, and its slope there.
+fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>, DVec2)> {
+    let [a, b, c] = world.triangles[t as usize].corners?;
+    let normal = (b - a).cross(c - a);
+    let on_plane = |offset: DVec2| {
+        let ray = pixel_ray(&world.view, pixel, offset);
+        let depth = normal.dot(a) / normal.dot(ray);
+        (depth > 0.0).then(|| world.view.on_map(ray * depth)).flatten().map(|p| p.truncate())
+    };
+    let around = [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].map(|o| on_plane(DVec2::from(o)));
+    let [Some(p), Some(q), Some(r)] = around else { return None };
+    let slope = Flat::new([p, q, r]).slope?;
+    let places = world.samples.offsets().iter().map(|o| on_plane(DVec2::from(o.map(f64::from)) - 0.5)).collect();
+    Some((places, slope.clamp(DVec2::splat(-1000.0), DVec2::splat(1000.0))))
+}
+
+/// The place of a pixel's centre on its receiver.
+fn middle_of(world: &World, pixel: u32, t: u32) -> Option<DVec3> {
+    let [a, b, c] = world.triangles[t as usize].corners?;
+    let normal = (b - a).cross(c - a);
+    let ray = pixel_ray(&world.view, pixel, DVec2::ZERO);
+    world.view.on_map(ray * (normal.dot(a) / normal.dot(ray))).map(|p| p.truncate())
+}
+
+/// Where the stage departs from its definition; how many samples were compared and how many left open.
+fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
+    let [place, depth] = noise(world);
+    let query = |bias: f64| Query {
+        records: &ran.made.records,
+        coding: &ran.made.coding,
+        radius: ran.radius as i32,
+        bias: f64::from(BIAS) + depth + bias,
+        noise: place,
+    };
+    let (exact, more, less) = (query(0.0), query(3e-6), query(-3e-6));
+    let (words, count) = (world.words(), world.samples.count());
+    let uncertain: Vec<u32> =
+        (0u32..).zip(&ran.classes).filter(|(_, c)| **c == Class::Uncertain as u32).map(|(p, _)| p).collect();
+    if uncertain != ran.list {
+        return Err(format!("{} uncertain pixels, {} listed", uncertain.len(), ran.list.len()));
+    }
+    let (mut compared, mut open) = (0, 0);
+    for (pixel, &class) in ran.classes.iter().enumerate() {
+        let masks = &ran.lit[pixel * words..(pixel + 1) * words];
+        let lit = |k: u32| masks[k as usize / 32] >> (k % 32) & 1 == 1;
+        let share = (0..count).filter(|&k| lit(k)).count() as f32 / count as f32;
+        let at = format!("pixel {pixel}, class {class}");
+        let Some(t) = ran.seen[pixel] else {
+            if class != Class::Empty as u32 || ran.visibility[pixel] != 1.0 {
+                return Err(format!("{at}: nothing is seen"));
+            }
+            continue;
+        };
+        let Some([a, b, c]) = world.triangles[t as usize].corners else { continue };
+        let (towards_light, towards_eye) = (world.view.side([a, b, c]), -(b - a).cross(c - a).dot(a));
+        let size = (b - a).length() * (c - a).length();
+        if towards_light.abs() < 1e-4 * size || towards_eye.abs() < 1e-4 * size * a.length() {
+            continue;
+        }
+        if (towards_light * towards_eye < 0.0) != (class == Class::Dark as u32) {
+            return Err(format!("{at}: light on side {towards_light}, eye on side {towards_eye}"));
+        }
+        if class == Class::Dark as u32 {
+            if ran.visibility[pixel] != 0.0 || masks.iter().any(|m| *m != 0) {
+                return Err(format!("{at}: dark, and lit"));
+            }
+            continue;
+        }
+        let Some((places, slope)) = receiver(world, pixel as u32, t) else { continue };
+        if places.iter().all(Option::is_some) && (ran.visibility[pixel] - share).abs() > 1e-6 {
+            return Err(format!("{at}: visibility {}, lit share {share}", ran.visibility[pixel]));
+        }
+        if class == Class::Shadowed as u32 {
+            if masks.iter().any(|m| *m != 0) || ran.visibility[pixel] != 0.0 {
+                return Err(format!("{at}: shadowed, and lit"));
+            }
+            // One sheet covers all samples; a little less of them will do.
+            let there: Vec<DVec3> = places.iter().flatten().copied().collect();
+            let (low, high) =
+                there.iter().fold((DVec2::MAX, DVec2::MIN), |(l, h), p| (l.min(p.truncate()), h.max(p.truncate())));
+            let Some(centre) = middle_of(world, pixel as u32, t) else { continue };
+            compared += u64::from(count);
+            if !less.covered(low + 2e-3, (high - 2e-3).max(low + 2e-3), centre, slope) {
+                return Err(format!("{at}: no sheet covers it"));
+            }
+            continue;
+        }
+        for (k, p) in (0..count).zip(&places) {
+            let Some(p) = *p else { continue };
+            let at_depth = |q: &Query, x: f64, y: f64, z: f64| {
+                let moved = p + DVec3::new(x, y, slope.dot(DVec2::new(x, y)) + z);
+                q.shadowed(moved, slope)
+            };
+            let answer = |q: &Query, x: f64, y: f64| at_depth(q, x, y, 0.0);
+            let shadowed = answer(&exact, 0.0, 0.0);
+            let step = 2e-3;
+            let sure = [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)]
+                .iter()
+                .all(|&(x, y)| answer(&exact, x, y) == shadowed)
+                && answer(&more, 0.0, 0.0) == shadowed
+                && answer(&less, 0.0, 0.0) == shadowed
+                && [3e-6, -3e-6].iter().all(|&z| at_depth(&exact, 0.0, 0.0, z) == shadowed)
+                && [&more, &less].iter().all(|q| [step, -step].iter().all(|&x| answer(q, x, -x) == shadowed));
+            compared += 1;
+            open += u64::from(!sure);
+            if sure && lit(k) == shadowed {
+                return Err(format!("{at}, sample {k} at {p:?}, slope {slope:?}: shadowed {shadowed} expected"));
+            }
+        }
+    }
+    Ok([compared, open])
+}
+
+fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, image: [u32; 2], map: u32, count: u32) -> World {
+    let camera = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
+    World::new(gpu, mesh, camera, light, image, map, samples(count))
+}
+
+fn above() -> Light {
+    Light::Directional { direction: [0.3, 1.0, 0.2] }
+}
+
+#[track_caller]
+fn check(world: &World, lines: bool, radius: u32) -> Ran {
+    let ran = ask(world, lines, radius);
+    match fault(world, &ran) {
+        Ok([compared, open]) => assert!(open * 4 <= compared + 40, "{open} of {compared} samples are left open"),
+        Err(text) => panic!("lines {lines}, radius {radius}, {:?}: {text}", world.light),
+    }
+    ran
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 8, 8), true, 1);
+    assert!(ran.visibility.iter().all(|&v| v == 1.0) && ran.list.is_empty());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    // A floor, and a floor under a roof.
+    let floor = sheet(1, 2.0, |_, _| 0.0, |p| p);
+    let ran = check(&world(gpu(), &floor, above(), [16, 12], 32, 32), true, 1);
+    assert!(ran.classes.contains(&(Class::Lit as u32)) && !ran.classes.contains(&(Class::Shadowed as u32)));
+    let mut roofed = floor.clone();
+    roofed.positions.extend([[-1.0, 0.8, -1.0], [1.0, 0.8, -1.0], [0.0, 0.8, 1.0]]);
+    roofed.triangles.push([4, 5, 6]);
+    for lines in [false, true] {
+        let ran = check(&world(gpu(), &roofed, above(), [48, 36], 64, 32), lines, 1);
+        let classes = [Class::Lit, Class::Shadowed, Class::Uncertain];
+        assert!(classes.iter().all(|&c| ran.classes.contains(&(c as u32))), "every class is there");
+        assert!(ran.visibility.iter().any(|&v| v > 0.0 && v < 1.0), "no edge is smooth");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    let mesh = random_scene(1, &mut Random::new(31));
+    for pixels in sizes_around(64) {
+        check(&world(gpu(), &mesh, above(), [pixels as u32, 1], 40, 8), true, 1);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    let mut random = Random::new(41);
+    for kind in 0..4 {
+        for (k, count) in [1, 8, 32, 128].into_iter().enumerate() {
+            let mesh = random_scene(kind, &mut random);
+            let light = random_light(k % 2 == 0, &mut random);
+            check(
+                &world(gpu(), &mesh, light, [40, 30], [64, 150][k / 2], count),
+                k % 2 == 1,
+                1 + (k as u32 + kind) % 2,
+            );
+        }
+    }
+}
+
+/// A bare plane never shadows itself, whatever its tilt, under either encoding; and no sheet shades its own front.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    for degrees in [0.0f64, 10.0, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0, 87.0, 88.0, 89.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let mesh = sheet(6, 1.5, |_, _| 0.0, |p| DVec3::new(p.x * cos, p.x * sin, p.z));
+        let light = Light::Directional { direction: [0.0, 1.0, 0.0] };
+        let camera = camera(DVec3::new(-3.0, 4.0, 1.0), DVec3::ZERO, 40.0);
+        let world = World::new(gpu(), &mesh, camera, light, [60, 45], 128, samples(8));
+        for lines in [false, true] {
+            let ran = ask(&world, lines, 1);
+            let dark = ran.visibility.iter().filter(|v| **v < 1.0).count();
+            assert_eq!(dark, 0, "lines {lines}, {degrees} degrees: {dark} pixels of acne");
+            assert!(ran.seen.iter().any(Option::is_some));
+        }
+    }
+    // A sheet edge-on to the light.
+    let mesh = sheet(3, 1.0, |_, _| 0.0, |p| DVec3::new(p.x, p.z, 0.1));
+    check(&world(gpu(), &mesh, Light::Directional { direction: [0.0, 1.0, 0.0] }, [20, 15], 40, 8), true, 1);
+}
+
+/// More pixels than one dimension of a dispatch of single invocations holds, all of them uncertain or not.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let mesh = random_scene(1, &mut Random::new(51));
+    let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), true, 1);
+    assert_eq!(ran.classes.len(), 65_537);
+    assert!(!ran.classes.contains(&POISON) && !ran.lit.contains(&POISON));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    let mesh = random_scene(1, &mut Random::new(61));
+    // Nine workgroups in three rows.
+    let of = |gpu| ask(&world(gpu, &mesh, above(), [24, 24], 24, 8), true, 1);
+    let (a, b) = (of(folding_gpu()), of(gpu()));
+    assert!(a.lit == b.lit && a.classes == b.classes && a.list == b.list, "the fold changes the result");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let mesh = random_scene(1, &mut Random::new(71));
+    let world = world(gpu(), &mesh, above(), [48, 36], 64, 32);
+    let ran = check(&world, true, 1);
+    let again = ask(&world, true, 1);
+    assert!(ran.lit == again.lit && ran.visibility == again.visibility, "another result in a second run");
+    let spoilt = |spoil: &dyn Fn(&mut Ran)| {
+        let mut off = ask(&world, true, 1);
+        spoil(&mut off);
+        fault(&world, &off).is_err()
+    };
+    let of = |class: Class| ran.classes.iter().position(|&c| c == class as u32);
+    let lit = of(Class::Lit).expect("a lit pixel");
+    assert!(spoilt(&|r| r.lit[lit] = 0));
+    assert!(spoilt(&|r| r.visibility[lit] = 0.5));
+    assert!(spoilt(&|r| r.classes[lit] = Class::Dark as u32));
+    assert!(spoilt(&|r| r.classes[lit] = Class::Uncertain as u32));
+    let dark = of(Class::Shadowed).expect("a shadowed pixel");
+    assert!(spoilt(&|r| r.lit[dark] = u32::MAX));
+    // A map without casters lights everything.
+    assert!(spoilt(&|r| r.made.records.fill([0, 0, 0, u32::MAX])));
+}

@@ -1,0 +1,70 @@
+//! What the tests of the sub-pixel shadow map share: the map of a scene, made on the GPU, and how its records are read.
+
+use super::POISON;
+use super::run;
+use super::shadow::{World, uniform};
+use subpixel_shadows::glam::DVec2;
+use subpixel_shadows::reference::spsm_map::Coding;
+use subpixel_shadows::spsm_code::SlopeCode;
+use subpixel_shadows::stages::camera_visibility::Blocks;
+use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
+
+/// A map, read back.
+pub struct Made {
+    pub texels: SpsmTexels,
+    pub coding: Coding,
+    pub depth_keys: Vec<u32>,
+    pub id_keys: Vec<u32>,
+    pub records: Vec<[u32; 4]>,
+}
+
+/// Rounding of places and depths that the kernels reckon with (see shared/spsm_record).
+pub fn noise(world: &World) -> [f64; 2] {
+    let (map, depth) = (f64::from(world.frame.map_margin), f64::from(world.frame.depth_margin));
+    [1.0 / 1024.0 + (map - 1.0 / 64.0) / 32.0, 1e-6 + depth / 32.0]
+}
+
+impl Made {
+    /// The map of a scene.
+    pub fn new(world: &World, lines: bool) -> Self {
+        let gpu = world.gpu;
+        let size = world.view.map.map_size;
+        let texels = SpsmTexels::new(&gpu.device, &gpu.queue, size as usize, 5).expect("memory");
+        let (offsets, args, total) = world.items(&world.facts.light_items.read(gpu).expect("readback"));
+        let frame = uniform(gpu, &world.frame);
+        let blocks = Blocks {
+            triangles: world.casters.triangles.raw(),
+            points: &world.map_points,
+            rects: &world.facts.light_rects,
+            offsets: &offsets,
+            args: (args.raw(), 0),
+        };
+        texels.records.write(&gpu.queue, &vec![[POISON; 4]; texels.records.len()]);
+        let stage = SpsmMap::new(&gpu.device, u32::from(lines));
+        run(gpu, |s| stage.record(s, frame.raw(), blocks, &texels));
+        assert!(total > 0 || texels.id_keys.read(gpu).expect("readback").iter().all(|&k| k == 0));
+        Self {
+            coding: Coding { lines, slopes: SlopeCode::new(5), size },
+            depth_keys: texels.depth_keys.read(gpu).expect("readback"),
+            id_keys: texels.id_keys.read(gpu).expect("readback"),
+            records: texels.records.read(gpu).expect("readback"),
+            texels,
+        }
+    }
+
+    /// The triangle of a texel.
+    pub fn triangle(&self, texel: usize) -> Option<u32> {
+        (self.id_keys[texel] != 0).then(|| !self.id_keys[texel])
+    }
+
+    /// Its conservative depth.
+    pub fn depth(&self, texel: usize) -> f64 {
+        f64::from(f32::from_bits(!self.depth_keys[texel]))
+    }
+}
+
+/// Middle of a texel.
+pub fn middle(texel: usize, size: u32) -> DVec2 {
+    let (x, y) = (texel as u32 % size, texel as u32 / size);
+    DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
+}
