@@ -11,7 +11,7 @@
 //@import facing
 //@import spsm_record
 //@import spsm_sheet
-//@import spsm_receiver
+//@import receiver
 //@import spsm_border
 
 override ENCODING: u32 = 1u;

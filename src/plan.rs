@@ -7,6 +7,7 @@
 //! Proofs are made in `f64` with margins far above the rounding of the kernels: what is not certain is not left out.
 
 use crate::Result;
+use crate::methods::MethodName;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
 use crate::scene::{Camera, Light};
@@ -65,6 +66,17 @@ const STAGES: [(&str, &str, Extent); 15] = [
     ("resolve", "masks to visibility", Extent::Facing),
 ];
 
+/// Stages of `spsm` after what the camera sees.
+const SPSM_STAGES: [(&str, &str); 3] = [
+    ("spsm_map", "closest triangle of every texel, in 128 bits"),
+    ("spsm_classify", "pixels: dark, lit, shadowed or uncertain"),
+    ("spsm_recover", "shadow borders of the uncertain pixels, sample by sample"),
+];
+
+/// Stages of `shadow-map` and `pcf` after what the camera sees.
+const SHADOW_MAP_STAGES: [(&str, &str); 2] =
+    [("light_layers", "nearest depth at every texel centre"), ("shadow_map", "depth of every sample against the map")];
+
 /// Parts of stages that a setting or the scene may make needless.
 const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that see another surface than the centre");
 const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
@@ -121,6 +133,40 @@ impl Plan {
         part(BACK_FACING, culled);
         part(PERSPECTIVE, light.is_directional().then(|| "directional light: its view is affine".to_owned()));
         Ok(Self { extent, steps, settings })
+    }
+
+    /// What `method` needs. That nothing is seen, or that nothing is in shadow, is true for all methods; the rest of the
+    /// rules are those of `facet-masks`.
+    ///
+    /// # Errors
+    /// As [`Plan::of`].
+    pub fn of_method(
+        method: MethodName,
+        prepared: &Prepared,
+        camera: &Camera,
+        light: &Light,
+        wanted: &Settings,
+        force_all: bool,
+    ) -> Result<Self> {
+        let own: &[(&str, &str)] = match method {
+            MethodName::FacetMasks => return Self::of(prepared, camera, light, wanted, force_all),
+            MethodName::Spsm => &SPSM_STAGES,
+            MethodName::ShadowMap | MethodName::Pcf => &SHADOW_MAP_STAGES,
+        };
+        // Surfaces off the pixel centre are no concern of methods of one receiver a pixel.
+        let one = Settings { facets: FacetMode::One, ..wanted.clone() };
+        let Self { extent, steps, settings } = Self::of(prepared, camera, light, &one, force_all)?;
+        let shadowless: Vec<Step> = steps.iter().filter(|s| !s.name.contains('.')).cloned().collect();
+        let reason = shadowless.iter().find(|s| s.name == "light_layers").and_then(|s| s.left_out.clone());
+        let own = own.iter().map(|&(name, purpose)| Step { name, purpose, left_out: reason.clone() });
+        let kept = |s: &Step| match s.name {
+            "triangle_setup" | "camera_visibility" => true,
+            "facet_classify" | "resolve" => extent == Extent::Facing,
+            _ => false,
+        };
+        let mut steps: Vec<Step> = shadowless.into_iter().filter(kept).collect();
+        steps.splice(2..2, own);
+        Ok(Self { extent, steps, settings: Settings { facets: wanted.facets, ..settings } })
     }
 
     /// The stages and parts that are left out, each with the reason.
@@ -286,23 +332,12 @@ fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::SpsmSettings;
     use crate::samples::{Pattern, Samples};
     use crate::scene::{Mesh, Scene};
 
     fn settings(samples: u32, validity: bool) -> Settings {
         let samples = Samples::new(Pattern::default(), samples).unwrap();
-        Settings {
-            size: [64, 48],
-            map: 64,
-            samples,
-            facets: FacetMode::One,
-            validity,
-            cull_back: true,
-            masks: Default::default(),
-            settle: true,
-            spsm: SpsmSettings::default(),
-        }
+        Settings { validity, cull_back: true, ..Settings::new([64, 48], 64, samples) }
     }
 
     fn triangles(corners: &[[f32; 3]]) -> Mesh {

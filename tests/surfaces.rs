@@ -25,7 +25,7 @@ fn gpu() -> &'static Gpu {
 fn settings(facets: FacetMode) -> Settings {
     let samples = Samples::new(Pattern::default(), 32).expect("a pattern");
     let masks = MaskVariant::Exact;
-    Settings { size: SIZE, map: 128, samples, facets, validity: true, cull_back: true, masks, settle: true }
+    Settings { facets, masks, cull_back: true, ..Settings::new(SIZE, 128, samples) }
 }
 
 /// A built-in scene, under its own light or under a point where a directional light comes from, and the other way round.

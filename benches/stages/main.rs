@@ -21,6 +21,7 @@ mod prefix_scan;
 mod radix_sort;
 mod resolve;
 mod sample_surfaces;
+mod shadow_map;
 mod silhouette_mask;
 mod spsm_map;
 mod spsm_query;
@@ -58,6 +59,7 @@ fn run(options: &Options) -> Result<()> {
         triangle_setup::cases,
         camera_visibility::cases,
         light_layers::cases,
+        shadow_map::cases,
         silhouette_mask::cases,
         spsm_map::cases,
         spsm_query::cases,

@@ -4,10 +4,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::MethodName;
-use subpixel_shadows::methods::SpsmSettings;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::Budget;
+use subpixel_shadows::methods::{MethodName, ShadowMapSettings, SpsmEncoding, SpsmSettings};
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
@@ -56,8 +55,8 @@ pub enum Command {
 #[derive(Debug, Args)]
 pub struct Options {
     /// Shadow method
-    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
-    pub method: Method,
+    #[arg(long, default_value = "facet-masks", value_name = "NAME", value_parser = method_name)]
+    pub method: MethodName,
     /// Facets per pixel of facet-masks: one, as in the paper, or one for every surface that its samples see
     #[arg(long, value_enum, default_value_t, value_name = "HOW_MANY")]
     pub facets: FacetsPerPixel,
@@ -76,6 +75,12 @@ pub struct Options {
     /// Keep the validity mask, which drops samples that see another surface than the pixel centre
     #[arg(long, value_enum, default_value_t, value_name = "SWITCH")]
     pub validity: Switch,
+    /// How spsm packs a triangle into a texel: the paper's code, or edge lines
+    #[arg(long, value_enum, default_value_t, value_name = "CODE")]
+    pub encoding: Encoding,
+    /// Texels a side of the filter of pcf: 2, 3, 5 or 7
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    pub kernel: u32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: Masks,
@@ -199,19 +204,11 @@ impl ReportOptions {
     }
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub enum Method {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Encoding {
+    Paper,
     #[default]
-    FacetMasks,
-}
-
-impl Method {
-    /// The one name of the method.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FacetMasks => "facet-masks",
-        }
-    }
+    Lines,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -278,10 +275,12 @@ fn size(text: &str) -> std::result::Result<[u32; 2], String> {
 impl Options {
     /// What is asked of the frame; the plan may leave out more.
     pub fn settings(&self) -> Result<Settings> {
+        let samples = Samples::new(self.pattern.into(), self.samples)?;
+        let encoding = match self.encoding {
+            Encoding::Paper => SpsmEncoding::Paper,
+            Encoding::Lines => SpsmEncoding::Lines,
+        };
         let settings = Settings {
-            size: self.size,
-            map: self.map,
-            samples: Samples::new(self.pattern.into(), self.samples)?,
             facets: self.facets.into(),
             validity: self.validity == Switch::On,
             cull_back: true,
@@ -289,8 +288,9 @@ impl Options {
                 Masks::Exact => MaskVariant::Exact,
                 Masks::Table => MaskVariant::TABLE,
             },
-            settle: true,
-            spsm: SpsmSettings::default(),
+            spsm: SpsmSettings { encoding, ..SpsmSettings::default() },
+            shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
+            ..Settings::new(self.size, self.map, samples)
         };
         settings.check()?;
         Ok(settings)

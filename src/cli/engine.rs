@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::facet_masks::FacetMode;
 use subpixel_shadows::methods::render::{Counts, Output, Renderer};
-use subpixel_shadows::methods::{Prepared, unshadowed};
+use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, unshadowed};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::scene::Scene;
@@ -97,10 +97,18 @@ impl Engine {
                 let (output, facets) = unshadowed::render(gpu, prepared, settings, &scene.camera, &scene.light)?;
                 Ok(Rendered { output, facets: read(gpu, &facets)? })
             }
+            (Extent::Everything, Self::Gpu(gpu)) if options.method != MethodName::FacetMasks => {
+                let mut renderer = AnyRenderer::new(gpu, prepared, options.method, settings, options.budget())?;
+                Ok(Rendered { output: renderer.render(&scene.camera, &scene.light)?, facets: None })
+            }
             (Extent::Everything, Self::Gpu(gpu)) => {
                 let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
                 let output = renderer.render(&scene.camera, &scene.light)?;
                 Ok(Rendered { output, facets: read(gpu, renderer.method().facets())? })
+            }
+            (_, Self::Cpu) if options.method != MethodName::FacetMasks => {
+                let name = options.method.name();
+                Err(Error::Config(format!("method {name} on the CPU engine, which has facet-masks only")))
             }
             (_, Self::Cpu) => {
                 let output = on_the_cpu(plan, scene, prepared, console)?;

@@ -1,13 +1,15 @@
 //! Any of the methods behind one door, as the program and the report take them.
 
 use super::fixed::FixedRenderer;
-use super::prepared::Prepared;
+use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Budget, Output, Renderer};
-use super::settings::Settings;
+use super::settings::{Settings, ShadowMapSettings};
+use super::shadow_map::ShadowMapping;
 use super::spsm::Spsm;
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::scene::{Camera, Light};
+use crate::stages::shadow_map::Options;
 
 /// The methods by their names, the same in API, program, reports and files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -17,17 +19,23 @@ pub enum MethodName {
     FacetMasks,
     /// `spsm`: Lecocq 2013.
     Spsm,
+    /// `shadow-map`: Williams 1978.
+    ShadowMap,
+    /// `pcf`: Reeves, Salesin, Cook 1987.
+    Pcf,
 }
 
 impl MethodName {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::FacetMasks, Self::Spsm];
+    pub const ALL: [Self; 4] = [Self::FacetMasks, Self::Spsm, Self::ShadowMap, Self::Pcf];
 
     /// The one name of the method.
     pub fn name(self) -> &'static str {
         match self {
             Self::FacetMasks => "facet-masks",
             Self::Spsm => "spsm",
+            Self::ShadowMap => "shadow-map",
+            Self::Pcf => "pcf",
         }
     }
 }
@@ -38,6 +46,8 @@ pub enum AnyRenderer<'a> {
     FacetMasks(Box<Renderer<'a>>),
     /// `spsm`.
     Spsm(Box<FixedRenderer<'a, Spsm>>),
+    /// `shadow-map` and `pcf`.
+    ShadowMapping(Box<FixedRenderer<'a, ShadowMapping>>),
 }
 
 impl<'a> AnyRenderer<'a> {
@@ -58,6 +68,15 @@ impl<'a> AnyRenderer<'a> {
                 let renderer = FixedRenderer::new(gpu, prepared, settings, |_| Spsm::new(gpu, settings))?;
                 Ok(Self::Spsm(Box::new(renderer)))
             }
+            MethodName::ShadowMap | MethodName::Pcf => {
+                let ShadowMapSettings { kernel, constant, slope } = settings.shadow_map;
+                let options = match method {
+                    MethodName::Pcf => Options { kernel, constant, slope: 0.0, receiver_plane: true },
+                    _ => Options { kernel: 1, constant, slope, receiver_plane: false },
+                };
+                let make = |_: &CasterBuffers| ShadowMapping::new(gpu, settings, options);
+                Ok(Self::ShadowMapping(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))
+            }
         }
     }
 
@@ -69,6 +88,7 @@ impl<'a> AnyRenderer<'a> {
         match self {
             Self::FacetMasks(renderer) => renderer.render(camera, light),
             Self::Spsm(renderer) => renderer.render(camera, light),
+            Self::ShadowMapping(renderer) => renderer.render(camera, light),
         }
     }
 }

@@ -9,10 +9,11 @@ pub mod geometry;
 pub mod prepared;
 pub mod render;
 pub mod settings;
+pub mod shadow_map;
 pub mod spsm;
 pub mod unshadowed;
 
 pub use any::{AnyRenderer, MethodName};
 pub use facet_masks::FacetMasks;
 pub use prepared::Prepared;
-pub use settings::{FacetMode, Settings, SpsmEncoding, SpsmSettings};
+pub use settings::{FacetMode, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings};

@@ -66,6 +66,42 @@ impl SpsmSettings {
     }
 }
 
+/// Options of `shadow-map` and `pcf`: the bias, without which a surface shadows itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowMapSettings {
+    /// Texels a side of the filter of `pcf`: 2, 3, 5 or 7.
+    pub kernel: u32,
+    /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
+    pub constant: f32,
+    /// Times the steeper slope of the receiver per texel: what it is moved besides (`shadow-map`).
+    pub slope: f32,
+}
+
+impl Default for ShadowMapSettings {
+    fn default() -> Self {
+        Self { kernel: 3, constant: 5e-5, slope: 1.05 }
+    }
+}
+
+impl ShadowMapSettings {
+    /// Checks the values against what is possible.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers.
+    pub fn check(&self) -> Result<()> {
+        if !matches!(self.kernel, 2 | 3 | 5 | 7) {
+            return Err(Error::Config(format!("pcf: a kernel of {0} x {0}; 2, 3, 5 and 7 are possible", self.kernel)));
+        }
+        let Self { constant, slope, .. } = *self;
+        if !(0.0..=1.0).contains(&constant) || !(0.0..=100.0).contains(&slope) {
+            return Err(Error::Config(format!(
+                "a bias of {constant} and {slope} slopes; 0 to 1 and 0 to 100 are possible"
+            )));
+        }
+        Ok(())
+    }
+}
+
 /// What a frame is computed with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -87,6 +123,8 @@ pub struct Settings {
     pub settle: bool,
     /// Options of `spsm`.
     pub spsm: SpsmSettings,
+    /// Options of `shadow-map` and `pcf`.
+    pub shadow_map: ShadowMapSettings,
 }
 
 impl Settings {
@@ -108,6 +146,7 @@ impl Settings {
             masks: MaskVariant::Exact,
             settle: true,
             spsm: SpsmSettings::default(),
+            shadow_map: ShadowMapSettings::default(),
         }
     }
 
@@ -127,6 +166,7 @@ impl Settings {
                 LightView::LARGEST_MAP
             )));
         }
-        self.spsm.check()
+        self.spsm.check()?;
+        self.shadow_map.check()
     }
 }

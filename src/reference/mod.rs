@@ -15,6 +15,7 @@ pub mod prefix_scan;
 pub mod radix_sort;
 pub mod resolve;
 pub mod sample_surfaces;
+pub mod shadow_map;
 pub mod silhouette_mask;
 pub mod spsm_map;
 pub mod spsm_query;

@@ -50,6 +50,19 @@ impl Layers {
     }
 }
 
+impl Layers {
+    /// Memory for the nearest depth alone.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn nearest_only(device: &wgpu::Device, size: usize) -> Result<Self> {
+        Ok(Self {
+            nearest_keys: Buffer::storage(device, "light_layers.nearest_keys", size * size)?,
+            ..Self::new(device, 1)?
+        })
+    }
+}
+
 impl LightLayers {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
@@ -61,7 +74,32 @@ impl LightLayers {
     /// # Errors
     /// None that input can cause.
     pub fn record(&self, stage: &mut Stage, frame: &wgpu::Buffer, blocks: Blocks, layers: &Layers) -> Result<()> {
-        for index in 0..2 {
+        self.record_runs(stage, frame, blocks, layers, 2)
+    }
+
+    /// Records the first run alone, which leaves `nearest_keys`: a shadow map.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_nearest(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        blocks: Blocks,
+        layers: &Layers,
+    ) -> Result<()> {
+        self.record_runs(stage, frame, blocks, layers, 1)
+    }
+
+    fn record_runs(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        blocks: Blocks,
+        layers: &Layers,
+        runs: u32,
+    ) -> Result<()> {
+        for index in 0..runs {
             let pass = self.uniforms.get(stage.device, &Pass { index });
             let buffers = [
                 ("frame", frame),

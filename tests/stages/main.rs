@@ -15,6 +15,7 @@ mod prefix_scan;
 mod radix_sort;
 mod resolve;
 mod sample_surfaces;
+mod shadow_map;
 mod silhouette_mask;
 mod spsm_map;
 mod spsm_query;

@@ -2,13 +2,12 @@
 //! answer is another a little to the side, or at a little more or less depth, may be given either way.
 
 use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform};
-use crate::support::spsm::{Made, noise};
+use crate::support::spsm::{Made, noise, receiver};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::reference::facet_classify::pixel_ray;
 use subpixel_shadows::reference::spsm_query::Query;
-use subpixel_shadows::reference::view::Flat;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::spsm_query::{Class, Options, Seen, SpsmPixels, SpsmQuery};
@@ -37,9 +36,7 @@ fn ask(world: &World, lines: bool, radius: u32) -> Ran {
     let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
     let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
     let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
-    let points: Vec<[f32; 4]> =
-        world.prepared.mesh.positions.iter().map(|p| world.view.point(*p).as_vec3().extend(1.0).into()).collect();
-    let points = Buffer::from_slice(&gpu.device, &gpu.queue, "test.points", &points).expect("memory");
+    let points = world.points();
     let options = Options { encoding: u32::from(lines), words: words as u32, radius, bias: BIAS };
     let query = SpsmQuery::new(&gpu.device, &PrefixScan::new(&gpu.device), options);
     let (frame, offsets) = (uniform(gpu, &world.frame), world.sample_offsets());
@@ -59,22 +56,6 @@ fn ask(world: &World, lines: bool, radius: u32) -> Ran {
         seen,
         made,
     }
-}
-
-/// A receiver as the definition takes it: places of the samples in the light view, and its slope there.
-fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>, DVec2)> {
-    let [a, b, c] = world.triangles[t as usize].corners?;
-    let normal = (b - a).cross(c - a);
-    let on_plane = |offset: DVec2| {
-        let ray = pixel_ray(&world.view, pixel, offset);
-        let depth = normal.dot(a) / normal.dot(ray);
-        (depth > 0.0).then(|| world.view.on_map(ray * depth)).flatten().map(|p| p.truncate())
-    };
-    let around = [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].map(|o| on_plane(DVec2::from(o)));
-    let [Some(p), Some(q), Some(r)] = around else { return None };
-    let slope = Flat::new([p, q, r]).slope?;
-    let places = world.samples.offsets().iter().map(|o| on_plane(DVec2::from(o.map(f64::from)) - 0.5)).collect();
-    Some((places, slope.clamp(DVec2::splat(-1000.0), DVec2::splat(1000.0))))
 }
 
 /// The place of a pixel's centre on its receiver.

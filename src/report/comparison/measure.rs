@@ -129,7 +129,8 @@ enum Subject<'a> {
 impl<'a> Subject<'a> {
     fn new(gpu: &'a Gpu, case: &'a SceneCase, variant: &Variant, budget: Budget) -> Result<Self> {
         let scene = &case.scene;
-        let plan = Plan::of(&case.prepared, &scene.camera, &scene.light, &variant.settings, false)?;
+        let plan =
+            Plan::of_method(variant.method, &case.prepared, &scene.camera, &scene.light, &variant.settings, false)?;
         Ok(match plan.extent {
             Extent::Nothing => Self::Nothing(plan.settings),
             Extent::Facing => Self::Facing(plan.settings),

@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::mask_table::MaskVariant;
-use crate::methods::{FacetMode, MethodName, Settings, SpsmEncoding, SpsmSettings};
+use crate::methods::{FacetMode, MethodName, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
 use crate::samples::{Pattern, Samples};
 
 /// What is asked for.
@@ -91,6 +91,15 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("facets=one validity=off", Settings { validity: false, ..settings.clone() });
                 add("facets=one masks=table", Settings { masks: MaskVariant::TABLE, ..settings.clone() });
                 add("facets=all masks=table", Settings { masks: MaskVariant::TABLE, ..all });
+            }
+        }
+        MethodName::ShadowMap => add("", settings.clone()),
+        MethodName::Pcf => {
+            for kernel in [3, 2, 5, 7] {
+                if kernel == 3 || more {
+                    let shadow_map = ShadowMapSettings { kernel, ..settings.shadow_map };
+                    add(&format!("kernel={kernel}"), Settings { shadow_map, ..settings.clone() });
+                }
             }
         }
         MethodName::Spsm => {

@@ -290,6 +290,13 @@ impl World {
         Buffer::from_slice(&self.gpu.device, &self.gpu.queue, "test.splits", &words).expect("memory")
     }
 
+    /// Vertices relative to the eye, scaled.
+    pub fn points(&self) -> Buffer<[f32; 4]> {
+        let points: Vec<[f32; 4]> =
+            self.prepared.mesh.positions.iter().map(|p| self.view.point(*p).as_vec3().extend(1.0).into()).collect();
+        Buffer::from_slice(&self.gpu.device, &self.gpu.queue, "test.points", &points).expect("memory")
+    }
+
     pub fn sample_offsets(&self) -> Buffer<[f32; 4]> {
         let buffer = Buffer::uniform(&self.gpu.device, "test.samples", 64).expect("memory");
         buffer.write(&self.gpu.queue, &sample_words(&self.samples));

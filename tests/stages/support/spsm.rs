@@ -3,8 +3,10 @@
 use super::POISON;
 use super::run;
 use super::shadow::{World, uniform};
-use subpixel_shadows::glam::DVec2;
+use subpixel_shadows::glam::{DVec2, DVec3};
+use subpixel_shadows::reference::facet_classify::pixel_ray;
 use subpixel_shadows::reference::spsm_map::Coding;
+use subpixel_shadows::reference::view::Flat;
 use subpixel_shadows::spsm_code::SlopeCode;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
@@ -67,4 +69,20 @@ impl Made {
 pub fn middle(texel: usize, size: u32) -> DVec2 {
     let (x, y) = (texel as u32 % size, texel as u32 / size);
     DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
+}
+
+/// A receiver as the definition takes it: places of the samples in the light view, and its slope there.
+pub fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>, DVec2)> {
+    let [a, b, c] = world.triangles[t as usize].corners?;
+    let normal = (b - a).cross(c - a);
+    let on_plane = |offset: DVec2| {
+        let ray = pixel_ray(&world.view, pixel, offset);
+        let depth = normal.dot(a) / normal.dot(ray);
+        (depth > 0.0).then(|| world.view.on_map(ray * depth)).flatten().map(|p| p.truncate())
+    };
+    let around = [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].map(|o| on_plane(DVec2::from(o)));
+    let [Some(p), Some(q), Some(r)] = around else { return None };
+    let slope = Flat::new([p, q, r]).slope?;
+    let places = world.samples.offsets().iter().map(|o| on_plane(DVec2::from(o.map(f64::from)) - 0.5)).collect();
+    Some((places, slope.clamp(DVec2::splat(-1000.0), DVec2::splat(1000.0))))
 }

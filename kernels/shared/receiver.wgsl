@@ -1,5 +1,5 @@
-// What a pixel shows, as `spsm` asks about it: the plane of the triangle at its centre. Needs `frame`, and the arrays
-// `id_keys`, `triangles`, `points` and `samples`.
+// What a pixel shows to methods of one receiver a pixel: the plane of the triangle at its centre, and its place in the light
+// view. Needs `frame`, and the arrays `id_keys`, `triangles`, `points` and `samples`.
 
 const SEEN_NONE = 0u;
 const SEEN_DARK = 1u;   // faces away from the light, or is edge-on to it

@@ -1,0 +1,38 @@
+//! Depth comparison of 32 samples a pixel on a map of 512 × 512, unfiltered and with a filter of 3 × 3 texels.
+
+use crate::harness::Case;
+use crate::harness::geometry::Setup;
+use subpixel_shadows::Result;
+use subpixel_shadows::frame::sample_words;
+use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::samples::Samples;
+use subpixel_shadows::stages::shadow_map::{Options, Seen, ShadowMap};
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let mut cases = Vec::new();
+    for (kernel, slope) in [(1, 1.05), (3, 0.0)] {
+        let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
+        let samples = Buffer::uniform(&gpu.device, "bench.samples", 64)?;
+        samples.write(&gpu.queue, &sample_words(&Samples::new(Default::default(), 32)?));
+        let options = Options { kernel, constant: 5e-5, slope, receiver_plane: kernel > 1 };
+        let stage = ShadowMap::new(&gpu.device, options);
+        let count = setup.id_keys.len();
+        let visibility = Buffer::<f32>::storage(&gpu.device, "bench.visibility", count)?;
+        cases.push(Case {
+            name: format!("shadow_map {kernel} x {kernel}"),
+            size: setup.casters.triangles.len(),
+            bytes: count * (8 + 32 * (kernel * kernel) as usize * 4),
+            atomics: 0,
+            record: Box::new(move |s| {
+                let seen = Seen {
+                    samples: samples.raw(),
+                    id_keys: &setup.id_keys,
+                    triangles: setup.casters.triangles.raw(),
+                    points: &setup.points,
+                };
+                stage.record(s, setup.frame.raw(), seen, &setup.layers.nearest_keys, &visibility)
+            }),
+        });
+    }
+    Ok(cases)
+}

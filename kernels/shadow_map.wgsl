@@ -1,0 +1,78 @@
+// shadow_map: shadows by depth comparison with a light-view map of nearest depths (Williams 1978), and with percentage-closer
+// filtering (Reeves, Salesin, Cook 1987) of KERNEL x KERNEL texels: the mean of bilinear 2 x 2 lookups at whole texels, so
+// that a tap's weight along an axis is (1 - f, 1, ..., 1, f) / (KERNEL - 1). KERNEL 1 is the nearest texel.
+// A tap is lit where its depth is not less than the receiver's less the bias: BIAS_CONSTANT and BIAS_SLOPE times the steeper
+// of the receiver's two slopes per texel. With RECEIVER_PLANE the receiver's depth is taken at the tap.
+// Writes `visibility`: the mean over the samples whose rays meet the receiver.
+
+//@import frame
+//@import dispatch
+//@import facing
+//@import receiver
+
+override KERNEL: u32 = 1u;
+override BIAS_CONSTANT: f32 = 0.00002;
+override BIAS_SLOPE: f32 = 1.0;
+override RECEIVER_PLANE: u32 = 0u;
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+@group(0) @binding(2) var<storage, read> id_keys: array<u32>;
+@group(0) @binding(3) var<storage, read> triangles: array<u32>;
+@group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> nearest_keys: array<u32>;
+@group(0) @binding(6) var<storage, read_write> visibility: array<f32>;
+
+// 1 where nothing lies before `depth` in a texel.
+fn lit_at(texel: vec2<i32>, depth: f32) -> f32 {
+    let side = i32(frame.map_size);
+    if any(texel < vec2(0)) || any(texel >= vec2(side)) { return 1.0; }
+    let key = nearest_keys[u32(texel.y * side + texel.x)];
+    return select(0.0, 1.0, key == 0u || bitcast<f32>(~key) >= depth);
+}
+
+fn lit_share(r: Receiver, at: vec3<f32>) -> f32 {
+    let depth = at.z - BIAS_CONSTANT - BIAS_SLOPE * max(abs(r.slope.x), abs(r.slope.y));
+    let first = clamp(at.xy - 0.5 * f32(KERNEL - 1u), vec2(-16.0), vec2(65536.0));
+    let low = vec2<i32>(floor(first));
+    if KERNEL == 1u { return lit_at(low, depth); }
+    let part = first - floor(first);
+    let last = i32(KERNEL) - 1;
+    var sum = 0.0;
+    var lit_taps = 0.0;
+    for (var y = 0; y <= last; y++) {
+        for (var x = 0; x <= last; x++) {
+            var weight = vec2(1.0);
+            if x == 0 { weight.x = 1.0 - part.x; } else if x == last { weight.x = part.x; }
+            if y == 0 { weight.y = 1.0 - part.y; } else if y == last { weight.y = part.y; }
+            let tap = low + vec2(x, y);
+            let away = select(vec2(0.0), middle_of(tap) - at.xy, RECEIVER_PLANE != 0u);
+            let lit = lit_at(tap, depth + dot(r.slope, away));
+            sum += weight.x * weight.y * lit;
+            lit_taps += lit;
+        }
+    }
+    // Rounding of the weights leaves neither a little light in the dark nor a little dark in the light.
+    return select(sum / f32(last * last), 1.0, lit_taps == f32(KERNEL * KERNEL));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn compare(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let r = receiver_of(pixel);
+    if r.seen != SEEN_OPEN {
+        visibility[pixel] = select(0.0, 1.0, r.seen == SEEN_NONE);
+        return;
+    }
+    var sum = 0.0;
+    var seen = 0.0;
+    for (var k = 0u; k < frame.sample_count; k++) {
+        let at = sample_place(r, pixel, k);
+        if at.w == 0.0 { continue; }
+        seen += 1.0;
+        sum += lit_share(r, at.xyz);
+    }
+    visibility[pixel] = select(sum / seen, 1.0, seen == 0.0);
+}

@@ -1,0 +1,80 @@
+//! Shadows by depth comparison (Williams 1978), filtered over texels or not (Reeves, Salesin, Cook 1987).
+//!
+//! - **Reads** the triangle at each pixel centre, triangles, projected vertices, sample offsets, the nearest depth at each texel
+//!   centre (`nearest_keys` of `light_layers`).
+//! - **Writes** `visibility`: the mean over the samples whose rays meet the receiver; 1 where the pixel sees nothing.
+//! - **Guarantee.** Bit-equal from run to run. Nothing is settled early and nothing is exact: the bias decides.
+//! - **Cost.** One dispatch over pixels; per sample one texel read, or as many as the kernel has.
+
+use crate::Result;
+use crate::gpu::kernels::shadow_map as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage};
+
+/// What the pipeline is made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Texels a side of the filter: 1 for none.
+    pub kernel: u32,
+    /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
+    pub constant: f32,
+    /// Times the steeper slope of the receiver per texel: what it is moved besides.
+    pub slope: f32,
+    /// Take the receiver's depth at each texel of the filter rather than at the sample.
+    pub receiver_plane: bool,
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct ShadowMap {
+    compare: Program,
+}
+
+/// What the stage reads of the pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// Sample offsets.
+    pub samples: &'a wgpu::Buffer,
+    /// Complement of the triangle at each pixel centre.
+    pub id_keys: &'a Buffer<u32>,
+    /// Vertex indices.
+    pub triangles: &'a wgpu::Buffer,
+    /// Vertices relative to the eye, scaled.
+    pub points: &'a Buffer<[f32; 4]>,
+}
+
+impl ShadowMap {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device, options: Options) -> Self {
+        let constants = [
+            ("KERNEL", f64::from(options.kernel)),
+            ("BIAS_CONSTANT", f64::from(options.constant)),
+            ("BIAS_SLOPE", f64::from(options.slope)),
+            ("RECEIVER_PLANE", f64::from(u32::from(options.receiver_plane))),
+        ];
+        Self { compare: Program::new(device, kernel::ENTRY_COMPARE, &constants) }
+    }
+
+    /// Records the comparison of every pixel.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        seen: Seen,
+        nearest_keys: &Buffer<u32>,
+        visibility: &Buffer<f32>,
+    ) -> Result<()> {
+        let buffers = [
+            ("frame", frame),
+            ("samples", seen.samples),
+            ("id_keys", seen.id_keys.raw()),
+            ("triangles", seen.triangles),
+            ("points", seen.points.raw()),
+            ("nearest_keys", nearest_keys.raw()),
+            ("visibility", visibility.raw()),
+        ];
+        stage.run(&self.compare, &buffers, Groups::Items(visibility.len() as u64))
+    }
+}
