@@ -169,7 +169,7 @@ fn help_and_version_succeed_and_usage_is_2() {
     }
     for args in [
         &["report", "--methods", "none"][..],
-        &["stability"],
+        &["stability", "--size", "5"],
         &["--samples", "many"],
         &["--size", "800"],
         &["--size", "axb"],

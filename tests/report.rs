@@ -141,3 +141,31 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         assert!(!Path::new(&out).exists(), "{args:?} left a folder");
     }
 }
+
+/// Cases that must give one picture do, and no sample is wrong; what is not known is refused in one line.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn stiff_cases_hold() {
+    let folder = Folder::new("stability");
+    let out = folder.path("out");
+    let cases = ["contact", "crossing", "light-in-plane", "degenerate", "scale", "order", "overflow"];
+    let done = run(&[&["stability", "--size", "80x60", "--out", &out], &cases[..]].concat());
+    assert!(done.status.success(), "{}", complaint(&done));
+    let found = json(&Path::new(&out).join("stability.json"));
+    let outcomes = found["outcomes"].as_array().expect("outcomes");
+    assert!(outcomes.len() > 80, "{} frames", outcomes.len());
+    let mut same = 0;
+    for o in outcomes {
+        let table = o["variant"].as_str().is_some_and(|v| v.ends_with("table"));
+        assert!(table || o["facet"]["facet_wrong_outside_band"] == 0, "{o}");
+        assert!(o["refused"].is_null() && o["not_a_share"] == 0 && o["same_bits"] != false, "{o}");
+        same += usize::from(o["same_bits"] == true);
+    }
+    assert_eq!(same, 3 * (5 + 3 + 4), "steps of scale, order and overflow in three variants");
+    let page = std::fs::read_to_string(Path::new(&out).join("stability.md")).expect("the page");
+    assert!(cases.iter().all(|c| page.contains(&format!("## {c}\n"))) && !page.contains("**"), "{page}");
+    let done = run(&["stability", "no-such-case", "--out", &folder.path("none")]);
+    assert_eq!(done.status.code(), Some(1));
+    assert!(complaint(&done).contains("no-such-case") && complaint(&done).contains("contact"), "{}", complaint(&done));
+    assert!(!Path::new(&folder.path("none")).exists());
+}

@@ -43,6 +43,11 @@ pub enum Command {
         #[command(flatten)]
         options: ReportOptions,
     },
+    /// Stiff and extreme cases: error and time of each in each variant
+    Stability {
+        #[command(flatten)]
+        options: StabilityOptions,
+    },
     /// List what wgpu finds here: adapters, features, limits, and the path each would take
     Adapters {
         /// Only say by the exit status whether an adapter can be used: 0, or 3 if none
@@ -160,6 +165,41 @@ pub struct ReportOptions {
     /// No progress, no notes
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// The options of `stability`.
+#[derive(Debug, Args)]
+pub struct StabilityOptions {
+    /// Cases, by name [default: all]
+    pub cases: Vec<String>,
+    /// Samples per pixel
+    #[arg(long, default_value_t = 32, value_name = "N")]
+    pub samples: u32,
+    /// Light-view map size, texels a side, where a case does not ask for another
+    #[arg(long, default_value_t = 128, value_name = "N")]
+    pub map: u32,
+    /// Image size, pixels
+    #[arg(long, default_value = "160x120", value_name = "WxH", value_parser = size)]
+    pub size: [u32; 2],
+    /// Pick an adapter whose name contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// Folder for the files that are written
+    #[arg(long, default_value = "out/stability", value_name = "DIR")]
+    pub out: PathBuf,
+    /// No progress, no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl StabilityOptions {
+    /// What every frame is computed with.
+    pub fn settings(&self) -> Result<Settings> {
+        let samples = Samples::new(Pattern::LowDiscrepancy, self.samples)?;
+        let settings = Settings { cull_back: true, ..Settings::new(self.size, self.map, samples) };
+        settings.check()?;
+        Ok(settings)
+    }
 }
 
 fn method_name(text: &str) -> std::result::Result<MethodName, String> {

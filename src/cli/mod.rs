@@ -1,4 +1,4 @@
-//! The command line: `render`, `explain`, `report`, `adapters`.
+//! The command line: `render`, `explain`, `report`, `stability`, `adapters`.
 
 mod adapters;
 mod args;
@@ -8,6 +8,7 @@ mod output;
 mod progress;
 mod render;
 mod report;
+mod stability;
 mod table;
 
 use args::{Cli, Command};
@@ -21,6 +22,7 @@ pub fn main() -> ExitCode {
         Some(Command::Render { scene, options }) => render::run(scene.as_deref(), &options),
         Some(Command::Explain { scene, options }) => explain::run(scene.as_deref(), &options),
         Some(Command::Report { options }) => report::run(&options),
+        Some(Command::Stability { options }) => stability::run(&options),
         Some(Command::Adapters { check }) => adapters::run(check),
         None => render::run(None, &cli.options),
     };

@@ -8,6 +8,7 @@ pub mod metrics;
 pub mod picture;
 pub mod scene_errors;
 pub mod shaded;
+pub mod stability;
 
 pub use facet_errors::{FacetErrors, FacetSet};
 pub use flip::{flip, mean_flip};

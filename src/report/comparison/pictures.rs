@@ -15,8 +15,10 @@ pub struct Panel {
 
 /// Pixels between panels.
 const GAP: usize = 4;
+/// Panels in a row.
+pub const ACROSS: usize = 4;
 
-/// Writes the panels from left to right, the middle quarter (half the width, half the height) of each so that pixels show.
+/// Writes the panels from left to right, [`ACROSS`] in a row, the middle quarter (half the width, half the height) of each so that pixels show.
 ///
 /// # Errors
 /// [`crate::Error::Config`] if a panel is of another size; [`crate::Error::File`] naming `path` if it cannot be written.
@@ -27,13 +29,16 @@ pub fn side_by_side(path: &Path, size: [u32; 2], panels: &[Panel]) -> Result<()>
     }
     let (cut_w, cut_h) = (w.div_ceil(2), h.div_ceil(2));
     let (left, top) = ((w - cut_w) / 2, (h - cut_h) / 2);
-    let (all_w, all_h) = (panels.len() * (cut_w + GAP) - GAP, 2 * cut_h + GAP);
+    let across = panels.len().min(ACROSS);
+    let down = panels.len().div_ceil(ACROSS);
+    let (all_w, all_h) = (across * (cut_w + GAP) - GAP, down * (2 * cut_h + 2 * GAP) - GAP);
     let mut pixels = vec![[255; 3]; all_w * all_h];
     for (n, panel) in panels.iter().enumerate() {
         for y in 0..cut_h {
             for x in 0..cut_w {
                 let from = (top + y) * w + left + x;
-                let to = y * all_w + n * (cut_w + GAP) + x;
+                let (column, row) = (n % ACROSS, n / ACROSS);
+                let to = (row * (2 * cut_h + 2 * GAP) + y) * all_w + column * (cut_w + GAP) + x;
                 let (ours, truth) = (panel.ours[from], panel.truth[from]);
                 pixels[to] = [(ours.clamp(0.0, 1.0) * 255.0).round() as u8; 3];
                 pixels[to + (cut_h + GAP) * all_w] = difference_colour(ours, truth);
@@ -57,6 +62,9 @@ mod tests {
         side_by_side(&path, [8, 8], &[blank, panel]).unwrap();
         let image = image::open(&path).unwrap().to_rgb8();
         assert_eq!(image.dimensions(), (12, 12));
+        let many = vec![Panel { ours: vec![1.0; 64], truth: vec![1.0; 64] }; 5];
+        side_by_side(&path, [8, 8], &many).unwrap();
+        assert_eq!(image::open(&path).unwrap().to_rgb8().dimensions(), (28, 28));
         assert_eq!(image.get_pixel(8, 0).0, [255; 3]);
         assert_eq!(image.get_pixel(9, 0).0, [0; 3]);
         assert_ne!(image.get_pixel(8, 8).0, image.get_pixel(9, 8).0);

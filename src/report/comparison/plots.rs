@@ -138,9 +138,11 @@ impl Plot {
                 let line = LineSeries::new(series.points.iter().map(place), colour.mix(0.7).stroke_width(1));
                 chart.draw_series(line).map_err(|e| e.to_string())?;
             }
-            let marks = series.points.iter().map(|p| Circle::new(place(p), 4, colour.filled()));
+            // Beyond as many series as there are colours, rings.
+            let mark = if n > COLOURS.len() { colour.stroke_width(2) } else { colour.filled() };
+            let marks = series.points.iter().map(|p| Circle::new(place(p), 4, mark));
             chart.draw_series(marks).map_err(|e| e.to_string())?;
-            legend.draw(&Circle::new((13, at), 4, colour.filled())).map_err(|e| e.to_string())?;
+            legend.draw(&Circle::new((13, at), 4, mark)).map_err(|e| e.to_string())?;
             let font = ("sans-serif", 12).into_font().color(&colour);
             let named = series.points.iter().filter(|p| !p.2.is_empty());
             let texts = named.map(|p| EmptyElement::at(place(p)) + Text::new(p.2.clone(), (6, -12), font.clone()));

@@ -1,0 +1,84 @@
+//! `stability`: stiff and extreme cases.
+
+use super::args::StabilityOptions;
+use super::output::OutFolder;
+use super::progress::Console;
+use super::table::Report;
+use std::time::Instant;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::report::comparison::Machine;
+use subpixel_shadows::report::stability::{Outcome, markdown, named, row, run as run_case, variants};
+use subpixel_shadows::report::write_text;
+use subpixel_shadows::{Error, Result};
+
+/// Runs the cases, writes the page and the rows, prints what is not as it must be.
+pub fn run(options: &StabilityOptions) -> Result<()> {
+    let start = Instant::now();
+    let console = Console::new(options.quiet);
+    let settings = options.settings()?;
+    let cases = named(&options.cases)?;
+    OutFolder::check(&options.out)?;
+    let gpu = Gpu::open(options.adapter.as_deref())?;
+    let machine = Machine::of(&gpu.adapter);
+    let variants = variants(&gpu, &settings);
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    {
+        let task = console.task("stability");
+        let all = cases.len() * variants.len();
+        for (k, (case, variant)) in cases.iter().flat_map(|c| variants.iter().map(move |v| (c, v))).enumerate() {
+            outcomes.extend(run_case(&gpu, case, variant)?);
+            task.at(k + 1, all);
+        }
+    }
+    let order = |o: &Outcome| {
+        cases.iter().find(|c| c.name == o.case).and_then(|c| c.steps.iter().position(|s| s.label == o.step))
+    };
+    let mut sorted = outcomes;
+    sorted.sort_by_key(|o| (cases.iter().position(|c| c.name == o.case), order(o)));
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let command = format!("cargo run --release -- {}", arguments.join(" "));
+    let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "outcomes": sorted }));
+    let json = json.map_err(|e| Error::file(&options.out, e.to_string()))?;
+    let mut out = OutFolder::open(&options.out)?;
+    write_text(&out.file("stability.md"), &markdown(&command, &machine.line(), &cases, &sorted))?;
+    write_text(&out.file("stability.json"), &json)?;
+    let files = out.finish()?;
+    let mut report = Report::default();
+    report.line("adapter", &machine.line());
+    let mut rows = vec![
+        ["case", "frames", "wrong samples", "refused", "worst RMSE one", "worst RMSE all", "ms"]
+            .map(String::from)
+            .to_vec(),
+    ];
+    for case in &cases {
+        let of_case: Vec<&Outcome> = sorted.iter().filter(|o| o.case == case.name).collect();
+        let exact = of_case.iter().filter(|o| !o.variant.ends_with("table"));
+        let wrong: u64 = exact.map(|o| o.facet.facet_wrong_outside_band).sum();
+        let worst = |variant: &str| {
+            let errors = of_case.iter().filter(|o| o.variant == variant).map(|o| o.scene.scene_band_rmse);
+            format!("{:.4}", errors.fold(0.0, f64::max))
+        };
+        rows.push(vec![
+            case.name.to_owned(),
+            of_case.len().to_string(),
+            wrong.to_string(),
+            of_case.iter().filter(|o| o.refused.is_some()).count().to_string(),
+            worst("facets=one"),
+            worst("facets=all"),
+            format!("{:.0}", of_case.iter().map(|o| o.gpu_ms).fold(0.0, f64::max)),
+        ]);
+    }
+    report.table(&rows, &[1, 2, 3, 4, 5, 6]);
+    let bad: Vec<Vec<String>> =
+        sorted.iter().filter(|o| !o.holds()).map(|o| [vec![o.case.to_owned()], row(o)].concat()).collect();
+    if bad.is_empty() {
+        report.text("\nall frames are as they must be: no wrong sample, the same bits where the scene is the same");
+    } else {
+        report.text("\nnot as they must be:");
+        report.table(&bad, &[]);
+    }
+    let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+    report.text(&format!("\nwrote {}\nin {:.0} s", names.join(", "), start.elapsed().as_secs_f64()));
+    report.print();
+    Ok(())
+}

@@ -1,0 +1,268 @@
+//! Numerical stability: stiff and extreme cases, each held against both truths in every variant.
+
+pub mod cases;
+pub mod shapes;
+
+pub use cases::{Case, Step, cases};
+
+use crate::gpu::Gpu;
+use crate::mask_table::MaskVariant;
+use crate::methods::facet_masks::Pipelines;
+use crate::methods::render::Renderer;
+use crate::methods::{FacetMode, Prepared, Settings, unshadowed};
+use crate::plan::{Extent, Plan};
+use crate::report::{FacetErrors, FacetSet, SceneErrors, TracedScene};
+use crate::truth::Tracer;
+use crate::{Error, Result};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// A way to compute the shadows.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Its name.
+    pub name: &'static str,
+    settings: Settings,
+    pipelines: Arc<Pipelines>,
+}
+
+/// The variants of `facet-masks` that are compared, with the pipelines of each: one facet a pixel, several, and the table of
+/// masks.
+pub fn variants(gpu: &Gpu, settings: &Settings) -> Vec<Variant> {
+    let all = Settings { facets: FacetMode::All, ..settings.clone() };
+    let table = Settings { masks: MaskVariant::TABLE, ..settings.clone() };
+    [("facets=one", settings.clone()), ("facets=all", all), ("facets=one masks=table", table)]
+        .map(|(name, settings)| {
+            let pipelines = Arc::new(Pipelines::new(&gpu.device, &settings));
+            Variant { name, settings, pipelines }
+        })
+        .into()
+}
+
+/// How one step of a case went in one variant.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outcome {
+    /// The case.
+    pub case: &'static str,
+    /// The step.
+    pub step: String,
+    /// The variant.
+    pub variant: &'static str,
+    /// Triangles.
+    pub triangles: usize,
+    /// Why there is no picture: the one line that a user would see.
+    pub refused: Option<String>,
+    /// Against facet truth: the numeric error.
+    pub facet: FacetErrors,
+    /// Against scene truth: the whole error.
+    pub scene: SceneErrors,
+    /// Values that are not finite or not in `[0, 1]`.
+    pub not_a_share: usize,
+    /// Whether the picture is that of the case's first step, bit for bit; `None` where it need not be.
+    pub same_bits: Option<bool>,
+    /// Sum of the stages' GPU time of the last run, milliseconds.
+    pub gpu_ms: f64,
+    /// Runs until all lists fitted.
+    pub runs: u32,
+    /// Evaluations, and those of them with 46 bits.
+    pub evaluations: [u64; 2],
+}
+
+impl Outcome {
+    /// Whether it is what it has to be: no sample wrong outside the ambiguity band (but for the table, which rounds), shares
+    /// that are shares, and the same bits where they must be.
+    pub fn holds(&self) -> bool {
+        let exact = self.variant.ends_with("table") || self.facet.facet_wrong_outside_band == 0;
+        exact && self.not_a_share == 0 && self.same_bits != Some(false)
+    }
+}
+
+/// Runs a case in a variant, all steps.
+///
+/// # Errors
+/// [`Error::Gpu`] if the device fails. What the program refuses becomes an outcome that says so.
+pub fn run(gpu: &Gpu, case: &Case, variant: &Variant) -> Result<Vec<Outcome>> {
+    let mut first: Option<Vec<u32>> = None;
+    case.steps
+        .iter()
+        .map(|step| {
+            let mut outcome = Outcome {
+                case: case.name,
+                step: step.label.clone(),
+                variant: variant.name,
+                triangles: step.mesh.triangles.len(),
+                refused: None,
+                facet: FacetErrors::default(),
+                scene: SceneErrors::default(),
+                not_a_share: 0,
+                same_bits: None,
+                gpu_ms: 0.0,
+                runs: 0,
+                evaluations: [0; 2],
+            };
+            match measure(gpu, step, variant, &mut outcome) {
+                Ok(visibility) => {
+                    let bits: Vec<u32> = visibility.iter().map(|v| v.to_bits()).collect();
+                    if case.same_bits {
+                        outcome.same_bits = Some(*first.get_or_insert_with(|| bits.clone()) == bits);
+                    }
+                }
+                Err(error) if error.is_gpu() => return Err(error),
+                Err(error) => outcome.refused = Some(error.to_string()),
+            }
+            Ok(outcome)
+        })
+        .collect()
+}
+
+fn measure(gpu: &Gpu, step: &Step, variant: &Variant, outcome: &mut Outcome) -> Result<Vec<f32>> {
+    step.mesh.check(&step.label)?;
+    let prepared = Prepared::new(&step.mesh);
+    let wanted = Settings { map: step.map.unwrap_or(variant.settings.map), ..variant.settings.clone() };
+    let plan = Plan::of(&prepared, &step.camera, &step.light, &wanted, false)?;
+    let settings = &plan.settings;
+    let words = settings.samples.words();
+    let (output, facets) = match plan.extent {
+        Extent::Nothing => (unshadowed::nothing_seen(settings), FacetSet { words, ..FacetSet::default() }),
+        Extent::Facing => {
+            let (output, facets) = unshadowed::render(gpu, &prepared, settings, &step.camera, &step.light)?;
+            (output, FacetSet::read(gpu, &facets, words)?)
+        }
+        Extent::Everything => {
+            let pipelines = variant.pipelines.clone();
+            let mut renderer = Renderer::with_pipelines(gpu, &prepared, settings, step.budget, pipelines)?;
+            let output = renderer.render(&step.camera, &step.light)?;
+            (output, FacetSet::read(gpu, renderer.method().facets(), words)?)
+        }
+    };
+    let tracer = Tracer::new(&prepared.mesh)?;
+    let (camera, light) = (&step.camera, &step.light);
+    outcome.facet = FacetErrors::of(&facets, &tracer, camera, light, settings, None)?;
+    let traced = TracedScene::new(&prepared.mesh, &tracer, camera, light, settings, None)?;
+    outcome.scene = traced.errors(&output.visibility)?;
+    outcome.not_a_share = output.visibility.iter().filter(|v| !(0.0..=1.0).contains(*v)).count();
+    outcome.gpu_ms = output.stages.iter().map(|s| s.gpu_ms).sum();
+    outcome.runs = output.lists.iter().map(|l| l.runs).max().unwrap_or(1);
+    outcome.evaluations = [output.counts.visibility_evaluations, output.counts.refined_evaluations];
+    Ok(output.visibility)
+}
+
+/// The outcomes as a page of Markdown: a table a case.
+pub fn markdown(command: &str, machine: &str, cases: &[Case], outcomes: &[Outcome]) -> String {
+    use std::fmt::Write;
+    let mut out = format!("# Numerical stability\n\n`{command}`\n\n{machine}.\n\n");
+    out += "Wrong samples are those farther than 1/256 pixel from every edge, against the method's own model in `f64` (facet \
+            truth): there must be none, but with the table of masks, which rounds. Band: samples within it. RMSE and largest \
+            error are of visibility against rays through the same samples, in the silhouette band: with one facet a pixel that \
+            is the model's own error. Refined: evaluations that needed 46 bits.\n\n";
+    let bad = outcomes.iter().filter(|o| !o.holds()).count();
+    let refused = outcomes.iter().filter(|o| o.refused.is_some()).count();
+    let _ = writeln!(out, "{} frames: {bad} not as they must be, {refused} refused.\n", outcomes.len());
+    for case in cases {
+        let _ = writeln!(out, "## {}\n\n{}.\n", case.name, case.about);
+        let _ = writeln!(
+            out,
+            "| step | variant | triangles | wrong | band | RMSE | max | ms | evaluations | refined | runs | |"
+        );
+        let _ = writeln!(out, "|---|---|---|---|---|---|---|---|---|---|---|---|");
+        for o in outcomes.iter().filter(|o| o.case == case.name) {
+            let _ = writeln!(out, "| {} |", row(o).join(" | "));
+        }
+        out.push('\n');
+    }
+    out
+}
+
+/// The cells of an outcome.
+pub fn row(o: &Outcome) -> Vec<String> {
+    if let Some(why) = &o.refused {
+        let mut cells = vec![o.step.clone(), o.variant.to_owned(), o.triangles.to_string()];
+        cells.extend(std::iter::repeat_n("–".to_owned(), 8));
+        cells.push(format!("refused: {why}"));
+        return cells;
+    }
+    let share = |part: u64, whole: u64| if whole == 0 { 0.0 } else { 100.0 * part as f64 / whole as f64 };
+    let note = match (o.holds(), o.same_bits) {
+        (false, Some(false)) => "**other bits**",
+        (false, _) => "**wrong**",
+        (true, Some(_)) => "same bits",
+        _ => "",
+    };
+    vec![
+        o.step.clone(),
+        o.variant.to_owned(),
+        o.triangles.to_string(),
+        o.facet.facet_wrong_outside_band.to_string(),
+        format!("{:.2} %", share(o.facet.facet_ambiguous, o.facet.facet_samples)),
+        format!("{:.4}", o.scene.scene_band_rmse),
+        format!("{:.3}", o.scene.scene_max),
+        format!("{:.1}", o.gpu_ms),
+        o.evaluations[0].to_string(),
+        format!("{:.1} %", share(o.evaluations[1], o.evaluations[0])),
+        o.runs.to_string(),
+        note.to_owned(),
+    ]
+}
+
+/// The cases of these names; all without any.
+///
+/// # Errors
+/// [`Error::Config`] for a name that no case has.
+pub fn named(names: &[String]) -> Result<Vec<Case>> {
+    let all = cases();
+    if let Some(unknown) = names.iter().find(|n| all.iter().all(|c| c.name != **n)) {
+        let known: Vec<&str> = all.iter().map(|c| c.name).collect();
+        return Err(Error::Config(format!("no case '{}'; there are {}", unknown.escape_debug(), known.join(", "))));
+    }
+    Ok(all.into_iter().filter(|c| names.is_empty() || names.iter().any(|n| n == c.name)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outcome() -> Outcome {
+        Outcome {
+            case: "contact",
+            step: "0".to_owned(),
+            variant: "facets=all",
+            triangles: 2,
+            refused: None,
+            facet: FacetErrors::default(),
+            scene: SceneErrors::default(),
+            not_a_share: 0,
+            same_bits: None,
+            gpu_ms: 0.0,
+            runs: 1,
+            evaluations: [0; 2],
+        }
+    }
+
+    #[test]
+    fn each_fault_is_noticed() {
+        assert!(outcome().holds() && Outcome { same_bits: Some(true), ..outcome() }.holds());
+        let wrong = FacetErrors { facet_wrong_outside_band: 1, ..FacetErrors::default() };
+        assert!(!Outcome { facet: wrong, ..outcome() }.holds());
+        assert!(Outcome { facet: wrong, variant: "facets=one masks=table", ..outcome() }.holds());
+        assert!(!Outcome { not_a_share: 1, ..outcome() }.holds());
+        assert!(!Outcome { same_bits: Some(false), ..outcome() }.holds());
+        let page = |o: Outcome| markdown("c", "m", &named(&["contact".to_owned()]).unwrap(), &[o]);
+        assert!(page(Outcome { same_bits: Some(false), ..outcome() }).contains("**other bits**"));
+        assert!(page(Outcome { refused: Some("why".to_owned()), ..outcome() }).contains("refused: why"));
+    }
+
+    #[test]
+    fn every_case_can_be_used_and_has_a_name_of_its_own() {
+        let all = cases();
+        for (k, case) in all.iter().enumerate() {
+            assert!(all[..k].iter().all(|c| c.name != case.name), "{}", case.name);
+            assert!(case.steps.len() >= 3, "{}", case.name);
+            for step in &case.steps {
+                step.mesh.check(case.name).unwrap();
+                step.camera.check().unwrap();
+                step.light.check().unwrap();
+            }
+        }
+        assert!(named(&["nothing".to_owned()]).is_err());
+    }
+}
