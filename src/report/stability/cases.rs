@@ -301,7 +301,7 @@ pub fn cases() -> Vec<Case> {
                         let foot = numbers.vector() * at(2.0, 0.0, 2.0);
                         let lean = numbers.vector() * 0.1;
                         let wide = numbers.vector() * at(0.02, 0.0, 0.02);
-                        let tip = foot + at(0.0, 0.4 + 0.2 * numbers.next(), 0.0) + lean;
+                        let tip = foot + at(0.0, 0.4 + 0.2 * numbers.unit(), 0.0) + lean;
                         add(&mut mesh, &[foot - wide, foot + wide, tip], &[[0, 1, 2]]);
                     }
                     Step::new(n, mesh)
@@ -338,10 +338,10 @@ fn same_picture() -> Vec<Case> {
         let mut mesh = still_life();
         let mut numbers = Numbers(seed);
         for k in (1..mesh.triangles.len()).rev() {
-            mesh.triangles.swap(k, (numbers.next() * (k + 1) as f64) as usize);
+            mesh.triangles.swap(k, (numbers.unit() * (k + 1) as f64) as usize);
         }
         for t in &mut mesh.triangles {
-            t.rotate_left((numbers.next() * 3.0) as usize);
+            t.rotate_left((numbers.unit() * 3.0) as usize);
         }
         Step::new(format!("order {seed}"), mesh)
     };

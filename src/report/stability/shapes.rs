@@ -66,7 +66,7 @@ pub struct Numbers(pub u64);
 
 impl Numbers {
     /// The next.
-    pub fn next(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -76,6 +76,6 @@ impl Numbers {
 
     /// A vector in the cube from -1 to 1.
     pub fn vector(&mut self) -> DVec3 {
-        at(self.next(), self.next(), self.next()) * 2.0 - 1.0
+        at(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
     }
 }
