@@ -65,7 +65,9 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     if step.index != 0u && first >= end { return; }
     let base = 32u * item;
     let count = min(frame.sample_count - 32u * word, 32u);
-    for (var k = 0u; k < 32u; k++) {
+    // A count that compilers do not know: some would write all 32 turns out.
+    let all = 32u * min(count, 1u);
+    for (var k = 0u; k < all; k++) {
         best_ids[k] = NO_TRIANGLE;
         best_near[k] = 3.0e38;
         best_far[k] = 3.0e38;
@@ -77,7 +79,7 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
         best_far[k] = best_near[k];
     }
     for (var n = first; n < end; n++) { look_at(pixel_list[n], word, count, pixel, centre); }
-    for (var k = 0u; k < 32u; k++) { sample_ids[base + k] = best_ids[k]; }
+    for (var k = 0u; k < all; k++) { sample_ids[base + k] = best_ids[k]; }
 }
 
 // Groups the samples of a complex pixel by triangle: bits of the first samples in `wg_firsts`, and at each first sample
@@ -146,7 +148,11 @@ fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
     if pixel >= pixels || complex_flags[pixel] != 0u { return; }
     let f = pixel_facets[pixel];
     let entry = pixel_offsets[pixel];
-    if f == pixel_facets[pixel + 1u] || f >= frame.facets_total || entry >= frame.pixel_triangle_capacity { return; }
+    if f == pixel_facets[pixel + 1u] || f >= frame.facets_total { return; }
+    if entry >= frame.pixel_triangle_capacity {
+        facets[f].triangle = NO_TRIANGLE;  // the frame runs again; what an older one left here would be looked at till then
+        return;
+    }
     let t = pixel_list[entry];
     facets[f].pixel = pixel;
     facets[f].triangle = t;

@@ -135,7 +135,7 @@ pub struct ReportOptions {
     /// Methods, by name [default: all]
     #[arg(long, value_delimiter = ',', value_name = "NAMES", value_parser = method_name)]
     pub methods: Vec<MethodName>,
-    /// Samples per pixel [default: 1,8,16,32,64,128; quick: 1,32,128]
+    /// Samples per pixel [default: 1,8,16,32,64,128; quick: 1,32]
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     pub samples: Vec<u32>,
     /// Light-view map sizes; the first is measured at every number of samples [default: 512,256,1024,2048; quick: 256]
@@ -144,10 +144,10 @@ pub struct ReportOptions {
     /// Image size, pixels [default: 800x600; quick: 400x300]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
-    /// Frames of each row that count [default: 15; quick: 5]
+    /// Frames of each row that count [default: 15; quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: Option<u32>,
-    /// Also split each triangle of the first scene into 4, 16, ... as often as this [default: 3; quick: 2]
+    /// Also split each triangle of the first scene into 4, 16, ... as often as this [default: 3; quick: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=6))]
     pub tessellate: Option<u32>,
     /// Add a ground plane under each scene
@@ -216,18 +216,18 @@ impl ReportOptions {
 
     /// Frames of each row.
     pub fn repeats(&self) -> u32 {
-        self.repeats.unwrap_or(if self.quick { 5 } else { 15 })
+        self.repeats.unwrap_or(if self.quick { 3 } else { 15 })
     }
 
     /// How often triangles of the first scene are split.
     pub fn tessellation(&self) -> u32 {
-        self.tessellate.unwrap_or(if self.quick { 2 } else { 3 })
+        self.tessellate.unwrap_or(if self.quick { 1 } else { 3 })
     }
 
     /// What is compared.
     pub fn scope(&self) -> Result<Scope> {
         let (samples, maps, size): (&[u32], &[u32], _) = match self.quick {
-            true => (&[1, 32, 128], &[256], [400, 300]),
+            true => (&[1, 32], &[256], [400, 300]),
             false => (&[1, 8, 16, 32, 64, 128], &[512, 256, 1024, 2048], [800, 600]),
         };
         let or = |given: &[u32], default: &[u32]| if given.is_empty() { default.to_vec() } else { given.to_vec() };
