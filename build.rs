@@ -108,7 +108,9 @@ fn write_kernel(out: &mut String, stem: &str, source: &str) -> Result<(), String
                 naga::AddressSpace::Uniform => "Uniform",
                 naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => "ReadWrite",
                 naga::AddressSpace::Storage { .. } => "Read",
-                _ => return Err(format!("kernels/{stem}.wgsl: binding '{name}' is neither a buffer nor a uniform")),
+                _ => texture_access(&module.types[global.ty].inner).ok_or_else(|| {
+                    format!("kernels/{stem}.wgsl: binding '{name}' is of no kind that the host knows")
+                })?,
             };
             if binding.group != 0 {
                 return Err(format!(
@@ -129,4 +131,17 @@ fn write_kernel(out: &mut String, stem: &str, source: &str) -> Result<(), String
         .map_err(describe)?;
     }
     writeln!(out, "}}").map_err(describe)
+}
+
+/// How a kernel uses a texture; `None` if the host knows no such binding.
+fn texture_access(inner: &naga::TypeInner) -> Option<&'static str> {
+    use naga::{ImageClass, ImageDimension, ScalarKind, StorageAccess, StorageFormat};
+    let naga::TypeInner::Image { dim: ImageDimension::D2, arrayed: false, class } = inner else { return None };
+    match *class {
+        ImageClass::Sampled { kind: ScalarKind::Uint, multi: false } => Some("TextureUint"),
+        ImageClass::Storage { format: StorageFormat::R32Float, access } if access == StorageAccess::STORE => {
+            Some("TextureStoreR32Float")
+        }
+        _ => None,
+    }
 }

@@ -3,6 +3,7 @@
 //! `cargo run --release --example headless`
 
 use std::path::Path;
+use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{Prepared, Settings};
@@ -44,7 +45,8 @@ fn main() -> subpixel_shadows::Result<()> {
 
     let partly = frame.visibility.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
     println!("{}: {partly} of {} pixels lie partly in shadow", gpu.adapter.name, frame.visibility.len());
-    let path = Path::new("headless.png");
+    let path = Path::new("out/headless.png");
+    std::fs::create_dir_all("out").map_err(|e| Error::file("out", e.to_string()))?;
     write_png_grey(path, settings.size[0], settings.size[1], &frame.visibility)?;
     println!("wrote {}", path.display());
     Ok(())

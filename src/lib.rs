@@ -13,6 +13,7 @@ pub mod gpu;
 pub mod light_view;
 pub mod mask_table;
 pub mod methods;
+pub mod pass;
 pub mod plan;
 pub mod reference;
 pub mod report;
@@ -24,6 +25,7 @@ pub mod truth;
 
 pub use error::{Error, Result};
 pub use glam;
+pub use pass::ShadowPass;
 pub use wgpu;
 
 /// The library example of the README, compiled.

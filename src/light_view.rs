@@ -41,13 +41,7 @@ impl LightView {
     /// # Errors
     /// [`Error::Scene`] if the light cannot be used, [`Error::Config`] if the map has no or too many texels.
     pub fn fit(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
-        light.check()?;
-        if !(1..=Self::LARGEST_MAP).contains(&map_size) {
-            return Err(Error::Config(format!(
-                "a map of {map_size} texels a side; 1 to {} are possible",
-                Self::LARGEST_MAP
-            )));
-        }
+        check(light, map_size)?;
         let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut casters = caster_corners(mesh, light, bounds);
         if casters.is_empty() {
@@ -79,6 +73,25 @@ impl LightView {
                 }
             }
             best.1
+        })
+    }
+
+    /// Fits the view to a box that holds all casters, between its lowest and its highest corner: for casters whose vertices
+    /// are not known. It is wider than that of [`LightView::fit`], so more casters share a texel; the picture is the same.
+    ///
+    /// # Errors
+    /// As [`LightView::fit`].
+    pub fn around((lowest, highest): (DVec3, DVec3), light: &Light, map_size: u32) -> Result<Self> {
+        check(light, map_size)?;
+        let pick = |k: usize, axis: usize| if k >> axis & 1 == 0 { lowest[axis] } else { highest[axis] };
+        let corners: [DVec3; 8] = std::array::from_fn(|k| DVec3::new(pick(k, 0), pick(k, 1), pick(k, 2)));
+        let l = light.homogeneous();
+        Ok(if light.is_directional() {
+            Self::directional(&corners, l.truncate().normalize(), map_size)
+        } else {
+            let start = light.towards((lowest + highest) * 0.5).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
+            let axis = middle_of_directions(&corners, l.truncate(), start);
+            Self::perspective(&corners, l.truncate(), axis, map_size)
         })
     }
 
@@ -209,6 +222,18 @@ impl LightView {
     pub fn noise_in_depth(&self) -> f64 {
         row_noise(self.z) + row_noise(self.w)
     }
+}
+
+/// Whether light and map can be used.
+fn check(light: &Light, map_size: u32) -> Result<()> {
+    light.check()?;
+    if !(1..=LightView::LARGEST_MAP).contains(&map_size) {
+        return Err(Error::Config(format!(
+            "a map of {map_size} texels a side; 1 to {} are possible",
+            LightView::LARGEST_MAP
+        )));
+    }
+    Ok(())
 }
 
 /// The power of two that makes points `(world - eye) * scale` of a box about as large as 1.
@@ -427,6 +452,23 @@ mod tests {
                 assert_eq!(view.not_in_front(&mesh), 0, "{name} {x} {z}");
             }
         }
+    }
+
+    #[test]
+    fn a_box_of_casters_lies_inside_its_map() {
+        let (low, high) = (DVec3::new(-1.0, 0.0, -2.0), DVec3::new(1.0, 3.0, 0.5));
+        for light in [Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [0.5, 6.0, 0.5] }] {
+            let view = LightView::around((low, high), &light, 64).unwrap();
+            assert!(view.complete);
+            for k in 0..27 {
+                let at = DVec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)) * 0.5;
+                let p = view.project(low + (high - low) * at).unwrap();
+                assert!(p.min_element() >= -1e-9 && p.x <= 64.0 && p.y <= 64.0 && p.z <= 1.0 + 1e-9, "{light:?} {p}");
+            }
+        }
+        let inside = LightView::around((low, high), &Light::Point { position: [0.0, 1.0, 0.0] }, 64).unwrap();
+        assert!(inside.check().is_err());
+        assert!(LightView::around((low, high), &Light::Point { position: [0.0, 9.0, 0.0] }, 0).is_err());
     }
 
     #[test]

@@ -12,7 +12,8 @@ use subpixel_shadows::scene::Edge;
 use subpixel_shadows::stages::camera_visibility::Pass;
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::{
-    compact, dispatch_args, facet_classify, prefix_scan, radix_sort, summed_area, texel_group,
+    caster_positions, compact, dispatch_args, facet_classify, prefix_scan, radix_sort, summed_area, texel_group,
+    triangle_ids,
 };
 
 /// A struct as Rust knows it.
@@ -56,6 +57,7 @@ fn registry() -> Vec<Registered> {
         of::<Pass>(),
         edge(),
         candidates(),
+        of::<caster_positions::Params>(),
         of::<compact::Params>(),
         of::<dispatch_args::Request>(),
         of::<facet_classify::Facet>(),
@@ -63,6 +65,7 @@ fn registry() -> Vec<Registered> {
         of::<radix_sort::Params>(),
         of::<summed_area::Params>(),
         of::<texel_group::Params>(),
+        of::<triangle_ids::Params>(),
     ]
 }
 
@@ -172,7 +175,7 @@ fn kernels_fit_default_limits() {
             assert_eq!((point.name.as_str(), point.workgroup_size), (entry.name, entry.workgroup), "{at}");
             let invocations: u32 = entry.workgroup.iter().product();
             assert!((1..=256).contains(&invocations), "{at}: {invocations} invocations");
-            let storage = entry.bindings.iter().filter(|b| b.access != subpixel_shadows::gpu::program::Access::Uniform);
+            let storage = entry.bindings.iter().filter(|b| b.access.is_storage_buffer());
             assert!(storage.count() <= 8, "{at}: more than 8 storage buffers");
         }
         let workgroup_bytes: u32 = module

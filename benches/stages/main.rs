@@ -9,6 +9,7 @@
 
 mod camera_visibility;
 mod candidate_pairs;
+mod caster_positions;
 mod compact;
 mod dispatch_args;
 mod facet_classify;
@@ -27,10 +28,12 @@ mod spsm_map;
 mod spsm_query;
 mod summed_area;
 mod texel_group;
+mod triangle_ids;
 mod triangle_setup;
 mod triangle_texel_pairs;
 mod vertex_project;
 mod visibility_masks;
+mod visibility_texture;
 
 use harness::{Ceilings, Options, Row};
 use subpixel_shadows::Result;
@@ -55,9 +58,11 @@ fn run(options: &Options) -> Result<()> {
         radix_sort::cases,
         texel_group::cases,
         dispatch_args::cases,
+        caster_positions::cases,
         vertex_project::cases,
         triangle_setup::cases,
         camera_visibility::cases,
+        triangle_ids::cases,
         light_layers::cases,
         shadow_map::cases,
         silhouette_mask::cases,
@@ -72,6 +77,7 @@ fn run(options: &Options) -> Result<()> {
         candidate_pairs::cases,
         visibility_masks::cases,
         resolve::cases,
+        visibility_texture::cases,
     ];
     for log_size in options.log_sizes() {
         let mut cases = Vec::new();

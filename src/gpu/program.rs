@@ -11,6 +11,36 @@ pub enum Access {
     Read,
     /// A storage buffer that is written.
     ReadWrite,
+    /// A texture of unsigned integers, one sample a texel, that is read texel by texel.
+    TextureUint,
+    /// A storage texture of format `r32float` that is only written.
+    TextureStoreR32Float,
+}
+
+impl Access {
+    /// Whether it counts against the limit of storage buffers a stage.
+    pub fn is_storage_buffer(self) -> bool {
+        matches!(self, Self::Read | Self::ReadWrite)
+    }
+
+    fn layout(self) -> wgpu::BindingType {
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        match self {
+            Self::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+            Self::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+            Self::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+            Self::TextureUint => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Uint,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            Self::TextureStoreR32Float => wgpu::BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::R32Float,
+                view_dimension: wgpu::TextureViewDimension::D2,
+            },
+        }
+    }
 }
 
 /// One binding that an entry point uses.
@@ -61,15 +91,7 @@ impl Program {
             .map(|b| wgpu::BindGroupLayoutEntry {
                 binding: b.index,
                 visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty: match b.access {
-                        Access::Uniform => wgpu::BufferBindingType::Uniform,
-                        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                        Access::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
-                    },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
+                ty: b.access.layout(),
                 count: None,
             })
             .collect();
@@ -124,15 +146,26 @@ impl Program {
         device: &wgpu::Device,
         ranges: &[(&str, wgpu::BufferBinding)],
     ) -> Result<wgpu::BindGroup> {
+        let all: Vec<_> =
+            ranges.iter().map(|(name, range)| (*name, wgpu::BindingResource::Buffer(range.clone()))).collect();
+        self.bind_resources(device, &all)
+    }
+
+    /// As [`Program::bind`], of anything that can be bound.
+    ///
+    /// # Errors
+    /// As [`Program::bind`].
+    pub fn bind_resources(
+        &self,
+        device: &wgpu::Device,
+        resources: &[(&str, wgpu::BindingResource)],
+    ) -> Result<wgpu::BindGroup> {
         let mut entries = Vec::with_capacity(self.entry.bindings.len());
         for binding in self.entry.bindings {
-            let (_, range) = ranges.iter().find(|(name, _)| *name == binding.name).ok_or_else(|| {
-                Error::Gpu(format!("{}.{} needs a buffer '{}'", self.entry.kernel, self.entry.name, binding.name))
+            let (_, resource) = resources.iter().find(|(name, _)| *name == binding.name).ok_or_else(|| {
+                Error::Gpu(format!("{}.{} needs a binding '{}'", self.entry.kernel, self.entry.name, binding.name))
             })?;
-            entries.push(wgpu::BindGroupEntry {
-                binding: binding.index,
-                resource: wgpu::BindingResource::Buffer(range.clone()),
-            });
+            entries.push(wgpu::BindGroupEntry { binding: binding.index, resource: resource.clone() });
         }
         Ok(device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(self.entry.kernel),

@@ -119,6 +119,21 @@ impl Stage<'_> {
         ranges: &[(&str, wgpu::BufferBinding)],
         groups: Groups,
     ) -> Result<()> {
+        let all: Vec<_> =
+            ranges.iter().map(|(name, range)| (*name, wgpu::BindingResource::Buffer(range.clone()))).collect();
+        self.run_resources(program, &all, groups)
+    }
+
+    /// As [`Stage::run`], over anything that can be bound.
+    ///
+    /// # Errors
+    /// As [`Stage::run`].
+    pub fn run_resources(
+        &mut self,
+        program: &Program,
+        resources: &[(&str, wgpu::BindingResource)],
+        groups: Groups,
+    ) -> Result<()> {
         let fold = |groups| Some(fold_within(groups, self.max_groups));
         let direct = match groups {
             Groups::Items(0) | Groups::Workgroups(0) => return Ok(()),
@@ -126,7 +141,7 @@ impl Stage<'_> {
             Groups::Workgroups(n) => fold(n),
             Groups::Indirect(..) => None,
         };
-        let bind_group = program.bind_ranges(self.device, ranges)?;
+        let bind_group = program.bind_resources(self.device, resources)?;
         self.pass.set_pipeline(program.pipeline());
         self.pass.set_bind_group(0, &bind_group, &[]);
         match (direct, groups) {

@@ -25,24 +25,26 @@ pub struct Timer {
 impl Timer {
     /// Most passes of one submission; later ones go untimed.
     pub const PASSES: u32 = 256;
+    /// Bytes that the time stamps of a submission take at most.
+    pub const BYTES: u64 = Self::PASSES as u64 * 16;
 
     /// A timer, or `None` where the device has no time stamps.
     pub fn new(gpu: &Gpu) -> Option<Self> {
-        if !gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+        Self::on(&gpu.device, &gpu.queue)
+    }
+
+    /// As [`Timer::new`], on a device of one's own.
+    pub fn on(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
+        if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             return None;
         }
         use wgpu::BufferUsages as U;
-        let size = u64::from(Self::PASSES) * 16;
+        let size = Self::BYTES;
         let buffer = |label, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
+            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
         Some(Self {
-            queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("timer"),
                 ty: wgpu::QueryType::Timestamp,
                 count: Self::PASSES * 2,
@@ -50,7 +52,7 @@ impl Timer {
             resolved: buffer("timer.resolved", U::QUERY_RESOLVE | U::COPY_SRC),
             staging: buffer("timer.staging", U::COPY_DST | U::MAP_READ),
             names: Vec::new(),
-            period_ns: f64::from(gpu.queue.get_timestamp_period()),
+            period_ns: f64::from(queue.get_timestamp_period()),
         })
     }
 
@@ -71,11 +73,21 @@ impl Timer {
 
     /// Appends the copy of the time stamps to the end of `encoder`.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.resolve_to(encoder, &self.staging, 0);
+    }
+
+    /// As [`Timer::resolve`], with the copy in a buffer of one's own, from byte `at`.
+    pub fn resolve_to(&self, encoder: &mut wgpu::CommandEncoder, staging: &wgpu::Buffer, at: u64) {
         let count = self.names.len() as u32 * 2;
         if count > 0 {
             encoder.resolve_query_set(&self.queries, 0..count, &self.resolved, 0);
-            encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, u64::from(count) * 8);
+            encoder.copy_buffer_to_buffer(&self.resolved, 0, staging, at, u64::from(count) * 8);
         }
+    }
+
+    /// The passes recorded since the last [`Timer::reset`].
+    pub fn passes(&self) -> &[&'static str] {
+        &self.names
     }
 
     /// The times of the submission, in order of first use of each name; waits for the GPU.
@@ -83,29 +95,32 @@ impl Timer {
     /// # Errors
     /// [`Error::Gpu`] if the device fails.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<StageTime>> {
-        let mut times: Vec<StageTime> = Vec::new();
         if self.names.is_empty() {
-            return Ok(times);
+            return Ok(Vec::new());
         }
         self.staging.map_async(wgpu::MapMode::Read, .., |_| {});
         gpu.wait(None)?;
-        {
+        let times = {
             let view =
                 self.staging.get_mapped_range(..).map_err(|e| Error::Gpu(format!("reading time stamps: {e}")))?;
-            let word = |i: usize| {
-                let mut bytes = [0u8; 8];
-                bytes.copy_from_slice(&view[i * 8..i * 8 + 8]);
-                u64::from_le_bytes(bytes)
-            };
-            for (i, name) in self.names.iter().enumerate() {
-                let ms = word(2 * i + 1).saturating_sub(word(2 * i)) as f64 * self.period_ns * 1e-6;
-                match times.iter_mut().find(|t| t.name == *name) {
-                    Some(t) => t.gpu_ms += ms,
-                    None => times.push(StageTime { name, gpu_ms: ms }),
-                }
-            }
-        }
+            self.times(&self.names, &view)
+        };
         self.staging.unmap();
         Ok(times)
+    }
+
+    /// The times of `passes`, in order of first use of each name, from the bytes that [`Timer::resolve_to`] wrote.
+    pub fn times(&self, passes: &[&'static str], stamps: &[u8]) -> Vec<StageTime> {
+        let mut times: Vec<StageTime> = Vec::new();
+        let (stamps, _) = stamps.as_chunks::<8>();
+        for (name, pass) in passes.iter().zip(stamps.chunks_exact(2)) {
+            let [begin, end] = [pass[0], pass[1]].map(u64::from_le_bytes);
+            let ms = end.saturating_sub(begin) as f64 * self.period_ns * 1e-6;
+            match times.iter_mut().find(|t| t.name == *name) {
+                Some(t) => t.gpu_ms += ms,
+                None => times.push(StageTime { name, gpu_ms: ms }),
+            }
+        }
+        times
     }
 }

@@ -236,6 +236,23 @@ impl FacetMasks {
         view: &LightView,
         bounds: (DVec3, DVec3),
     ) -> Result<()> {
+        let frames = self.frames_for(casters, camera, light, view, bounds)?;
+        frames.iter().zip(&self.memory.frames).for_each(|(frame, buffer)| buffer.write(queue, &[*frame]));
+        Ok(())
+    }
+
+    /// What [`FacetMasks::prepare`] writes, one for each of [`FacetMasks::frames`].
+    ///
+    /// # Errors
+    /// As [`FacetMasks::prepare`].
+    pub fn frames_for(
+        &self,
+        casters: &CasterBuffers,
+        camera: &Camera,
+        light: &Light,
+        view: &LightView,
+        bounds: (DVec3, DVec3),
+    ) -> Result<Vec<Frame>> {
         camera.check()?;
         light.check()?;
         let s = &self.settings;
@@ -255,15 +272,16 @@ impl FacetMasks {
         frame.pixel_triangle_capacity = self.capacities.pixel_triangles as u32;
         frame.complex_capacity = self.capacities.complex_pixels as u32;
         let share = frame.facets_total.div_ceil(self.capacities.bands);
+        let mut frames = Vec::with_capacity(self.memory.frames.len());
         for band in 0..self.capacities.bands {
             for round in 0..self.capacities.rounds {
                 frame.first_facet = (band * share).min(frame.facets_total);
                 frame.facet_count = share.min(frame.facets_total - frame.first_facet);
                 frame.round = round;
-                self.memory.frames[(band * self.capacities.rounds + round) as usize].write(queue, &[frame]);
+                frames.push(frame);
             }
         }
-        Ok(())
+        Ok(frames)
     }
 
     /// Records the frame. The whole method, in order.
@@ -271,6 +289,15 @@ impl FacetMasks {
     /// # Errors
     /// None that input can cause.
     pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
+        self.record_seen(rec, casters, None)
+    }
+
+    /// As [`FacetMasks::record`]; with one facet a pixel `seen` may write [`FacetMasks::id_keys`] in place of the stage
+    /// `camera_visibility`. It is given the frame.
+    ///
+    /// # Errors
+    /// As [`FacetMasks::record`], and those of `seen`.
+    pub fn record_seen(&self, rec: &mut Recorder, casters: &CasterBuffers, seen: Option<WriteSeen>) -> Result<()> {
         let m = &self.memory;
         let frame = m.frames[0].raw();
         let triangles = casters.triangles.raw();
@@ -284,9 +311,10 @@ impl FacetMasks {
         let geometry = &m.geometry;
         geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
         let (in_camera, in_light) = (geometry.in_camera(casters), geometry.in_light(casters));
-        match &self.every_surface {
-            None => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
-            Some(camera) => {
+        match (&self.every_surface, seen) {
+            (None, None) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
+            (None, Some(write)) => write(rec, frame)?,
+            (Some(camera), _) => {
                 rec.clear(geometry.id_keys.raw());
                 camera.record(rec, frame, m.samples.raw(), in_camera, &m.facets, &geometry.id_keys, &m.status)?;
             }
@@ -452,6 +480,11 @@ impl FacetMasks {
         stage.run(&self.with.fold, &buffers, Groups::Workgroups(1))
     }
 
+    /// The uniform `frame` of each band and round.
+    pub fn frames(&self) -> &[Buffer<Frame>] {
+        &self.memory.frames
+    }
+
     /// How the lists are sized.
     pub fn capacities(&self) -> Capacities {
         self.capacities
@@ -492,6 +525,9 @@ impl FacetMasks {
         &self.memory.status
     }
 }
+
+/// Records what writes the triangle at every pixel centre.
+pub type WriteSeen<'a> = &'a dyn Fn(&mut Recorder, &wgpu::Buffer) -> Result<()>;
 
 fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>> {
     (0..c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()

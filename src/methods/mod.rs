@@ -6,6 +6,7 @@ pub mod every_surface;
 pub mod facet_masks;
 pub mod fixed;
 pub mod geometry;
+pub mod growth;
 pub mod prepared;
 pub mod render;
 pub mod settings;

@@ -1,15 +1,13 @@
 //! Computing one frame of `facet-masks` on the GPU and reading it back: records, submits, looks at what the lists needed,
 //! grows them and runs again until nothing is left out.
 
-use super::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, status};
+use super::facet_masks::{FacetMasks, Pipelines, Settings};
+use super::growth;
 use super::prepared::{CasterBuffers, Prepared};
+use crate::Result;
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
-use crate::stages::candidate_pairs::ROUND_LENGTH;
-use crate::stages::facet_classify::{Facet, State};
-use crate::stages::sample_surfaces;
-use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -111,13 +109,6 @@ pub struct Renderer<'a> {
 }
 
 impl<'a> Renderer<'a> {
-    /// Most bands a frame may be split into.
-    pub const MAX_BANDS: u32 = 4096;
-    /// Most rounds of triangles a texel may take.
-    pub const MAX_ROUNDS: u32 = 256;
-    /// Most rounds of triangles a pixel may take.
-    pub const MAX_CAMERA_ROUNDS: u32 = 2048;
-
     /// Uploads the mesh and builds pipelines and memory.
     ///
     /// # Errors
@@ -139,21 +130,7 @@ impl<'a> Renderer<'a> {
         pipelines: Arc<Pipelines>,
     ) -> Result<Self> {
         let casters = prepared.upload(&gpu.device, &gpu.queue)?;
-        let pixels = settings.pixels();
-        let start = budget.start.unwrap_or((pixels * 2).clamp(1 << 12, 1 << 24));
-        let all = settings.facets == FacetMode::All;
-        let camera = |guess: usize| if all { budget.start.unwrap_or(guess.max(64)) } else { 0 };
-        let capacities = Capacities {
-            pixel_pairs: start,
-            triangle_pairs: start,
-            candidates: start,
-            bands: 1,
-            rounds: 1,
-            facets: if all { camera(pixels * 3 / 2) } else { pixels },
-            pixel_triangles: camera(pixels * 3),
-            complex_pixels: camera(pixels / 4).min(pixels),
-            camera_rounds: 1,
-        };
+        let capacities = growth::first(settings, budget);
         let method = FacetMasks::new(&gpu.device, &gpu.queue, pipelines, &casters, settings, capacities)?;
         gpu.check()?;
         Ok(Self { gpu, prepared, casters, method, budget, timer: Timer::new(gpu), settings: settings.clone() })
@@ -173,7 +150,9 @@ impl<'a> Renderer<'a> {
             self.method.prepare(&self.gpu.queue, &self.casters, camera, light, &view, bounds)?;
             let (dispatches, wall_ms) = self.run_once()?;
             let words = self.method.status().read(self.gpu)?;
-            if let Some(wanted) = self.wanted(&words)? {
+            let limits = self.gpu.device.limits();
+            let wanted = growth::wanted(&words, self.method.capacities(), &self.settings, &limits, self.budget.bytes)?;
+            if let Some(wanted) = wanted {
                 log::info!("lists overflowed: running again with {wanted:?}");
                 self.method.resize(&self.gpu.device, &self.gpu.queue, wanted)?;
                 self.gpu.check()?;
@@ -200,129 +179,15 @@ impl<'a> Renderer<'a> {
         Ok((dispatches, start.elapsed().as_secs_f64() * 1e3))
     }
 
-    /// The capacities with which nothing is left out, if they are not the ones in use.
-    fn wanted(&self, words: &[u32]) -> Result<Option<Capacities>> {
-        let now = self.method.capacities();
-        if let Some(wanted) = self.wanted_of_camera(words)? {
-            return Ok(Some(wanted));
-        }
-        let [pixel_pairs, triangle_pairs, candidates, longest] = needs(words, now.bands);
-        let rounds = (longest as u32).div_ceil(ROUND_LENGTH).max(1);
-        if rounds > Self::MAX_ROUNDS {
-            return Err(Error::Memory {
-                what: format!("triangles of one texel ({longest} of them)"),
-                needed: u64::from(rounds),
-                limit: u64::from(Self::MAX_ROUNDS),
-            });
-        }
-        let fits = pixel_pairs <= now.pixel_pairs as u64
-            && triangle_pairs <= now.triangle_pairs as u64
-            && candidates <= now.candidates as u64;
-        if fits && rounds <= now.rounds {
-            return Ok(None);
-        }
-        let mut wanted = Capacities { rounds: rounds.max(now.rounds), ..now };
-        let limits = self.gpu.device.limits();
-        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let grown = |need: u64, have: usize| if need > have as u64 { need + need / 8 } else { have as u64 };
-        let (p, t) = (grown(pixel_pairs, now.pixel_pairs), grown(triangle_pairs, now.triangle_pairs));
-        let c = grown(candidates, now.candidates);
-        let bytes = p * 8 + t * 4 + c * 12;
-        if bytes > self.budget.bytes || p * 8 > binding || t * 4 > binding || c * 8 > binding {
-            if now.bands >= Self::MAX_BANDS {
-                return Err(Error::Memory { what: "pair lists".to_owned(), needed: bytes, limit: self.budget.bytes });
-            }
-            // As many as it takes if the need spreads evenly; then twice as many each time.
-            let share = bytes.div_ceil(self.budget.bytes.min(binding).max(1)).next_power_of_two().clamp(2, 64) as u32;
-            wanted.bands = (now.bands * share).min(Self::MAX_BANDS);
-        } else {
-            (wanted.pixel_pairs, wanted.triangle_pairs, wanted.candidates) = (p as usize, t as usize, c as usize);
-        }
-        Ok(Some(wanted))
-    }
-
-    /// The capacities with which the camera's lists hold every surface, if they are not the ones in use. What comes after
-    /// these lists has seen a part of them only.
-    fn wanted_of_camera(&self, words: &[u32]) -> Result<Option<Capacities>> {
-        let now = self.method.capacities();
-        if self.settings.facets == FacetMode::One {
-            return Ok(None);
-        }
-        let rounds = words[status::LONGEST_PIXEL].div_ceil(sample_surfaces::ROUND_LENGTH).max(1);
-        if rounds > Self::MAX_CAMERA_ROUNDS {
-            return Err(Error::Memory {
-                what: format!("triangles of one pixel ({} of them)", words[status::LONGEST_PIXEL]),
-                needed: u64::from(rounds),
-                limit: u64::from(Self::MAX_CAMERA_ROUNDS),
-            });
-        }
-        let needs = camera_needs(words);
-        let have = [now.pixel_triangles, now.complex_pixels, now.facets];
-        let fits = needs.iter().zip(have).all(|(&need, have)| need <= have as u64);
-        if fits && rounds <= now.camera_rounds {
-            return Ok(None);
-        }
-        let grown = |k: usize| {
-            let need = needs[k];
-            if need > have[k] as u64 { (need + need / 8) as usize } else { have[k] }
-        };
-        // No more slack than one binding holds.
-        let limits = self.gpu.device.limits();
-        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) as usize;
-        let most_facets = (binding / size_of::<Facet>()).max(needs[2] as usize);
-        Ok(Some(Capacities {
-            pixel_triangles: grown(0),
-            complex_pixels: grown(1).min(self.settings.pixels()),
-            facets: grown(2).min(most_facets),
-            camera_rounds: rounds.max(now.camera_rounds),
-            ..now
-        }))
-    }
-
     fn read(&self, words: &[u32], runs: u32, dispatches: u32, wall_ms: f64) -> Result<Output> {
-        let capacities = self.method.capacities();
-        let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, capacities.bands);
-        let sum = |offset: usize| {
-            (0..capacities.bands as usize)
-                .map(|b| u64::from(words[status::BANDS + status::BAND_WORDS * b + offset]))
-                .sum::<u64>()
-        };
-        let state = |s: State| u64::from(words[status::STATES + s as usize]);
-        let counts = Counts {
-            silhouette_edges: u64::from(words[status::EDGES]),
-            silhouette_texels: u64::from(words[status::TEXELS]),
-            silhouette_pixels: state(State::Undecided),
-            pixel_texel_pairs: sum(0),
-            triangle_texel_pairs: sum(2),
-            candidate_tests: u64::from(words[status::TESTS]) | u64::from(words[status::TESTS + 1]) << 32,
-            visibility_evaluations: sum(4),
-            refined_evaluations: sum(5),
-            facets: State::ALL.iter().map(|&s| state(s)).sum(),
-            complex_pixels: u64::from(words[status::COMPLEX_PIXELS]),
-            empty_facets: state(State::Empty),
-            dark_facets: state(State::Dark),
-            lit_facets: state(State::Lit),
-            shadowed_facets: state(State::Shadowed),
-        };
-        let list = |name, needed, capacity: usize| ListUse { name, needed, capacity: capacity as u64, runs };
-        let mut lists = vec![
-            list("pixel_texel_pairs", pixel_pairs, capacities.pixel_pairs),
-            list("triangle_texel_pairs", triangle_pairs, capacities.triangle_pairs),
-            list("candidate_pairs", candidates, capacities.candidates),
-        ];
-        if self.settings.facets == FacetMode::All {
-            let [triangles, complex, facets] = camera_needs(words);
-            lists.push(list("pixel_triangles", triangles, capacities.pixel_triangles));
-            lists.push(list("complex_pixels", complex, capacities.complex_pixels));
-            lists.push(list("facets", facets, capacities.facets));
-        }
+        let now = self.method.capacities();
         Ok(Output {
             visibility: self.method.visibility().read(self.gpu)?,
             lit: self.method.lit().read(self.gpu)?,
             words: self.settings.samples.words(),
             triangles: self.method.id_keys().read(self.gpu)?.into_iter().map(|key| !key).collect(),
-            counts,
-            lists,
+            counts: growth::counts(words, now),
+            lists: growth::lists(words, now, self.settings.facets, runs),
             stages: self.timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(self.gpu))?,
             wall_ms,
             dispatches,
@@ -333,26 +198,4 @@ impl<'a> Renderer<'a> {
     pub fn method(&self) -> &FacetMasks {
         &self.method
     }
-}
-
-/// Elements that the lists of the camera's side needed: triangles of pixels, complex pixels, facets.
-fn camera_needs(words: &[u32]) -> [u64; 3] {
-    [status::PIXEL_TRIANGLES, status::COMPLEX_PIXELS, status::FACETS]
-        .map(|at| if words[at + 1] != 0 { u64::from(u32::MAX) } else { u64::from(words[at]) })
-}
-
-/// Pixel-texel pairs, triangle-texel pairs and candidates that the largest band needed, and the longest list of a texel.
-fn needs(words: &[u32], bands: u32) -> [u64; 4] {
-    let mut most = [0; 4];
-    for b in 0..bands as usize {
-        let first = status::BANDS + status::BAND_WORDS * b;
-        let band = &words[first..first + status::BAND_WORDS];
-        // A set flag: more than 2^32 pairs. No list can hold them, but those of a part of the facets may fit.
-        let of = |count: u32, flag: u32| if flag != 0 { u64::from(u32::MAX) } else { u64::from(count) };
-        let needed = [of(band[0], band[1]), of(band[2], band[3]), u64::from(band[4]), u64::from(band[6])];
-        for (most, needed) in most.iter_mut().zip(needed) {
-            *most = needed.max(*most);
-        }
-    }
-    most
 }

@@ -4,6 +4,7 @@
 
 pub mod camera_visibility;
 pub mod candidate_pairs;
+pub mod caster_positions;
 pub mod compact;
 pub mod dispatch_args;
 pub mod facet_classify;
@@ -21,8 +22,10 @@ pub mod spsm_map;
 pub mod spsm_query;
 pub mod summed_area;
 pub mod texel_group;
+pub mod triangle_ids;
 pub mod triangle_setup;
 pub mod triangle_texel_pairs;
 pub mod vertex_project;
 pub mod view;
 pub mod visibility_masks;
+pub mod visibility_texture;

@@ -8,7 +8,7 @@ pub mod load;
 pub mod mesh;
 mod open;
 pub mod options;
-mod weld;
+pub(crate) mod weld;
 
 pub use adjacency::{Adjacency, Edge, NO_TRIANGLE};
 pub use builtin::{BUILTIN_NAMES, builtin};

@@ -4,6 +4,7 @@ mod support;
 
 mod camera_visibility;
 mod candidate_pairs;
+mod caster_positions;
 mod compact;
 mod dispatch_args;
 mod facet_classify;
@@ -21,7 +22,9 @@ mod spsm_map;
 mod spsm_query;
 mod summed_area;
 mod texel_group;
+mod triangle_ids;
 mod triangle_setup;
 mod triangle_texel_pairs;
 mod vertex_project;
 mod visibility_masks;
+mod visibility_texture;

@@ -71,6 +71,47 @@ pub fn read_padded(gpu: &Gpu, buffer: &Buffer<u32>) -> Vec<u32> {
     copy.read(gpu).expect("readback")
 }
 
+/// A texture of one 32-bit word a texel, of every usage a stage may need, that holds `words` row by row.
+pub fn texture(
+    gpu: &Gpu,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    words: Option<&[u32]>,
+) -> wgpu::Texture {
+    use wgpu::TextureUsages as U;
+    let stored = if format == wgpu::TextureFormat::R32Float { U::STORAGE_BINDING } else { U::empty() };
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("test.texture"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: U::TEXTURE_BINDING | U::COPY_SRC | U::COPY_DST | stored,
+        view_formats: &[],
+    });
+    if let Some(words) = words {
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None };
+        gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(words), layout, size);
+    }
+    texture
+}
+
+/// The words of such a texture, row by row.
+pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<u32> {
+    let (width, height) = (texture.width() as usize, texture.height() as usize);
+    let row = width.next_multiple_of(64);
+    let words = Buffer::<u32>::storage(&gpu.device, "test.texels", row * height).expect("memory for a copy");
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * row as u32), rows_per_image: None };
+    let mut encoder = gpu.encoder();
+    let to = wgpu::TexelCopyBufferInfo { buffer: words.raw(), layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+    gpu.submit_and_wait(encoder).expect("the copy runs");
+    let words = words.read(gpu).expect("readback");
+    words.chunks(row).flat_map(|r| r[..width].to_vec()).collect()
+}
+
 /// Where two lists first differ, lengths before contents; `None` if they are equal.
 pub fn difference<T: PartialEq + std::fmt::Debug>(got: &[T], want: &[T]) -> Option<String> {
     if got.len() != want.len() {

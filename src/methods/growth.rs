@@ -1,0 +1,258 @@
+//! How long the lists of a frame are: a first guess, what a frame left in its counters, and the next guess from that.
+
+use super::facet_masks::{Capacities, FacetMode, Settings, status};
+use super::render::{Budget, Counts, ListUse};
+use crate::stages::candidate_pairs::ROUND_LENGTH;
+use crate::stages::facet_classify::{Facet, State};
+use crate::stages::pixel_texel_pairs::TALLY_WORDS;
+use crate::stages::sample_surfaces;
+use crate::{Error, Result};
+
+/// Most bands a frame may be split into.
+pub const MAX_BANDS: u32 = 4096;
+/// Most rounds of triangles a texel may take.
+pub const MAX_ROUNDS: u32 = 256;
+/// Most rounds of triangles a pixel may take.
+pub const MAX_CAMERA_ROUNDS: u32 = 2048;
+
+/// The lists before anything is known of the scene.
+pub fn first(settings: &Settings, budget: Budget) -> Capacities {
+    let pixels = settings.pixels();
+    let start = budget.start.unwrap_or((pixels * 2).clamp(1 << 12, 1 << 24));
+    let all = settings.facets == FacetMode::All;
+    let camera = |guess: usize| if all { budget.start.unwrap_or(guess.max(64)) } else { 0 };
+    Capacities {
+        pixel_pairs: start,
+        triangle_pairs: start,
+        candidates: start,
+        bands: 1,
+        rounds: 1,
+        facets: if all { camera(pixels * 3 / 2) } else { pixels },
+        pixel_triangles: camera(pixels * 3),
+        complex_pixels: camera(pixels / 4).min(pixels),
+        camera_rounds: 1,
+    }
+}
+
+/// The capacities with which nothing is left out, if they are not the ones in use. `words` are the counters that a frame
+/// with the capacities `now` left; the pair lists may take `budget` bytes.
+///
+/// # Errors
+/// [`Error::Memory`] if the lists fit in no way.
+pub fn wanted(
+    words: &[u32],
+    now: Capacities,
+    settings: &Settings,
+    limits: &wgpu::Limits,
+    budget: u64,
+) -> Result<Option<Capacities>> {
+    if let Some(wanted) = wanted_of_camera(words, now, settings, limits)? {
+        return Ok(Some(wanted));
+    }
+    let [pixel_pairs, triangle_pairs, candidates, longest] = needs(words, now.bands);
+    let rounds = (longest as u32).div_ceil(ROUND_LENGTH).max(1);
+    if rounds > MAX_ROUNDS {
+        return Err(Error::Memory {
+            what: format!("triangles of one texel ({longest} of them)"),
+            needed: u64::from(rounds),
+            limit: u64::from(MAX_ROUNDS),
+        });
+    }
+    let fits = pixel_pairs <= now.pixel_pairs as u64
+        && triangle_pairs <= now.triangle_pairs as u64
+        && candidates <= now.candidates as u64;
+    if fits && rounds <= now.rounds {
+        return Ok(None);
+    }
+    let mut wanted = Capacities { rounds: rounds.max(now.rounds), ..now };
+    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let grown = |need: u64, have: usize| if need > have as u64 { need + need / 8 } else { have as u64 };
+    let (p, t) = (grown(pixel_pairs, now.pixel_pairs), grown(triangle_pairs, now.triangle_pairs));
+    let c = grown(candidates, now.candidates);
+    let bytes = p * 8 + t * 4 + c * 12;
+    if bytes > budget || p * 8 > binding || t * 4 > binding || c * 8 > binding {
+        if now.bands >= MAX_BANDS {
+            return Err(Error::Memory { what: "pair lists".to_owned(), needed: bytes, limit: budget });
+        }
+        // As many as it takes if the need spreads evenly; then twice as many each time.
+        let share = bytes.div_ceil(budget.min(binding).max(1)).next_power_of_two().clamp(2, 64) as u32;
+        wanted.bands = (now.bands * share).min(MAX_BANDS);
+    } else {
+        (wanted.pixel_pairs, wanted.triangle_pairs, wanted.candidates) = (p as usize, t as usize, c as usize);
+    }
+    Ok(Some(wanted))
+}
+
+/// The capacities with which the camera's lists hold every surface, if they are not the ones in use. What comes after
+/// these lists has seen a part of them only.
+fn wanted_of_camera(
+    words: &[u32],
+    now: Capacities,
+    settings: &Settings,
+    limits: &wgpu::Limits,
+) -> Result<Option<Capacities>> {
+    if settings.facets == FacetMode::One {
+        return Ok(None);
+    }
+    let rounds = words[status::LONGEST_PIXEL].div_ceil(sample_surfaces::ROUND_LENGTH).max(1);
+    if rounds > MAX_CAMERA_ROUNDS {
+        return Err(Error::Memory {
+            what: format!("triangles of one pixel ({} of them)", words[status::LONGEST_PIXEL]),
+            needed: u64::from(rounds),
+            limit: u64::from(MAX_CAMERA_ROUNDS),
+        });
+    }
+    let needs = camera_needs(words);
+    let have = [now.pixel_triangles, now.complex_pixels, now.facets];
+    let fits = needs.iter().zip(have).all(|(&need, have)| need <= have as u64);
+    if fits && rounds <= now.camera_rounds {
+        return Ok(None);
+    }
+    let grown = |k: usize| {
+        let need = needs[k];
+        if need > have[k] as u64 { (need + need / 8) as usize } else { have[k] }
+    };
+    // No more slack than one binding holds.
+    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) as usize;
+    let most_facets = (binding / size_of::<Facet>()).max(needs[2] as usize);
+    Ok(Some(Capacities {
+        pixel_triangles: grown(0),
+        complex_pixels: grown(1).min(settings.pixels()),
+        facets: grown(2).min(most_facets),
+        camera_rounds: rounds.max(now.camera_rounds),
+        ..now
+    }))
+}
+
+/// As [`first`], with room for the pairs of a mesh of `triangles` triangles, so that a first frame is likely whole.
+pub fn first_for(settings: &Settings, budget: Budget, triangles: usize) -> Capacities {
+    let first = first(settings, budget);
+    if budget.start.is_some() {
+        return first;
+    }
+    let of_mesh = |each: usize| (triangles * each).min(1 << 22);
+    Capacities {
+        triangle_pairs: first.triangle_pairs.max(of_mesh(4)),
+        candidates: first.candidates.max(of_mesh(8)),
+        ..first
+    }
+}
+
+/// As `wanted`, with a guess of what the lists after one that was too short would have needed: as many times more as that one
+/// did. Stays as it is where that does not fit.
+pub fn ahead(
+    words: &[u32],
+    now: Capacities,
+    wanted: Capacities,
+    facets: FacetMode,
+    limits: &wgpu::Limits,
+    budget: u64,
+) -> Capacities {
+    let share = |needed: u64, had: usize| (needed as f64 / had.max(1) as f64).max(1.0);
+    let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now.bands);
+    let camera = match facets {
+        FacetMode::One => 1.0,
+        FacetMode::All => {
+            let had = [now.pixel_triangles, now.complex_pixels, now.facets];
+            camera_needs(words).into_iter().zip(had).map(|(needed, had)| share(needed, had)).fold(1.0, f64::max)
+        }
+    };
+    // Where pairs were left out, more than their share of candidates was.
+    let pairs = share(pixel_pairs, now.pixel_pairs).max(share(triangle_pairs, now.triangle_pairs)).powf(1.5);
+    // The facets that were left out are those of crowded pixels, which make more pairs than the others.
+    let slack = if camera > 1.0 { 1.5 } else { 1.125 };
+    let guess = |needed: u64, times: f64, least: usize| ((needed as f64 * times * slack) as usize).max(least);
+    let mut more = Capacities {
+        pixel_pairs: guess(pixel_pairs, camera, wanted.pixel_pairs),
+        triangle_pairs: guess(triangle_pairs, camera, wanted.triangle_pairs),
+        candidates: guess(candidates, camera * pairs, wanted.candidates),
+        ..wanted
+    };
+    if camera * pairs > 1.0 {
+        more.candidates = more.candidates.max(2 * more.pixel_pairs);
+    }
+    let [p, t, c] = [more.pixel_pairs, more.triangle_pairs, more.candidates].map(|n| n as u64);
+    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let fits = p * 8 + t * 4 + c * 12 <= budget
+        && [p * 8, t * 4, c * 8 + 4 * TALLY_WORDS as u64].iter().all(|&bytes| bytes <= binding);
+    if fits && wanted.bands == now.bands { more } else { wanted }
+}
+
+/// The larger of two in each list.
+pub fn larger(a: Capacities, b: Capacities) -> Capacities {
+    Capacities {
+        pixel_pairs: a.pixel_pairs.max(b.pixel_pairs),
+        triangle_pairs: a.triangle_pairs.max(b.triangle_pairs),
+        candidates: a.candidates.max(b.candidates),
+        bands: a.bands.max(b.bands),
+        rounds: a.rounds.max(b.rounds),
+        facets: a.facets.max(b.facets),
+        pixel_triangles: a.pixel_triangles.max(b.pixel_triangles),
+        complex_pixels: a.complex_pixels.max(b.complex_pixels),
+        camera_rounds: a.camera_rounds.max(b.camera_rounds),
+    }
+}
+
+/// What a frame with the capacities `now` counted.
+pub fn counts(words: &[u32], now: Capacities) -> Counts {
+    let sum = |offset: usize| {
+        (0..now.bands as usize).map(|b| u64::from(words[status::BANDS + status::BAND_WORDS * b + offset])).sum::<u64>()
+    };
+    let state = |s: State| u64::from(words[status::STATES + s as usize]);
+    Counts {
+        silhouette_edges: u64::from(words[status::EDGES]),
+        silhouette_texels: u64::from(words[status::TEXELS]),
+        silhouette_pixels: state(State::Undecided),
+        pixel_texel_pairs: sum(0),
+        triangle_texel_pairs: sum(2),
+        candidate_tests: u64::from(words[status::TESTS]) | u64::from(words[status::TESTS + 1]) << 32,
+        visibility_evaluations: sum(4),
+        refined_evaluations: sum(5),
+        facets: State::ALL.iter().map(|&s| state(s)).sum(),
+        complex_pixels: u64::from(words[status::COMPLEX_PIXELS]),
+        empty_facets: state(State::Empty),
+        dark_facets: state(State::Dark),
+        lit_facets: state(State::Lit),
+        shadowed_facets: state(State::Shadowed),
+    }
+}
+
+/// How the lists of a frame with the capacities `now` fared, after `runs` runs.
+pub fn lists(words: &[u32], now: Capacities, facets: FacetMode, runs: u32) -> Vec<ListUse> {
+    let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now.bands);
+    let list = |name, needed, capacity: usize| ListUse { name, needed, capacity: capacity as u64, runs };
+    let mut lists = vec![
+        list("pixel_texel_pairs", pixel_pairs, now.pixel_pairs),
+        list("triangle_texel_pairs", triangle_pairs, now.triangle_pairs),
+        list("candidate_pairs", candidates, now.candidates),
+    ];
+    if facets == FacetMode::All {
+        let [triangles, complex, facets] = camera_needs(words);
+        lists.push(list("pixel_triangles", triangles, now.pixel_triangles));
+        lists.push(list("complex_pixels", complex, now.complex_pixels));
+        lists.push(list("facets", facets, now.facets));
+    }
+    lists
+}
+
+/// Elements that the lists of the camera's side needed: triangles of pixels, complex pixels, facets.
+fn camera_needs(words: &[u32]) -> [u64; 3] {
+    [status::PIXEL_TRIANGLES, status::COMPLEX_PIXELS, status::FACETS]
+        .map(|at| if words[at + 1] != 0 { u64::from(u32::MAX) } else { u64::from(words[at]) })
+}
+
+/// Pixel-texel pairs, triangle-texel pairs and candidates that the largest band needed, and the longest list of a texel.
+fn needs(words: &[u32], bands: u32) -> [u64; 4] {
+    let mut most = [0; 4];
+    for b in 0..bands as usize {
+        let first = status::BANDS + status::BAND_WORDS * b;
+        let band = &words[first..first + status::BAND_WORDS];
+        // A set flag: more than 2^32 pairs. No list can hold them, but those of a part of the facets may fit.
+        let of = |count: u32, flag: u32| if flag != 0 { u64::from(u32::MAX) } else { u64::from(count) };
+        let needed = [of(band[0], band[1]), of(band[2], band[3]), u64::from(band[4]), u64::from(band[6])];
+        for (most, needed) in most.iter_mut().zip(needed) {
+            *most = needed.max(*most);
+        }
+    }
+    most
+}

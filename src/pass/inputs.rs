@@ -1,0 +1,161 @@
+//! What an application hands to the pass, and the checks of it.
+
+use crate::scene::{Camera, Light};
+use crate::stages::caster_positions::Vertices;
+use crate::{Error, Result};
+
+/// The triangles that cast and receive shadows: topology is given once.
+#[derive(Clone, Copy, Debug)]
+pub enum Casters<'a> {
+    /// At rest and known to the CPU; uploaded once.
+    Static {
+        /// Positions, world units.
+        positions: &'a [[f32; 3]],
+        /// Vertex indices of each triangle.
+        triangles: &'a [[u32; 3]],
+    },
+    /// In a vertex buffer that the application rewrites: each frame brings it as [`Moved`].
+    Moving {
+        /// One pose. Vertices at one point of it are taken as one and must stay at one point (each frame says whether they
+        /// did), so that a seam of doubled vertices is no boundary. No position is used besides.
+        rest: &'a [[f32; 3]],
+        /// Vertex indices of each triangle.
+        triangles: &'a [[u32; 3]],
+    },
+}
+
+impl<'a> Casters<'a> {
+    pub(super) fn parts(&self) -> (&'a [[f32; 3]], &'a [[u32; 3]]) {
+        match *self {
+            Self::Static { positions, triangles } => (positions, triangles),
+            Self::Moving { rest, triangles } => (rest, triangles),
+        }
+    }
+}
+
+/// Where moving casters are in a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Moved<'a> {
+    /// As many positions as the pose at rest has, in the same order.
+    pub vertices: Vertices<'a>,
+    /// Lowest and highest corner of a box that holds all of them, world units. The light view is fitted to it: a box that is
+    /// too wide costs time and changes nothing, one that is too tight makes the frame incomplete, and its status says so.
+    pub bounds: [[f32; 3]; 2],
+}
+
+/// What the application knows of the surfaces that its pixels show.
+#[derive(Clone, Copy, Debug, Default)]
+#[non_exhaustive]
+pub enum GBuffer<'a> {
+    /// Nothing: the pass finds the nearest triangle of the casters, at each pixel centre or for each sample.
+    #[default]
+    None,
+    /// The triangle at each pixel centre. One facet a pixel, as without a G-buffer: for the same triangles the same bits.
+    TriangleIds(TriangleTexture<'a>),
+}
+
+/// A texture of triangle numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleTexture<'a> {
+    /// Format `R32Uint`, usage `TEXTURE_BINDING`, two-dimensional, one sample, the size of the image. Its first level and
+    /// layer are read.
+    pub texture: &'a wgpu::Texture,
+    /// The number of the first triangle; the others follow in the order in which they were given to the pass.
+    pub first: u32,
+    /// What stands for no triangle: visibility 1 there.
+    pub none: u32,
+}
+
+impl<'a> TriangleTexture<'a> {
+    /// Triangles counted from 0; `u32::MAX` where there is none.
+    pub fn new(texture: &'a wgpu::Texture) -> Self {
+        Self { texture, first: 0, none: u32::MAX }
+    }
+}
+
+/// What one frame is computed from.
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs<'a> {
+    /// The camera. Its image is the whole target; pixels are square.
+    pub camera: &'a Camera,
+    /// The light.
+    pub light: &'a Light,
+    /// Where moving casters are; `None` for static ones.
+    pub moved: Option<Moved<'a>>,
+    /// What is known of the surfaces seen.
+    pub gbuffer: GBuffer<'a>,
+}
+
+impl<'a> Inputs<'a> {
+    /// A frame of static casters without a G-buffer.
+    pub fn new(camera: &'a Camera, light: &'a Light) -> Self {
+        Self { camera, light, moved: None, gbuffer: GBuffer::None }
+    }
+}
+
+/// Where results go.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Target<'a> {
+    /// Visibility of each pixel in `[0, 1]`, row 0 at the top; 1 where nothing is seen. Format `R32Float`, usage
+    /// `STORAGE_BINDING`, two-dimensional, one sample, the size of the image. Its first level and layer are written.
+    pub visibility: Option<&'a wgpu::Texture>,
+    /// Lit samples of each pixel, one bit a sample, [`words`](crate::samples::Samples::words) words a pixel, row by row from
+    /// the top; all ones where nothing is seen. Usage `COPY_DST`; written from its start.
+    pub lit: Option<&'a wgpu::Buffer>,
+}
+
+impl Target<'_> {
+    pub(super) fn check(&self, size: [u32; 2], lit_bytes: u64) -> Result<()> {
+        if let Some(texture) = self.visibility {
+            use wgpu::{TextureFormat, TextureUsages};
+            check_texture("visibility", texture, TextureFormat::R32Float, TextureUsages::STORAGE_BINDING, size)?;
+        }
+        let Some(lit) = self.lit else { return Ok(()) };
+        if !lit.usage().contains(wgpu::BufferUsages::COPY_DST) {
+            return Err(Error::Config(format!("lit masks: the usage {:?} of the buffer lacks COPY_DST", lit.usage())));
+        }
+        if lit.size() < lit_bytes {
+            return Err(Error::Config(format!("lit masks: a buffer of {} bytes, {lit_bytes} are needed", lit.size())));
+        }
+        Ok(())
+    }
+}
+
+/// Checks that the first level and layer of a texture can be used.
+pub(super) fn check_texture(
+    what: &str,
+    texture: &wgpu::Texture,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+    [width, height]: [u32; 2],
+) -> Result<()> {
+    let wrong = |text: String| Err(Error::Config(format!("{what} texture: {text}")));
+    if texture.format() != format {
+        return wrong(format!("format {:?}, {format:?} is needed", texture.format()));
+    }
+    if (texture.width(), texture.height()) != (width, height) {
+        return wrong(format!("{}x{} texels, the image has {width}x{height}", texture.width(), texture.height()));
+    }
+    if texture.dimension() != wgpu::TextureDimension::D2 || texture.sample_count() != 1 {
+        return wrong(format!(
+            "dimension {:?} and {} samples, D2 and 1 are needed",
+            texture.dimension(),
+            texture.sample_count()
+        ));
+    }
+    if !texture.usage().contains(usage) {
+        return wrong(format!("its usage {:?} lacks {usage:?}", texture.usage()));
+    }
+    Ok(())
+}
+
+/// The first level and layer of a texture.
+pub(super) fn first_level(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        label: Some("shadow_pass"),
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        mip_level_count: Some(1),
+        array_layer_count: Some(1),
+        ..Default::default()
+    })
+}

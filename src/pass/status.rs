@@ -1,0 +1,201 @@
+//! What is known of recorded frames once the GPU is done with them: counters are copied to a buffer that maps itself when
+//! the application's submission has run, and are read when they are asked for. Nothing waits.
+
+use crate::gpu::{Buffer, StageTime, Timer};
+use crate::methods::facet_masks::Capacities;
+use crate::methods::render::{Counts, ListUse};
+use crate::stages::{caster_positions, triangle_ids};
+use crate::{Error, Result};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Input of a frame that could not be used as it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Faults {
+    /// Vertices outside the given box, or without a number; they were moved into the box.
+    pub outside: u32,
+    /// Vertices that are not at the point which they shared in the pose at rest; the first of them stood for all.
+    pub parted: u32,
+    /// Texels that name no triangle; they count as seeing nothing.
+    pub unknown_triangles: u32,
+}
+
+/// Words of the counters of [`Faults`].
+pub(super) const FAULT_WORDS: usize = 4;
+
+impl Faults {
+    fn of(words: &[u32]) -> Self {
+        Self {
+            outside: words[caster_positions::FAULT_OUTSIDE as usize],
+            parted: words[caster_positions::FAULT_PARTED as usize],
+            unknown_triangles: words[triangle_ids::FAULT_UNKNOWN as usize],
+        }
+    }
+}
+
+/// How a recorded frame came out.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct FrameStatus {
+    /// Its number, as [`record`](super::ShadowPass::record) returned it.
+    pub frame: u64,
+    /// Whether its picture is whole and right. If not, `overflowed`, `faults` or `error` says why.
+    pub complete: bool,
+    /// A list was too short: some shadows are missing. The lists grow before a later frame.
+    pub overflowed: bool,
+    /// Input that could not be used as it was.
+    pub faults: Faults,
+    /// Why no list can hold such a frame, or why nothing is known of it.
+    pub error: Option<String>,
+    /// What was counted.
+    pub counts: Counts,
+    /// What each list needed and could hold. Where one was too short, later ones may have needed more than they say.
+    pub lists: Vec<ListUse>,
+    /// GPU time of each stage; empty without time stamps.
+    pub stages: Vec<StageTime>,
+}
+
+/// The counters of a finished frame.
+pub(super) struct Finished {
+    pub(super) frame: u64,
+    pub(super) generation: u64,
+    pub(super) capacities: Capacities,
+    /// Counters of the method, faults, and times; or why they cannot be read.
+    pub(super) read: Result<(Vec<u32>, Faults, Vec<StageTime>)>,
+}
+
+const WAITING: u8 = 0;
+const READY: u8 = 1;
+const FAILED: u8 = 2;
+const DROPPED: u8 = 3;
+
+/// Says so when the mapping is given up without an answer, as with an encoder that is never submitted.
+struct Signal(Arc<AtomicU8>);
+
+impl Signal {
+    fn set(&self, state: u8) {
+        self.0.store(state, Ordering::Release);
+    }
+}
+
+impl Drop for Signal {
+    fn drop(&mut self) {
+        let _ = self.0.compare_exchange(WAITING, DROPPED, Ordering::AcqRel, Ordering::Acquire);
+    }
+}
+
+/// A frame in flight.
+struct Slot {
+    frame: u64,
+    generation: u64,
+    capacities: Capacities,
+    staging: wgpu::Buffer,
+    status_bytes: u64,
+    passes: Vec<&'static str>,
+    state: Arc<AtomicU8>,
+}
+
+/// The frames in flight, and staging buffers to be used again.
+#[derive(Default)]
+pub(super) struct InFlight {
+    slots: Vec<Slot>,
+    free: Vec<wgpu::Buffer>,
+}
+
+/// What a frame is known by.
+pub(super) struct Label {
+    pub(super) frame: u64,
+    pub(super) generation: u64,
+    pub(super) capacities: Capacities,
+}
+
+impl InFlight {
+    /// Most staging buffers that are kept for later frames.
+    const KEPT: usize = 8;
+
+    /// Appends the copy of the counters and time stamps of a frame to `encoder`.
+    pub(super) fn push(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        label: Label,
+        status: &Buffer<u32>,
+        faults: &Buffer<u32>,
+        timer: Option<&Timer>,
+    ) {
+        let status_bytes = status.len() as u64 * 4;
+        let stamps_at = (status_bytes + FAULT_WORDS as u64 * 4).next_multiple_of(8);
+        let size = stamps_at + Timer::BYTES;
+        let staging = match self.free.iter().position(|b| b.size() == size) {
+            Some(k) => self.free.swap_remove(k),
+            None => device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("shadow_pass.status"),
+                size,
+                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            }),
+        };
+        encoder.copy_buffer_to_buffer(status.raw(), 0, &staging, 0, status_bytes);
+        encoder.copy_buffer_to_buffer(faults.raw(), 0, &staging, status_bytes, FAULT_WORDS as u64 * 4);
+        if let Some(timer) = timer {
+            timer.resolve_to(encoder, &staging, stamps_at);
+        }
+        let state = Arc::new(AtomicU8::new(WAITING));
+        let signal = Signal(state.clone());
+        encoder.map_buffer_on_submit(&staging, wgpu::MapMode::Read, .., move |mapped| {
+            signal.set(if mapped.is_ok() { READY } else { FAILED });
+        });
+        let Label { frame, generation, capacities } = label;
+        let passes = timer.map_or(Vec::new(), |t| t.passes().to_vec());
+        self.slots.push(Slot { frame, generation, capacities, staging, status_bytes, passes, state });
+    }
+
+    /// The frames that the GPU is done with, oldest first. Those that were never submitted are forgotten.
+    pub(super) fn finished(&mut self, timer: Option<&Timer>) -> Vec<Finished> {
+        let mut finished = Vec::new();
+        let mut waiting = Vec::new();
+        for slot in self.slots.drain(..) {
+            let state = slot.state.load(Ordering::Acquire);
+            if state == WAITING {
+                waiting.push(slot);
+                continue;
+            }
+            let Slot { frame, generation, capacities, .. } = slot;
+            let read = match state {
+                READY => slot.read(timer),
+                FAILED => Err(Error::Gpu("the counters of the frame could not be mapped".to_owned())),
+                _ => continue,
+            };
+            if read.is_ok() && self.free.len() < Self::KEPT {
+                self.free.push(slot.staging);
+            }
+            finished.push(Finished { frame, generation, capacities, read });
+        }
+        self.slots = waiting;
+        finished
+    }
+
+    /// Frames that the GPU is not known to be done with.
+    pub(super) fn len(&self) -> usize {
+        self.slots.len()
+    }
+}
+
+impl Slot {
+    fn read(&self, timer: Option<&Timer>) -> Result<(Vec<u32>, Faults, Vec<StageTime>)> {
+        let out = {
+            let view = self
+                .staging
+                .get_mapped_range(..)
+                .map_err(|e| Error::Gpu(format!("reading the counters of frame {}: {e}", self.frame)))?;
+            let at = self.status_bytes as usize;
+            let faults_end = at + FAULT_WORDS * 4;
+            let words = |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, u32>(bytes);
+            let faults = Faults::of(&words(&view[at..faults_end]));
+            let stages = timer.map_or(Vec::new(), |t| t.times(&self.passes, &view[faults_end.next_multiple_of(8)..]));
+            (words(&view[..at]), faults, stages)
+        };
+        self.staging.unmap();
+        Ok(out)
+    }
+}

@@ -1,0 +1,148 @@
+//! Positions of the casters, from a vertex buffer that the application rewrites each frame.
+//!
+//! - **Reads** a vertex buffer (positions of three `f32`, world units, at any stride of whole words) and the place of each of
+//!   its vertices among those of the casters.
+//! - **Writes** `positions`, three `f32` a place; counts into `faults` the places outside the box or without a number
+//!   ([`FAULT_OUTSIDE`]; they are moved into the box), and the vertices that are no longer at the point they share with the
+//!   vertex of their place ([`FAULT_PARTED`]).
+//! - **Guarantee.** Bits are copied (−0 as +0); no place outside the box is ever written.
+//! - **Cost.** One dispatch; two positions read and one written a vertex.
+
+use crate::gpu::kernels::caster_positions as kernel;
+pub use crate::gpu::kernels::caster_positions::{FAULT_OUTSIDE, FAULT_PARTED, NO_PLACE};
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::shared_struct;
+use crate::{Error, Result};
+
+shared_struct! {
+    /// Parameters of the kernel.
+    "caster_positions" => pub struct Params {
+        /// Lowest corner of the box that holds all positions.
+        pub box_low: [f32; 3],
+        /// Vertices of the buffer.
+        pub count: u32,
+        /// Its highest corner.
+        pub box_high: [f32; 3],
+        /// Word of the first position.
+        pub offset: u32,
+        /// Words from one position to the next.
+        pub stride: u32,
+        /// Unused.
+        pub pad_0: u32,
+        /// Unused.
+        pub pad_1: u32,
+        /// Unused.
+        pub pad_2: u32,
+    }
+}
+
+/// Positions in a vertex buffer.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertices<'a> {
+    /// A buffer of usage `STORAGE`.
+    pub buffer: &'a wgpu::Buffer,
+    /// Byte of the first position, a multiple of 4.
+    pub offset: u64,
+    /// Bytes from one position to the next, a multiple of 4, at least 12.
+    pub stride: u64,
+}
+
+impl<'a> Vertices<'a> {
+    /// Positions one after the other, three `f32` each, from the start of `buffer`.
+    pub fn packed(buffer: &'a wgpu::Buffer) -> Self {
+        Self { buffer, offset: 0, stride: 12 }
+    }
+
+    /// Checks that `count` positions can be read on a device with `limits`.
+    ///
+    /// # Errors
+    /// [`Error::Config`] for a wrong usage, stride, offset or size, with the numbers; [`Error::Memory`] if what holds the
+    /// positions is above the limit of one binding.
+    pub fn check(&self, count: usize, limits: &wgpu::Limits) -> Result<()> {
+        let Self { buffer, offset, stride } = *self;
+        let usage = buffer.usage();
+        if !usage.contains(wgpu::BufferUsages::STORAGE) {
+            return Err(Error::Config(format!("vertex buffer: its usage {usage:?} lacks STORAGE")));
+        }
+        if !stride.is_multiple_of(4) || stride < 12 || !offset.is_multiple_of(4) {
+            return Err(Error::Config(format!(
+                "vertex buffer: stride {stride} and offset {offset}; multiples of 4 are possible, strides of at least 12"
+            )));
+        }
+        let size = buffer.size();
+        let end = (count as u64).saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(offset + 12));
+        if count > 0 && end.is_none_or(|end| end > size) {
+            return Err(Error::Config(format!(
+                "vertex buffer: {size} bytes do not hold {count} positions of stride {stride} from offset {offset}"
+            )));
+        }
+        let needed = size - self.first_bound(limits).min(size);
+        let limit = limits.max_storage_buffer_binding_size;
+        if needed > limit {
+            return Err(Error::Memory { what: "vertex buffer, from its first position".to_owned(), needed, limit });
+        }
+        Ok(())
+    }
+
+    /// The byte from which the buffer is bound.
+    fn first_bound(&self, limits: &wgpu::Limits) -> u64 {
+        let step = u64::from(limits.min_storage_buffer_offset_alignment.max(4));
+        self.offset / step * step
+    }
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct CasterPositions {
+    gather: Program,
+    uniforms: Uniforms,
+}
+
+impl CasterPositions {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { gather: Program::new(device, kernel::ENTRY_GATHER, &[]), uniforms: Uniforms::default() }
+    }
+
+    /// Records the copy of all vertices that `places` names (place and source vertex of each). `bounds` are the lowest and
+    /// the highest corner of a box that holds them.
+    ///
+    /// # Errors
+    /// As [`Vertices::check`]; [`Error::Config`] if `faults` is too short.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        vertices: Vertices,
+        places: &Buffer<[u32; 2]>,
+        bounds: [[f32; 3]; 2],
+        positions: &Buffer<[f32; 3]>,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        super::holds("caster_positions", "faults", faults.len(), 2)?;
+        let limits = stage.device.limits();
+        vertices.check(places.len(), &limits)?;
+        if places.is_empty() {
+            return Ok(());
+        }
+        let first = vertices.first_bound(&limits);
+        let params = Params {
+            box_low: bounds[0],
+            count: places.len() as u32,
+            box_high: bounds[1],
+            offset: ((vertices.offset - first) / 4) as u32,
+            stride: (vertices.stride / 4) as u32,
+            ..Params::default()
+        };
+        let params = self.uniforms.get(stage.device, &params);
+        let source = wgpu::BufferBinding { buffer: vertices.buffer, offset: first, size: None };
+        let whole = crate::gpu::program::whole;
+        let ranges = [
+            ("params", whole(&params)),
+            ("vertices", source),
+            ("places", whole(places.raw())),
+            ("positions", whole(positions.raw())),
+            ("faults", whole(faults.raw())),
+        ];
+        stage.run_ranges(&self.gather, &ranges, Groups::Items(places.len() as u64))
+    }
+}

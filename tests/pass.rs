@@ -1,0 +1,466 @@
+//! The pass inside an application's own frame, against the renderer: the same bits, and no frame silently wrong.
+
+use std::sync::{Arc, OnceLock};
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::facet_masks::Pipelines;
+use subpixel_shadows::methods::render::{Budget, Counts, Output, Renderer};
+use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
+use subpixel_shadows::pass::{
+    Casters, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, Target, TriangleTexture, Vertices,
+};
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
+use subpixel_shadows::{Error, ShadowPass, wgpu};
+use wgpu::{BufferUsages, TextureFormat, TextureUsages};
+
+const SIZE: [u32; 2] = [83, 61];
+
+fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
+}
+
+fn settings(facets: FacetMode) -> Settings {
+    let samples = Samples::new(Pattern::LowDiscrepancy, 32).expect("32 samples");
+    Settings { facets, ..Settings::new(SIZE, 64, samples) }
+}
+
+fn scene(name: &str) -> Scene {
+    builtin(name).expect("a built-in scene")
+}
+
+fn casters(mesh: &Mesh) -> Casters<'_> {
+    Casters::Static { positions: &mesh.positions, triangles: &mesh.triangles }
+}
+
+fn pass(settings: Settings, casters: Casters) -> ShadowPass {
+    ShadowPass::new(&gpu().device, &gpu().queue, &PassConfig::new(settings, casters)).expect("a pass")
+}
+
+/// The renderer's picture; pipelines are made once.
+fn rendered(mesh: &Mesh, camera: &Camera, light: &Light, settings: &Settings) -> (Output, Prepared) {
+    static MADE: OnceLock<Arc<Pipelines>> = OnceLock::new();
+    let pipelines = MADE.get_or_init(|| Arc::new(Pipelines::new(&gpu().device, settings))).clone();
+    let prepared = Prepared::new(mesh);
+    let output = Renderer::with_pipelines(gpu(), &prepared, settings, Budget::default(), pipelines)
+        .and_then(|mut renderer| renderer.render(camera, light))
+        .expect("a frame");
+    (output, prepared)
+}
+
+fn texture([width, height]: [u32; 2], format: TextureFormat, usage: TextureUsages) -> wgpu::Texture {
+    gpu().device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("test"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+fn buffer(size: u64, usage: BufferUsages) -> wgpu::Buffer {
+    let descriptor = wgpu::BufferDescriptor { label: Some("test"), size, usage, mapped_at_creation: false };
+    gpu().device.create_buffer(&descriptor)
+}
+
+/// Where the application wants its results.
+struct Targets {
+    visibility: wgpu::Texture,
+    lit: wgpu::Buffer,
+}
+
+/// What it finds there: bits of visibility, lit masks.
+#[derive(Clone, Debug, PartialEq)]
+struct Picture(Vec<u32>);
+
+impl Targets {
+    fn new() -> Self {
+        let usage = TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
+        let visibility = texture(SIZE, TextureFormat::R32Float, usage);
+        // Neither may be left as it was.
+        let poison = vec![0xdead_beefu32; (SIZE[0] * SIZE[1]) as usize];
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIZE[0]), rows_per_image: None };
+        let bytes = bytemuck::cast_slice(&poison);
+        gpu().queue.write_texture(visibility.as_image_copy(), bytes, layout, visibility.size());
+        let lit = buffer(bytes.len() as u64, BufferUsages::COPY_SRC | BufferUsages::COPY_DST);
+        gpu().queue.write_buffer(&lit, 0, bytes);
+        Self { visibility, lit }
+    }
+
+    fn target(&self) -> Target<'_> {
+        Target { visibility: Some(&self.visibility), lit: Some(&self.lit) }
+    }
+
+    fn read(&self) -> Picture {
+        let (width, height) = (SIZE[0] as usize, SIZE[1] as usize);
+        let row = (4 * width).next_multiple_of(256);
+        let staging = buffer((row * height) as u64 + self.lit.size(), BufferUsages::COPY_DST | BufferUsages::MAP_READ);
+        let mut encoder = gpu().encoder();
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row as u32), rows_per_image: None };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &staging, layout };
+        encoder.copy_texture_to_buffer(self.visibility.as_image_copy(), to, self.visibility.size());
+        encoder.copy_buffer_to_buffer(&self.lit, 0, &staging, (row * height) as u64, self.lit.size());
+        gpu().queue.submit([encoder.finish()]);
+        staging.map_async(wgpu::MapMode::Read, .., |_| {});
+        gpu().wait(None).expect("the copies run");
+        let bytes = staging.get_mapped_range(..).expect("mapped").to_vec();
+        let (rows, lit) = bytes.split_at(row * height);
+        let rows = rows.chunks(row).flat_map(|r| r[..4 * width].to_vec());
+        Picture(bytemuck::pod_collect_to_vec(&rows.chain(lit.to_vec()).collect::<Vec<u8>>()))
+    }
+}
+
+fn picture(output: &Output) -> Picture {
+    Picture(output.visibility.iter().map(|v| v.to_bits()).chain(output.lit.iter().copied()).collect())
+}
+
+/// Records, submits, polls, and asks how it came out.
+fn frame(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, FrameStatus) {
+    let targets = Targets::new();
+    let mut encoder = gpu().encoder();
+    let number = pass.record(&mut encoder, inputs, &targets.target()).expect("recorded");
+    gpu().submit_and_wait(encoder).expect("the frame runs");
+    let status = pass.status().expect("known after a poll");
+    assert_eq!((status.frame, pass.frames_in_flight()), (number, 0));
+    assert!(pass.status().is_none(), "said once");
+    (targets.read(), status)
+}
+
+/// A complete frame: one of the first four, where lists were too short for those before.
+fn complete(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, FrameStatus) {
+    for _ in 0..3 {
+        let first = frame(pass, inputs);
+        if first.1.complete {
+            return first;
+        }
+        assert!(first.1.overflowed, "{:?}", first.1);
+    }
+    let fourth = frame(pass, inputs);
+    assert!(fourth.1.complete, "{:?}", fourth.1);
+    fourth
+}
+
+#[track_caller]
+fn assert_same(what: &str, got: &Picture, want: &Picture) {
+    assert_eq!(got.0.len(), want.0.len(), "{what}");
+    let wrong = got.0.iter().zip(&want.0).filter(|(g, w)| g != w).count();
+    assert_eq!(wrong, 0, "{what}: {wrong} of {} words differ", want.0.len());
+    // The comparison must notice one bit, and the picture must hold more than one answer.
+    let mut corrupted = got.clone();
+    corrupted.0[want.0.len() / 3] ^= 1;
+    assert!(corrupted != *want, "{what}: a corrupted picture passes");
+    assert!(want.0.iter().any(|&v| v == 1.0f32.to_bits()) && want.0.contains(&0), "{what}: nothing to see");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn the_picture_is_the_renderers() {
+    for facets in [FacetMode::One, FacetMode::All] {
+        let settings = settings(facets);
+        let mut pass = pass(settings.clone(), casters(&Mesh::default()));
+        for name in ["windmill", "spheres", "plant"] {
+            let scene = scene(name);
+            let (want, _) = rendered(&scene.mesh, &scene.camera, &scene.light, &settings);
+            pass.set_casters(&casters(&scene.mesh)).expect("other casters");
+            let (got, status) = complete(&mut pass, &Inputs::new(&scene.camera, &scene.light));
+            assert_same(&format!("{name}, {facets:?}"), &got, &picture(&want));
+            // How many evaluations it takes depends on who comes first.
+            let counts = |c: &Counts| Counts { visibility_evaluations: 0, refined_evaluations: 0, ..*c };
+            assert_eq!(counts(&status.counts), counts(&want.counts), "{name}, {facets:?}");
+        }
+    }
+}
+
+/// Triangle numbers as an application would write them.
+fn id_texture(ids: &[u32]) -> wgpu::Texture {
+    let texture = texture(SIZE, TextureFormat::R32Uint, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIZE[0]), rows_per_image: None };
+    gpu().queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(ids), layout, texture.size());
+    texture
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn triangle_ids_stand_in_for_camera_visibility() {
+    let settings = settings(FacetMode::One);
+    let scene = scene("spheres");
+    let (want, prepared) = rendered(&scene.mesh, &scene.camera, &scene.light, &settings);
+    let config = PassConfig { timing: true, ..PassConfig::new(settings, casters(&scene.mesh)) };
+    let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+    let given = |t: u32, first: u32| prepared.given.get(t as usize).map_or(first.wrapping_sub(1), |g| g + first);
+    for first in [0, 1, 1000] {
+        let ids: Vec<u32> = want.triangles.iter().map(|&t| given(t, first)).collect();
+        let with = |ids: &[u32], pass: &mut ShadowPass| {
+            let texture = id_texture(ids);
+            let given = TriangleTexture { texture: &texture, first, none: first.wrapping_sub(1) };
+            let gbuffer = GBuffer::TriangleIds(given);
+            complete_or_faulty(pass, &Inputs { gbuffer, ..Inputs::new(&scene.camera, &scene.light) })
+        };
+        let (got, status) = with(&ids, &mut pass);
+        assert!(status.complete, "{status:?}");
+        assert_same(&format!("numbers from {first}"), &got, &picture(&want));
+        let ran = |name: &str| status.stages.iter().any(|s| s.name == name);
+        assert!(status.stages.is_empty() || ran("triangle_ids") && !ran("camera_visibility"), "{:?}", status.stages);
+        // Numbers of other triangles give another picture, and a number of none is found out.
+        let mut off = ids.clone();
+        off.rotate_left(700);
+        assert!(with(&off, &mut pass).0 != picture(&want), "wrong triangles pass");
+        let mut off = ids.clone();
+        off[77] = first + prepared.given.len() as u32;
+        let (_, status) = with(&off, &mut pass);
+        assert_eq!(status.faults, Faults { unknown_triangles: 1, ..Faults::default() });
+        assert!(!status.complete && !status.overflowed, "{status:?}");
+    }
+}
+
+/// The first frame that no list was too short for.
+fn complete_or_faulty(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, FrameStatus) {
+    let frames = (0..3).map(|_| frame(pass, inputs));
+    frames.into_iter().find(|f| !f.1.overflowed).expect("lists that suffice by the third frame")
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn an_overflow_is_said_and_the_next_frame_is_whole() {
+    for facets in [FacetMode::One, FacetMode::All] {
+        let settings = settings(facets);
+        let scene = scene("windmill");
+        let inputs = Inputs::new(&scene.camera, &scene.light);
+        let (want, _) = rendered(&scene.mesh, &scene.camera, &scene.light, &settings);
+        let most = want.lists.iter().map(|l| l.needed).max().expect("lists") as usize;
+        // Three quarters of the longest list: one frame short, the next whole.
+        let budget = Budget { start: Some(most * 3 / 4), ..Budget::default() };
+        let config = PassConfig { budget, ..PassConfig::new(settings, casters(&scene.mesh)) };
+        let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+        let (short, status) = frame(&mut pass, &inputs);
+        assert!(status.overflowed && !status.complete, "{facets:?}: {status:?}");
+        assert!(status.lists.iter().any(|l| l.needed > l.capacity), "{facets:?}: {:?}", status.lists);
+        assert!(short != picture(&want), "{facets:?}: nothing was missing");
+        let (got, status) = frame(&mut pass, &inputs);
+        assert!(status.complete, "{facets:?}: {status:?}");
+        assert_same(&format!("{facets:?}"), &got, &picture(&want));
+    }
+}
+
+/// From lists of one element: each frame says of itself whether it was whole, and by the first that was the lists have grown
+/// a few times only. Without growth of their own they stay as they are until they are told.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn lists_grow_from_one_element() {
+    let scene = scene("spheres");
+    let inputs = Inputs::new(&scene.camera, &scene.light);
+    for facets in [FacetMode::One, FacetMode::All] {
+        let settings = settings(facets);
+        let (want, _) = rendered(&scene.mesh, &scene.camera, &scene.light, &settings);
+        let budget = Budget { start: Some(1), ..Budget::default() };
+        let config = PassConfig { budget, grow: false, ..PassConfig::new(settings, casters(&scene.mesh)) };
+        let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+        let before = pass.capacities();
+        assert!(frame(&mut pass, &inputs).1.overflowed && frame(&mut pass, &inputs).1.overflowed);
+        assert_eq!(pass.capacities(), before, "{facets:?}: lists grew by themselves");
+        let mut frames = 0;
+        loop {
+            assert!(pass.grow().expect("memory"), "{facets:?}: nothing to grow after an overflow");
+            let (got, status) = frame(&mut pass, &inputs);
+            frames += 1;
+            assert_eq!(status.complete, !status.overflowed, "{facets:?}: {status:?}");
+            if status.complete {
+                assert_same(&format!("{facets:?}"), &got, &picture(&want));
+                break;
+            }
+            assert!(frames < 6, "{facets:?}: {:?}", status.lists);
+        }
+        assert!(!pass.grow().expect("memory"), "{facets:?}: grew without need");
+    }
+}
+
+/// A vertex buffer of eight words a vertex, the position from the fourth on.
+fn vertex_buffer(positions: &[[f32; 3]]) -> wgpu::Buffer {
+    let mut words = vec![f32::NAN; 8 * positions.len() + 8];
+    for (v, p) in positions.iter().enumerate() {
+        words[8 * v + 4..8 * v + 7].copy_from_slice(p);
+    }
+    let bytes = bytemuck::cast_slice(&words);
+    let buffer = buffer(bytes.len() as u64, BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_DST);
+    gpu().queue.write_buffer(&buffer, 0, bytes);
+    buffer
+}
+
+fn bounds(mesh: &Mesh) -> [[f32; 3]; 2] {
+    let (low, high) = mesh.bounds().expect("a mesh");
+    [low.as_vec3().into(), high.as_vec3().into()]
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_moved_vertex_buffer_is_a_fresh_mesh() {
+    let settings = settings(FacetMode::One);
+    let scene = scene("windmill");
+    // Two vertices at one point, and one that no triangle uses.
+    let mut mesh = scene.mesh.clone();
+    let twin = mesh.positions.len() as u32;
+    mesh.positions.extend([mesh.positions[mesh.triangles[5][0] as usize], [1e9; 3]]);
+    mesh.triangles[5][0] = twin;
+    let rest = Casters::Moving { rest: &mesh.positions, triangles: &mesh.triangles };
+    let mut pass = pass(settings.clone(), rest);
+    let mut last = None;
+    for (k, factors) in [[1.0, 1.0, 1.0], [1.25, 1.0, 0.5], [0.75, 1.5, 1.0]].into_iter().enumerate() {
+        let mut moved = mesh.clone();
+        moved.positions.iter_mut().for_each(|p| *p = [0, 1, 2].map(|a| p[a] * factors[a]));
+        let same = Prepared::new(&moved).mesh.triangles == Prepared::new(&mesh).mesh.triangles;
+        assert!(same, "the canonical order has changed, and ties may fall otherwise");
+        let (want, _) = rendered(&moved, &scene.camera, &scene.light, &settings);
+        let buffer = vertex_buffer(&moved.positions);
+        let vertices = Vertices { buffer: &buffer, offset: 16, stride: 32 };
+        let mut around = bounds(&moved);
+        if k == 2 {
+            around = [around[0].map(|c| c - 3.0), around[1].map(|c| c + 1.0)];
+        }
+        let at = |vertices, bounds| {
+            let moved = Some(Moved { vertices, bounds });
+            Inputs { moved, ..Inputs::new(&scene.camera, &scene.light) }
+        };
+        let (got, status) = complete(&mut pass, &at(vertices, around));
+        assert_same(&format!("{factors:?}"), &got, &picture(&want));
+        assert_eq!(status.faults, Faults::default());
+        assert!(last.replace(got.clone()) != Some(got), "the picture has not moved");
+        // One vertex elsewhere: another picture, found out where it leaves its twin or the box.
+        let mut off = moved.positions.clone();
+        off[twin as usize][1] += 0.25;
+        let buffer = vertex_buffer(&off);
+        let vertices = Vertices { buffer: &buffer, offset: 16, stride: 32 };
+        let (_, status) = complete_or_faulty(&mut pass, &at(vertices, around));
+        assert!(status.faults.parted > 0 && !status.complete, "{status:?}");
+        let mut tight = around;
+        tight[1][1] -= (tight[1][1] - tight[0][1]) * 0.5;
+        let buffer = vertex_buffer(&moved.positions);
+        let vertices = Vertices { buffer: &buffer, offset: 16, stride: 32 };
+        let (_, status) = complete_or_faulty(&mut pass, &at(vertices, tight));
+        assert!(status.faults.outside > 0 && !status.complete, "{status:?}");
+    }
+}
+
+/// Two frames in one encoder have each their own camera; an encoder that is dropped leaves nothing behind.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn frames_of_one_submission_do_not_mix() {
+    let settings = settings(FacetMode::One);
+    let scene = scene("spheres");
+    let mut other = scene.camera;
+    other.eye[0] += 1.5;
+    let mut pass = pass(settings.clone(), casters(&scene.mesh));
+    let all: Vec<_> = [scene.camera, other]
+        .into_iter()
+        .map(|camera| (picture(&rendered(&scene.mesh, &camera, &scene.light, &settings).0), camera, Targets::new()))
+        .collect();
+    for camera in [&scene.camera, &other] {
+        complete(&mut pass, &Inputs::new(camera, &scene.light));
+    }
+    let mut encoder = gpu().encoder();
+    for (_, camera, targets) in &all {
+        pass.record(&mut encoder, &Inputs::new(camera, &scene.light), &targets.target()).expect("recorded");
+    }
+    assert!(pass.status().is_none() && pass.frames_in_flight() == 2);
+    gpu().submit_and_wait(encoder).expect("both frames run");
+    for (want, _, targets) in &all {
+        assert!(pass.status().expect("a status each").complete);
+        assert_same("a frame of two", &targets.read(), want);
+    }
+    let mut dropped = gpu().encoder();
+    let none = Target::default();
+    pass.record(&mut dropped, &Inputs::new(&scene.camera, &scene.light), &none).expect("recorded");
+    drop(dropped);
+    assert!(pass.status().is_none() && pass.frames_in_flight() == 0);
+    let (got, status) = frame(&mut pass, &Inputs::new(&scene.camera, &scene.light));
+    assert!(status.complete);
+    assert_same("after a dropped encoder", &got, &all[0].0);
+}
+
+#[track_caller]
+fn refused(what: &str, result: Result<u64, Error>) {
+    match result {
+        Err(Error::Config(text) | Error::Scene(text)) => {
+            assert!(text.contains(what) && !text.contains('\n'), "'{what}' expected: {text}");
+        }
+        other => panic!("{what}: {other:?}"),
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn bad_input_is_refused() {
+    let (device, queue) = (&gpu().device, &gpu().queue);
+    let scene = scene("plane");
+    let good = settings(FacetMode::One);
+    let refuse = |config: &PassConfig| ShadowPass::new(device, queue, config).err().map(|e| e.to_string());
+    let positions = [[0.0, 0.0, f32::NAN]; 3];
+    let broken = Casters::Static { positions: &positions, triangles: &[[0, 1, 2]] };
+    assert!(refuse(&PassConfig::new(good.clone(), broken)).expect("an error").contains("not finite"));
+    let beyond = Casters::Moving { rest: &[[0.0; 3]; 3], triangles: &[[0, 1, 3]] };
+    assert!(refuse(&PassConfig::new(good.clone(), beyond)).expect("an error").contains("vertex 3"));
+    let flat = Settings { size: [0, 5], ..good.clone() };
+    assert!(refuse(&PassConfig::new(flat, casters(&scene.mesh))).expect("an error").contains("0x5"));
+    let vast = Settings { size: [16384, 16384], ..good.clone() };
+    assert!(refuse(&PassConfig::new(vast, casters(&scene.mesh))).expect("an error").contains("memory"));
+
+    let mut pass = pass(good, casters(&scene.mesh));
+    assert!(pass.set_size([5, 20_000]).is_err() && pass.set_casters(&broken).is_err());
+    let inputs = Inputs::new(&scene.camera, &scene.light);
+    let mut encoder = gpu().encoder();
+    let mut with = |inputs: &Inputs, target: &Target| pass.record(&mut encoder, inputs, target);
+    let none = Target::default();
+    let camera = Camera { vertical_fov_degrees: 180.0, ..scene.camera };
+    refused("180", with(&Inputs { camera: &camera, ..inputs }, &none));
+    let light = Light::Directional { direction: [0.0; 3] };
+    refused("length 0", with(&Inputs { light: &light, ..inputs }, &none));
+    let storage = TextureUsages::STORAGE_BINDING;
+    for (what, size, format, usage) in [
+        ("format", SIZE, TextureFormat::R32Uint, storage),
+        ("84x61", [84, 61], TextureFormat::R32Float, storage),
+        ("lacks", SIZE, TextureFormat::R32Float, TextureUsages::TEXTURE_BINDING),
+    ] {
+        let texture = texture(size, format, usage);
+        refused(what, with(&inputs, &Target { visibility: Some(&texture), lit: None }));
+    }
+    let pixels = u64::from(SIZE[0] * SIZE[1]) * 4;
+    for (what, size, usage) in
+        [("bytes", pixels - 4, BufferUsages::COPY_DST), ("lacks COPY_DST", pixels, BufferUsages::STORAGE)]
+    {
+        let buffer = buffer(size, usage);
+        refused(what, with(&inputs, &Target { visibility: None, lit: Some(&buffer) }));
+    }
+    for (what, size, format, usage) in [
+        ("format", SIZE, TextureFormat::R32Float, TextureUsages::TEXTURE_BINDING),
+        ("1x1", [1, 1], TextureFormat::R32Uint, TextureUsages::TEXTURE_BINDING),
+        ("lacks", SIZE, TextureFormat::R32Uint, TextureUsages::COPY_DST),
+    ] {
+        let texture = texture(size, format, usage);
+        let gbuffer = GBuffer::TriangleIds(TriangleTexture::new(&texture));
+        refused(what, with(&Inputs { gbuffer, ..inputs }, &none));
+    }
+    let vertices = buffer(1 << 16, BufferUsages::STORAGE);
+    let at = |buffer, bounds| Inputs { moved: Some(Moved { vertices: Vertices::packed(buffer), bounds }), ..inputs };
+    refused("static casters", with(&at(&vertices, [[0.0; 3], [1.0; 3]]), &none));
+
+    let rest = Casters::Moving { rest: &scene.mesh.positions, triangles: &scene.mesh.triangles };
+    pass.set_casters(&rest).expect("moving casters");
+    let mut with = |inputs: &Inputs| pass.record(&mut encoder, inputs, &none);
+    refused("no vertex buffer", with(&inputs));
+    refused("no box", with(&at(&vertices, [[0.0, 2.0, 0.0], [1.0; 3]])));
+    let [short, other] = [buffer(16, BufferUsages::STORAGE), buffer(1 << 16, BufferUsages::VERTEX)];
+    refused("do not hold", with(&at(&short, [[0.0; 3], [1.0; 3]])));
+    refused("lacks STORAGE", with(&at(&other, [[0.0; 3], [1.0; 3]])));
+    let inside = Light::Point { position: [0.5; 3] };
+    refused("among its casters", with(&Inputs { light: &inside, ..at(&vertices, [[0.0; 3], [1.0; 3]]) }));
+
+    let mut every = self::pass(settings(FacetMode::All), casters(&scene.mesh));
+    let texture = texture(SIZE, TextureFormat::R32Uint, TextureUsages::TEXTURE_BINDING);
+    let gbuffer = GBuffer::TriangleIds(TriangleTexture::new(&texture));
+    refused("one sample", every.record(&mut encoder, &Inputs { gbuffer, ..inputs }, &none));
+    gpu().submit_and_wait(encoder).expect("nothing was recorded");
+    assert!(pass.status().is_none() && every.status().is_none());
+    gpu().check().expect("no error of the device");
+}

@@ -1,0 +1,118 @@
+//! Visibility as a texture, texel by texel.
+
+use crate::support::shadow::{folding_gpu, uniform};
+use crate::support::{Random, difference, gpu, read_texture, run, sizes_around, texture, upload};
+use subpixel_shadows::frame::Frame;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::reference::visibility_texture::texels;
+use subpixel_shadows::stages::visibility_texture::VisibilityTexture;
+use subpixel_shadows::wgpu;
+
+/// What a texture holds before the stage runs, as bits.
+const BEFORE: u32 = 0x40e0_0000;
+
+/// Bits of the texels of a texture of `size`, row by row, after the stage ran on an image of `image` pixels.
+fn ask(gpu: &Gpu, image: [u32; 2], size: [u32; 2], values: &[f32]) -> Vec<u32> {
+    let frame = uniform(gpu, &Frame { image_size: image, ..Frame::default() });
+    let before = vec![BEFORE; (size[0] * size[1]) as usize];
+    let target = texture(gpu, size, wgpu::TextureFormat::R32Float, Some(&before));
+    let visibility = upload(gpu, values);
+    let stage = VisibilityTexture::new(&gpu.device);
+    let view = target.create_view(&Default::default());
+    run(gpu, |s| stage.record(s, frame.raw(), &visibility, &view));
+    read_texture(gpu, &target)
+}
+
+fn wanted(image: [u32; 2], size: [u32; 2], values: &[f32]) -> Vec<u32> {
+    let mut out = vec![BEFORE; (size[0] * size[1]) as usize];
+    for ([x, y], v) in texels(values, image[0] as usize) {
+        if x < size[0] as usize && y < size[1] as usize {
+            out[y * size[0] as usize + x] = v.to_bits();
+        }
+    }
+    out
+}
+
+fn values(image: [u32; 2], random: &mut Random) -> Vec<f32> {
+    (0..image[0] * image[1]).map(|_| random.below(33) as f32 / 32.0).collect()
+}
+
+#[track_caller]
+fn check(gpu: &Gpu, image: [u32; 2], size: [u32; 2], values: &[f32]) -> Vec<u32> {
+    let got = ask(gpu, image, size, values);
+    assert_eq!(difference(&got, &wanted(image, size, values)), None);
+    got
+}
+
+/// An image of no pixels writes nothing.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    assert!(check(gpu(), [0, 0], [3, 2], &[]).iter().all(|&t| t == BEFORE));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    assert_eq!(check(gpu(), [1, 1], [1, 1], &[0.25]), [0.25f32.to_bits()]);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    for pixels in sizes_around(64) {
+        let image = [pixels as u32, 1];
+        check(gpu(), image, image, &values(image, &mut Random::new(pixels as u64)));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    let mut random = Random::new(11);
+    for image in [[64, 48], [61, 47], [3, 900], [1000, 2]] {
+        check(gpu(), image, image, &values(image, &mut random));
+    }
+}
+
+/// Every finite value keeps its bits.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    let odd = [0.0, 1.0, 1.0f32.next_down(), f32::MIN_POSITIVE, f32::MAX, -1.0, 1.0 / 3.0, f32::EPSILON];
+    check(gpu(), [4, 2], [4, 2], &odd);
+}
+
+/// A texture that is a row or a column short takes what it holds; one that is larger keeps the rest as it was.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let image = [9, 8];
+    let values = values(image, &mut Random::new(31));
+    for size in [[9, 7], [8, 8], [10, 9]] {
+        check(gpu(), image, size, &values);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    // Nine workgroups in three rows.
+    let image = [24, 24];
+    let values = values(image, &mut Random::new(41));
+    assert!(check(folding_gpu(), image, image, &values) == check(gpu(), image, image, &values));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let image = [20, 10];
+    let values = values(image, &mut Random::new(51));
+    let got = check(gpu(), image, image, &values);
+    for at in [0, 77, 199] {
+        let mut off = got.clone();
+        off[at] ^= 1;
+        assert!(difference(&off, &wanted(image, image, &values)).is_some());
+    }
+    assert!(difference(&got, &wanted([10, 20], image, &values)).is_some());
+}
