@@ -139,7 +139,7 @@ impl<'a> Renderer<'a> {
     /// Renders one frame, running it again with larger lists, more bands or more rounds until nothing is left out.
     ///
     /// # Errors
-    /// [`Error::Scene`] for an impossible camera or light, [`Error::Memory`] if the lists fit in no way, [`Error::Gpu`].
+    /// [`crate::Error::Scene`] for an impossible camera or light, [`crate::Error::Memory`] if the lists fit in no way, [`crate::Error::Gpu`].
     pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
         let view = LightView::fit(&self.prepared.mesh, light, self.settings.map)?;
         view.check()?;
