@@ -14,6 +14,7 @@
 
 override ENCODING: u32 = 1u;
 const WORKGROUP = 64u;
+const LIFT = 2.0;   // times its own range of depths by which a triangle may count as nearer than it is
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
@@ -24,12 +25,17 @@ const WORKGROUP = 64u;
 @group(0) @binding(6) var<storage, read> work_offsets: array<u32>;
 @group(0) @binding(7) var<storage, read_write> depth_keys: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> id_keys: array<atomic<u32>>;
-@group(0) @binding(9) var<storage, read_write> records: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> upper_records: array<vec4<u32>>;
+@group(0) @binding(10) var<storage, read_write> lower_records: array<vec4<u32>>;
 
-// Least depth of the plane over the texel as a key that falls with it. Not below the triangle's own least depth: what is
-// far behind would else come before what hides it.
+// Least depth of the plane over the texel as a key that falls with it, whatever its sign. The plane of a triangle that is
+// almost edge-on is nearest: it is at the border of what it belongs to, and the texel shall hold the border. LIFT keeps what
+// is far behind from coming before what hides it.
 fn key_at(shape: Cover, centre: vec2<f32>) -> u32 {
-    return ~bitcast<u32>(max(depth_range(shape, centre).x, 0.0));
+    let least = dot(shape.depth, vec3(centre, 1.0)) - shape.half_range;
+    let first = shape.nearest - LIFT * (shape.farthest - shape.nearest);
+    let bits = bitcast<u32>(select(max(least, first), first, shape.thin));
+    return select(bits, ~(bits | 0x80000000u), (bits >> 31u) == 0u);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -62,13 +68,18 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     }
 }
 
+fn store(texel: u32, record: vec4<u32>) {
+    let upper = frame.map_size * upper_rows();
+    if texel < upper { upper_records[texel] = record; } else { lower_records[texel - upper] = record; }
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let texel = flat_invocation(group, groups, WORKGROUP, local);
     if texel >= frame.map_size * frame.map_size { return; }
     let t = ~atomicLoad(&id_keys[texel]);
     if t >= frame.triangle_count {
-        records[texel] = vec4(0u, 0u, 0u, EMPTY_WORD);
+        store(texel, vec4(0u, 0u, 0u, EMPTY_WORD));
         return;
     }
     // Vertices in order of index, so that an edge has one code in both of its triangles.
@@ -79,5 +90,5 @@ fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let centre = vec2(f32(texel % frame.map_size), f32(texel / frame.map_size)) + 0.5;
     let shift = vec3(centre, 0.0);
     let corners = Corners(map_points[i.x].xyz - shift, map_points[i.y].xyz - shift, map_points[i.z].xyz - shift);
-    records[texel] = encode_record(corners, centre);
+    store(texel, encode_record(corners, centre));
 }

@@ -33,22 +33,18 @@ const MOST_TEXELS = 25.0;     // of a footprint that is settled as a whole
 @group(0) @binding(4) var<storage, read> id_keys: array<u32>;
 @group(0) @binding(5) var<storage, read> triangles: array<u32>;
 @group(0) @binding(6) var<storage, read> points: array<vec4<f32>>;
-@group(0) @binding(7) var<storage, read> records: array<vec4<u32>>;
-@group(0) @binding(8) var<storage, read_write> visibility: array<f32>;
-@group(0) @binding(9) var<storage, read_write> lit: array<u32>;
-@group(0) @binding(10) var<storage, read_write> classes: array<u32>;
-@group(0) @binding(11) var<storage, read_write> flags: array<u32>;
-@group(0) @binding(12) var<storage, read> kept: array<u32>;
-@group(0) @binding(13) var<storage, read> total: array<u32>;
+@group(0) @binding(7) var<storage, read> upper_records: array<vec4<u32>>;
+@group(0) @binding(8) var<storage, read> lower_records: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> visibility: array<f32>;
+@group(0) @binding(10) var<storage, read_write> lit: array<u32>;
+@group(0) @binding(11) var<storage, read_write> marks: array<u32>;  // of each pixel whether it is uncertain; then its class
+@group(0) @binding(12) var<storage, read> kept: array<u32>;         // as many as pixels, then how many there are
 
-fn sheet_at(texel: vec2<i32>) -> Sheet {
-    if any(texel < vec2(0)) || any(texel >= vec2(i32(frame.map_size))) { return Sheet(); }
-    return decode_record(records[u32(texel.y) * frame.map_size + u32(texel.x)], middle_of(texel));
-}
+fn pixel_count() -> u32 { return frame.image_size.x * frame.image_size.y; }
 
 fn settle(pixel: u32, kind: u32) {
-    classes[pixel] = kind;
-    flags[pixel] = select(0u, 1u, kind == CLASS_UNCERTAIN);
+    marks[pixel_count() + pixel] = kind;
+    marks[pixel] = select(0u, 1u, kind == CLASS_UNCERTAIN);
     let open = kind == CLASS_EMPTY || kind == CLASS_LIT;
     visibility[pixel] = select(0.0, 1.0, open);
     for (var w = 0u; w < WORDS; w++) { lit[WORDS * pixel + w] = select(0u, 0xffffffffu, open); }
@@ -101,17 +97,17 @@ fn class_of(pixel: u32) -> u32 {
 @compute @workgroup_size(WORKGROUP)
 fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
-    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    if pixel >= pixel_count() { return; }
     settle(pixel, class_of(pixel));
 }
 
 // Samples of `group`, all in one texel, that are in shadow.
 fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: vec4<u32>) -> vec4<u32> {
-    if !before(sheet_at(texel), r, at, middle_of(texel)) { return vec4(0u); }
+    if !before_place(sheet_at(texel), r, at, middle_of(texel)) { return vec4(0u); }
     var mask = 0u;
     for (var k = 0; k < 9; k++) {
         let here = texel + vec2(k % 3 - 1, k / 3 - 1);
-        if before(sheet_at(here), r, at, middle_of(here)) { mask |= 1u << u32(k); }
+        if before_place(sheet_at(here), r, at, middle_of(here)) { mask |= 1u << u32(k); }
     }
     let pattern = patterns[mask];
     var dark = vec4(0u);
@@ -131,7 +127,7 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
             }
             let inner = max(abs(x), abs(y)) <= 1;
             if inner && (pattern.z & (1u << u32(max(3 * y + x + 4, 0)))) == 0u { continue; }
-            if !inner && !before(s, r, at, middle_of(here)) { continue; }
+            if !inner && !before_place(s, r, at, middle_of(here)) { continue; }
             let offset = middle_of(here) - centre;
             let gap = s.depth - receiver_around(r, at, middle_of(here));
             for (var e = 0u; e < 3u; e++) {
@@ -165,7 +161,7 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
 @compute @workgroup_size(WORKGROUP)
 fn recover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= min(total[0], arrayLength(&kept)) { return; }
+    if item >= min(kept[pixel_count()], pixel_count()) { return; }
     let pixel = kept[item];
     let r = receiver_of(pixel);
     var open = vec4(0u);    // samples still to be judged: those whose rays meet the plane

@@ -11,6 +11,14 @@ struct Receiver {
     height: f32,        // dot(normal, point) on the plane
     at: vec3<f32>,      // a point of it
     slope: vec2<f32>,   // depth per texel to the right and down
+    far: f32,           // depth of the triangle's farthest corner
+}
+
+fn depth_of(p: vec3<f32>) -> f32 {
+    let z = dot(frame.map_z, vec4(p, 1.0));
+    if (frame.flags & FLAG_PERSPECTIVE) == 0u { return z; }
+    let w = dot(frame.map_w, vec4(p, 1.0));
+    return select(3.0e38, z / w, w > frame.light_low.w);
 }
 
 fn receiver_of(pixel: u32) -> Receiver {
@@ -22,7 +30,9 @@ fn receiver_of(pixel: u32) -> Receiver {
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
     let a = points[i.x].xyz;
-    var normal = cross(points[i.y].xyz - a, points[i.z].xyz - a);
+    let b = points[i.y].xyz;
+    let c = points[i.z].xyz;
+    var normal = cross(b - a, c - a);
     normal *= bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(normal)) & 0x7f800000u));  // a power of two: about 1
     let to_light = frame.light.xyz - frame.light.w * a;
     let side = dot(normal, to_light);
@@ -33,6 +43,7 @@ fn receiver_of(pixel: u32) -> Receiver {
     r.at = a;
     if r.height >= 0.0 { return r; }
     r.seen = SEEN_OPEN;
+    r.far = max(depth_of(a), max(depth_of(b), depth_of(c)));
     let p = vec4(r.normal, -r.height);
     let s = -vec2(dot(p, frame.back_u), dot(p, frame.back_v)) / dot(p, frame.back_z);
     // Steeper than all depth within a texel: nothing more is told by it.

@@ -3,11 +3,15 @@
 // override ENCODING.
 //   ENCODING 0 (Lecocq 2013, section 3.3): x | y << 16 of each vertex over the map; depth << 16 | slope y << 8 | slope x.
 //   ENCODING 1: per edge direction << 20 | distance << 8 | a byte of depth; slope y << 16 | slope x.
+// The upper and the lower half of the map are arrays of their own: at 4096 x 4096 each is as large as a binding may be.
 // A record whose last word is EMPTY_WORD holds nothing: no slope has that code.
 
 const EMPTY_WORD = 0xffffffffu;
 const FAR_EDGE = 64.0;          // texels: an edge beyond the code's range
+const BEYOND = 1.0e6;           // doubt of the depth of what lies beyond the code's range: it is before nothing
 const NEAREST_EDGE = -0.75;     // a conservatively covered centre lies at most half a texel and the margins outside an edge
+
+fn upper_rows() -> u32 { return (frame.map_size + 1u) / 2u; }
 
 struct Sheet {
     edges: array<vec3<f32>, 3>, // inside where dot((x, y, 1), edge) >= 0; |x| + |y| of the normal is 1
@@ -52,6 +56,11 @@ fn slope_of_16(code: u32) -> f32 {
 
 fn unorm_code(value: f32, most: f32) -> u32 {
     return u32(floor(clamp(value, 0.0, 1.0) * most + 0.5));
+}
+
+// Likewise of a depth: what lies beyond the range, as a ground behind all casters may, has the code after the last.
+fn depth_code(value: f32, most: f32) -> u32 {
+    return u32(min(floor(max(value, 0.0) * most + 0.5), most + 1.0));
 }
 
 // Direction of a normal with |x| + |y| = 1 as its place around the diamond, 1024 steps a side.
@@ -109,7 +118,7 @@ fn encode_record(t: Corners, centre: vec2<f32>) -> vec4<u32> {
             unorm_code(a.x, 65535.0) | (unorm_code(a.y, 65535.0) << 16u),
             unorm_code(b.x, 65535.0) | (unorm_code(b.y, 65535.0) << 16u),
             unorm_code(c.x, 65535.0) | (unorm_code(c.y, 65535.0) << 16u),
-            (unorm_code(plane.z, 65535.0) << 16u) | (slope_code(steep.y) << 8u) | slope_code(steep.x));
+            (depth_code(plane.z, 65534.0) << 16u) | (slope_code(steep.y) << 8u) | slope_code(steep.x));
     }
     let ab = t.b.xy - t.a.xy;
     let ac = t.c.xy - t.a.xy;
@@ -118,7 +127,7 @@ fn encode_record(t: Corners, centre: vec2<f32>) -> vec4<u32> {
     let e1 = edge_of(t.b.xy, t.c.xy, turn);
     let e2 = edge_of(t.c.xy, t.a.xy, turn);
     // 24 bits over depths from -1 to 2: the centre may lie outside a steep triangle.
-    let depth = unorm_code((plane.z + 1.0) / 3.0, 16777215.0);
+    let depth = depth_code((plane.z + 1.0) / 3.0, 16777214.0);
     return vec4(
         (direction_code(e0.xy) << 20u) | (distance_code(e0.z) << 8u) | (depth >> 16u),
         (direction_code(e1.xy) << 20u) | (distance_code(e1.z) << 8u) | ((depth >> 8u) & 255u),
@@ -148,15 +157,15 @@ fn decode_record(r: vec4<u32>, centre: vec2<f32>) -> Sheet {
         if area == 0.0 { s.edges[0] = vec3(1.0, 0.0, -FAR_EDGE); }
         let x = slopes[r.w & 255u];
         let y = slopes[(r.w >> 8u) & 255u];
-        s.depth = vec3(x.y * per_texel, y.y * per_texel, f32(r.w >> 16u) / 65535.0);
-        s.doubt = vec3(x.z * per_texel, y.z * per_texel, 7.7e-6);
+        s.depth = vec3(x.y * per_texel, y.y * per_texel, f32(r.w >> 16u) / 65534.0);
+        s.doubt = vec3(x.z * per_texel, y.z * per_texel, select(7.7e-6, BEYOND, (r.w >> 16u) == 65535u));
         return s;
     }
     s.edges = array(decode_edge(r.x), decode_edge(r.y), decode_edge(r.z));
     let depth = ((r.x & 255u) << 16u) | ((r.y & 255u) << 8u) | (r.z & 255u);
     let slope = vec2(slope_of_16(r.w & 0xffffu), slope_of_16(r.w >> 16u)) * per_texel;
-    s.depth = vec3(slope, f32(depth) * (3.0 / 16777215.0) - 1.0);
+    s.depth = vec3(slope, f32(depth) * (3.0 / 16777214.0) - 1.0);
     // Half a step of the mantissa, half of the depth's, and what f32 leaves of it.
-    s.doubt = vec3(abs(slope) * 0.00048828125 + 9.5e-7 * per_texel, 4e-7);
+    s.doubt = vec3(abs(slope) * 0.00048828125 + 9.5e-7 * per_texel, select(4e-7, BEYOND, depth == 16777215u));
     return s;
 }

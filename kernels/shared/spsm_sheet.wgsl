@@ -1,4 +1,13 @@
-// Questions to a sheet of the sub-pixel shadow map. Needs shared/spsm_record. Places are in texels.
+// Questions to a sheet of the sub-pixel shadow map. Needs shared/spsm_record and the records. Places are in texels.
+
+fn sheet_at(texel: vec2<i32>) -> Sheet {
+    if any(texel < vec2(0)) || any(texel >= vec2(i32(frame.map_size))) { return Sheet(); }
+    let at = u32(texel.y) * frame.map_size + u32(texel.x);
+    let upper = upper_rows() * frame.map_size;
+    var record: vec4<u32>;
+    if at < upper { record = upper_records[at]; } else { record = lower_records[at - upper]; }
+    return decode_record(record, middle_of(texel));
+}
 
 fn inside_by(s: Sheet, at: vec2<f32>) -> f32 {
     let p = vec3(at, 1.0);

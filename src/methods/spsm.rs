@@ -88,7 +88,7 @@ impl FixedMethod for Spsm {
     }
 
     fn counts(&self, gpu: &Gpu) -> Result<Counts> {
-        let classes = self.pixels.classes.read(gpu)?;
+        let classes = self.pixels.classes(gpu)?;
         let of = |class: Class| classes.iter().filter(|&&c| c == class as u32).count() as u64;
         Ok(Counts {
             silhouette_pixels: of(Class::Uncertain),

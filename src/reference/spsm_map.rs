@@ -8,8 +8,24 @@ use glam::{DVec2, DVec3};
 /// The last word of an empty texel's record.
 pub const EMPTY: u32 = u32::MAX;
 
+/// Times its own range of depths by which a triangle may count as nearer than it is.
+const LIFT: f64 = 2.0;
+
+/// Least depth of the triangle's plane over the square, held to [`LIFT`] ranges of depth before its nearest corner.
+pub fn lifted(flat: &Flat, at: DVec2, reach: f64, margin: f64) -> f64 {
+    let (lo, hi) = flat.depths();
+    let first = lo - margin - LIFT * (hi - lo + 2.0 * margin);
+    match flat.slope.filter(|_| !flat.is_thin()) {
+        None => first,
+        Some(slope) => {
+            let middle = flat.corners[0].z + slope.dot(at - flat.corners[0].truncate());
+            (middle - reach * (slope.x.abs() + slope.y.abs()) - margin).max(first)
+        }
+    }
+}
+
 /// Least conservative depth and triangle of each texel: of all triangles that touch the square of half side `reach` around
-/// its centre the one whose plane, held between its corners, comes nearest there; of equals the lowest.
+/// its centre the one with the least [`lifted`] depth there; of equals the lowest.
 pub fn closest(triangles: &[Triangle], size: u32, reach: f64, margin: f64) -> Vec<Option<(f64, u32)>> {
     let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
     by_rows(&figures, size, reach, |y, list| {
@@ -17,7 +33,7 @@ pub fn closest(triangles: &[Triangle], size: u32, reach: f64, margin: f64) -> Ve
         for &t in list {
             let Some(flat) = &figures[t as usize] else { continue };
             for x in columns(flat, reach, size).filter(|&x| flat.touches(centre(x, y), reach)) {
-                let depth = flat.depth_range(centre(x, y), reach, margin).0.max(0.0);
+                let depth = lifted(flat, centre(x, y), reach, margin);
                 let held: &mut Option<(f64, u32)> = &mut row[x as usize];
                 if held.is_none_or(|(d, _)| depth < d) {
                     *held = Some((depth, t));
@@ -69,6 +85,14 @@ pub fn unorm_code(value: f32, most: f32) -> u32 {
     (value.clamp(0.0, 1.0) * most + 0.5).floor() as u32
 }
 
+/// Likewise of a depth: what lies beyond the range, as a ground behind all casters may, has the code after the last.
+pub fn depth_code(value: f32, most: f32) -> u32 {
+    (value.max(0.0) * most + 0.5).floor().min(most + 1.0) as u32
+}
+
+/// Doubt of the depth of what lies beyond the range of the code: it is before nothing.
+pub const BEYOND: f64 = 1e6;
+
 /// Direction of a normal with |x| + |y| = 1, as its place around the diamond.
 pub fn direction_code(x: f32, y: f32) -> u32 {
     let place = if y >= 0.0 { 1.0 - x } else { 3.0 + x };
@@ -102,12 +126,12 @@ impl Coding {
                 let [x, y] = ((v + middle) / side).to_array().map(|c| unorm_code(c as f32, 65_535.0));
                 x | y << 16
             };
-            let depth = unorm_code(plane.z as f32, 65_535.0);
+            let depth = depth_code(plane.z as f32, 65_534.0);
             let slopes = self.slopes.encode(y) << 8 | self.slopes.encode(x);
             return [vertex(a), vertex(b), vertex(c), depth << 16 | slopes];
         }
         let turn = if (b - a).perp_dot(c - a) > 0.0 { 1.0 } else { -1.0 };
-        let depth = unorm_code(((plane.z + 1.0) / 3.0) as f32, 16_777_215.0);
+        let depth = depth_code(((plane.z + 1.0) / 3.0) as f32, 16_777_214.0);
         let word = |k: usize, from, to| {
             let e = edge(from, to, turn);
             let direction = direction_code(e.x as f32, e.y as f32);
@@ -135,8 +159,9 @@ impl Coding {
             let slope = |k: u32| (record[3] >> (8 * k) & 255).min(254) as usize;
             let [x, y] = [slope(0), slope(1)].map(|k| f64::from(self.slopes.values[k]) / side);
             let [dx, dy] = [slope(0), slope(1)].map(|k| f64::from(self.slopes.bounds[k]) / side);
-            let depth = DVec3::new(x, y, f64::from(record[3] >> 16) / 65_535.0);
-            return Some(Sheet { edges, depth, doubt: DVec3::new(dx, dy, 7.7e-6) });
+            let depth = DVec3::new(x, y, f64::from(record[3] >> 16) / 65_534.0);
+            let doubt = if record[3] >> 16 == 65_535 { BEYOND } else { 7.7e-6 };
+            return Some(Sheet { edges, depth, doubt: DVec3::new(dx, dy, doubt) });
         }
         let edges = [0, 1, 2].map(|k| {
             let place = f64::from(record[k] >> 20) / 1024.0;
@@ -148,7 +173,8 @@ impl Coding {
         let depth = (record[0] & 255) << 16 | (record[1] & 255) << 8 | record[2] & 255;
         let [x, y] = [record[3] & 0xffff, record[3] >> 16].map(|c| f64::from(slope_of_16(c)) / side);
         let rest = 9.5e-7 / side;
-        let doubt = DVec3::new(x.abs() / 2048.0 + rest, y.abs() / 2048.0 + rest, 4e-7);
-        Some(Sheet { edges, depth: DVec3::new(x, y, f64::from(depth) * 3.0 / 16_777_215.0 - 1.0), doubt })
+        let beyond = if depth == 16_777_215 { BEYOND } else { 4e-7 };
+        let doubt = DVec3::new(x.abs() / 2048.0 + rest, y.abs() / 2048.0 + rest, beyond);
+        Some(Sheet { edges, depth: DVec3::new(x, y, f64::from(depth) * 3.0 / 16_777_214.0 - 1.0), doubt })
     }
 }

@@ -72,23 +72,38 @@ impl Query<'_> {
         self.bias + (slope.x.abs() + slope.y.abs()) * self.noise
     }
 
-    /// Whether the texel's triangle lies before the receiver through `at` somewhere in the texel.
-    pub fn before(&self, texel: [i32; 2], at: DVec3, slope: DVec2) -> bool {
+    /// Whether the texel's triangle lies before the receiver through `at` somewhere in the texel, and there before the
+    /// farthest corner of the receiver's triangle, at depth `far`.
+    pub fn before(&self, texel: [i32; 2], at: DVec3, slope: DVec2, far: f64) -> bool {
         let Some(s) = self.sheet(texel) else { return false };
-        let gap = s.depth - around(at, slope, texel);
+        let most = -self.bias(slope);
+        self.least_gap(&s, around(at, slope, texel)) < most && self.least_gap(&s, DVec3::Z * far) < most
+    }
+
+    /// Whether besides the triangle's plane at the place, or all of the triangle in the texel, lies before the place.
+    fn before_place(&self, texel: [i32; 2], at: DVec3, slope: DVec2, far: f64) -> bool {
+        let Some(s) = self.sheet(texel).filter(|_| self.before(texel, at, slope, far)) else { return false };
+        let there = at.truncate() - middle(texel);
+        let limit = at.z - self.bias(slope);
+        let turned = Sheet { depth: -s.depth, ..s };
+        s.depth_at(there) + s.doubt_at(there) < limit
+            || 2.0 * s.doubt_at(DVec2::splat(0.5)) - self.least_gap(&turned, DVec3::ZERO) < limit
+    }
+
+    /// Least depth of the sheet over its texel less that of the receiver, doubt included.
+    fn least_gap(&self, s: &Sheet, receiver: DVec3) -> f64 {
+        let gap = s.depth - receiver;
         let value = |p: DVec2| gap.dot(p.extend(1.0)) + s.doubt_at(p) + self.step(gap);
         let half = |g: f64| if g > 0.0 { -0.5 } else { 0.5 };
         let corner = DVec2::new(half(gap.x), half(gap.y));
-        let least = if s.inside(corner) >= 0.0 {
-            value(corner)
-        } else {
-            let ends = (0..3).filter_map(|k| s.piece(k, DVec2::ZERO, 0.5)).flatten();
-            let least = ends.map(value).fold(f64::INFINITY, f64::min);
-            let corners = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]].map(DVec2::from);
-            let nearest = corners.into_iter().max_by(|a, b| s.inside(*a).total_cmp(&s.inside(*b)));
-            if least.is_finite() { least } else { value(nearest.unwrap_or(corner)) }
-        };
-        least < -self.bias(slope)
+        if s.inside(corner) >= 0.0 {
+            return value(corner);
+        }
+        let ends = (0..3).filter_map(|k| s.piece(k, DVec2::ZERO, 0.5)).flatten();
+        let least = ends.map(value).fold(f64::INFINITY, f64::min);
+        let corners = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]].map(DVec2::from);
+        let nearest = corners.into_iter().max_by(|a, b| s.inside(*a).total_cmp(&s.inside(*b)));
+        if least.is_finite() { least } else { value(nearest.unwrap_or(corner)) }
     }
 
     /// Whether one triangle around the middle of the box from `low` to `high` covers all of it, before the receiver.
@@ -111,10 +126,11 @@ impl Query<'_> {
         (-r..=r).flat_map(move |dy| (-r..=r).map(move |dx| [x + dx, y + dy]))
     }
 
-    /// Whether a place (texel x, y, depth) on a receiver of this slope is in shadow.
-    pub fn shadowed(&self, at: DVec3, slope: DVec2) -> bool {
+    /// Whether a place (texel x, y, depth) on a receiver of this slope, whose triangle ends at depth `far`, is in shadow.
+    /// All places of a pixel in one texel share the border that is found for the `first` of them.
+    pub fn shadowed(&self, at: DVec3, first: DVec3, slope: DVec2, far: f64) -> bool {
         let texel = texel_of(at.truncate());
-        if !self.before(texel, at, slope) {
+        if !self.before_place(texel, first, slope, far) {
             return false;
         }
         let hit = |here: [i32; 2]| {
@@ -129,9 +145,9 @@ impl Query<'_> {
             return true;
         }
         let offsets = (0..9).map(|k| [k % 3 - 1, k / 3 - 1]);
-        let mask = offsets
-            .enumerate()
-            .fold(0, |mask, (k, [x, y])| mask | u32::from(self.before([texel[0] + x, texel[1] + y], at, slope)) << k);
+        let mask = offsets.enumerate().fold(0, |mask, (k, [x, y])| {
+            mask | u32::from(self.before_place([texel[0] + x, texel[1] + y], first, slope, far)) << k
+        });
         let pattern = Pattern::of(mask);
         if pattern.covered {
             return true;
@@ -141,7 +157,11 @@ impl Query<'_> {
             let Some(s) = self.sheet(here) else { continue };
             let [x, y] = [here[0] - texel[0], here[1] - texel[1]];
             let inner = x.abs().max(y.abs()) <= 1;
-            if if inner { pattern.kept >> (3 * y + x + 4) & 1 == 0 } else { !self.before(here, at, slope) } {
+            if if inner {
+                pattern.kept >> (3 * y + x + 4) & 1 == 0
+            } else {
+                !self.before_place(here, first, slope, far)
+            } {
                 continue;
             }
             let offset = middle(here) - middle(texel);

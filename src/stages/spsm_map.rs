@@ -1,8 +1,9 @@
 //! The sub-pixel shadow map: the closest triangle that touches each texel, in 128 bits (Lecocq 2013, sections 3.2 to 3.4).
 //!
 //! - **Reads** triangles, light-view vertices, their texel rectangles and the scan of the rectangles' 8 × 8 blocks.
-//! - **Writes** `depth_keys` (complement of the bits of the least depth of any triangle over the texel, 0 where there is
-//!   none), `id_keys` (complement of the triangle), which must be 0 before, and `records`.
+//! - **Writes** `depth_keys` ([`depth_of_key`] of the least depth of any triangle's plane over the texel, at most twice the
+//!   triangle's own range of depths before its nearest corner; 0 where there is none), `id_keys` (complement of the
+//!   triangle), which must be 0 before, and the records.
 //! - **Guarantee.** Bit-equal from run to run: the least conservative depth, and of equal depths the lowest index. No caster
 //!   over a texel lies before the depth of its key. Triangles that are not wholly in front of the light are left out.
 //! - **Cost.** Two indirect dispatches over blocks, one over texels; 24 bytes a texel.
@@ -14,6 +15,11 @@ use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::spsm_code::SlopeCode;
 
 pub use kernel::EMPTY_WORD;
+
+/// The depth that a key stands for.
+pub fn depth_of_key(key: u32) -> f32 {
+    f32::from_bits(if key >> 31 == 1 { key } else { !key & 0x7fff_ffff })
+}
 
 /// The pipelines for one encoding.
 #[derive(Debug)]
@@ -30,8 +36,8 @@ pub struct SpsmTexels {
     pub depth_keys: Buffer<u32>,
     /// Complement of its triangle; 0 where there is none.
     pub id_keys: Buffer<u32>,
-    /// Records.
-    pub records: Buffer<[u32; 4]>,
+    /// Records of the upper and the lower half of the map, which a binding cannot hold together at 4096 × 4096.
+    pub records: [Buffer<[u32; 4]>; 2],
     /// Table of the slope code.
     pub slopes: Buffer<[f32; 4]>,
 }
@@ -47,7 +53,10 @@ impl SpsmTexels {
         Ok(Self {
             depth_keys: Buffer::storage(device, "spsm_map.depth_keys", size * size)?,
             id_keys: Buffer::storage(device, "spsm_map.id_keys", size * size)?,
-            records: Buffer::storage(device, "spsm_map.records", size * size)?,
+            records: [
+                Buffer::storage(device, "spsm_map.upper_records", size.div_ceil(2) * size)?,
+                Buffer::storage(device, "spsm_map.lower_records", size / 2 * size)?,
+            ],
             slopes,
         })
     }
@@ -89,8 +98,9 @@ impl SpsmMap {
             ("triangles", blocks.triangles),
             ("map_points", blocks.points.raw()),
             ("id_keys", texels.id_keys.raw()),
-            ("records", texels.records.raw()),
+            ("upper_records", texels.records[0].raw()),
+            ("lower_records", texels.records[1].raw()),
         ];
-        stage.run(&self.encode, &buffers, Groups::Items(texels.records.len() as u64))
+        stage.run(&self.encode, &buffers, Groups::Items(texels.id_keys.len() as u64))
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! - **Reads** the triangle at each pixel centre, triangles, projected vertices, the records of `spsm_map`, sample offsets.
 //! - **Writes** `visibility` (lit share of the samples; 1 where the pixel sees nothing), `lit` (mask of the lit samples),
-//!   `classes` ([`Class`]) and the list of uncertain pixels.
+//!   `marks` ([`Class`]) and the list of uncertain pixels.
 //! - **Guarantee.** Bit-equal from run to run. A pixel is settled as a whole or every sample of it is judged by itself.
 //! - **Cost.** One dispatch over pixels; a compaction; one over the uncertain pixels, which alone search and recover.
 
@@ -11,7 +11,7 @@ use super::spsm_map::SpsmTexels;
 use super::{Count, DispatchArgs, PrefixScan, dispatch_args};
 use crate::Result;
 use crate::gpu::kernels::spsm_query as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Gpu, Groups, Program, Stage};
 use crate::spsm_code::Pattern;
 
 /// What is known of a pixel.
@@ -72,13 +72,10 @@ pub struct SpsmPixels {
     pub visibility: Buffer<f32>,
     /// Lit samples of each pixel.
     pub lit: Buffer<u32>,
-    /// [`Class`] of each pixel.
-    pub classes: Buffer<u32>,
-    /// The uncertain pixels, rising.
+    /// Of each pixel whether it is uncertain; then of each its [`Class`].
+    pub marks: Buffer<u32>,
+    /// The uncertain pixels, rising, with space for all; then how many, and 0.
     pub list: Buffer<u32>,
-    /// How many, and 0.
-    pub total: Buffer<u32>,
-    flags: Buffer<u32>,
     patterns: Buffer<[u32; 4]>,
     requests: dispatch_args::Requests,
     args: Buffer<u32>,
@@ -86,6 +83,14 @@ pub struct SpsmPixels {
 }
 
 impl SpsmPixels {
+    /// Reads the [`Class`] of each pixel.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`].
+    pub fn classes(&self, gpu: &Gpu) -> Result<Vec<u32>> {
+        Ok(self.marks.read(gpu)?.split_off(self.visibility.len()))
+    }
+
     /// Memory for an image of `pixels` pixels and masks of `words` words.
     ///
     /// # Errors
@@ -93,14 +98,12 @@ impl SpsmPixels {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, pixels: usize, words: usize) -> Result<Self> {
         let patterns = Buffer::uniform(device, "spsm_query.patterns", 512)?;
         patterns.write(queue, &Pattern::words());
-        let request = dispatch_args::Request::new(0, kernel::WORKGROUP, pixels, 0)?;
+        let request = dispatch_args::Request::new(pixels, kernel::WORKGROUP, pixels, 0)?;
         Ok(Self {
             visibility: Buffer::storage(device, "spsm_query.visibility", pixels)?,
             lit: Buffer::storage(device, "spsm_query.lit", pixels * words)?,
-            classes: Buffer::storage(device, "spsm_query.classes", pixels)?,
-            list: Buffer::storage(device, "spsm_query.list", pixels)?,
-            total: Buffer::storage(device, "spsm_query.total", 2)?,
-            flags: Buffer::storage(device, "spsm_query.flags", pixels)?,
+            marks: Buffer::storage(device, "spsm_query.marks", 2 * pixels)?,
+            list: Buffer::storage(device, "spsm_query.list", pixels + 2)?,
             patterns,
             requests: DispatchArgs::requests(device, queue, &[request])?,
             args: Buffer::indirect(device, "spsm_query.args", 3)?,
@@ -140,9 +143,9 @@ impl SpsmQuery {
     ) -> Result<()> {
         let count = pixels.visibility.len();
         stage.run(&self.classify, &Self::buffers(frame, seen, texels, pixels), Groups::Items(count as u64))?;
-        let (flags, total) = (Flags::Words(&pixels.flags), (&pixels.total, 0));
+        let (flags, total) = (Flags::Words(&pixels.marks), (&pixels.list, count));
         self.compact.record(stage, flags, None, &pixels.list, total, &pixels.scratch, Count::Exactly(count))?;
-        self.fold.record(stage, &pixels.total, &pixels.requests, &pixels.args)
+        self.fold.record(stage, &pixels.list, &pixels.requests, &pixels.args)
     }
 
     /// Records the recovery of the uncertain pixels.
@@ -166,7 +169,7 @@ impl SpsmQuery {
         seen: Seen<'a>,
         texels: &'a SpsmTexels,
         pixels: &'a SpsmPixels,
-    ) -> [(&'static str, &'a wgpu::Buffer); 14] {
+    ) -> [(&'static str, &'a wgpu::Buffer); 13] {
         [
             ("frame", frame),
             ("samples", seen.samples),
@@ -175,13 +178,12 @@ impl SpsmQuery {
             ("id_keys", seen.id_keys.raw()),
             ("triangles", seen.triangles),
             ("points", seen.points.raw()),
-            ("records", texels.records.raw()),
+            ("upper_records", texels.records[0].raw()),
+            ("lower_records", texels.records[1].raw()),
             ("visibility", pixels.visibility.raw()),
             ("lit", pixels.lit.raw()),
-            ("classes", pixels.classes.raw()),
-            ("flags", pixels.flags.raw()),
+            ("marks", pixels.marks.raw()),
             ("kept", pixels.list.raw()),
-            ("total", pixels.total.raw()),
         ]
     }
 }

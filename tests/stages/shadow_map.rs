@@ -91,7 +91,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
             }
             continue;
         }
-        let Some((places, slope)) = receiver(world, pixel as u32, t) else { continue };
+        let Some((places, slope, _)) = receiver(world, pixel as u32, t) else { continue };
         // Depths of the receiver that rounding may give.
         let doubt = depth + 2e-6 + (slope.x.abs() + slope.y.abs()) * place * 2.0;
         let (brighter, darker) = (lookup(doubt), lookup(-doubt));

@@ -7,10 +7,11 @@ use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::reference::facet_classify::pixel_ray;
-use subpixel_shadows::reference::spsm_query::Query;
+use subpixel_shadows::reference::spsm_query::{Query, texel_of};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::spsm_query::{Class, Options, Seen, SpsmPixels, SpsmQuery};
+use subpixel_shadows::truth::{SceneTruth, Tracer};
 
 const BIAS: f32 = 1e-5;
 
@@ -30,7 +31,7 @@ fn ask(world: &World, lines: bool, radius: u32) -> Ran {
     let pixels = (world.view.image[0] * world.view.image[1]) as usize;
     let words = world.words();
     let out = SpsmPixels::new(&gpu.device, &gpu.queue, pixels, words).expect("memory");
-    for buffer in [&out.lit, &out.classes, &out.list] {
+    for buffer in [&out.lit, &out.marks, &out.list] {
         buffer.write(&gpu.queue, &vec![POISON; buffer.len()]);
     }
     let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
@@ -46,13 +47,14 @@ fn ask(world: &World, lines: bool, radius: u32) -> Ran {
         query.record_classify(s, frame.raw(), from, &made.texels, &out)?;
         query.record_recover(s, frame.raw(), from, &made.texels, &out)
     });
-    let total = out.total.read(gpu).expect("readback")[0] as usize;
+    let mut list = out.list.read(gpu).expect("readback");
+    list.truncate(list[pixels] as usize);
     Ran {
         radius,
-        classes: out.classes.read(gpu).expect("readback"),
+        classes: out.classes(gpu).expect("readback"),
         visibility: out.visibility.read(gpu).expect("readback"),
         lit: out.lit.read(gpu).expect("readback"),
-        list: out.list.read(gpu).expect("readback")[..total].to_vec(),
+        list,
         seen,
         made,
     }
@@ -64,6 +66,20 @@ fn middle_of(world: &World, pixel: u32, t: u32) -> Option<DVec3> {
     let normal = (b - a).cross(c - a);
     let ray = pixel_ray(&world.view, pixel, DVec2::ZERO);
     world.view.on_map(ray * (normal.dot(a) / normal.dot(ray))).map(|p| p.truncate())
+}
+
+/// The first of the places in the texel of `p`; none where rounding may put another first.
+fn first_beside(p: DVec3, places: &[Option<DVec3>]) -> Option<DVec3> {
+    let own = texel_of(p.truncate());
+    for q in places.iter().flatten() {
+        let near = |x: f64, y: f64| texel_of(q.truncate() + DVec2::new(x, y)) == own;
+        let step = 2e-3;
+        let around = [near(step, step), near(step, -step), near(-step, step), near(-step, -step)];
+        if around.contains(&true) {
+            return around.iter().all(|&n| n).then_some(*q);
+        }
+    }
+    None
 }
 
 /// Where the stage departs from its definition; how many samples were compared and how many left open.
@@ -110,7 +126,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
             }
             continue;
         }
-        let Some((places, slope)) = receiver(world, pixel as u32, t) else { continue };
+        let Some((places, slope, far)) = receiver(world, pixel as u32, t) else { continue };
         if places.iter().all(Option::is_some) && (ran.visibility[pixel] - share).abs() > 1e-6 {
             return Err(format!("{at}: visibility {}, lit share {share}", ran.visibility[pixel]));
         }
@@ -131,9 +147,10 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
         }
         for (k, p) in (0..count).zip(&places) {
             let Some(p) = *p else { continue };
+            let Some(first) = first_beside(p, &places[..=k as usize]) else { continue };
             let at_depth = |q: &Query, x: f64, y: f64, z: f64| {
-                let moved = p + DVec3::new(x, y, slope.dot(DVec2::new(x, y)) + z);
-                q.shadowed(moved, slope)
+                let step = DVec3::new(x, y, slope.dot(DVec2::new(x, y)) + z);
+                q.shadowed(p + step, first + step, slope, far)
             };
             let answer = |q: &Query, x: f64, y: f64| at_depth(q, x, y, 0.0);
             let shadowed = answer(&exact, 0.0, 0.0);
@@ -192,7 +209,7 @@ fn one() {
     roofed.positions.extend([[-1.0, 0.8, -1.0], [1.0, 0.8, -1.0], [0.0, 0.8, 1.0]]);
     roofed.triangles.push([4, 5, 6]);
     for lines in [false, true] {
-        let ran = check(&world(gpu(), &roofed, above(), [48, 36], 64, 32), lines, 1);
+        let ran = check(&world(gpu(), &roofed, above(), [96, 72], 64, 32), lines, 1);
         let classes = [Class::Lit, Class::Shadowed, Class::Uncertain];
         assert!(classes.iter().all(|&c| ran.classes.contains(&(c as u32))), "every class is there");
         assert!(ran.visibility.iter().any(|&v| v > 0.0 && v < 1.0), "no edge is smooth");
@@ -245,6 +262,31 @@ fn degenerate() {
     // A sheet edge-on to the light.
     let mesh = sheet(3, 1.0, |_, _| 0.0, |p| DVec3::new(p.x, p.z, 0.1));
     check(&world(gpu(), &mesh, Light::Directional { direction: [0.0, 1.0, 0.0] }, [20, 15], 40, 8), true, 1);
+}
+
+/// A ground far behind all casters lies beyond the range of depths: it shadows nothing, and takes shadows as any other.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn ground_behind_all_casters() {
+    for distance in [1.0, 3.0, 30.0] {
+        let mut mesh = sheet(2, 2.0, |_, _| 0.0, |p| p);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([[-1.0, distance, -1.0], [1.0, distance, -1.0], [0.0, distance, 1.0]]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+        let camera = camera(DVec3::new(-3.0, 2.5, 1.0), DVec3::ZERO, 40.0);
+        let light = Light::Directional { direction: [0.05, 1.0, 0.02] };
+        let world = World::new(gpu(), &mesh, camera, light, [60, 45], 128, samples(8));
+        let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
+        let truth = SceneTruth::new(&tracer, &world.camera, &light, &world.samples, 60, 45).expect("a truth");
+        let truth = truth.image(None).visibility();
+        for lines in [false, true] {
+            let ran = ask(&world, lines, 1);
+            let off = ran.visibility.iter().zip(&truth).map(|(a, b)| f64::from(a - b).abs()).sum::<f64>();
+            let dark = truth.iter().map(|v| 1.0 - f64::from(*v)).sum::<f64>();
+            assert!(dark > 20.0, "no shadow to see at {distance}: {dark}");
+            assert!(off < 0.05 * dark, "lines {lines}, {distance}: {off} of {dark} dark pixels");
+        }
+    }
 }
 
 /// More pixels than one dimension of a dispatch of single invocations holds, all of them uncertain or not.

@@ -9,7 +9,7 @@ use subpixel_shadows::reference::spsm_map::Coding;
 use subpixel_shadows::reference::view::Flat;
 use subpixel_shadows::spsm_code::SlopeCode;
 use subpixel_shadows::stages::camera_visibility::Blocks;
-use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
+use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels, depth_of_key};
 
 /// A map, read back.
 pub struct Made {
@@ -41,7 +41,9 @@ impl Made {
             offsets: &offsets,
             args: (args.raw(), 0),
         };
-        texels.records.write(&gpu.queue, &vec![[POISON; 4]; texels.records.len()]);
+        for half in &texels.records {
+            half.write(&gpu.queue, &vec![[POISON; 4]; half.len()]);
+        }
         let stage = SpsmMap::new(&gpu.device, u32::from(lines));
         run(gpu, |s| stage.record(s, frame.raw(), blocks, &texels));
         assert!(total > 0 || texels.id_keys.read(gpu).expect("readback").iter().all(|&k| k == 0));
@@ -49,7 +51,7 @@ impl Made {
             coding: Coding { lines, slopes: SlopeCode::new(5), size },
             depth_keys: texels.depth_keys.read(gpu).expect("readback"),
             id_keys: texels.id_keys.read(gpu).expect("readback"),
-            records: texels.records.read(gpu).expect("readback"),
+            records: texels.records.iter().flat_map(|half| half.read(gpu).expect("readback")).collect(),
             texels,
         }
     }
@@ -61,7 +63,7 @@ impl Made {
 
     /// Its conservative depth.
     pub fn depth(&self, texel: usize) -> f64 {
-        f64::from(f32::from_bits(!self.depth_keys[texel]))
+        f64::from(depth_of_key(self.depth_keys[texel]))
     }
 }
 
@@ -71,8 +73,9 @@ pub fn middle(texel: usize, size: u32) -> DVec2 {
     DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
 }
 
-/// A receiver as the definition takes it: places of the samples in the light view, and its slope there.
-pub fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>, DVec2)> {
+/// A receiver as the definition takes it: places of the samples in the light view, its slope there, and the depth of its
+/// triangle's farthest corner.
+pub fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>, DVec2, f64)> {
     let [a, b, c] = world.triangles[t as usize].corners?;
     let normal = (b - a).cross(c - a);
     let on_plane = |offset: DVec2| {
@@ -84,5 +87,7 @@ pub fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>
     let [Some(p), Some(q), Some(r)] = around else { return None };
     let slope = Flat::new([p, q, r]).slope?;
     let places = world.samples.offsets().iter().map(|o| on_plane(DVec2::from(o.map(f64::from)) - 0.5)).collect();
-    Some((places, slope.clamp(DVec2::splat(-1000.0), DVec2::splat(1000.0))))
+    // A corner that is not in front of the light lies as far as can be.
+    let far = [a, b, c].map(|p| world.view.on_map(p).map_or(3e38, |p| p.z)).into_iter().fold(f64::MIN, f64::max);
+    Some((places, slope.clamp(DVec2::splat(-1000.0), DVec2::splat(1000.0)), far))
 }
