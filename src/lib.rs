@@ -7,6 +7,7 @@
 //!
 //! Dependencies run one way: `cli` → `report` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
 
+pub mod caster_tree;
 pub mod error;
 pub mod frame;
 pub mod gpu;

@@ -77,6 +77,24 @@ const SPSM_STAGES: [(&str, &str); 3] = [
 const SHADOW_MAP_STAGES: [(&str, &str); 2] =
     [("light_layers", "nearest depth at every texel centre"), ("shadow_map", "depth of every sample against the map")];
 
+/// Stages of `ray-traced` between facets and picture.
+const RAY_STAGES: [(&str, &str); 3] = [
+    ("shadow_rays", "a ray from every sample to the light"),
+    ("shadow_rays_refine", "the same with 46 bits, where 24 leave it open"),
+    ("shadow_rays_cut", "drops samples that see another surface than the centre"),
+];
+
+/// Stages of `supersampled` between facets and picture.
+const BIN_STAGES: [(&str, &str); 4] = [
+    ("sample_bins", "sorts every sample into the texel it projects to"),
+    ("sample_tests", "every caster against the samples of the texels it touches"),
+    ("sample_tests_refine", "the same with 46 bits, where 24 leave it open"),
+    ("shadow_rays_cut", "drops samples that see another surface than the centre"),
+];
+
+/// Stages that prove facets lit or shadowed.
+const PROOF: [&str; 4] = ["light_layers", "silhouette_mask", "front_layer", "summed_area"];
+
 /// Parts of stages that a setting or the scene may make needless.
 const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that see another surface than the centre");
 const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
@@ -152,7 +170,10 @@ impl Plan {
             MethodName::FacetMasks => return Self::of(prepared, camera, light, wanted, force_all),
             MethodName::Spsm => &SPSM_STAGES,
             MethodName::ShadowMap | MethodName::Pcf => &SHADOW_MAP_STAGES,
+            MethodName::RayTraced => &RAY_STAGES,
+            MethodName::Supersampled => &BIN_STAGES,
         };
+        let of_facets = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
         // Surfaces off the pixel centre are no concern of methods of one receiver a pixel.
         let one = Settings { facets: FacetMode::One, ..wanted.clone() };
         let Self { extent, steps, settings } = Self::of(prepared, camera, light, &one, force_all)?;
@@ -161,11 +182,17 @@ impl Plan {
         let own = own.iter().map(|&(name, purpose)| Step { name, purpose, left_out: reason.clone() });
         let kept = |s: &Step| match s.name {
             "triangle_setup" | "camera_visibility" => true,
-            "facet_classify" | "resolve" => extent == Extent::Facing,
-            _ => false,
+            "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
+            name => {
+                method == MethodName::RayTraced
+                    && settings.ray_traced.silhouettes
+                    && settings.settle
+                    && PROOF.contains(&name)
+            }
         };
         let mut steps: Vec<Step> = shadowless.into_iter().filter(kept).collect();
-        steps.splice(2..2, own);
+        let at = if of_facets { steps.len() - 1 } else { 2 };
+        steps.splice(at..at, own);
         Ok(Self { extent, steps, settings: Settings { facets: wanted.facets, ..settings } })
     }
 

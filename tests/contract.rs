@@ -5,6 +5,7 @@ use naga::{AddressSpace, Module, ShaderStage, TypeInner};
 use std::collections::BTreeSet;
 use std::mem::offset_of;
 use std::path::Path;
+use subpixel_shadows::caster_tree::TreePlace;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::kernels;
 use subpixel_shadows::gpu::layout::{Field, Shared};
@@ -55,6 +56,7 @@ fn registry() -> Vec<Registered> {
     vec![
         of::<Frame>(),
         of::<Pass>(),
+        of::<TreePlace>(),
         edge(),
         candidates(),
         of::<caster_positions::Params>(),

@@ -113,7 +113,7 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
     assert_eq!(f["program"]["version"], env!("CARGO_PKG_VERSION"));
     assert!(f["adapter"]["name"].is_string() && f["adapter"]["backend"].is_string());
     assert_eq!(f["engine"], engine);
-    let methods = ["facet-masks", "spsm", "shadow-map", "pcf"];
+    let methods = ["facet-masks", "spsm", "shadow-map", "pcf", "ray-traced", "supersampled"];
     assert!(methods.iter().any(|m| f["method"] == *m), "{}", f["method"]);
     assert_eq!(f["image_size"], serde_json::json!(size));
     let offsets = f["samples"].as_array().expect("samples");
@@ -333,7 +333,14 @@ mod with_a_gpu {
         let out = folder.path("out");
         let empty = folder.path("empty.obj");
         std::fs::write(&empty, "# nothing\n").expect("a file");
-        for (method, stage) in [("spsm", "spsm_map"), ("shadow-map", "shadow_map"), ("pcf", "shadow_map")] {
+        let stages = [
+            ("spsm", "spsm_map"),
+            ("shadow-map", "shadow_map"),
+            ("pcf", "shadow_map"),
+            ("ray-traced", "shadow_rays"),
+            ("supersampled", "sample_tests"),
+        ];
+        for (method, stage) in stages {
             render(&out, &["spheres", "--method", method, "--truth"]);
             assert_contract(&out, "gpu", [64, 48], 32);
             let f = frame(&out);

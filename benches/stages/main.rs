@@ -21,8 +21,10 @@ mod pixel_triangles;
 mod prefix_scan;
 mod radix_sort;
 mod resolve;
+mod sample_bins;
 mod sample_surfaces;
 mod shadow_map;
+mod shadow_rays;
 mod silhouette_mask;
 mod spsm_map;
 mod spsm_query;
@@ -65,6 +67,8 @@ fn run(options: &Options) -> Result<()> {
         triangle_ids::cases,
         light_layers::cases,
         shadow_map::cases,
+        shadow_rays::cases,
+        sample_bins::cases,
         silhouette_mask::cases,
         spsm_map::cases,
         spsm_query::cases,

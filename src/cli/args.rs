@@ -6,7 +6,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::Budget;
-use subpixel_shadows::methods::{MethodName, ShadowMapSettings, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::methods::{MethodName, RayTracedSettings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
@@ -83,6 +83,9 @@ pub struct Options {
     /// How spsm packs a triangle into a texel: the paper's code, or edge lines
     #[arg(long, value_enum, default_value_t, value_name = "CODE")]
     pub encoding: Encoding,
+    /// Rays of ray-traced: from all pixels, or from those that are not proved lit or shadowed
+    #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
+    pub rays: Rays,
     /// Texels a side of the filter of pcf: 2, 3, 5 or 7
     #[arg(long, default_value_t = 3, value_name = "N")]
     pub kernel: u32,
@@ -251,6 +254,16 @@ pub enum Encoding {
     Lines,
 }
 
+/// Which samples `ray-traced` follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Rays {
+    /// All of pixels that face the light.
+    #[default]
+    All,
+    /// Those of pixels that are not proved lit or shadowed.
+    Silhouettes,
+}
+
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum FacetsPerPixel {
     #[default]
@@ -329,6 +342,7 @@ impl Options {
                 Masks::Table => MaskVariant::TABLE,
             },
             spsm: SpsmSettings { encoding, ..SpsmSettings::default() },
+            ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
             ..Settings::new(self.size, self.map, samples)
         };

@@ -2,10 +2,12 @@
 
 use super::fixed::FixedRenderer;
 use super::prepared::{CasterBuffers, Prepared};
+use super::ray_traced::RayTraced;
 use super::render::{Budget, Output, Renderer};
 use super::settings::{Settings, ShadowMapSettings};
 use super::shadow_map::ShadowMapping;
 use super::spsm::Spsm;
+use super::supersampled::Supersampled;
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::scene::{Camera, Light};
@@ -23,11 +25,16 @@ pub enum MethodName {
     ShadowMap,
     /// `pcf`: Reeves, Salesin, Cook 1987.
     Pcf,
+    /// `ray-traced`: Whitted 1980, through the tree of Ylitie, Karras, Laine 2017.
+    RayTraced,
+    /// `supersampled`: Aila and Laine 2004; Johnson et al. 2005; Sintorn et al. 2008.
+    Supersampled,
 }
 
 impl MethodName {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::FacetMasks, Self::Spsm, Self::ShadowMap, Self::Pcf];
+    pub const ALL: [Self; 6] =
+        [Self::FacetMasks, Self::Spsm, Self::ShadowMap, Self::Pcf, Self::RayTraced, Self::Supersampled];
 
     /// The one name of the method.
     pub fn name(self) -> &'static str {
@@ -36,6 +43,8 @@ impl MethodName {
             Self::Spsm => "spsm",
             Self::ShadowMap => "shadow-map",
             Self::Pcf => "pcf",
+            Self::RayTraced => "ray-traced",
+            Self::Supersampled => "supersampled",
         }
     }
 }
@@ -48,6 +57,10 @@ pub enum AnyRenderer<'a> {
     Spsm(Box<FixedRenderer<'a, Spsm>>),
     /// `shadow-map` and `pcf`.
     ShadowMapping(Box<FixedRenderer<'a, ShadowMapping>>),
+    /// `ray-traced`.
+    RayTraced(Box<FixedRenderer<'a, RayTraced>>),
+    /// `supersampled`.
+    Supersampled(Box<FixedRenderer<'a, Supersampled>>),
 }
 
 impl<'a> AnyRenderer<'a> {
@@ -77,6 +90,14 @@ impl<'a> AnyRenderer<'a> {
                 let make = |_: &CasterBuffers| ShadowMapping::new(gpu, settings, options);
                 Ok(Self::ShadowMapping(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))
             }
+            MethodName::RayTraced => {
+                let make = |casters: &CasterBuffers| RayTraced::new(gpu, prepared, casters, settings);
+                Ok(Self::RayTraced(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))
+            }
+            MethodName::Supersampled => {
+                let make = |casters: &CasterBuffers| Supersampled::new(gpu, prepared, casters, settings);
+                Ok(Self::Supersampled(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))
+            }
         }
     }
 
@@ -89,6 +110,8 @@ impl<'a> AnyRenderer<'a> {
             Self::FacetMasks(renderer) => renderer.render(camera, light),
             Self::Spsm(renderer) => renderer.render(camera, light),
             Self::ShadowMapping(renderer) => renderer.render(camera, light),
+            Self::RayTraced(renderer) => renderer.render(camera, light),
+            Self::Supersampled(renderer) => renderer.render(camera, light),
         }
     }
 }

@@ -8,13 +8,16 @@ pub mod fixed;
 pub mod geometry;
 pub mod growth;
 pub mod prepared;
+pub mod ray_traced;
 pub mod render;
 pub mod settings;
+pub mod settled;
 pub mod shadow_map;
 pub mod spsm;
+pub mod supersampled;
 pub mod unshadowed;
 
 pub use any::{AnyRenderer, MethodName};
 pub use facet_masks::FacetMasks;
 pub use prepared::Prepared;
-pub use settings::{FacetMode, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
+pub use settings::{FacetMode, RayTracedSettings, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings};

@@ -102,6 +102,14 @@ impl ShadowMapSettings {
     }
 }
 
+/// Options of `ray-traced`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayTracedSettings {
+    /// Trace only pixels that are not proved lit or shadowed by the light view of `facet-masks`, whose map's size then
+    /// matters; else all that face the light. Without [`Settings::settle`] nothing is proved.
+    pub silhouettes: bool,
+}
+
 /// What a frame is computed with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -125,6 +133,8 @@ pub struct Settings {
     pub spsm: SpsmSettings,
     /// Options of `shadow-map` and `pcf`.
     pub shadow_map: ShadowMapSettings,
+    /// Options of `ray-traced`.
+    pub ray_traced: RayTracedSettings,
 }
 
 impl Settings {
@@ -147,6 +157,7 @@ impl Settings {
             settle: true,
             spsm: SpsmSettings::default(),
             shadow_map: ShadowMapSettings::default(),
+            ray_traced: RayTracedSettings::default(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! What the stage tests share: the device, seeded values, poison, and comparison.
 
 pub mod geometry;
+pub mod masks;
 pub mod shadow;
 pub mod spsm;
 pub mod surfaces;

@@ -36,6 +36,7 @@ pub struct Work {
 
 /// Everything that the stages read and write.
 pub struct Setup {
+    pub prepared: Prepared,
     pub frame: Buffer<Frame>,
     pub casters: CasterBuffers,
     pub points: Buffer<[f32; 4]>,
@@ -179,6 +180,7 @@ impl Setup {
             edge_work,
             status,
             casters,
+            prepared,
         };
         submit(gpu, |s| {
             CameraVisibility::new(device).record(

@@ -2,7 +2,9 @@
 
 use crate::Result;
 use crate::mask_table::MaskVariant;
-use crate::methods::{FacetMode, MethodName, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
+use crate::methods::{
+    FacetMode, MethodName, RayTracedSettings, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings,
+};
 use crate::samples::{Pattern, Samples};
 
 /// What is asked for.
@@ -102,6 +104,12 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 }
             }
         }
+        MethodName::RayTraced => {
+            add("rays=all", settings.clone());
+            let ray_traced = RayTracedSettings { silhouettes: true };
+            add("rays=silhouettes", Settings { ray_traced, ..settings.clone() });
+        }
+        MethodName::Supersampled => add("", settings.clone()),
         MethodName::Spsm => {
             add("encoding=lines", settings.clone());
             if more {

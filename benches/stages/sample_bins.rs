@@ -1,0 +1,71 @@
+//! 32 samples of every facet into the texels of the light view, and every triangle of a ball against them.
+
+use crate::harness::Case;
+use crate::harness::shadow::Shadow;
+use std::rc::Rc;
+use subpixel_shadows::Result;
+use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, recorder};
+use subpixel_shadows::stages::PrefixScan;
+use subpixel_shadows::stages::camera_visibility::Blocks;
+use subpixel_shadows::stages::sample_bins::{Bins, SampleBins, Scene};
+
+struct Setting {
+    stage: SampleBins,
+    bins: Bins,
+    args: Buffer<u32>,
+    shadow: Rc<Shadow>,
+}
+
+impl Setting {
+    fn scene(&self) -> Scene<'_> {
+        let blocks = Blocks { args: (self.args.raw(), 0), ..self.shadow.setup.lit() };
+        let positions = self.shadow.setup.casters.positions.raw();
+        Scene { samples: self.shadow.samples.raw(), blocks, positions, facets: &self.shadow.facets }
+    }
+}
+
+fn setting(gpu: &Gpu, shadow: &Rc<Shadow>) -> Result<Setting> {
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let map = shadow.setup.layers.nearest_keys.len().isqrt();
+    let bins = Bins::new(device, map, shadow.facets.list.len(), 32)?;
+    bins.prepare(queue, &shadow.frame.read(gpu)?[0]);
+    let args = Buffer::indirect(device, "bench.args", 6)?;
+    let groups = |per: u64| recorder::fold((shadow.setup.in_light.items as u64).div_ceil(per));
+    args.write(queue, &[groups(8), groups(1)].concat());
+    let stage = SampleBins::new(device, &PrefixScan::new(device), 1);
+    Ok(Setting { stage, bins, args, shadow: shadow.clone() })
+}
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
+    let [count, occlude] = [setting(gpu, &shadow)?, setting(gpu, &shadow)?];
+    // The bins of the first band, once.
+    let texels = shadow.setup.layers.nearest_keys.len();
+    let mut encoder = gpu.encoder();
+    let mut rec = Recorder::new(&gpu.device, &mut encoder, None);
+    let Setting { stage, bins, .. } = &occlude;
+    rec.clear(bins.texel_ends.raw());
+    stage.record_bin(&mut rec.stage("setup"), 0, 0, occlude.scene(), bins)?;
+    rec.copy_words(bins.texel_offsets.raw(), 0, bins.texel_ends.raw(), 0, texels as u64);
+    stage.record_bin(&mut rec.stage("setup"), 1, 0, occlude.scene(), bins)?;
+    gpu.submit_and_wait(encoder)?;
+    let binned = bins.texel_offsets.read(gpu)?[texels] as usize;
+    Ok(vec![
+        Case {
+            name: "sample_bins count".to_owned(),
+            size,
+            // A facet for its samples, and the count of a texel each; then the texels are scanned.
+            bytes: binned / 32 * 144 + binned * 4 + texels * 8,
+            atomics: binned,
+            record: Box::new(move |s| count.stage.record_bin(s, 0, 0, count.scene(), &count.bins)),
+        },
+        Case {
+            name: "sample_bins occlude".to_owned(),
+            size,
+            // At the least every sample once.
+            bytes: binned * 16,
+            atomics: 0,
+            record: Box::new(move |s| occlude.stage.record_occlude(s, 0, occlude.scene(), &occlude.bins)),
+        },
+    ])
+}

@@ -1,0 +1,144 @@
+// sample_bins: alias-free hard shadows (Aila and Laine 2004; Johnson et al. 2005; Sintorn, Eisemann, Assarsson 2008): the
+// samples themselves are sorted into the texels of the light view that they project to, casters are rasterized conservatively,
+// and each is tested against the samples of the texels it touches.
+// `bin` runs twice around a scan: pass 0 counts the samples of each texel, pass 1 writes them to `bins` with `texel_ends`, which
+// begin as where each texel starts, as cursors. `occlude` tests them in single precision, LANES invocations a block of a caster's
+// texels: it writes the occluded mask of their facets and notes what it cannot decide behind the samples in `bins`; `refine`
+// decides that with 46 bits. Samples without room there are marked in the place of the invalid mask, and `refine_all` tests them
+// again. Texels of more than CROWD samples are left to `occlude_crowds`, a workgroup a block, so that no invocation looks at more
+// than 65,535 samples. Whoever reads invalid masks has to make them afterwards. The model and its predicates are those of
+// shadow_rays. Behind the texels in `texel_ends`: doubts; crowded texels.
+// A sample whose point is not before the light, or outside its view, has no caster before it.
+
+//@import frame
+//@import dispatch
+//@import pass
+//@import rect
+//@import work_items
+//@import conservative
+//@import span
+//@import facet
+//@import facing
+//@import double_float
+//@import vertex
+//@import facing_46
+
+override WORDS: u32 = 1u;
+const WORKGROUP = 64u;
+const LANES = 8u;
+const MOST_SAMPLES = 2097152u;  // of a band
+const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked at twice
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+@group(0) @binding(2) var<uniform> step: Pass;
+@group(0) @binding(3) var<storage, read> facets: array<Facet>;
+@group(0) @binding(4) var<storage, read> triangles: array<u32>;
+@group(0) @binding(5) var<storage, read> positions: array<f32>;
+@group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;  // coverage, occluded, in doubt: WORDS words each
+@group(0) @binding(7) var<storage, read_write> texel_ends: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> bins: array<vec4<u32>>; // a point, `label`; doubts: which sample, triangle
+@group(0) @binding(9) var<storage, read> light_rects: array<vec2<u32>>;
+@group(0) @binding(10) var<storage, read> work_offsets: array<u32>;
+
+//@import shadow_lines
+//@import shadow_lines_46
+//@import shadow_ray
+//@import mesh_caster
+//@import bin_tests
+
+// Texel x, y, depth of a point, and its distance along the axis of the light view; not positive if not surely in front.
+fn in_light_view(p: vec3<f32>) -> vec4<f32> {
+    let q = vec4(p, 1.0);
+    let uvz = vec3(dot(frame.map_u, q), dot(frame.map_v, q), dot(frame.map_z, q));
+    if (frame.flags & FLAG_PERSPECTIVE) == 0u { return vec4(uvz, 1.0); }
+    let w = dot(frame.map_w, q);
+    return vec4(uvz / w, select(0.0, w, w > frame.light_low.w));
+}
+
+// A sample of the band in 22 bits, and above them how far rounding may have moved its point, rounded up.
+fn label(index: u32, moved: f32) -> u32 {
+    return index | (((bitcast<u32>(moved) >> 21u) + 1u) << 22u);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn bin(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    let slot = index / frame.sample_count;
+    let k = index % frame.sample_count;
+    let f = frame.first_facet + slot;
+    if slot >= frame.facet_count || facets[f].state != STATE_UNDECIDED { return; }
+    if ((atomicLoad(&masks[3u * WORDS * f + (k >> 5u)]) >> (k & 31u)) & 1u) == 0u { return; }
+    let r = ray_of_sample(ground_of(f), k);
+    let at = in_light_view(r.at);
+    let size = f32(frame.map_size);
+    if !r.meets || !(at.w > 0.0) || !all(at.xy > vec2(-1.0)) || !all(at.xy < vec2(size + 1.0)) { return; }
+    let cell = vec2<u32>(clamp(at.xy, vec2(0.0), vec2(size - 1.0)));
+    let texel = cell.y * frame.map_size + cell.x;
+    let place = atomicAdd(&texel_ends[texel], 1u);
+    if step.index == 1u {
+        bins[place] = vec4(bitcast<vec3<u32>>(r.at), label(index, r.moved));
+    } else if place == CROWD {
+        atomicAdd(&texel_ends[frame.map_size * frame.map_size + 1u], 1u);
+    }
+}
+
+fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let c = caster_of(t);
+    let shape = cover_triangle(in_light_view(c.at), in_light_view(point_of(c.vertices.y)), in_light_view(point_of(c.vertices.z)));
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        let row = f32(y) + 0.5;
+        var span = span_of(block.low.x, block.high.x);
+        if shape.in_front && !shape.thin {
+            span = cut_span(cut_span(cut_span(span, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
+        }
+        let cells = cells_of(span, block.low.x, block.high.x);
+        for (var x = cells.x; x <= cells.y; x++) {
+            if !covers(shape, vec2(f32(x) + 0.5, row)) { continue; }
+            let texel = y * frame.map_size + x;
+            if crowds { test_crowd(texel, t, c, lane, exact); } else { test_texel(texel, t, c, lane, exact); }
+        }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn occlude(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    raster(index / LANES, index % LANES, false, false);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn occlude_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    if atomicLoad(&texel_ends[frame.map_size * frame.map_size + 1u]) == 0u { return; }
+    raster(flat_group(group, groups), local, false, true);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let n = flat_invocation(group, groups, WORKGROUP, local);
+    let room = doubts();
+    if n >= min(atomicLoad(&texel_ends[frame.map_size * frame.map_size]), room.y) { return; }
+    let doubt = bins[room.x + n];
+    let index = doubt.x;
+    let f = frame.first_facet + index / frame.sample_count;
+    let k = index % frame.sample_count;
+    if is_set(f, 1u, k) { return; }
+    if blocks_46(ground_of(f), offset_of(k), doubt.y) == BLOCKED { mark(f, 1u, k); }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    if atomicLoad(&texel_ends[frame.map_size * frame.map_size]) <= doubts().y { return; }
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    raster(index / LANES, index % LANES, true, false);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn refine_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let last = frame.map_size * frame.map_size;
+    if atomicLoad(&texel_ends[last]) <= doubts().y || atomicLoad(&texel_ends[last + 1u]) == 0u { return; }
+    raster(flat_group(group, groups), local, true, true);
+}

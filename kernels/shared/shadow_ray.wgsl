@@ -1,0 +1,143 @@
+// The segment from a sample's point on a facet to the light against one triangle: Moeller and Trumbore (1997) with a bound
+// for what rounding may do, and with 46 bits where that leaves it open. Needs `frame`, `samples`, `caster_of`, shadow_lines and
+// shadow_lines_46.
+
+const FREE = 0u;
+const BLOCKED = 1u;
+const DOUBTFUL = 2u;
+
+struct Ray {
+    meets: bool,        // whether the sample's own ray meets the facet's plane before the eye
+    offset: vec2<f32>,  // of the sample from the pixel centre
+    at: vec3<f32>,      // its point on the plane
+    moved: f32,         // how far rounding may have moved that
+    light: vec3<f32>,   // from there to the light
+    reach: f32,         // bound of light, largest component
+    error: f32,         // of l . (e x a) relative to e: error + grow * largest(a)
+    grow: f32,
+}
+
+struct Caster {
+    at: vec3<f32>,      // a vertex, relative to the eye
+    ab: vec3<f32>,      // edges from there
+    ac: vec3<f32>,
+    vertices: vec3<u32>,
+}
+
+fn rising_of(c: Caster) -> vec3<u32> {
+    var i = c.vertices;
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    return i;
+}
+
+// Heights of its vertices over the facet.
+fn heights_of(g: Ground, c: Caster) -> vec3<f32> {
+    return vec3(
+        height_of(g, is_own(c.vertices.x, g.own), c.at),
+        height_of(g, is_own(c.vertices.y, g.own), c.at + c.ab),
+        height_of(g, is_own(c.vertices.z, g.own), c.at + c.ac));
+}
+
+fn offset_of(k: u32) -> vec2<f32> {
+    let pair = samples[k >> 1u];
+    return select(pair.xy, pair.zw, (k & 1u) == 1u);
+}
+
+fn ray_of_sample(g: Ground, k: u32) -> Ray {
+    var r: Ray;
+    r.offset = offset_of(k);
+    let away = r.offset - g.origin;
+    let over = g.over.x + away.x * g.over.y + away.y * g.over.z;
+    r.meets = over < 0.0;
+    let step = (away.x * g.along_x + away.y * g.along_y) / over;
+    r.at = g.at + step;
+    let size = largest(r.at);
+    aim(&r, largest(ray_at(g.pixel, r.offset)) / abs(over) * (g.doubt + TINY * (g.tilt + 8.0) * largest(step)) + 4.0 * TINY * size);
+    return r;
+}
+
+// Points the ray from `at` to the light; rounding may have moved `at` by `moved`.
+fn aim(r: ptr<function, Ray>, moved: f32) {
+    (*r).moved = moved;
+    (*r).light = frame.light.xyz - frame.light.w * (*r).at;
+    (*r).reach = largest((*r).light);
+    let light_moved = 2.0 * TINY * (largest(frame.light.xyz) + (*r).reach) + frame.light.w * moved;
+    (*r).error = 6.0 * (*r).reach * (moved + 2.0 * TINY * largest((*r).at));
+    (*r).grow = 54.0 * TINY * (*r).reach + 6.0 * light_moved;
+}
+
+// Whether the line to the light surely passes by the triangle: it lies on different sides of two edges, seen along it.
+fn passes(r: Ray, c: Caster) -> bool {
+    let a = c.at - r.at;
+    let m = cross(r.light, a);
+    let over = dot(cross(c.ab, c.ac), r.light);
+    let x = dot(c.ab, m);
+    let z = -dot(c.ac, m);
+    let v = vec3(x, over - x - z, z);
+    let lb = largest(c.ab);
+    let lc = largest(c.ac);
+    let noise = r.error + r.grow * largest(a);
+    let doubt = vec3(lb * noise, (lb + lc) * noise + lb * lc * r.grow, lc * noise);
+    return any(v < -doubt) && any(v > doubt);
+}
+
+fn misses(r: Ray, k: u32) -> bool {
+    return passes(r, caster_of(k));
+}
+
+// What a triangle is to the ray.
+fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
+    let c = caster_of(k);
+    let a = c.at - r.at;
+    let m = cross(r.light, a);
+    let n = cross(c.ab, c.ac);
+    let over = dot(n, r.light);
+    // The planes through the light and an edge; all three have the sign of `over` inside.
+    var v = vec3(dot(c.ab, m), 0.0, -dot(c.ac, m));
+    v.y = over - v.x - v.z;
+    let lb = largest(c.ab);
+    let lc = largest(c.ac);
+    let noise = r.error + r.grow * largest(a);
+    let area_noise = lb * lc * r.grow;
+    let doubt = vec3(lb * noise, (lb + lc) * noise + area_noise, lc * noise);
+    let outside = v < -doubt;
+    let inside = v > doubt;
+    if any(outside) && any(inside) { return FREE; }
+    // Heights along n: of the vertex over the sample, and of the light over the vertex.
+    let up = dot(n, a);
+    let up_doubt = lb * lc * noise / r.reach;
+    let beyond = over - up;
+    let over_doubt = area_noise + frame.light.w * up_doubt;
+    if (up > up_doubt && over < -area_noise) || (up < -up_doubt && over > area_noise) { return FREE; }
+    let h = heights_of(g, c);
+    let is_open = any(h == vec3(OPEN));
+    if all(h <= vec3(0.0)) && !is_open { return FREE; }
+    if is_open || !(all(outside) || all(inside)) { return DOUBTFUL; }
+    let turn = sign(over);
+    if frame.light.w != 0.0 {
+        if turn * beyond < -over_doubt { return FREE; }
+        if turn * beyond <= over_doubt { return DOUBTFUL; }
+    }
+    // Wholly above the plane of the facet: between its point and the light.
+    if all(h > vec3(0.0)) { return BLOCKED; }
+    if turn * up < -up_doubt { return FREE; }
+    return select(DOUBTFUL, BLOCKED, turn * up > up_doubt);
+}
+
+fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
+    let i = rising_of(caster_of(k));
+    let n = full_normal(g.own);
+    let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
+    if all(h <= vec3(0.0)) { return FREE; }
+    let turn = full_turn_of(i);
+    if turn == 0.0 { return FREE; }
+    let at = vec3(1.0, offset);
+    let ab = dot(at, turn * full_edge_line(g, n, i.xy));
+    let bc = dot(at, turn * full_edge_line(g, n, i.yz));
+    let ca = dot(at, -turn * full_edge_line(g, n, i.xz));
+    var least = min(ab, min(bc, ca));
+    if !all(h > vec3(0.0)) { least = min(least, dot(at, turn * full_line(g, n, full_normal(i), full_point_of(i.x)))); }
+    return select(BLOCKED, FREE, (bitcast<u32>(least) >> 31u) == 1u);
+}

@@ -1,0 +1,125 @@
+//! `supersampled`: alias-free hard shadows, every sample against every caster before it (Aila and Laine 2004; Johnson et al.
+//! 2005; Sintorn et al. 2008), one page of calls to stages. The brute force that Pan 2009 compares with; the samples are those
+//! of `facet-masks` with one facet a pixel, and so is the model.
+//!
+//! Memory is fixed: about 160 bytes a pixel, 8 a texel, and 40 MiB for a band of samples. Which samples see another surface
+//! (with [`Settings::validity`]) is found through the tree of casters of `ray-traced`.
+
+use super::fixed::{FixedMethod, Inputs};
+use super::prepared::{CasterBuffers, Prepared};
+use super::render::Counts;
+use super::settings::Settings;
+use super::settled::Settled;
+use crate::Result;
+use crate::caster_tree::CasterTree;
+use crate::frame::Frame;
+use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::light_view::LightView;
+use crate::scene::{Camera, Light};
+use crate::stages::camera_visibility::Blocks;
+use crate::stages::dispatch_args::Requests;
+use crate::stages::facet_classify::Facets;
+use crate::stages::sample_bins::{self, Bins, SampleBins};
+use crate::stages::shadow_rays::{Rays, Scene, ShadowRays, TreeBuffers};
+use crate::stages::{DispatchArgs, PrefixScan};
+use glam::DVec3;
+
+/// The method for one mesh, image, map and setting.
+#[derive(Debug)]
+pub struct Supersampled {
+    settled: Settled,
+    test: SampleBins,
+    bins: Bins,
+    fold: DispatchArgs,
+    requests: Requests,
+    args: Buffer<u32>,
+    cut: ShadowRays,
+    tree: CasterTree,
+    tree_buffers: TreeBuffers,
+    cut_work: Rays,
+    validity: bool,
+}
+
+impl Supersampled {
+    /// Builds pipelines and memory, and the tree.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for impossible settings; as [`CasterTree::new`] and [`Buffer::storage`].
+    pub fn new(gpu: &Gpu, prepared: &Prepared, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
+        settings.check()?;
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let (count, pixels) = (settings.samples.count(), settings.pixels());
+        let scan = PrefixScan::new(device);
+        let tree = CasterTree::new(&prepared.mesh)?;
+        let requests = SampleBins::requests(casters.triangles.len())?;
+        Ok(Self {
+            settled: Settled::new(gpu, &scan, casters, settings, false)?,
+            test: SampleBins::new(device, &scan, settings.samples.words()),
+            bins: Bins::new(device, settings.map as usize, pixels, count)?,
+            fold: DispatchArgs::new(device),
+            requests: DispatchArgs::requests(device, queue, &requests)?,
+            args: Buffer::indirect(device, "supersampled.args", 6)?,
+            cut: ShadowRays::new(device, &scan, settings.samples.words()),
+            tree_buffers: TreeBuffers::new(device, queue, &tree)?,
+            cut_work: Rays::with_doubts(device, queue, pixels, count, 0)?,
+            validity: settings.validity && count > 1,
+            tree,
+        })
+    }
+
+    /// The facets of the last frame.
+    pub fn facets(&self) -> &Facets {
+        self.settled.facets()
+    }
+}
+
+impl FixedMethod for Supersampled {
+    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, _: &LightView, frame: &Frame) -> Result<()> {
+        self.settled.prepare(gpu, frame, self.validity);
+        self.bins.prepare(&gpu.queue, frame);
+        let place = self.tree.place(DVec3::from(camera.eye.map(f64::from)), f64::from(frame.eye[3]));
+        self.tree_buffers.place.write(&gpu.queue, &[place]);
+        Ok(())
+    }
+
+    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
+        let (casters, facets, samples) = (inputs.casters, self.settled.facets(), inputs.samples);
+        let positions = casters.positions.raw();
+        let in_light = inputs.geometry.in_light(casters);
+        let blocks = Blocks { args: (self.args.raw(), 0), ..in_light };
+        rec.clear_words(self.cut_work.work.raw(), 0, 4);
+        self.settled.record_facets(rec, inputs)?;
+        self.fold.record(&mut rec.stage("sample_bins"), blocks.offsets, &self.requests, &self.args)?;
+        let binned = sample_bins::Scene { samples, blocks, positions, facets };
+        let (ends, starts) = (&self.bins.texel_ends, &self.bins.texel_offsets);
+        for band in 0..self.bins.frames.len() {
+            rec.clear(ends.raw());
+            self.test.record_bin(&mut rec.stage("sample_bins"), 0, band, binned, &self.bins)?;
+            rec.copy_words(starts.raw(), 0, ends.raw(), 0, ends.len() as u64 - 2);
+            self.test.record_bin(&mut rec.stage("sample_bins"), 1, band, binned, &self.bins)?;
+            self.test.record_occlude(&mut rec.stage("sample_tests"), band, binned, &self.bins)?;
+            self.test.record_refine(&mut rec.stage("sample_tests_refine"), band, binned, &self.bins)?;
+        }
+        let triangles = casters.triangles.raw();
+        let scene = Scene { samples, tree: &self.tree_buffers, triangles, positions };
+        {
+            // Also where nothing is cut: invalid masks are cleared.
+            let stage = &mut rec.stage("shadow_rays_cut");
+            self.cut.record_list(stage, facets, &self.cut_work)?;
+            self.cut.record_cut(stage, self.settled.frame(), scene, facets, &self.cut_work)?;
+        }
+        self.settled.record_resolve(rec)
+    }
+
+    fn visibility(&self) -> &Buffer<f32> {
+        self.settled.visibility()
+    }
+
+    fn lit(&self) -> Option<&Buffer<u32>> {
+        Some(self.settled.lit())
+    }
+
+    fn counts(&self, gpu: &Gpu) -> Result<Counts> {
+        self.settled.counts(gpu)
+    }
+}
