@@ -11,7 +11,7 @@ pub const EMPTY: u32 = u32::MAX;
 /// Times its own range of depths by which a triangle may count as nearer than it is.
 const LIFT: f64 = 2.0;
 
-/// Least depth of the triangle's plane over the square, held to [`LIFT`] ranges of depth before its nearest corner.
+/// Least depth of the triangle's plane over the square, held to two ranges of depth before its nearest corner.
 pub fn lifted(flat: &Flat, at: DVec2, reach: f64, margin: f64) -> f64 {
     let (lo, hi) = flat.depths();
     let first = lo - margin - LIFT * (hi - lo + 2.0 * margin);

@@ -1,0 +1,127 @@
+//! `facet-masks` against both truths, with one facet a pixel and with all, from two views and under two lights, as a table:
+//! `cargo run --release --example truth_table -- [--size WxH] [--samples N] [--map N] [--ground] [SCENE …] > table.md`
+//!
+//! The views are the scene's own and one from the other side; the lights are the scene's own and a spot from the same side.
+
+use std::io::Write;
+use std::time::Instant;
+use subpixel_shadows::glam::{DQuat, DVec3, Vec3};
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::render::{Budget, Renderer};
+use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
+use subpixel_shadows::plan::{Extent, Plan};
+use subpixel_shadows::report::{FacetErrors, FacetSet, TracedScene};
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{BUILTIN_NAMES, Camera, Light, Scene, SceneOptions};
+use subpixel_shadows::truth::Tracer;
+use subpixel_shadows::{Error, Result};
+
+struct Arguments {
+    size: [u32; 2],
+    samples: u32,
+    map: u32,
+    ground: bool,
+    scenes: Vec<String>,
+}
+
+fn arguments() -> Result<Arguments> {
+    let mut found = Arguments { size: [800, 600], samples: 32, map: 512, ground: false, scenes: Vec::new() };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or_else(|| Error::Config(format!("{word} needs a value")));
+        let number = |text: &str| text.parse::<u32>().map_err(|e| Error::Config(format!("'{text}': {e}")));
+        match word.as_str() {
+            "--ground" => found.ground = true,
+            "--samples" => found.samples = number(&value()?)?,
+            "--map" => found.map = number(&value()?)?,
+            "--size" => {
+                let text = value()?;
+                let (w, h) = text.split_once('x').ok_or_else(|| Error::Config(format!("'{text}' is no WxH")))?;
+                found.size = [number(w)?, number(h)?];
+            }
+            _ => found.scenes.push(word),
+        }
+    }
+    if found.scenes.is_empty() {
+        found.scenes = BUILTIN_NAMES.map(str::to_owned).to_vec();
+    }
+    Ok(found)
+}
+
+/// The camera turned by 140 degrees around its target, up as it is.
+fn other_side(camera: &Camera) -> Camera {
+    let [eye, target, up] = [camera.eye, camera.target, camera.up].map(|v| Vec3::from(v).as_dvec3());
+    let turned = DQuat::from_axis_angle(up.normalize(), 140f64.to_radians()) * (eye - target);
+    Camera { eye: (target + turned).as_vec3().into(), ..*camera }
+}
+
+/// A spot light from where the light comes from, around all of the scene.
+fn spot(light: &Light, (low, high): (DVec3, DVec3)) -> Light {
+    let (middle, radius) = ((low + high) * 0.5, (high - low).length() * 0.5);
+    let from = light.towards(middle).normalize_or(DVec3::Y);
+    let position = (middle + from * radius * 2.5).as_vec3().into();
+    Light::Spot { position, target: middle.as_vec3().into(), angle_degrees: 60.0 }
+}
+
+fn main() -> Result<()> {
+    let arguments = arguments()?;
+    let gpu = Gpu::open(None)?;
+    let [w, h] = arguments.size;
+    let samples = Samples::new(Pattern::default(), arguments.samples)?;
+    let given = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    println!("`cargo run --release --example truth_table -- {given}`\n");
+    println!("{}; {w} x {h} pixels, {} samples, map {}.\n", gpu.adapter.name, arguments.samples, arguments.map);
+    println!("*Wrong* are samples that differ from facet truth farther than 1/256 pixel from every edge, *open* those");
+    println!(
+        "nearer. The other columns are of pixels against scene truth at the same samples; *band* is the silhouette band.\n"
+    );
+    println!(
+        "| scene | view | light | facets | samples | wrong | open | within 1/{} | largest | band RMSE |",
+        arguments.samples
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    let start = Instant::now();
+    for name in &arguments.scenes {
+        let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
+        let scene = Scene::open(name, &options)?;
+        let prepared = Prepared::new(&scene.mesh);
+        let tracer = Tracer::new(&prepared.mesh)?;
+        let bounds = prepared.mesh.bounds().unwrap_or_default();
+        for (view, camera) in [("own", scene.camera), ("other side", other_side(&scene.camera))] {
+            for (kind, light) in [("own", scene.light), ("spot", spot(&scene.light, bounds))] {
+                let wanted = Settings::new(arguments.size, arguments.map, samples.clone());
+                let traced = TracedScene::new(&prepared.mesh, &tracer, &camera, &light, &wanted, None)?;
+                for (facets, label) in [(FacetMode::One, "one"), (FacetMode::All, "all")] {
+                    let wanted = Settings { facets, cull_back: true, ..wanted.clone() };
+                    let plan = Plan::of_method(MethodName::FacetMasks, &prepared, &camera, &light, &wanted, false)?;
+                    if plan.extent != Extent::Everything {
+                        println!(
+                            "| {} | {view} | {kind} | {label} | nothing to compare: {:?} | | | | | |",
+                            scene.name, plan.extent
+                        );
+                        continue;
+                    }
+                    let settings = &plan.settings;
+                    let mut renderer = Renderer::new(&gpu, &prepared, settings, Budget::default())?;
+                    let frame = renderer.render(&camera, &light)?;
+                    let set = FacetSet::read(&gpu, renderer.method().facets(), samples.words())?;
+                    let own = FacetErrors::of(&set, &tracer, &camera, &light, settings, None)?;
+                    let against = traced.errors(&frame.visibility)?;
+                    println!(
+                        "| {} | {view} | {kind} | {label} | {} | {} | {:.3} % | {:.4} % | {:.3} | {:.5} |",
+                        scene.name,
+                        own.facet_samples,
+                        own.facet_wrong_outside_band,
+                        100.0 * own.facet_ambiguous as f64 / own.facet_samples.max(1) as f64,
+                        100.0 * against.scene_pixel_match,
+                        against.scene_max,
+                        against.scene_band_rmse,
+                    );
+                    let _ = std::io::stdout().flush();
+                    eprintln!("{} {view} {kind} {label}: {:.0} s", scene.name, start.elapsed().as_secs_f64());
+                }
+            }
+        }
+    }
+    Ok(())
+}
