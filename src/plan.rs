@@ -114,15 +114,31 @@ impl Plan {
         camera.check()?;
         light.check()?;
         wanted.check()?;
+        let asked = wanted.facets;
+        let no_shadow = || match wanted.facets {
+            FacetMode::One => no_shadow(prepared, camera, light),
+            FacetMode::All => all_is_lit(prepared, camera, light),
+        };
         let (extent, reason) = if force_all {
             (Extent::Everything, String::new())
         } else if let Some(reason) = nothing_seen(prepared, camera, wanted.size) {
             (Extent::Nothing, reason)
-        } else if let Some(reason) = no_shadow(prepared, camera, light).filter(|_| wanted.facets == FacetMode::One) {
+        } else if let Some(reason) = no_shadow() {
             (Extent::Facing, reason)
         } else {
             (Extent::Everything, String::new())
         };
+        // Where one facet says as much, the others are left out.
+        let single = match extent {
+            Extent::Everything => one_sample(wanted).filter(|_| !force_all),
+            _ => Some(reason.clone()),
+        };
+        let wanted = &match (wanted.facets, &single) {
+            (FacetMode::All, Some(_)) => Settings { facets: FacetMode::One, ..wanted.clone() },
+            _ => wanted.clone(),
+        };
+        let asked_for_all = single.filter(|_| asked == FacetMode::All);
+        let every_surface = |name: &str| asked_for_all.clone().filter(|_| finds_facets_of(name) == Some(FacetMode::All));
         let needs = |least: Extent| match extent {
             Extent::Nothing => false,
             Extent::Facing => least != Extent::Everything,
@@ -130,8 +146,13 @@ impl Plan {
         };
         let mut steps: Vec<Step> = STAGES
             .iter()
-            .filter(|(name, ..)| finds_facets_of(name).is_none_or(|mode| mode == wanted.facets))
-            .map(|&(name, purpose, least)| Step { name, purpose, left_out: (!needs(least)).then(|| reason.clone()) })
+            .filter(|(name, ..)| {
+                finds_facets_of(name).is_none_or(|mode| mode == wanted.facets) || every_surface(name).is_some()
+            })
+            .map(|&(name, purpose, least)| {
+                let left_out = every_surface(name).or_else(|| (!needs(least)).then(|| reason.clone()));
+                Step { name, purpose, left_out }
+            })
             .collect();
         let mut settings = wanted.clone();
         let mut part = |(name, purpose): (&'static str, &'static str), left_out: Option<String>| {
@@ -193,7 +214,7 @@ impl Plan {
         let mut steps: Vec<Step> = shadowless.into_iter().filter(kept).collect();
         let at = if of_facets { steps.len() - 1 } else { 2 };
         steps.splice(at..at, own);
-        Ok(Self { extent, steps, settings: Settings { facets: wanted.facets, ..settings } })
+        Ok(Self { extent, steps, settings })
     }
 
     /// The stages and parts that are left out, each with the reason.
@@ -209,6 +230,11 @@ fn finds_facets_of(stage: &str) -> Option<FacetMode> {
         "camera_visibility" => Some(FacetMode::One),
         _ => None,
     }
+}
+
+/// Why the surface at the pixel centre is all that a pixel's samples see.
+fn one_sample(wanted: &Settings) -> Option<String> {
+    (wanted.samples.count() == 1).then(|| "one sample: it sees what the pixel centre sees".to_owned())
 }
 
 /// Why the validity mask cannot change anything or is not wanted.
@@ -276,6 +302,12 @@ fn no_shadow(prepared: &Prepared, camera: &Camera, light: &Light) -> Option<Stri
         .then(|| "closed mesh around the light, no silhouette edge: each ray of light meets it once".to_owned())
 }
 
+/// Why every sample that sees a surface is lit, if that is certain.
+fn all_is_lit(prepared: &Prepared, camera: &Camera, light: &Light) -> Option<String> {
+    let lit = in_one_plane(prepared) && sides_of_eye_and_light(prepared, camera, light, |product| product > 0);
+    lit.then(|| "all triangles lie in one plane and face the light: none shadows another".to_owned())
+}
+
 /// Whether all vertices lie in one plane, exactly.
 fn in_one_plane(prepared: &Prepared) -> bool {
     let mesh = &prepared.mesh;
@@ -296,13 +328,18 @@ fn in_one_plane(prepared: &Prepared) -> bool {
 
 /// Whether every triangle certainly shows the eye the side it hides from the light.
 fn nothing_faces_both(prepared: &Prepared, camera: &Camera, light: &Light) -> bool {
+    sides_of_eye_and_light(prepared, camera, light, |product| product < 0)
+}
+
+/// Whether the product of the sides on which eye and light lie, 0 where that is not certain, is as wanted for all triangles.
+fn sides_of_eye_and_light(prepared: &Prepared, camera: &Camera, light: &Light, wanted: fn(i32) -> bool) -> bool {
     // Relative to the eye, as the kernels see it.
     let (eye, l) = (Vec3::from(camera.eye).as_dvec3(), light.homogeneous());
     let light = (l.truncate() - eye * l.w).extend(l.w);
     let mesh = &prepared.mesh;
     (0..mesh.triangles.len()).into_par_iter().all(|t| {
         let corners = mesh.corners(t).map(|p| p - eye);
-        side(corners, DVec4::W) * side(corners, light) < 0
+        wanted(side(corners, DVec4::W) * side(corners, light))
     })
 }
 

@@ -150,6 +150,9 @@ pub struct ReportOptions {
     /// Frames of each row that count [default: 15; quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: Option<u32>,
+    /// Seconds of frames after which a row has enough, fewer than N but one at the least [default: 20; quick: 3]
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub row_seconds: Option<u32>,
     /// Also split each triangle of the first scene into 4, 16, ... as often as this [default: 3; quick: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=6))]
     pub tessellate: Option<u32>,
@@ -222,6 +225,11 @@ impl ReportOptions {
         self.repeats.unwrap_or(if self.quick { 3 } else { 15 })
     }
 
+    /// Milliseconds after which a row has frames enough.
+    pub fn row_ms(&self) -> f64 {
+        1e3 * f64::from(self.row_seconds.unwrap_or(if self.quick { 3 } else { 20 }))
+    }
+
     /// How often triangles of the first scene are split.
     pub fn tessellation(&self) -> u32 {
         self.tessellate.unwrap_or(if self.quick { 1 } else { 3 })
@@ -266,8 +274,8 @@ pub enum Rays {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum FacetsPerPixel {
-    #[default]
     One,
+    #[default]
     All,
 }
 

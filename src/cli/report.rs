@@ -44,7 +44,7 @@ pub fn run(options: &ReportOptions) -> Result<()> {
         std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
     }
     let mut journal = Journal::open(&at, &machine)?;
-    let bench = Bench { gpu: &gpu, repeats: options.repeats(), budget: Budget::default() };
+    let bench = Bench { gpu: &gpu, repeats: options.repeats(), row_ms: options.row_ms(), budget: Budget::default() };
     let all: usize = jobs.iter().map(|j| j.variants.len() + j.truths.len()).sum();
     let mut done = 0;
     let mut rows = Vec::new();

@@ -157,6 +157,8 @@ pub struct Bench<'a> {
     pub gpu: &'a Gpu,
     /// Frames of each row that count; one more comes first and does not.
     pub repeats: u32,
+    /// Milliseconds after which a row has frames enough, fewer than `repeats` but one at the least.
+    pub row_ms: f64,
     /// Memory of lists.
     pub budget: Budget,
 }
@@ -207,7 +209,9 @@ impl Bench<'_> {
             }
             for k in order {
                 let (_, subject, times) = &mut subjects[k];
-                times.push(timing(subject.render(gpu, case)?));
+                if times.is_empty() || spent(times) < self.row_ms {
+                    times.push(timing(subject.render(gpu, case)?));
+                }
             }
         }
         for (row, _, times) in &subjects {
@@ -231,6 +235,10 @@ impl Bench<'_> {
     fn allocated(&self) -> Option<u64> {
         self.gpu.device.generate_allocator_report().map(|report| report.total_allocated_bytes)
     }
+}
+
+fn spent(times: &[Timing]) -> f64 {
+    times.iter().map(|t| t.wall_ms).sum()
 }
 
 fn timing(output: Output) -> Timing {

@@ -107,10 +107,16 @@ pub fn markdown(page: &Page, rows: &[Row]) -> String {
     if page.machine.software {
         out += "**The adapter is software: the times are those of a CPU that runs the kernels, not of a GPU.**\n\n";
     }
-    let repeats = plain.iter().map(|r| r.repeats).min().unwrap_or(0);
+    let least = plain.iter().map(|r| r.repeats).min().unwrap_or(0);
+    let most = plain.iter().map(|r| r.repeats).max().unwrap_or(0);
+    let repeats = if least == most {
+        format!("{most} frames")
+    } else {
+        format!("{most} frames, of fewer where they take long ({least} at the least)")
+    };
     let _ = writeln!(
         out,
-        "Each time is the median of {repeats} frames, the rows of a scene in turns, with the quartiles in the CSV file. It is \
+        "Each time is the median of {repeats}, the rows of a scene in turns, with the quartiles in the CSV file. It is \
          the GPU time of all stages, reading back left out. *Ratio* is over `facet-masks facets=one` of the same round. Errors \
          are of visibility: *matched* against rays through the same samples, *converged* against 1024 rays a pixel; *band* is \
          the silhouette band, the pixels that are neither all lit nor all dark, grown by one.\n"
