@@ -36,6 +36,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(9) var<storage, read_write> facet_items: array<u32>;
 @group(0) @binding(10) var<storage, read_write> pixel_facets: array<u32>;  // first facet of each pixel, and the end
 
+//@import facet_samples
+
 fn full_word(word: u32) -> u32 {
     let left = frame.sample_count - 32u * word;
     return select((1u << left) - 1u, 0xffffffffu, left >= 32u);
@@ -58,33 +60,6 @@ fn settle(f: u32, state: u32) {
     facets[f].state = state;
     facets[f].rect = EMPTY_RECT;
     facet_items[f] = 0u;
-}
-
-fn sample_offset(k: u32) -> vec2<f32> {
-    let pair = samples[k >> 1u];
-    return select(pair.xy, pair.zw, (k & 1u) == 1u);
-}
-
-// Edge function through the eye at the pixel centre, per pixel right, per pixel down; from the lower index.
-fn edge(i: u32, j: u32, ray: vec3<f32>) -> vec3<f32> {
-    let low = min(i, j);
-    let m = cross(point_of(low), edge_of(low, max(i, j))) * select(-1.0, 1.0, i == low);
-    return vec3(dot(m, ray), dot(m, frame.ray_x.xyz), dot(m, frame.ray_y.xyz));
-}
-
-fn keep_own_triangle(f: u32, i: vec3<u32>, ray: vec3<f32>) {
-    let e0 = edge(i.x, i.y, ray);
-    let e1 = edge(i.y, i.z, ray);
-    let e2 = edge(i.z, i.x, ray);
-    for (var w = 0u; w < WORDS; w++) {
-        var inside = select(0u, 1u, w == 0u && all(facets[f].origin == vec2(0.0)));  // the centre is, if it was seen there
-        for (var k = 0u; k < 32u; k++) {
-            let at = vec3(1.0, sample_offset(32u * w + k));
-            let v = vec3(dot(e0, at), dot(e1, at), dot(e2, at));
-            if all(v >= vec3(0.0)) || all(v <= vec3(0.0)) { inside |= 1u << k; }
-        }
-        masks[3u * WORDS * f + w] &= inside;
-    }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -125,7 +100,8 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     // One facet is followed well beyond its own triangle, but not to the horizon.
     let clamped = (frame.flags & FLAG_CLAMP) != 0u;
     let limit = max(far_corner, depth) * select(4.0, 1.0001, clamped);
-    var outline = facet_box(pixel, plane, limit);
+    let span = select(vec2(0u), span_of_samples(f), clamped);
+    var outline = facet_box(pixel, part_of(span), plane, limit);
     if clamped {
         cut_to_triangle(&outline, a, b, c);
     } else if !outline.whole {
@@ -182,6 +158,7 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     facet.box_high = high + frame.map_margin;
     facet.slope = light_slope(plane);
     facet.origin = origin;
+    facet.span = span;
     facets[f] = facet;
     facet_items[f] = block_count(rect);
 }

@@ -34,7 +34,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let f = owner_of(item, end);
     let facet = facets[f];
     let block = block_of(facet.rect, item - work_offsets[f]);
-    var outline = facet_outline(facet.pixel, facet.plane, facet.limit);
+    var outline = facet_outline(facet.pixel, part_of(facet.span), facet.plane, facet.limit);
     let reach = 0.5 + frame.map_margin;
     // With validity masks even the facet's own sheet is looked at: its triangles may cut samples off.
     let skip_front = (frame.flags & (FLAG_ALL_UNDECIDED | FLAG_VALIDITY)) == 0u;

@@ -138,7 +138,8 @@ impl Plan {
             _ => wanted.clone(),
         };
         let asked_for_all = single.filter(|_| asked == FacetMode::All);
-        let every_surface = |name: &str| asked_for_all.clone().filter(|_| finds_facets_of(name) == Some(FacetMode::All));
+        let every_surface =
+            |name: &str| asked_for_all.clone().filter(|_| finds_facets_of(name) == Some(FacetMode::All));
         let needs = |least: Extent| match extent {
             Extent::Nothing => false,
             Extent::Facing => least != Extent::Everything,

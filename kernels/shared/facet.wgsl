@@ -15,7 +15,7 @@ struct Facet {
     box_high: vec2<f32>,
     slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w
     origin: vec2<f32>,  // a sample of its coverage, relative to the pixel centre: where `at` is
-    spare: vec2<f32>,
+    span: vec2<u32>,    // box around the samples it covers, lowest and highest corner packed; 0: the whole pixel
 }
 
 const STATE_EMPTY = 0u;      // no surface: counts as lit
@@ -71,15 +71,23 @@ fn box_add_side(out: ptr<function, OutlineBox>, plane: vec4<f32>, limit: f32, ra
     if (over <= 0.0) != (over_next <= 0.0) { box_add(out, mix(ray, next, over / (over - over_next)) * limit); }
 }
 
-fn facet_box(pixel: u32, plane: vec4<f32>, limit: f32) -> OutlineBox {
+// Lowest and highest corner of what a facet covers of its pixel, relative to the centre.
+fn part_of(packed: vec2<u32>) -> vec4<f32> {
+    if all(packed == vec2(0u)) { return vec4(-PIXEL_REACH, -PIXEL_REACH, PIXEL_REACH, PIXEL_REACH); }
+    return vec4(unpack2x16snorm(packed.x), unpack2x16snorm(packed.y));
+}
+
+fn facet_box(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> OutlineBox {
     var out = OutlineBox(vec2(3.0e38), vec2(-3.0e38), -3.0e38, true, true);
     let centre = pixel_ray(pixel);
-    let dx = PIXEL_REACH * frame.ray_x.xyz;
-    let dy = PIXEL_REACH * frame.ray_y.xyz;
-    box_add_side(&out, plane, limit, centre - dx - dy, centre + dx - dy);
-    box_add_side(&out, plane, limit, centre + dx - dy, centre + dx + dy);
-    box_add_side(&out, plane, limit, centre + dx + dy, centre - dx + dy);
-    box_add_side(&out, plane, limit, centre - dx + dy, centre - dx - dy);
+    let left = span.x * frame.ray_x.xyz;
+    let right = span.z * frame.ray_x.xyz;
+    let up = span.y * frame.ray_y.xyz;
+    let down = span.w * frame.ray_y.xyz;
+    box_add_side(&out, plane, limit, centre + left + up, centre + right + up);
+    box_add_side(&out, plane, limit, centre + right + up, centre + right + down);
+    box_add_side(&out, plane, limit, centre + right + down, centre + left + down);
+    box_add_side(&out, plane, limit, centre + left + down, centre + left + up);
     return out;
 }
 
@@ -110,8 +118,8 @@ fn ray_at(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
     return pixel_ray(pixel) + offset.x * frame.ray_x.xyz + offset.y * frame.ray_y.xyz;
 }
 
-// The pixel's footprint on `plane` as the light sees it, cut off where view depth exceeds `limit`.
-fn facet_outline(pixel: u32, plane: vec4<f32>, limit: f32) -> Outline {
+// The footprint on `plane` of a part of the pixel as the light sees it, cut off where view depth exceeds `limit`.
+fn facet_outline(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> Outline {
     var out: Outline;
     out.in_front = true;
     out.whole = true;
@@ -119,11 +127,11 @@ fn facet_outline(pixel: u32, plane: vec4<f32>, limit: f32) -> Outline {
     let centre = pixel_ray(pixel);
     // A ray meets the plane nearer than the limit where `over <= 0`.
     let bound = plane.w / limit;
-    var offsets = array<vec2<f32>, 4>(vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0));
+    var offsets = array<vec2<f32>, 4>(span.xy, span.zy, span.zw, span.xw);
     for (var k = 0u; k < 4u; k++) {
-        let ray = centre + PIXEL_REACH * (offsets[k].x * frame.ray_x.xyz + offsets[k].y * frame.ray_y.xyz);
+        let ray = centre + (offsets[k].x * frame.ray_x.xyz + offsets[k].y * frame.ray_y.xyz);
         let next = offsets[(k + 1u) & 3u];
-        let ray_next = centre + PIXEL_REACH * (next.x * frame.ray_x.xyz + next.y * frame.ray_y.xyz);
+        let ray_next = centre + (next.x * frame.ray_x.xyz + next.y * frame.ray_y.xyz);
         let over = dot(plane.xyz, ray) - bound;
         let over_next = dot(plane.xyz, ray_next) - bound;
         if over <= 0.0 { outline_add(&out, ray * (plane.w / dot(plane.xyz, ray))); } else { out.whole = false; }

@@ -66,11 +66,23 @@ pub fn wanted(
     }
     let mut wanted = Capacities { rounds: rounds.max(now.rounds), ..now };
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    let grown = |need: u64, have: usize| if need > have as u64 { need + need / 8 } else { have as u64 };
-    let (p, t) = (grown(pixel_pairs, now.pixel_pairs), grown(triangle_pairs, now.triangle_pairs));
-    let c = grown(candidates, now.candidates);
-    let bytes = p * 8 + t * 4 + c * 12;
-    if bytes > budget || p * 8 > binding || t * 4 > binding || c * 8 > binding {
+    let lists = |slack: fn(u64) -> u64, shrink: bool| {
+        let grown = |need: u64, have: usize| {
+            if shrink || need > have as u64 { (need + slack(need)).max(1) } else { have as u64 }
+        };
+        let (p, t) = (grown(pixel_pairs, now.pixel_pairs), grown(triangle_pairs, now.triangle_pairs));
+        (p, t, grown(candidates, now.candidates))
+    };
+    let bytes_of = |(p, t, c): (u64, u64, u64)| p * 8 + t * 4 + c * 12;
+    let fits = |(p, t, c): (u64, u64, u64)| {
+        bytes_of((p, t, c)) <= budget && p * 8 <= binding && t * 4 <= binding && c * 8 <= binding
+    };
+    // An eighth more than was needed if there is room for it; no less than there is, unless another list needs the room.
+    let least = lists(|_| 0, true);
+    let ways = [lists(|need| need / 8, false), lists(|_| 0, false), lists(|need| need / 8, true)];
+    let (p, t, c) = ways.into_iter().find(|&way| fits(way)).unwrap_or(least);
+    let bytes = bytes_of((p, t, c));
+    if !fits((p, t, c)) {
         if now.bands >= MAX_BANDS {
             return Err(Error::Memory { what: "pair lists".to_owned(), needed: bytes, limit: budget });
         }

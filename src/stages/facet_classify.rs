@@ -44,8 +44,9 @@ shared_struct! {
         pub slope: [f32; 4],
         /// A sample of its coverage, relative to the pixel centre: where `at` is.
         pub origin: [f32; 2],
-        /// Unused.
-        pub spare: [f32; 2],
+        /// Box around the samples it covers, relative to the pixel centre: lowest and highest corner, each two 16-bit
+        /// fractions; 0 is the whole pixel.
+        pub span: [u32; 2],
     }
 }
 
