@@ -1,7 +1,8 @@
 // sample_surfaces: which surface each sample sees, and the facets made of that: one for every triangle that samples of the
 // pixel see, with the mask of those samples.
 // `nearest` runs an invocation for each word of samples of a complex pixel over ROUND_LENGTH triangles of its list, from
-// round `step` on, and keeps for each sample the nearest, of equally near ones the lowest (`sample_ids`).
+// round `step` on, and keeps for each sample the nearest, of equally near ones the lowest (`sample_ids`). Where another surface
+// almost touches it (`rival_ids`), `settle_rivals` decides with 46 bits.
 // `group_samples` counts the triangles that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
 // `pixel_facets`, in the order of their first samples. `emit_single` lists the facets of single pixels, and makes what
 // lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the complement of the
@@ -12,9 +13,13 @@
 //@import pass
 //@import facet
 //@import facing
+//@import double_float
+//@import vertex
+//@import facing_46
 //@import eye_edges
 //@import eye_view
 //@import nearest_sample
+//@import eye_order_46
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 32u;       // one lane for each sample of a word
@@ -31,7 +36,9 @@ const ROUND_LENGTH = 512u;
 @group(0) @binding(6) var<storage, read> pixel_list: array<u32>;
 @group(0) @binding(7) var<storage, read> complex_pixels: array<u32>;
 @group(0) @binding(8) var<storage, read> complex_total: array<u32>;
+@group(0) @binding(9) var<storage, read> positions: array<f32>;
 @group(0) @binding(10) var<storage, read_write> sample_ids: array<u32>;
+@group(0) @binding(17) var<storage, read_write> rival_ids: array<u32>;
 @group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
 @group(0) @binding(12) var<storage, read> complex_flags: array<u32>;
 @group(0) @binding(13) var<storage, read> pixel_facets: array<u32>;
@@ -69,17 +76,39 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     let all = 32u * min(count, 1u);
     for (var k = 0u; k < all; k++) {
         best_ids[k] = NO_TRIANGLE;
+        best_rivals[k] = NO_TRIANGLE;
         best_near[k] = 3.0e38;
         best_far[k] = 3.0e38;
         if step.index == 0u || k >= count { continue; }
         let t = sample_ids[base + k];
         if t == NO_TRIANGLE { continue; }
         best_ids[k] = t;
+        best_rivals[k] = rival_ids[base + k];
         best_near[k] = eye_depth(corners_of(t), ray_at(pixel, sample_offset(32u * word + k)));
         best_far[k] = best_near[k];
     }
     for (var n = first; n < end; n++) { look_at(pixel_list[n], word, count, pixel, centre); }
-    for (var k = 0u; k < all; k++) { sample_ids[base + k] = best_ids[k]; }
+    for (var k = 0u; k < all; k++) {
+        sample_ids[base + k] = best_ids[k];
+        rival_ids[base + k] = best_rivals[k];
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let slot = flat_group(group, groups);
+    if slot >= slot_count() { return; }
+    for (var w = 0u; w < WORDS; w++) {
+        let at = 32u * (WORDS * slot + w) + lane;
+        let rival = rival_ids[at];
+        // A loop of one turn: CPU adapters jump over a loop, but not over a branch.
+        for (var open = rival != NO_TRIANGLE; open; open = false) {
+            let t = sample_ids[at];
+            let ray = ray_at(complex_pixels[slot], sample_offset(32u * w + lane));
+            let order = order_46(corners_of(rival), corners_of(t), ray);
+            if order < 0.0 || (order == 0.0 && rival < t) { sample_ids[at] = rival; }
+        }
+    }
 }
 
 // Groups the samples of a complex pixel by triangle: bits of the first samples in `wg_firsts`, and at each first sample

@@ -4,6 +4,7 @@
 #![cfg_attr(no_gpu, allow(dead_code, unused_imports))]
 
 use std::sync::OnceLock;
+use subpixel_shadows::glam::{DQuat, DVec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::Prepared;
@@ -11,7 +12,7 @@ use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Light, Scene, SceneOptions};
+use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, SceneOptions};
 use subpixel_shadows::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, TruthImage, join_mask};
 
 const SIZE: [u32; 2] = [120, 90];
@@ -154,6 +155,40 @@ fn one_facet_is_wrong() {
     let (samples, pixels) =
         wrong(&render(&prepared, &scene, &settings, Budget::default()), &truth(&scene, &prepared, &settings));
     assert!(samples > 1000 && pixels > 100, "{samples} samples, {pixels} pixels");
+}
+
+/// Sheets that lie on each other within the rounding of single precision, tilted so that their vertices round: of two such
+/// sheets the one that is seen is lit, and the other would be in its shadow.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn touching_surfaces() {
+    let (x, y) = (DVec3::new(0.8, 0.23, -0.31), DVec3::new(0.17, 0.41, 0.83));
+    let up = x.cross(y).normalize() * -1.0;
+    let (mut off, mut seen) = (0, 0);
+    for lift in [0.0, 1e-7, -2e-7, 4e-7] {
+        let mut mesh = Mesh::default();
+        for k in 0..2 {
+            let turn = DQuat::from_axis_angle(up, 0.7 * f64::from(k));
+            let base = mesh.positions.len() as u32;
+            for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                let at = turn * (x * u + y * v) + up * lift * f64::from(k) + DVec3::new(0.3, 0.7, -0.2);
+                mesh.positions.push(at.as_vec3().into());
+            }
+            mesh.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+        }
+        let camera = Camera::framing(DVec3::splat(-1.0), DVec3::ONE);
+        let camera = Camera { eye: (up * 4.0 + x).as_vec3().into(), target: [0.3, 0.7, -0.2], ..camera };
+        let light = Light::Directional { direction: (up + x * 0.4).as_vec3().into() };
+        let scene = Scene { mesh, camera, light, ..scene("plane", false) };
+        let prepared = Prepared::new(&scene.mesh);
+        let truth = truth(&scene, &prepared, &settings(FacetMode::All));
+        let frame = render(&prepared, &scene, &settings(FacetMode::All), Budget::default());
+        off += wrong(&frame, &truth).1;
+        seen += truth.pixels.iter().filter(|p| p.seen_count == 32).count();
+    }
+    eprintln!("{off} of {seen}");
+    assert!(seen > 8000, "{seen} pixels to see");
+    assert!(off * 100 <= seen, "{off} of {seen} pixels off by more than 1/32");
 }
 
 /// The same bits from lists that start at one element, from bands, in later frames, with nothing settled early, and with

@@ -56,7 +56,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: count as usize * 64,
         record: Box::new(move |s| {
             let (triangles, points) = (setup.casters.triangles.raw(), &setup.points);
-            let mesh = Mesh { samples: samples.raw(), triangles, points };
+            let mesh = Mesh { samples: samples.raw(), triangles, points, positions: setup.casters.positions.raw() };
             let per_pixel = (args.raw(), 0);
             stage.record(s, setup.frame.raw(), mesh, &lists, &complex, per_pixel, 1, &scratch, &facets, &id_keys)
         }),

@@ -1,9 +1,10 @@
 // The nearest triangle of each sample of a word, kept by one invocation. A sample that a linear edge function cannot place
-// is looked at from the nearer end of each edge; depths are compared by bounds, and computed where bounds overlap.
-// Needs `frame`, `samples`, `points`, `triangles`, eye_view.
+// is looked at from the nearer end of each edge; depths are compared by bounds, and computed where bounds overlap; where
+// surfaces almost touch, the other one is kept as a rival. Needs `frame`, `samples`, `points`, `triangles`, eye_view.
 
-// What is known of each sample of a word: its triangle, and bounds of its depth.
+// What is known of each sample of a word: its triangle, one that almost touches it there, and bounds of its depth.
 var<private> best_ids: array<u32, 32>;
+var<private> best_rivals: array<u32, 32>;
 var<private> best_near: array<f32, 32>;
 var<private> best_far: array<f32, 32>;
 
@@ -11,11 +12,18 @@ fn corners_of(t: u32) -> vec3<u32> {
     return vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
 }
 
+const TOUCHING = 9.5367432e-7;  // 2^-20: relative difference of depths that single precision is not asked about
+
+fn share_vertex(i: vec3<u32>, j: vec3<u32>) -> bool {
+    return any(i == j) || any(i == j.yzx) || any(i == j.zxy);
+}
+
 // Takes in that triangle `t`, of corners `i`, may be what sample `k` of a word sees; `offset` is the sample's.
 // What is rare stands in a loop of one turn: CPU adapters jump over a loop, but not over a branch.
 fn consider(k: u32, offset: vec2<f32>, t: u32, i: vec3<u32>, s: View, unsure: bool, pixel: u32) {
     var bounds = depth_bounds(s, s.over.x + offset.x * s.over.y + offset.y * s.over.z);
     var stays = bounds.x <= best_far[k];
+    var touching = false;
     // Too near to tell, to what is known or to the near plane.
     let open = !(bounds.x >= frame.forward.w && bounds.y < best_near[k]);
     for (var look = stays && (unsure || open); look; look = false) {
@@ -32,8 +40,11 @@ fn consider(k: u32, offset: vec2<f32>, t: u32, i: vec3<u32>, s: View, unsure: bo
         if best_near[k] != best_far[k] { best_near[k] = eye_depth(corners_of(other), ray); }
         best_far[k] = best_near[k];
         stays = bounds.x < best_far[k] || (bounds.x == best_far[k] && t < other);
+        touching = abs(bounds.x - best_far[k]) <= TOUCHING * best_far[k] && !share_vertex(i, corners_of(other));
+        best_rivals[k] = select(best_rivals[k], select(t, other, stays), touching);
     }
     if stays {
+        if !touching { best_rivals[k] = NO_TRIANGLE; }
         best_ids[k] = t;
         best_near[k] = bounds.x;
         best_far[k] = bounds.y;

@@ -87,6 +87,7 @@ impl EverySurface {
         frame: &wgpu::Buffer,
         samples: &wgpu::Buffer,
         in_camera: Blocks,
+        positions: &wgpu::Buffer,
         facets: &Facets,
         id_keys: &Buffer<u32>,
         status_words: &Buffer<u32>,
@@ -109,7 +110,7 @@ impl EverySurface {
                 let buffers = [("counts", complex.total.raw()), ("requests", request.raw()), ("args", self.args.raw())];
                 stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
             }
-            let mesh = Mesh { samples, triangles: in_camera.triangles, points: in_camera.points };
+            let mesh = Mesh { samples, triangles: in_camera.triangles, points: in_camera.points, positions };
             let (args, scratch) = ((self.args.raw(), 0), &self.scan_scratch);
             self.surfaces.record(stage, frame, mesh, lists, complex, args, self.rounds, scratch, facets, id_keys)?;
         }

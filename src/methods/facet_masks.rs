@@ -316,7 +316,17 @@ impl FacetMasks {
             (None, Some(write)) => write(rec, frame)?,
             (Some(camera), _) => {
                 rec.clear(geometry.id_keys.raw());
-                camera.record(rec, frame, m.samples.raw(), in_camera, &m.facets, &geometry.id_keys, &m.status)?;
+                let positions = casters.positions.raw();
+                camera.record(
+                    rec,
+                    frame,
+                    m.samples.raw(),
+                    in_camera,
+                    positions,
+                    &m.facets,
+                    &geometry.id_keys,
+                    &m.status,
+                )?;
             }
         }
         self.with.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers)?;

@@ -24,6 +24,7 @@ pub use kernel::{GROUP_NEAREST, ROUND_LENGTH};
 #[derive(Debug)]
 pub struct SampleSurfaces {
     nearest: Program,
+    rivals: Program,
     group: Program,
     emit: Program,
     emit_single: Program,
@@ -40,6 +41,8 @@ pub struct ComplexPixels {
     pub total: Buffer<u32>,
     /// Triangle of each sample.
     pub ids: Buffer<u32>,
+    /// Another one that almost touches it there.
+    pub rivals: Buffer<u32>,
 }
 
 impl ComplexPixels {
@@ -52,6 +55,7 @@ impl ComplexPixels {
             pixels: Buffer::storage(device, "sample_surfaces.pixels", count)?,
             total: Buffer::storage(device, "sample_surfaces.total", 2)?,
             ids: Buffer::storage(device, "sample_surfaces.ids", count * 32 * words)?,
+            rivals: Buffer::storage(device, "sample_surfaces.rivals", count * 32 * words)?,
         })
     }
 }
@@ -65,6 +69,8 @@ pub struct Mesh<'a> {
     pub triangles: &'a wgpu::Buffer,
     /// Projected vertices.
     pub points: &'a Buffer<[f32; 4]>,
+    /// Positions, world units, three words a vertex.
+    pub positions: &'a wgpu::Buffer,
 }
 
 impl SampleSurfaces {
@@ -73,6 +79,7 @@ impl SampleSurfaces {
         let constants = [("WORDS", f64::from(words))];
         Self {
             nearest: Program::new(device, kernel::ENTRY_NEAREST, &constants),
+            rivals: Program::new(device, kernel::ENTRY_SETTLE_RIVALS, &constants),
             group: Program::new(device, kernel::ENTRY_GROUP_SAMPLES, &constants),
             emit: Program::new(device, kernel::ENTRY_EMIT, &constants),
             emit_single: Program::new(device, kernel::ENTRY_EMIT_SINGLE, &constants),
@@ -115,9 +122,21 @@ impl SampleSurfaces {
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
                 ("sample_ids", complex.ids.raw()),
+                ("rival_ids", complex.rivals.raw()),
             ];
             stage.run(&self.nearest, &buffers, Groups::Indirect(args.0, args.1 + 3))?;
         }
+        let buffers = [
+            ("frame", frame),
+            ("samples", mesh.samples),
+            ("triangles", mesh.triangles),
+            ("positions", mesh.positions),
+            ("complex_pixels", complex.pixels.raw()),
+            ("complex_total", complex.total.raw()),
+            ("sample_ids", complex.ids.raw()),
+            ("rival_ids", complex.rivals.raw()),
+        ];
+        stage.run(&self.rivals, &buffers, per_pixel())?;
         let buffers = [
             ("frame", frame),
             ("complex_pixels", complex.pixels.raw()),

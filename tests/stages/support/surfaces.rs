@@ -144,7 +144,12 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
     run(gpu, |s| compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels)));
     let found = complex.total.read(gpu).expect("readback")[0].min(room[1] as u32);
     cover(&args[1], [found, (found * words).div_ceil(GROUP_NEAREST)]);
-    let mesh = Mesh { samples: offsets_of_samples.raw(), triangles: triangles.raw(), points: &points };
+    let mesh = Mesh {
+        samples: offsets_of_samples.raw(),
+        triangles: triangles.raw(),
+        points: &points,
+        positions: positions.raw(),
+    };
     let stage = SampleSurfaces::new(device, &scan, words);
     let per_pixel = (args[1].raw(), 0);
     run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, rounds, &scratch, &facets, &id_keys));
