@@ -132,7 +132,7 @@ pub struct Options {
 pub struct ReportOptions {
     /// Built-in scenes or files [default: every built-in scene]
     pub scenes: Vec<String>,
-    /// Fewer rows of smaller pictures, within 10 minutes on two cores
+    /// Fewer rows of smaller pictures
     #[arg(long)]
     pub quick: bool,
     /// Methods, by name [default: all]
