@@ -1,7 +1,5 @@
 //! The peers of `facet-masks` that are exact at their samples, from end to end: held against facet truth.
 
-#![cfg_attr(no_gpu, allow(dead_code, unused_imports))]
-
 use std::sync::OnceLock;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::any::AnyRenderer;

@@ -1,8 +1,6 @@
 //! A facet for every surface, from end to end: each sample lit or dark as traced rays say, on the built-in scenes.
 //! (`city` is left out: its truth takes minutes.)
 
-#![cfg_attr(no_gpu, allow(dead_code, unused_imports))]
-
 use std::sync::OnceLock;
 use subpixel_shadows::glam::{DQuat, DVec3};
 use subpixel_shadows::gpu::Gpu;

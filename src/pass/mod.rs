@@ -7,12 +7,13 @@
 //!   ([`GBuffer::TriangleIds`]) the stage `camera_visibility` is left out. Both give the same bits for the same triangles.
 //!   Depth and position textures are not taken.
 //! - **Error.** With [`FacetMode::One`] the triangle at the centre stands for the whole pixel, found or given: pixels that show
-//!   several surfaces differ from scene truth, 0.5 to 3 % of all pixels of a detailed mesh by more than one sample of 32.
+//!   several surfaces differ from scene truth: 0.4 to 14 % of all pixels of the scenes in `data/reports/truth.md` by more than one
+//!   sample of 32.
 //!   [`FacetMode::All`] has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample.
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
-//!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first whole one:
-//!   each status says for itself whether its frame was complete.
+//!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
+//!   whole one: each status says for itself whether its frame was complete.
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
 mod inputs;

@@ -10,6 +10,7 @@ use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock};
 use subpixel_shadows::glam::{DVec2, DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
+use subpixel_shadows::reference::facet_classify::pixel_ray;
 use subpixel_shadows::reference::front_layer::Split;
 use subpixel_shadows::reference::sample_bins;
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -91,8 +92,50 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
     Ran { masks: (0..list.len()).map(one).collect(), binned, doubts }
 }
 
+/// Where the bins depart from their definition: a sample that is surely in a texel must be in its bin, and no other may.
+fn fault_in_bins(world: &World, listed: &List, ran: &Ran) -> Option<String> {
+    let size = world.view.map.map_size;
+    let mut found: HashMap<(u32, u32), i64> = HashMap::new();
+    ran.binned.iter().for_each(|&(texel, facet)| *found.entry((facet, texel)).or_default() += 1);
+    for (f, &(pixel, triangle)) in listed.iter().enumerate() {
+        let (state, [coverage, ..]) = ran.masks[f];
+        let corners = triangle.and_then(|t| world.triangles[t as usize].corners);
+        let (mut sure, mut possible) = (HashMap::new(), HashMap::new());
+        if let Some([a, b, c]) = corners.filter(|_| state == State::Undecided as u32) {
+            let normal = (b - a).cross(c - a);
+            let covered = world.samples.offsets().iter().enumerate().filter(|(k, _)| coverage >> k & 1 == 1);
+            for (_, o) in covered {
+                let ray = pixel_ray(&world.view, pixel, DVec2::new(f64::from(o[0]), f64::from(o[1])) - 0.5);
+                let depth = normal.dot(a) / normal.dot(ray);
+                let Some(at) = world.view.on_map(ray * depth).filter(|_| depth > 0.0) else { continue };
+                let doubt = 2.0 * f64::from(world.frame.map_margin) + 1e-5 * at.truncate().length();
+                let around = [[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
+                let places = around.map(|d| DVec2::new(at.x, at.y) + DVec2::from(d) * doubt);
+                let texels = sample_bins::texels(&places, size);
+                if texels.iter().all(|t| *t == texels[0]) {
+                    texels[0].map(|t| *sure.entry(t).or_insert(0) += 1);
+                }
+                let mut any: Vec<u32> = texels.into_iter().flatten().collect();
+                any.sort_unstable();
+                any.dedup();
+                any.into_iter().for_each(|t| *possible.entry(t).or_insert(0) += 1);
+            }
+        }
+        for texel in 0..size * size {
+            let count = found.get(&(f as u32, texel)).copied().unwrap_or(0);
+            let least: i64 = sure.get(&texel).copied().unwrap_or(0);
+            let most: i64 = possible.get(&texel).copied().unwrap_or(0);
+            if !(least..=most).contains(&count) {
+                return Some(format!("facet {f}, texel {texel}: {count} samples, {least} to {most} expected"));
+            }
+        }
+    }
+    None
+}
+
 fn compare(world: &World, listed: &List) -> Tally {
     let ran = test(world, listed, usize::MAX);
+    assert_eq!(fault_in_bins(world, listed, &ran), None);
     Tally { evaluations: ran.binned.len(), ..judge(world, listed, &ran.masks, false) }
 }
 
@@ -291,6 +334,18 @@ fn detects_corruption() {
     let listed = world.seen();
     let ran = test(&world, &listed, usize::MAX);
     judge(&world, &listed, &ran.masks, false).assert_right("untouched");
+    assert_eq!(fault_in_bins(&world, &listed, &ran), None);
+    // A sample fewer, one twice, one in a bin far off.
+    for spoil in 0..3 {
+        let mut binned = ran.binned.clone();
+        match spoil {
+            0 => drop(binned.remove(77)),
+            1 => binned.push(binned[77]),
+            _ => binned[77].0 = (binned[77].0 + map * map / 2) % (map * map),
+        }
+        let off = Ran { binned, masks: ran.masks.clone(), doubts: ran.doubts };
+        assert!(fault_in_bins(&world, &listed, &off).is_some(), "bins spoilt in way {spoil}");
+    }
     assert!(test(&world, &listed, usize::MAX).masks == ran.masks, "another result in a second run");
     let got = &ran.masks;
     let at = |full: bool| {
