@@ -16,6 +16,7 @@
 //!   whole one: each status says for itself whether its frame was complete.
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
+mod casters;
 mod inputs;
 mod status;
 
@@ -27,15 +28,14 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder, Timer};
 use crate::light_view::LightView;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines};
-use crate::methods::prepared::{CasterBuffers, Prepared};
 use crate::methods::render::{Budget, Counts};
 use crate::methods::{FacetMode, Settings, growth};
-use crate::scene::weld::{UNUSED, weld};
-use crate::scene::{Light, Mesh};
+use crate::scene::Light;
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::triangle_ids::{Params, TriangleIds};
 use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
+use casters::{CasterSet, checked_mesh};
 use futures::executor::block_on;
 use glam::{DVec3, Vec3};
 use status::{FAULT_WORDS, Finished, InFlight, Label};
@@ -62,17 +62,6 @@ impl<'a> PassConfig<'a> {
     pub fn new(settings: Settings, casters: Casters<'a>) -> Self {
         Self { settings, casters, budget: Budget::default(), grow: true, timing: false }
     }
-}
-
-/// The casters on the GPU.
-struct CasterSet {
-    /// The mesh in canonical order; of moving casters, the pose at rest.
-    mesh: Mesh,
-    buffers: CasterBuffers,
-    /// The number here of each triangle that was given.
-    numbers: Buffer<u32>,
-    /// Place and source of each vertex of moving casters.
-    places: Option<Buffer<[u32; 2]>>,
 }
 
 /// Shadows as a pass of an application's frame: see the [module](self).
@@ -431,43 +420,6 @@ impl ShadowPass {
     pub fn capacities(&self) -> Capacities {
         self.method.capacities()
     }
-}
-
-impl CasterSet {
-    fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
-        let prepared = Prepared::new(&given);
-        let buffers = prepared.upload(device, queue)?;
-        let mut numbers = vec![0; prepared.given.len()];
-        for (number, &triangle) in (0..).zip(&prepared.given) {
-            numbers[triangle as usize] = number;
-        }
-        let places = match casters {
-            Casters::Static { .. } => None,
-            Casters::Moving { .. } => Some(Buffer::from_slice(device, queue, "casters.places", &places(&given))?),
-        };
-        let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers)?;
-        Ok(Self { mesh: prepared.mesh, buffers, numbers, places })
-    }
-}
-
-/// Of each vertex its place in the canonical mesh, and the first vertex with that place.
-fn places(mesh: &Mesh) -> Vec<[u32; 2]> {
-    let welded = weld(&mesh.positions, &mesh.triangles);
-    let mut first = vec![UNUSED; welded.positions.len()];
-    for (v, &place) in (0..).zip(&welded.place) {
-        if place != UNUSED && first[place as usize] == UNUSED {
-            first[place as usize] = v;
-        }
-    }
-    let of = |&place: &u32| [place, if place == UNUSED { UNUSED } else { first[place as usize] }];
-    welded.place.iter().map(of).collect()
-}
-
-fn checked_mesh(casters: &Casters) -> Result<Mesh> {
-    let (positions, triangles) = casters.parts();
-    let mesh = Mesh { positions: positions.to_vec(), triangles: triangles.to_vec() };
-    mesh.check("casters")?;
-    Ok(mesh)
 }
 
 /// The settings as the pass can use them for any camera and light: no caster is left out, and without validity masks no facet

@@ -1,0 +1,173 @@
+//! The memory of a frame of `facet-masks`: every buffer, how the lists are sized, what the status words say.
+
+use super::Settings;
+use crate::Result;
+use crate::frame::{Frame, sample_words};
+use crate::gpu::Buffer;
+use crate::gpu::kernels::{candidate_pairs, pixel_texel_pairs, silhouette_mask, visibility_masks};
+use crate::mask_table::mask_table;
+use crate::methods::geometry::Geometry;
+use crate::methods::prepared::CasterBuffers;
+use crate::stages::candidate_pairs::tally;
+use crate::stages::facet_classify::Facets;
+use crate::stages::light_layers::Layers;
+use crate::stages::pixel_texel_pairs::PairLists;
+use crate::stages::{PrefixScan, SummedArea, prefix_scan, summed_area};
+
+/// How the lists of a frame are sized.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacities {
+    /// Pixel-texel pairs of a band.
+    pub pixel_pairs: usize,
+    /// Triangle-texel pairs of a band.
+    pub triangle_pairs: usize,
+    /// Candidates of a band.
+    pub candidates: usize,
+    /// Bands of facets that are evaluated one after the other.
+    pub bands: u32,
+    /// Rounds of [`candidate_pairs::ROUND_LENGTH`] triangles.
+    pub rounds: u32,
+    /// Facets.
+    pub facets: usize,
+    /// Triangles in the lists of all pixels; 0 with one facet a pixel.
+    pub pixel_triangles: usize,
+    /// Pixels that may show several surfaces; 0 with one facet a pixel.
+    pub complex_pixels: usize,
+    /// Rounds of [`ROUND_LENGTH`](crate::stages::sample_surfaces::ROUND_LENGTH) triangles of a pixel.
+    pub camera_rounds: u32,
+}
+
+/// Words of the status buffer.
+pub mod status {
+    /// Silhouette edges.
+    pub const EDGES: usize = 8;
+    /// Triangles tested against facets, low and high word.
+    pub const TESTS: usize = 10;
+    /// Facets by state.
+    pub const STATES: usize = 16;
+    /// Marked texels.
+    pub const TEXELS: usize = 24;
+    /// First word of the bands.
+    pub const BANDS: usize = 32;
+    /// Longest list of triangles of a pixel.
+    pub const LONGEST_PIXEL: usize = crate::stages::pixel_triangles::PixelTriangles::STATUS_LONGEST;
+    /// Triangles in the lists of all pixels, and a flag: more than 2^32.
+    pub const PIXEL_TRIANGLES: usize = 26;
+    /// Pixels whose samples are looked at one by one, and 0.
+    pub const COMPLEX_PIXELS: usize = 28;
+    /// Facets, and a flag: more than 2^32.
+    pub const FACETS: usize = 30;
+    /// Words of a band: pixel-texel pairs and flag, triangle-texel pairs and flag, candidates, doubts, longest list, unused.
+    pub const BAND_WORDS: usize = 8;
+}
+
+/// Indirect arguments, by position.
+#[derive(Clone, Copy)]
+pub enum Arg {
+    Edges,
+    Facets,
+    Pairs,
+    Candidates,
+    Doubts,
+}
+
+impl Arg {
+    pub fn word(self) -> u64 {
+        self as u64 * 3
+    }
+}
+
+/// Every buffer of a frame.
+pub struct Memory {
+    pub samples: Buffer<[f32; 4]>,
+    pub table: Buffer<u32>,
+    pub frames: Vec<Buffer<Frame>>,
+    pub geometry: Geometry,
+    pub layers: Layers,
+    pub edge_rects: Buffer<[u32; 2]>,
+    pub edge_items: Buffer<u32>,
+    pub edge_offsets: Buffer<u32>,
+    pub sat: Buffer<u32>,
+    pub sat_scratch: summed_area::Scratch,
+    pub facets: Facets,
+    pub facet_offsets: Buffer<u32>,
+    pub lists: PairLists,
+    pub scan_scratch: prefix_scan::Scratch,
+    pub args: Buffer<u32>,
+    pub requests: Requests,
+    pub status: Buffer<u32>,
+    pub visibility: Buffer<f32>,
+    pub lit: Buffer<u32>,
+}
+
+impl Memory {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        casters: &CasterBuffers,
+        settings: &Settings,
+        summed_area: &SummedArea,
+        capacities: Capacities,
+    ) -> Result<Self> {
+        let [w, h] = settings.size.map(|s| s as usize);
+        let (pixels, map, words) = (w * h, settings.map as usize, settings.samples.words() as usize);
+        let facets = capacities.facets;
+        let edges = casters.edges.len();
+        let counts = [edges, facets, map * map];
+        let words_of = |label: &str, len: usize| Buffer::storage(device, label, len);
+        let samples = Buffer::uniform(device, "samples", 64)?;
+        samples.write(queue, &sample_words(&settings.samples));
+        let table = mask_table(&settings.samples, settings.masks.size());
+        Ok(Self {
+            samples,
+            table: Buffer::from_slice(device, queue, "visibility_masks.table", &table)?,
+            frames: frames(device, capacities)?,
+            geometry: Geometry::new(device, queue, casters, pixels)?,
+            layers: Layers::new(device, map)?,
+            edge_rects: Buffer::storage(device, "silhouette_mask.edge_rects", edges)?,
+            edge_items: words_of("silhouette_mask.edge_items", edges)?,
+            edge_offsets: words_of("silhouette_mask.edge_offsets", edges + 2)?,
+            sat: words_of("summed_area.sat", map * map)?,
+            sat_scratch: summed_area.scratch(device, map, map)?,
+            facets: Facets::new(device, facets, pixels, words)?,
+            facet_offsets: words_of("facets.offsets", facets + 2)?,
+            lists: PairLists::new(
+                device,
+                map,
+                capacities.pixel_pairs,
+                capacities.triangle_pairs,
+                capacities.candidates,
+            )?,
+            scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
+            args: Buffer::indirect(device, "dispatch_args.args", 15)?,
+            requests: requests(device, queue, [edges, facets], capacities)?,
+            status: words_of("status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?,
+            visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
+            lit: words_of("resolve.lit", pixels * words)?,
+        })
+    }
+}
+
+pub fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>> {
+    (0..c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
+}
+
+/// One request of indirect arguments for each [`Arg`].
+pub type Requests = Vec<Buffer<[u32; 4]>>;
+
+/// Requests: word of the count, items a workgroup, limit, word of the result. `totals` are the words of the totals of the
+/// first two counts; the rest are in the tally.
+pub fn requests(device: &wgpu::Device, queue: &wgpu::Queue, totals: [usize; 2], c: Capacities) -> Result<Requests> {
+    let [edges, facets] = totals.map(|t| t as u32);
+    let all = [
+        (edges, silhouette_mask::WORKGROUP, u32::MAX),
+        (facets, pixel_texel_pairs::WORKGROUP, u32::MAX),
+        (tally::TALLY_PAIRS, candidate_pairs::WORKGROUP, c.pixel_pairs as u32),
+        (tally::TALLY_CANDIDATES, visibility_masks::WORKGROUP, c.candidates as u32),
+        (tally::TALLY_DOUBTS, visibility_masks::WORKGROUP, c.candidates as u32),
+    ];
+    let request = |(k, (count, group, limit)): (usize, (u32, u32, u32))| {
+        Buffer::from_slice(device, queue, "dispatch_args.request", &[[count, group, limit, 3 * k as u32]])
+    };
+    all.into_iter().enumerate().map(request).collect()
+}

@@ -1,0 +1,56 @@
+//! The casters of a pass on the GPU.
+
+use super::Casters;
+use crate::Result;
+use crate::gpu::Buffer;
+use crate::methods::prepared::{CasterBuffers, Prepared};
+use crate::scene::Mesh;
+use crate::scene::weld::{UNUSED, weld};
+
+/// The casters on the GPU.
+pub struct CasterSet {
+    /// The mesh in canonical order; of moving casters, the pose at rest.
+    pub mesh: Mesh,
+    pub buffers: CasterBuffers,
+    /// The number here of each triangle that was given.
+    pub numbers: Buffer<u32>,
+    /// Place and source of each vertex of moving casters.
+    pub places: Option<Buffer<[u32; 2]>>,
+}
+
+impl CasterSet {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
+        let prepared = Prepared::new(&given);
+        let buffers = prepared.upload(device, queue)?;
+        let mut numbers = vec![0; prepared.given.len()];
+        for (number, &triangle) in (0..).zip(&prepared.given) {
+            numbers[triangle as usize] = number;
+        }
+        let places = match casters {
+            Casters::Static { .. } => None,
+            Casters::Moving { .. } => Some(Buffer::from_slice(device, queue, "casters.places", &places(&given))?),
+        };
+        let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers)?;
+        Ok(Self { mesh: prepared.mesh, buffers, numbers, places })
+    }
+}
+
+/// Of each vertex its place in the canonical mesh, and the first vertex with that place.
+fn places(mesh: &Mesh) -> Vec<[u32; 2]> {
+    let welded = weld(&mesh.positions, &mesh.triangles);
+    let mut first = vec![UNUSED; welded.positions.len()];
+    for (v, &place) in (0..).zip(&welded.place) {
+        if place != UNUSED && first[place as usize] == UNUSED {
+            first[place as usize] = v;
+        }
+    }
+    let of = |&place: &u32| [place, if place == UNUSED { UNUSED } else { first[place as usize] }];
+    welded.place.iter().map(of).collect()
+}
+
+pub fn checked_mesh(casters: &Casters) -> Result<Mesh> {
+    let (positions, triangles) = casters.parts();
+    let mesh = Mesh { positions: positions.to_vec(), triangles: triangles.to_vec() };
+    mesh.check("casters")?;
+    Ok(mesh)
+}

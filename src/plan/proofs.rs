@@ -1,0 +1,143 @@
+//! What is certain of a scene, from its mesh, camera and light: the proofs behind the [plan](super).
+//!
+//! They are made in `f64` with margins far above the rounding of the kernels: what is not certain is not claimed.
+
+use crate::methods::prepared::Prepared;
+use crate::scene::{Camera, Light};
+use glam::{DVec3, DVec4, Vec3};
+use rayon::prelude::*;
+
+/// Share of the sizes at hand that a proof must keep clear of: far above the rounding of `f32` kernels.
+const CLEAR: f64 = 1e-5;
+
+/// Why no pixel centre can see a surface, if that is certain.
+pub fn nothing_seen(prepared: &Prepared, camera: &Camera, [width, height]: [u32; 2]) -> Option<String> {
+    if prepared.mesh.triangles.is_empty() {
+        return Some("the mesh has no triangles".to_owned());
+    }
+    let rays = camera.rays(width, height);
+    let (w, h) = (f64::from(width), f64::from(height));
+    // Inner normals of the four sides of the view; a point on the inner side of all of them may be seen.
+    let corner = |x: f64, y: f64| rays.direction(x, y);
+    let [a, b, c, d] = [corner(0.0, 0.0), corner(w, 0.0), corner(w, h), corner(0.0, h)];
+    let middle = rays.direction(w * 0.5, h * 0.5);
+    let sides = [("above", a, b), ("to the right of", b, c), ("below", c, d), ("to the left of", d, a)];
+    let planes = sides.map(|(name, p, q)| {
+        let n = p.cross(q);
+        (name, n * n.dot(middle).signum() / n.length())
+    });
+    let (lowest, highest) = prepared.mesh.bounds()?;
+    let size = (lowest - rays.eye).abs().max((highest - rays.eye).abs()).max_element();
+    let all = |outside: &(dyn Fn(DVec3) -> bool + Sync)| {
+        prepared.mesh.positions.par_iter().all(|p| outside(Vec3::from(*p).as_dvec3() - rays.eye))
+    };
+    let near = f64::from(camera.near);
+    if all(&|p| p.dot(rays.forward) < near - CLEAR * size) {
+        return Some("the whole mesh lies nearer than the near plane or behind the camera".to_owned());
+    }
+    let (name, _) = planes.into_iter().find(|(_, n)| all(&|p| p.dot(*n) < -CLEAR * size))?;
+    Some(format!("the whole mesh lies {name} the view"))
+}
+
+/// Why no surface that is seen and faces the light can be in shadow, if that is certain.
+pub fn no_shadow(prepared: &Prepared, camera: &Camera, light: &Light) -> Option<String> {
+    if in_one_plane(prepared) {
+        return Some("all triangles lie in one plane: none shadows another".to_owned());
+    }
+    if nothing_faces_both(prepared, camera, light) {
+        return Some("no triangle shows the camera the side it shows the light: all that is seen is dark".to_owned());
+    }
+    light_inside_one_closed_body(prepared, light)
+        .then(|| "closed mesh around the light, no silhouette edge: each ray of light meets it once".to_owned())
+}
+
+/// Why every sample that sees a surface is lit, if that is certain.
+pub fn all_is_lit(prepared: &Prepared, camera: &Camera, light: &Light) -> Option<String> {
+    let lit = in_one_plane(prepared) && sides_of_eye_and_light(prepared, camera, light, |product| product > 0);
+    lit.then(|| "all triangles lie in one plane and face the light: none shadows another".to_owned())
+}
+
+/// Whether all vertices lie in one plane, exactly.
+fn in_one_plane(prepared: &Prepared) -> bool {
+    let mesh = &prepared.mesh;
+    let area = |t: usize| {
+        let [a, b, c] = mesh.corners(t);
+        (b - a).cross(c - a).length_squared()
+    };
+    let Some(largest) = (0..mesh.triangles.len()).max_by(|&s, &t| area(s).total_cmp(&area(t))) else { return true };
+    let [a, b, c] = mesh.corners(largest);
+    let normal = (b - a).cross(c - a);
+    // Differences of f32 and their products round in f64 at 2^-53 each: what is off the plane by more is seen.
+    let flat = 1.0 / (1u64 << 49) as f64 * (b - a).length() * (c - a).length();
+    mesh.positions.par_iter().all(|p| {
+        let from = Vec3::from(*p).as_dvec3() - a;
+        normal.dot(from).abs() <= flat * from.length()
+    })
+}
+
+/// Whether every triangle certainly shows the eye the side it hides from the light.
+fn nothing_faces_both(prepared: &Prepared, camera: &Camera, light: &Light) -> bool {
+    sides_of_eye_and_light(prepared, camera, light, |product| product < 0)
+}
+
+/// Whether the product of the sides on which eye and light lie, 0 where that is not certain, is as wanted for all triangles.
+fn sides_of_eye_and_light(prepared: &Prepared, camera: &Camera, light: &Light, wanted: fn(i32) -> bool) -> bool {
+    // Relative to the eye, as the kernels see it.
+    let (eye, l) = (Vec3::from(camera.eye).as_dvec3(), light.homogeneous());
+    let light = (l.truncate() - eye * l.w).extend(l.w);
+    let mesh = &prepared.mesh;
+    (0..mesh.triangles.len()).into_par_iter().all(|t| {
+        let corners = mesh.corners(t).map(|p| p - eye);
+        wanted(side(corners, DVec4::W) * side(corners, light))
+    })
+}
+
+/// The side of a triangle that a homogeneous point lies on: 1, -1, or 0 where that is not certain.
+fn side([a, b, c]: [DVec3; 3], point: DVec4) -> i32 {
+    let (ab, ac, to) = (b - a, c - a, point.truncate() - a * point.w);
+    let value = ab.cross(ac).dot(to);
+    // Products round, and so do the vertices, at the scale of the largest of them.
+    let reach = a.length().max(b.length()).max(c.length());
+    let size = ab.length() * ac.length() + 0.25 * reach * (ab.length() + ac.length());
+    let bound = CLEAR * size * (to.length() + reach * point.w);
+    if value > bound {
+        1
+    } else if value < -bound {
+        -1
+    } else {
+        0
+    }
+}
+
+/// Whether each ray from the light meets the mesh exactly once: every triangle certainly shows the light its back, and
+/// all of them together fill its view once.
+fn light_inside_one_closed_body(prepared: &Prepared, light: &Light) -> bool {
+    if !prepared.closed || light.is_directional() {
+        return false;
+    }
+    let (mesh, at) = (&prepared.mesh, light.homogeneous());
+    let all_back = (0..mesh.triangles.len()).into_par_iter().all(|t| side(mesh.corners(t), at) == -1);
+    // A closed mesh fills the view a whole number of times: halves tell once from twice.
+    all_back && {
+        let angles = (0..mesh.triangles.len()).map(|t| solid_angle(mesh.corners(t).map(|p| p - at.truncate())));
+        angles.sum::<f64>() < 6.0 * std::f64::consts::PI
+    }
+}
+
+/// The solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983), without its sign.
+fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+    let (la, lb, lc) = (a.length(), b.length(), c.length());
+    let volume = a.dot(b.cross(c)).abs();
+    2.0 * volume.atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
+}
+
+/// Why casters that face away from the light add no shadow, if that is certain: every segment that crosses a closed body
+/// and ends outside it leaves the body, through a face turned to the light.
+pub fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> {
+    let (lowest, highest) = prepared.mesh.bounds()?;
+    let at = light.homogeneous();
+    let slack = CLEAR * (highest - lowest).length();
+    let outside =
+        light.is_directional() || (at.truncate().cmplt(lowest - slack) | at.truncate().cmpgt(highest + slack)).any();
+    (prepared.closed && outside).then(|| "closed mesh, light outside: faces turned to the light cast it all".to_owned())
+}
