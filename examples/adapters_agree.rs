@@ -4,7 +4,8 @@
 //! Each scene is rendered on every adapter with 1, 32 and 128 samples, with one facet a pixel and with all, and held
 //! against the first adapter bit by bit. A sample that differs is *in the band* if facet truth says so of its facet on
 //! either adapter (nearer than 1/256 pixel to an edge), *another surface* if the two see different triangles there, else
-//! *wrong*. In each frame a sample is turned over first and must be found wrong. With more than one adapter and a wrong sample the exit status is 1.
+//! *wrong*. In each frame a sample is turned over first and must be found wrong. A wrong sample,
+//! or less than two adapters, is exit status 1.
 
 use std::collections::HashMap;
 use std::process::ExitCode;
@@ -146,6 +147,9 @@ fn main() -> Result<ExitCode> {
         "\n| scene | samples | facets | adapter | pixels that differ | samples in the band | another surface | wrong |"
     );
     println!("|---|---|---|---|---|---|---|---|");
+    if others.is_empty() {
+        return Err(Error::Config(format!("only one adapter here: {}", first.adapter.name)));
+    }
     let mut wrong = 0;
     for name in &arguments.scenes {
         let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
