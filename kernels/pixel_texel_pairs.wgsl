@@ -3,6 +3,8 @@
 // Pass 0 writes `texel_counts` (pairs of each texel) and `texel_deepest` (one more than the bits of the farthest facet's
 // depth, 0 where there is no pair; after the texels, one word for each 8 x 8 block of them, not 0 where any has a pair).
 // Pass 1 writes `pairs` (facet, texel) at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
+// Instead of both, `append` lists the pairs as they come: texels in `keys`, facets in `values`, their number in `appended`,
+// to be sorted (the paper's way); it writes `texel_deepest` as pass 0 does.
 // A texel that a facet touches makes no pair where no caster is, nor, without validity masks, where the facet lies before
 // the split depth.
 
@@ -13,6 +15,7 @@
 //@import work_items
 //@import facet
 //@import front_split
+//@import append
 
 const WORKGROUP = 64u;
 
@@ -25,37 +28,89 @@ const WORKGROUP = 64u;
 @group(0) @binding(6) var<storage, read_write> texel_deepest: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read> pair_offsets: array<u32>;
 @group(0) @binding(8) var<storage, read_write> pairs: array<vec2<u32>>;
+@group(0) @binding(9) var<storage, read_write> appended: array<atomic<u32>>;  // pairs appended; not 0 if more than 2^32
+@group(0) @binding(10) var<storage, read_write> keys: array<u32>;
+@group(0) @binding(11) var<storage, read_write> values: array<u32>;
 
-@compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let item = work_offsets[frame.first_facet] + flat_invocation(group, groups, WORKGROUP, local);
-    let end = frame.first_facet + frame.facet_count;
-    if item >= work_offsets[end] { return; }
+// The work item's facet and its block of texels.
+struct Item { facet: u32, block: Rect }
+
+fn item_of(item: u32, end: u32) -> Item {
     let f = owner_of(item, end);
-    let facet = facets[f];
-    let block = block_of(facet.rect, item - work_offsets[f]);
+    return Item(f, block_of(facets[f].rect, item - work_offsets[f]));
+}
+
+// The texels of the block, one bit each row by row, that make a pair with the facet.
+fn texels_of(item: Item) -> vec2<u32> {
+    let facet = facets[item.facet];
+    let block = item.block;
     var outline = facet_outline(facet.pixel, part_of(facet.span), facet.plane, facet.limit);
     let reach = 0.5 + frame.map_margin;
     // With validity masks even the facet's own sheet is looked at: its triangles may cut samples off.
     let skip_front = (frame.flags & (FLAG_ALL_UNDECIDED | FLAG_VALIDITY)) == 0u;
-    let deepest = bitcast<u32>(max(facet.farthest, 0.0)) + 1u;
+    var texels = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         for (var x = block.low.x; x <= block.high.x; x++) {
-            let texel = y * frame.map_size + x;
-            let split = splits[texel];
+            let split = splits[y * frame.map_size + x];
             if split == UNCOVERED { continue; }
             if split != MARKED && skip_front && facet.farthest + frame.depth_margin < split { continue; }
             if !outline_touches(&outline, vec2(f32(x) + 0.5, f32(y) + 0.5), reach) { continue; }
-            let rank = atomicAdd(&texel_counts[texel], 1u);
-            if step.index == 0u {
-                if atomicLoad(&texel_deepest[texel]) < deepest { atomicMax(&texel_deepest[texel], deepest); }
-                let across = (frame.map_size + BLOCK - 1u) / BLOCK;
-                let b = frame.map_size * frame.map_size + (y >> BLOCK_SHIFT) * across + (x >> BLOCK_SHIFT);
-                if atomicLoad(&texel_deepest[b]) == 0u { atomicOr(&texel_deepest[b], 1u); }
-            } else {
-                let at = pair_offsets[texel] + rank;
-                if at < frame.pixel_texel_capacity { pairs[at] = vec2(f, texel); }
-            }
+            add_texel(&texels, vec2(x, y) - block.low);
         }
+    }
+    return texels;
+}
+
+// Remembers the farthest facet of a texel, and that its block has one.
+fn note_depth(at: vec2<u32>, texel: u32, deepest: u32) {
+    if atomicLoad(&texel_deepest[texel]) < deepest { atomicMax(&texel_deepest[texel], deepest); }
+    let across = (frame.map_size + BLOCK - 1u) / BLOCK;
+    let b = frame.map_size * frame.map_size + (at.y >> BLOCK_SHIFT) * across + (at.x >> BLOCK_SHIFT);
+    if atomicLoad(&texel_deepest[b]) == 0u { atomicOr(&texel_deepest[b], 1u); }
+}
+
+fn deepest_of(f: u32) -> u32 {
+    return bitcast<u32>(max(facets[f].farthest, 0.0)) + 1u;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let at = work_offsets[frame.first_facet] + flat_invocation(group, groups, WORKGROUP, local);
+    let end = frame.first_facet + frame.facet_count;
+    if at >= work_offsets[end] { return; }
+    let item = item_of(at, end);
+    let deepest = deepest_of(item.facet);
+    var texels = texels_of(item);
+    while any(texels != vec2(0u)) {
+        let at = item.block.low + take_texel(&texels);
+        let texel = at.y * frame.map_size + at.x;
+        let rank = atomicAdd(&texel_counts[texel], 1u);
+        if step.index == 0u {
+            note_depth(at, texel, deepest);
+        } else {
+            let at = pair_offsets[texel] + rank;
+            if at < frame.pixel_texel_capacity { pairs[at] = vec2(item.facet, texel); }
+        }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let at = work_offsets[frame.first_facet] + flat_invocation(group, groups, WORKGROUP, local);
+    let end = frame.first_facet + frame.facet_count;
+    if at >= work_offsets[end] { return; }
+    let item = item_of(at, end);
+    let deepest = deepest_of(item.facet);
+    var texels = texels_of(item);
+    var place = room_for(texels);
+    while any(texels != vec2(0u)) {
+        let at = item.block.low + take_texel(&texels);
+        let texel = at.y * frame.map_size + at.x;
+        note_depth(at, texel, deepest);
+        if place < frame.pixel_texel_capacity {
+            keys[place] = texel;
+            values[place] = item.facet;
+        }
+        place++;
     }
 }

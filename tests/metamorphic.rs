@@ -1,17 +1,18 @@
 //! Changes of the input or of the memory that must not change a bit of the picture: order, duplicates, scale, list
-//! sizes, bands, map size, number of samples, repetition.
+//! sizes, bands, map size, number of samples, repetition, what the plan leaves out, how pairs are brought together.
 
 use std::sync::{Arc, Mutex, OnceLock};
 use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
-use subpixel_shadows::methods::facet_masks::{Pipelines, Settings};
+use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Pipelines, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
+use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
 
-const SCENES: [&str; 8] = ["plane", "spheres", "windmill", "cage", "bicycle", "plant", "knot", "bumpy"];
+const SCENES: [&str; 9] = ["plane", "spheres", "windmill", "cage", "bicycle", "plant", "knot", "bumpy", "city"];
 const SIZE: [u32; 2] = [80, 60];
 
 /// Three scenes, or all of them with `SUBPIXEL_SHADOWS_ALL_SCENES=1`: most of the time goes into building pipelines.
@@ -245,6 +246,55 @@ fn list_sizes_do_not_matter() {
             failures.0.push(format!("{name}: half of the memory does not do"));
         }
     }
+    failures.report();
+}
+
+/// Sorted or grouped, the pairs are the same, with room for all from the start, with none, and in bands.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn how_pairs_are_brought_together_does_not_matter() {
+    let mut failures = Failures::default();
+    for (name, facets) in scenes().flat_map(|name| [(name, FacetMode::One), (name, FacetMode::All)]) {
+        let scene = scene(name);
+        let with = |pairs, budget| {
+            let settings = Settings { pairs, facets, ..settings(true) };
+            render_with(&scene.mesh, &scene.camera, &scene.light, &settings, budget)
+        };
+        let grouped = with(PairVariant::Grouped, Budget::default());
+        let sorted = with(PairVariant::Sorted, Budget::default());
+        // Evaluations are not compared: a facet that is covered takes no more, and that depends on the order.
+        let pairs = |o: &Output| (o.counts.pixel_texel_pairs, o.counts.triangle_texel_pairs, o.counts.candidate_tests);
+        assert_eq!(pairs(&sorted), pairs(&grouped), "{name}");
+        failures.compare(&format!("{name}, {facets:?}, sorted"), &grouped, &sorted);
+        let grown = with(PairVariant::Sorted, Budget { start: Some(1), ..Budget::default() });
+        assert!(grown.lists[0].runs > 1, "{name}: the lists did not grow");
+        failures.compare(&format!("{name}, {facets:?}, sorted, lists begun at 1"), &grouped, &grown);
+    }
+    failures.report();
+}
+
+/// What the plan leaves out of a scene changes no pixel. (The mask of a facet that was settled holds all of its samples, of
+/// one that was evaluated those that are valid.)
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_is_left_out_does_not_matter() {
+    let mut failures = Failures::default();
+    let mut left_out = 0;
+    for (name, facets) in scenes().flat_map(|name| [(name, FacetMode::One), (name, FacetMode::All)]) {
+        let scene = scene(name);
+        let prepared = Prepared::new(&scene.mesh);
+        let wanted = Settings { facets, cull_back: true, ..settings(true) };
+        let [planned, forced] = [false, true].map(|force| {
+            let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, force).expect("a plan");
+            assert_eq!(plan.extent, Extent::Everything, "{name}");
+            left_out += if force { 0 } else { plan.left_out().count() };
+            let mut renderer = renderer(&prepared, &plan.settings, Budget::default());
+            let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
+            Output { lit: Vec::new(), ..output }
+        });
+        failures.compare(&format!("{name}, {facets:?}"), &forced, &planned);
+    }
+    assert!(left_out > 0, "nothing was left out");
     failures.report();
 }
 

@@ -26,6 +26,7 @@ mod sample_surfaces;
 mod shadow_map;
 mod shadow_rays;
 mod silhouette_mask;
+mod sorted_pairs;
 mod spsm_map;
 mod spsm_query;
 mod summed_area;
@@ -58,6 +59,7 @@ fn run(options: &Options) -> Result<()> {
         summed_area::cases,
         compact::cases,
         radix_sort::cases,
+        sorted_pairs::cases,
         texel_group::cases,
         dispatch_args::cases,
         caster_positions::cases,

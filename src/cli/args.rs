@@ -4,7 +4,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
+use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Settings};
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::methods::{MethodName, RayTracedSettings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
 use subpixel_shadows::report::comparison::Scope;
@@ -92,6 +92,9 @@ pub struct Options {
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: Masks,
+    /// How facet-masks brings pairs together by texel: counted and written to their places, or sorted, as in the paper
+    #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
+    pub pairs: PairsBy,
     /// Where to compute; without an adapter, and if not asked for, the CPU takes over and says so [default: gpu]
     #[arg(long, value_enum)]
     pub engine: Option<EngineName>,
@@ -302,6 +305,13 @@ pub enum Masks {
     Table,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum PairsBy {
+    #[default]
+    Grouped,
+    Sorted,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
     Gpu,
@@ -348,6 +358,10 @@ impl Options {
             masks: match self.masks {
                 Masks::Exact => MaskVariant::Exact,
                 Masks::Table => MaskVariant::TABLE,
+            },
+            pairs: match self.pairs {
+                PairsBy::Grouped => PairVariant::Grouped,
+                PairsBy::Sorted => PairVariant::Sorted,
             },
             spsm: SpsmSettings { encoding, ..SpsmSettings::default() },
             ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },

@@ -5,7 +5,7 @@ mod memory;
 use super::every_surface::EverySurface;
 use super::geometry::GeometryPipelines;
 use super::prepared::CasterBuffers;
-pub use super::settings::{FacetMode, Settings};
+pub use super::settings::{FacetMode, PairVariant, Settings};
 use crate::frame::Frame;
 use crate::gpu::kernels::dispatch_args;
 use crate::gpu::{Buffer, Groups, Program, Recorder};
@@ -20,22 +20,24 @@ use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_WORDS};
 use crate::stages::resolve::Resolve;
 use crate::stages::silhouette_mask::SilhouetteMask;
+use crate::stages::sorted_pairs::{self, Sorted};
 use crate::stages::summed_area::Texels;
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
 use crate::stages::visibility_masks::{Casters, VisibilityMasks};
-use crate::stages::{Count, PrefixScan, SummedArea};
+use crate::stages::{Count, PrefixScan, SortedPairs, SummedArea};
 use crate::{Error, Result};
 use glam::DVec3;
-use memory::{Arg, Memory, frames, requests};
+use memory::{Arg, Memory, frames, requests, unsorted};
 pub use memory::{Capacities, status};
 use std::sync::Arc;
 
-/// The pipelines, which may serve any number of meshes, images and settings with as many mask words and the same mask
-/// variant.
+/// The pipelines, which may serve any number of meshes, images and settings with as many mask words and the same variants
+/// of masks and pairs.
 #[derive(Debug)]
 pub struct Pipelines {
     words: u32,
     masks_by: MaskVariant,
+    pairs_by: PairVariant,
     geometry: GeometryPipelines,
     layers: LightLayers,
     front: FrontLayer,
@@ -47,6 +49,7 @@ pub struct Pipelines {
     candidates: CandidatePairs,
     masks: VisibilityMasks,
     resolve: Resolve,
+    sorted: Option<SortedPairs>,
     scan: PrefixScan,
     fold: Program,
 }
@@ -55,9 +58,12 @@ impl Pipelines {
     /// Builds the pipelines that `settings` need.
     pub fn new(device: &wgpu::Device, settings: &Settings) -> Self {
         let words = settings.samples.words();
+        let scan = PrefixScan::new(device);
+        let sorted = settings.pairs == PairVariant::Sorted;
         Self {
             words,
             masks_by: settings.masks,
+            pairs_by: settings.pairs,
             geometry: GeometryPipelines::new(device),
             layers: LightLayers::new(device),
             front: FrontLayer::new(device),
@@ -69,14 +75,15 @@ impl Pipelines {
             candidates: CandidatePairs::new(device, words),
             masks: VisibilityMasks::new(device, words, settings.masks.size()),
             resolve: Resolve::new(device, words),
-            scan: PrefixScan::new(device),
+            sorted: sorted.then(|| SortedPairs::new(device, &scan)),
+            scan,
             fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
         }
     }
 
     /// Whether they serve `settings`.
     pub fn serve(&self, settings: &Settings) -> bool {
-        self.words == settings.samples.words() && self.masks_by == settings.masks
+        self.words == settings.samples.words() && self.masks_by == settings.masks && self.pairs_by == settings.pairs
     }
 }
 
@@ -105,7 +112,9 @@ impl FacetMasks {
     ) -> Result<Self> {
         settings.check()?;
         if !pipelines.serve(settings) {
-            return Err(Error::Config("the pipelines were made for other numbers of samples or masks".to_owned()));
+            return Err(Error::Config(
+                "the pipelines were made for other numbers of samples, masks or pairs".to_owned(),
+            ));
         }
         let every_surface = match settings.facets {
             FacetMode::One => None,
@@ -124,6 +133,7 @@ impl FacetMasks {
         let m = &mut self.memory;
         m.lists =
             PairLists::new(device, size, capacities.pixel_pairs, capacities.triangle_pairs, capacities.candidates)?;
+        m.unsorted = unsorted(device, &self.settings, capacities)?;
         if capacities.facets != m.facets.list.len() {
             let (pixels, words) = (self.settings.pixels(), self.settings.samples.words() as usize);
             m.facets = Facets::new(device, capacities.facets, pixels, words)?;
@@ -306,33 +316,10 @@ impl FacetMasks {
         let m = &self.memory;
         let texels = m.lists.texel_counts.len();
         let frame_of = |round: u32| m.frames[(band * self.capacities.rounds + round) as usize].raw();
-        let facet_args = (m.args.raw(), Arg::Facets.word());
         rec.clear(m.lists.texel_deepest.raw());
-        for run in 0..2 {
-            rec.clear(m.lists.texel_counts.raw());
-            let stage = &mut rec.stage("pixel_texel_pairs");
-            let splits = &m.layers.splits;
-            self.with.pixel_pairs.record(
-                stage,
-                run,
-                frame_of(0),
-                &m.facets,
-                &m.facet_offsets,
-                facet_args,
-                splits,
-                &m.lists,
-            )?;
-            if run == 0 {
-                self.scan(stage, &m.lists.texel_counts, &m.lists.pixel_offsets, texels)?;
-            }
-        }
-        for run in 0..2 {
-            rec.clear(m.lists.texel_counts.raw());
-            let stage = &mut rec.stage("triangle_texel_pairs");
-            self.with.triangle_pairs.record(stage, run, frame_of(0), in_light, &m.lists)?;
-            if run == 0 {
-                self.scan(stage, &m.lists.texel_counts, &m.lists.triangle_offsets, texels)?;
-            }
+        match &m.unsorted {
+            None => self.record_grouped(rec, frame_of(0), in_light)?,
+            Some(unsorted) => self.record_sorted(rec, frame_of(0), in_light, unsorted)?,
         }
         rec.copy_words(
             m.lists.pixel_offsets.raw(),
@@ -386,6 +373,70 @@ impl FacetMasks {
             status::TESTS as u64,
             2,
         );
+        Ok(())
+    }
+
+    /// The pairs of one band, counted, scanned and written to their places.
+    fn record_grouped(&self, rec: &mut Recorder, frame: &wgpu::Buffer, in_light: Blocks) -> Result<()> {
+        let m = &self.memory;
+        let (texels, facet_args) = (m.lists.texel_counts.len(), (m.args.raw(), Arg::Facets.word()));
+        for run in 0..2 {
+            rec.clear(m.lists.texel_counts.raw());
+            let stage = &mut rec.stage("pixel_texel_pairs");
+            let splits = &m.layers.splits;
+            let offsets = &m.facet_offsets;
+            self.with.pixel_pairs.record(stage, run, frame, &m.facets, offsets, facet_args, splits, &m.lists)?;
+            if run == 0 {
+                self.scan(stage, &m.lists.texel_counts, &m.lists.pixel_offsets, texels)?;
+            }
+        }
+        for run in 0..2 {
+            rec.clear(m.lists.texel_counts.raw());
+            let stage = &mut rec.stage("triangle_texel_pairs");
+            self.with.triangle_pairs.record(stage, run, frame, in_light, &m.lists)?;
+            if run == 0 {
+                self.scan(stage, &m.lists.texel_counts, &m.lists.triangle_offsets, texels)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The pairs of one band, listed as they come and sorted.
+    fn record_sorted(
+        &self,
+        rec: &mut Recorder,
+        frame: &wgpu::Buffer,
+        in_light: Blocks,
+        [of_pixels, of_triangles]: &[sorted_pairs::Scratch; 2],
+    ) -> Result<()> {
+        let m = &self.memory;
+        let Some(sorted) = &self.with.sorted else { return Ok(()) };
+        let (counts, args) = (&m.lists.texel_counts, (m.args.raw(), Arg::Facets.word()));
+        let (texels, splits) = (counts.len(), &m.layers.splits);
+        let counted = |rec: &mut Recorder, from: &sorted_pairs::Scratch, offsets: &Buffer<u32>| {
+            // Of pairs beyond the capacity it is known only that they are there.
+            rec.copy_words(from.appended.raw(), 0, offsets.raw(), texels as u64, 2);
+        };
+        for list in [of_pixels, of_triangles] {
+            rec.clear(list.appended.raw());
+        }
+        rec.clear(counts.raw());
+        {
+            let stage = &mut rec.stage("pixel_texel_pairs");
+            let offsets = &m.facet_offsets;
+            self.with.pixel_pairs.record_append(stage, frame, &m.facets, offsets, args, splits, &m.lists, of_pixels)?;
+            sorted.record(stage, of_pixels, Sorted::Pairs(&m.lists.pixel_pairs), counts)?;
+            self.scan(stage, counts, &m.lists.pixel_offsets, texels)?;
+        }
+        counted(rec, of_pixels, &m.lists.pixel_offsets);
+        rec.clear(counts.raw());
+        {
+            let stage = &mut rec.stage("triangle_texel_pairs");
+            self.with.triangle_pairs.record_append(stage, frame, in_light, &m.lists, of_triangles)?;
+            sorted.record(stage, of_triangles, Sorted::Items(&m.lists.triangle_pairs), counts)?;
+            self.scan(stage, counts, &m.lists.triangle_offsets, texels)?;
+        }
+        counted(rec, of_triangles, &m.lists.triangle_offsets);
         Ok(())
     }
 

@@ -1,7 +1,8 @@
 //! How long the lists of a frame are: a first guess, what a frame left in its counters, and the next guess from that.
 
-use super::facet_masks::{Capacities, FacetMode, Settings, status};
+use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings, status};
 use super::render::{Budget, Counts, ListUse};
+use crate::stages::SortedPairs;
 use crate::stages::candidate_pairs::ROUND_LENGTH;
 use crate::stages::facet_classify::{Facet, State};
 use crate::stages::pixel_texel_pairs::TALLY_WORDS;
@@ -73,7 +74,7 @@ pub fn wanted(
         let (p, t) = (grown(pixel_pairs, now.pixel_pairs), grown(triangle_pairs, now.triangle_pairs));
         (p, t, grown(candidates, now.candidates))
     };
-    let bytes_of = |(p, t, c): (u64, u64, u64)| p * 8 + t * 4 + c * 12;
+    let bytes_of = |lists: (u64, u64, u64)| pair_bytes(settings, lists);
     let fits = |(p, t, c): (u64, u64, u64)| {
         bytes_of((p, t, c)) <= budget && p * 8 <= binding && t * 4 <= binding && c * 8 <= binding
     };
@@ -93,6 +94,15 @@ pub fn wanted(
         (wanted.pixel_pairs, wanted.triangle_pairs, wanted.candidates) = (p as usize, t as usize, c as usize);
     }
     Ok(Some(wanted))
+}
+
+/// Bytes of lists of so many pixel-texel pairs, triangle-texel pairs and candidates, with what it takes to sort them.
+fn pair_bytes(settings: &Settings, (p, t, c): (u64, u64, u64)) -> u64 {
+    let sorted = match settings.pairs {
+        PairVariant::Grouped => 0,
+        PairVariant::Sorted => t * SortedPairs::BYTES[0] + p * SortedPairs::BYTES[1],
+    };
+    p * 8 + t * 4 + c * 12 + sorted
 }
 
 /// The capacities with which the camera's lists hold every surface, if they are not the ones in use. What comes after
@@ -156,13 +166,13 @@ pub fn ahead(
     words: &[u32],
     now: Capacities,
     wanted: Capacities,
-    facets: FacetMode,
+    settings: &Settings,
     limits: &wgpu::Limits,
     budget: u64,
 ) -> Capacities {
     let share = |needed: u64, had: usize| (needed as f64 / had.max(1) as f64).max(1.0);
     let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now.bands);
-    let camera = match facets {
+    let camera = match settings.facets {
         FacetMode::One => 1.0,
         FacetMode::All => {
             let had = [now.pixel_triangles, now.complex_pixels, now.facets];
@@ -185,7 +195,7 @@ pub fn ahead(
     }
     let [p, t, c] = [more.pixel_pairs, more.triangle_pairs, more.candidates].map(|n| n as u64);
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    let fits = p * 8 + t * 4 + c * 12 <= budget
+    let fits = pair_bytes(settings, (p, t, c)) <= budget
         && [p * 8, t * 4, c * 8 + 4 * TALLY_WORDS as u64].iter().all(|&bytes| bytes <= binding);
     if fits && wanted.bands == now.bands { more } else { wanted }
 }

@@ -20,4 +20,6 @@ pub mod unshadowed;
 pub use any::{AnyRenderer, MethodName};
 pub use facet_masks::FacetMasks;
 pub use prepared::Prepared;
-pub use settings::{FacetMode, RayTracedSettings, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
+pub use settings::{
+    FacetMode, PairVariant, RayTracedSettings, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings,
+};

@@ -15,6 +15,16 @@ pub enum FacetMode {
     All,
 }
 
+/// How pairs are brought together by texel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PairVariant {
+    /// Counted, scanned, written to their places.
+    #[default]
+    Grouped,
+    /// Listed as they come and sorted (Pan 2009, section 3.3).
+    Sorted,
+}
+
 /// How a texel of `spsm` packs a triangle into 128 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpsmEncoding {
@@ -127,6 +137,8 @@ pub struct Settings {
     pub cull_back: bool,
     /// How half-planes become masks.
     pub masks: MaskVariant,
+    /// How pairs are brought together by texel.
+    pub pairs: PairVariant,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
     /// Options of `spsm`.
@@ -154,6 +166,7 @@ impl Settings {
             validity: true,
             cull_back: false,
             masks: MaskVariant::Exact,
+            pairs: PairVariant::Grouped,
             settle: true,
             spsm: SpsmSettings::default(),
             shadow_map: ShadowMapSettings::default(),

@@ -391,7 +391,7 @@ impl ShadowPass {
                 status.overflowed = true;
                 // A frame with other lists than those in use says nothing of these.
                 if generation == self.generation && capacities == self.method.capacities() {
-                    let ahead = growth::ahead(&words, capacities, wanted, facets, &limits, self.budget.bytes);
+                    let ahead = growth::ahead(&words, capacities, wanted, &self.settings, &limits, self.budget.bytes);
                     self.wanted = Some(self.wanted.map_or(ahead, |other| growth::larger(other, ahead)));
                 }
             }

@@ -20,6 +20,7 @@ pub mod sample_surfaces;
 pub mod shadow_map;
 pub mod shadow_rays;
 pub mod silhouette_mask;
+pub mod sorted_pairs;
 pub mod spsm_map;
 pub mod spsm_query;
 pub mod summed_area;

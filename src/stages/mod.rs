@@ -21,6 +21,7 @@ pub mod sample_surfaces;
 pub mod shadow_map;
 pub mod shadow_rays;
 pub mod silhouette_mask;
+pub mod sorted_pairs;
 pub mod spsm_map;
 pub mod spsm_query;
 pub mod summed_area;
@@ -36,6 +37,7 @@ pub use compact::Compact;
 pub use dispatch_args::DispatchArgs;
 pub use prefix_scan::PrefixScan;
 pub use radix_sort::RadixSort;
+pub use sorted_pairs::SortedPairs;
 pub use summed_area::SummedArea;
 pub use texel_group::TexelGroup;
 

@@ -1,13 +1,15 @@
 //! Pixel-texel pairs: texel by texel, the undecided facets whose light-view outline touches it (Pan 2009, section 3.3).
 //!
 //! - **Reads** facets, the scan of their blocks, the split depths.
-//! - **Writes** on counting `texel_counts` and `texel_deepest`, on emitting `pairs` (facet, texel) grouped by texel.
+//! - **Writes** on counting `texel_counts` and `texel_deepest`, on emitting `pairs` (facet, texel) grouped by texel; or all at
+//!   once `texel_deepest` and the pairs as they come, for [`SortedPairs`](super::SortedPairs).
 //! - **Guarantee.** Conservative: every texel in which a caster may shadow the facet makes a pair. Nothing is written beyond
 //!   the capacity. The order inside a texel is not defined; what is made of it does not depend on it.
 //! - **Cost.** One indirect dispatch each; one invocation looks at up to 64 texels.
 
 use super::camera_visibility::Pass;
 use super::facet_classify::Facets;
+use super::sorted_pairs;
 use crate::Result;
 use crate::gpu::kernels::{candidate_pairs::SEEN, pixel_texel_pairs as kernel};
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
@@ -16,6 +18,7 @@ use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 #[derive(Debug)]
 pub struct PixelTexelPairs {
     raster: Program,
+    append: Program,
     uniforms: Uniforms,
 }
 
@@ -73,7 +76,11 @@ impl PairLists {
 impl PixelTexelPairs {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[]), uniforms: Uniforms::default() }
+        Self {
+            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            append: Program::new(device, kernel::ENTRY_APPEND, &[]),
+            uniforms: Uniforms::default(),
+        }
     }
 
     /// Records run `index`: 0 counts, 1 emits.
@@ -105,5 +112,34 @@ impl PixelTexelPairs {
             ("pairs", lists.pixel_pairs.raw()),
         ];
         stage.run(&self.raster, &buffers, Groups::Indirect(args.0, args.1))
+    }
+
+    /// Records the listing of pairs as they come, to be sorted; the capacity of `frame` may not be above that of `to`.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
+    pub fn record_append(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        facets: &Facets,
+        offsets: &Buffer<u32>,
+        args: (&wgpu::Buffer, u64),
+        splits: &Buffer<f32>,
+        lists: &PairLists,
+        to: &sorted_pairs::Scratch,
+    ) -> Result<()> {
+        let buffers = [
+            ("frame", frame),
+            ("facets", facets.list.raw()),
+            ("work_offsets", offsets.raw()),
+            ("splits", splits.raw()),
+            ("texel_deepest", lists.texel_deepest.raw()),
+            ("appended", to.appended.raw()),
+            ("keys", to.keys.raw()),
+            ("values", to.values.raw()),
+        ];
+        stage.run(&self.append, &buffers, Groups::Indirect(args.0, args.1))
     }
 }

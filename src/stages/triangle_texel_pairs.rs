@@ -1,13 +1,15 @@
 //! Triangle-texel pairs: texel by texel, the casters that touch it, where pixel-texel pairs are (Pan 2009, section 3.3).
 //!
 //! - **Reads** the casters' blocks, `texel_deepest` of the pixel-texel pairs.
-//! - **Writes** on counting `texel_counts`, on emitting `triangle_pairs` grouped by texel.
+//! - **Writes** on counting `texel_counts`, on emitting `triangle_pairs` grouped by texel; or all at once the pairs as they
+//!   come, for [`SortedPairs`](super::SortedPairs).
 //! - **Guarantee.** Conservative: every caster that may shadow a facet listed at a texel is listed there. Nothing is written
 //!   beyond the capacity. The order inside a texel is not defined; what is made of it does not depend on it.
 //! - **Cost.** One indirect dispatch each; one invocation looks at up to 64 texels.
 
 use super::camera_visibility::{Blocks, Pass};
 use super::pixel_texel_pairs::PairLists;
+use super::sorted_pairs;
 use crate::Result;
 use crate::gpu::kernels::triangle_texel_pairs as kernel;
 use crate::gpu::{Groups, Program, Stage, Uniforms};
@@ -16,13 +18,18 @@ use crate::gpu::{Groups, Program, Stage, Uniforms};
 #[derive(Debug)]
 pub struct TriangleTexelPairs {
     raster: Program,
+    append: Program,
     uniforms: Uniforms,
 }
 
 impl TriangleTexelPairs {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[]), uniforms: Uniforms::default() }
+        Self {
+            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            append: Program::new(device, kernel::ENTRY_APPEND, &[]),
+            uniforms: Uniforms::default(),
+        }
     }
 
     /// Records run `index`: 0 counts, 1 emits.
@@ -51,5 +58,31 @@ impl TriangleTexelPairs {
             ("pair_triangles", lists.triangle_pairs.raw()),
         ];
         stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
+    }
+
+    /// Records the listing of pairs as they come, to be sorted; the capacity of `frame` may not be above that of `to`.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_append(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        blocks: Blocks,
+        lists: &PairLists,
+        to: &sorted_pairs::Scratch,
+    ) -> Result<()> {
+        let buffers = [
+            ("frame", frame),
+            ("triangles", blocks.triangles),
+            ("map_points", blocks.points.raw()),
+            ("light_rects", blocks.rects.raw()),
+            ("work_offsets", blocks.offsets.raw()),
+            ("texel_deepest", lists.texel_deepest.raw()),
+            ("appended", to.appended.raw()),
+            ("keys", to.keys.raw()),
+            ("values", to.values.raw()),
+        ];
+        stage.run(&self.append, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
     }
 }

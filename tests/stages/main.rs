@@ -20,6 +20,7 @@ mod sample_surfaces;
 mod shadow_map;
 mod shadow_rays;
 mod silhouette_mask;
+mod sorted_pairs;
 mod spsm_map;
 mod spsm_query;
 mod summed_area;

@@ -1,6 +1,6 @@
 //! The memory of a frame of `facet-masks`: every buffer, how the lists are sized, what the status words say.
 
-use super::Settings;
+use super::{PairVariant, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::Buffer;
@@ -12,7 +12,7 @@ use crate::stages::candidate_pairs::tally;
 use crate::stages::facet_classify::Facets;
 use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::PairLists;
-use crate::stages::{PrefixScan, SummedArea, prefix_scan, summed_area};
+use crate::stages::{PrefixScan, SortedPairs, SummedArea, prefix_scan, sorted_pairs, summed_area};
 
 /// How the lists of a frame are sized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +92,8 @@ pub struct Memory {
     pub facets: Facets,
     pub facet_offsets: Buffer<u32>,
     pub lists: PairLists,
+    /// Pairs as they come, of facets and of triangles, where they are sorted.
+    pub unsorted: Option<[sorted_pairs::Scratch; 2]>,
     pub scan_scratch: prefix_scan::Scratch,
     pub args: Buffer<u32>,
     pub requests: Requests,
@@ -138,6 +140,7 @@ impl Memory {
                 capacities.triangle_pairs,
                 capacities.candidates,
             )?,
+            unsorted: unsorted(device, settings, capacities)?,
             scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
             args: Buffer::indirect(device, "dispatch_args.args", 15)?,
             requests: requests(device, queue, [edges, facets], capacities)?,
@@ -150,6 +153,19 @@ impl Memory {
 
 pub fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>> {
     (0..c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
+}
+
+/// Memory for pairs as they come, of facets and of triangles, if `settings` want them sorted.
+pub fn unsorted(
+    device: &wgpu::Device,
+    settings: &Settings,
+    c: Capacities,
+) -> Result<Option<[sorted_pairs::Scratch; 2]>> {
+    if settings.pairs == PairVariant::Grouped {
+        return Ok(None);
+    }
+    let of_pixels = SortedPairs::scratch(device, c.pixel_pairs, true)?;
+    Ok(Some([of_pixels, SortedPairs::scratch(device, c.triangle_pairs, false)?]))
 }
 
 /// One request of indirect arguments for each [`Arg`].

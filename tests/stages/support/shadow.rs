@@ -25,6 +25,7 @@ use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs};
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
 use subpixel_shadows::stages::vertex_project::VertexProject;
+use subpixel_shadows::stages::{SortedPairs, sorted_pairs};
 use subpixel_shadows::wgpu;
 
 /// A value in [0, 1).
@@ -331,6 +332,15 @@ impl World {
         }
         assert_eq!(counts[0], counts[1], "both runs find the same pairs");
         let list = lists.pixel_pairs.read(gpu).expect("readback");
+        // Appended instead, they are the same.
+        lists.texel_deepest.write(&gpu.queue, &vec![0; deepest.len()]);
+        let unsorted = unsorted(gpu, capacity);
+        if total > 0 {
+            let args = (args.raw(), 0);
+            run(gpu, |s| stage.record_append(s, frame.raw(), facets, &offsets, args, &splits, &lists, &unsorted));
+        }
+        check_appended(gpu, &unsorted, capacity, &counts[0], list.iter().map(|&[facet, texel]| (texel, facet)));
+        assert_eq!(lists.texel_deepest.read(gpu).expect("readback"), deepest, "appended: the same depths");
         Listed { counts: counts.swap_remove(0), deepest, list: list.into_iter().map(|[a, b]| (a, b)).collect() }
     }
 
@@ -411,7 +421,14 @@ impl World {
         let list = lists.triangle_pairs.read(gpu).expect("readback");
         let owner = |k: usize| offsets[..map * map].partition_point(|&o| o as usize <= k) as u32 - 1;
         let list = list.into_iter().enumerate().map(|(k, t)| (t, if t == POISON { POISON } else { owner(k) }));
-        Listed { counts: counts.swap_remove(0), deepest: Vec::new(), list: list.collect() }
+        let list: Vec<(u32, u32)> = list.collect();
+        // Appended instead, they are the same.
+        let unsorted = unsorted(gpu, capacity);
+        if total > 0 {
+            run(gpu, |s| stage.record_append(s, frame.raw(), blocks, &lists, &unsorted));
+        }
+        check_appended(gpu, &unsorted, capacity, &counts[0], list.iter().map(|&(t, texel)| (texel, t)));
+        Listed { counts: counts.swap_remove(0), deepest: Vec::new(), list }
     }
 
     /// Scan of work items with its total and flag, and indirect arguments for them.
@@ -446,6 +463,38 @@ impl Listed {
             set
         };
         (0..self.counts.len()).map(set).collect()
+    }
+}
+
+/// Poisoned memory for `capacity` pairs as they come, and a few more.
+fn unsorted(gpu: &Gpu, capacity: usize) -> sorted_pairs::Scratch {
+    let unsorted = SortedPairs::scratch(&gpu.device, capacity + 4, false).expect("memory");
+    unsorted.keys.write(&gpu.queue, &vec![POISON; capacity + 4]);
+    unsorted.values.write(&gpu.queue, &vec![POISON; capacity + 4]);
+    unsorted
+}
+
+/// Asserts that the pairs (texel, item) in `unsorted` are those of `grouped`, if all have room, and as many as `counts` say.
+#[track_caller]
+fn check_appended(
+    gpu: &Gpu,
+    unsorted: &sorted_pairs::Scratch,
+    capacity: usize,
+    counts: &[u32],
+    grouped: impl Iterator<Item = (u32, u32)>,
+) {
+    let needed: usize = counts.iter().map(|&c| c as usize).sum();
+    let read = |buffer: &Buffer<u32>| buffer.read(gpu).expect("readback");
+    assert_eq!(read(&unsorted.appended), [needed as u32, 0], "appended: as many pairs");
+    let mut got: Vec<(u32, u32)> = read(&unsorted.keys).into_iter().zip(read(&unsorted.values)).collect();
+    let room = needed.min(capacity);
+    assert!(got[room..].iter().all(|&p| p == (POISON, POISON)), "appended: written beyond {room} pairs");
+    got.truncate(room);
+    if needed <= capacity {
+        let mut grouped: Vec<(u32, u32)> = grouped.take(needed).collect();
+        grouped.sort_unstable();
+        got.sort_unstable();
+        assert_eq!(got, grouped, "appended: the same pairs");
     }
 }
 
