@@ -12,12 +12,12 @@ use super::settings::Settings;
 use super::settled::Settled;
 use crate::caster_tree::CasterTree;
 use crate::frame::Frame;
-use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::gpu::{Buffer, Gpu, Recorder, Stage};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
-use crate::stages::shadow_rays::{Rays, Scene, ShadowRays, TreeBuffers};
+use crate::stages::shadow_rays::{Rays, Scene, ShadowRays, Step, TreeBuffers};
 use crate::{Error, Result};
 use glam::DVec3;
 
@@ -78,14 +78,15 @@ impl FixedMethod for RayTraced {
             triangles: casters.triangles.raw(),
             positions: casters.positions.raw(),
         };
+        let record = |stage: &mut Stage, step| self.rays.record(stage, step, frame, scene, facets, &self.work);
         {
             let stage = &mut rec.stage("shadow_rays");
             self.rays.record_list(stage, facets, &self.work)?;
-            self.rays.record_trace(stage, frame, scene, facets, &self.work)?;
+            record(stage, Step::Trace)?;
         }
-        self.rays.record_refine(&mut rec.stage("shadow_rays_refine"), frame, scene, facets, &self.work)?;
+        record(&mut rec.stage("shadow_rays_refine"), Step::Refine)?;
         if self.validity {
-            self.rays.record_cut(&mut rec.stage("shadow_rays_cut"), frame, scene, facets, &self.work)?;
+            record(&mut rec.stage("shadow_rays_cut"), Step::Cut)?;
         }
         self.settled.record_resolve(rec)
     }

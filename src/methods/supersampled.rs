@@ -20,7 +20,7 @@ use crate::stages::camera_visibility::Blocks;
 use crate::stages::dispatch_args::Requests;
 use crate::stages::facet_classify::Facets;
 use crate::stages::sample_bins::{self, Bins, SampleBins};
-use crate::stages::shadow_rays::{Rays, Scene, ShadowRays, TreeBuffers};
+use crate::stages::shadow_rays::{Rays, Scene, ShadowRays, Step, TreeBuffers};
 use crate::stages::{DispatchArgs, PrefixScan};
 use glam::DVec3;
 
@@ -106,7 +106,7 @@ impl FixedMethod for Supersampled {
             // Also where nothing is cut: invalid masks are cleared.
             let stage = &mut rec.stage("shadow_rays_cut");
             self.cut.record_list(stage, facets, &self.cut_work)?;
-            self.cut.record_cut(stage, self.settled.frame(), scene, facets, &self.cut_work)?;
+            self.cut.record(stage, Step::Cut, self.settled.frame(), scene, facets, &self.cut_work)?;
         }
         self.settled.record_resolve(rec)
     }

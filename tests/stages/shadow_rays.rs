@@ -15,7 +15,7 @@ use subpixel_shadows::reference::shadow_rays;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::shadow_rays::{Rays, Scene, ShadowRays, TreeBuffers};
+use subpixel_shadows::stages::shadow_rays::{Rays, Scene, ShadowRays, Step, TreeBuffers};
 
 fn stage(gpu: &Gpu, words: usize) -> &'static ShadowRays {
     static MADE: Pipelines<ShadowRays> = Pipelines::new();
@@ -50,9 +50,9 @@ fn trace(world: &World, listed: &List, doubts: usize) -> (Masks, [u32; 3]) {
     let most = gpu.device.limits().max_compute_workgroups_per_dimension;
     let groups = |per: u64| recorder::fold_within(listed_count.div_ceil(per), most);
     rays.args.write(&gpu.queue, &[groups(64 / u64::from(count.min(32))), groups(64)].concat());
-    run(gpu, |s| stage.record_trace(s, frame.raw(), scene, &facets, &rays));
-    run(gpu, |s| stage.record_cut(s, frame.raw(), scene, &facets, &rays));
-    run(gpu, |s| stage.record_refine(s, frame.raw(), scene, &facets, &rays));
+    for step in [Step::Trace, Step::Cut, Step::Refine] {
+        run(gpu, |s| stage.record(s, step, frame.raw(), scene, &facets, &rays));
+    }
     (masks::read(world, &facets), rays.read(gpu).expect("readback"))
 }
 
