@@ -100,8 +100,8 @@ fn fault_in_bins(world: &World, listed: &List, ran: &Ran) -> Option<String> {
                 let around = [[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
                 let places = around.map(|d| DVec2::new(at.x, at.y) + DVec2::from(d) * doubt);
                 let texels = sample_bins::texels(&places, size);
-                if texels.iter().all(|t| *t == texels[0]) {
-                    texels[0].map(|t| *sure.entry(t).or_insert(0) += 1);
+                if let Some(t) = texels[0].filter(|_| texels.iter().all(|t| *t == texels[0])) {
+                    *sure.entry(t).or_insert(0) += 1;
                 }
                 let mut any: Vec<u32> = texels.into_iter().flatten().collect();
                 any.sort_unstable();

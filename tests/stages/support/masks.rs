@@ -232,7 +232,7 @@ pub fn one_caster(round: usize, random: &mut Random) -> Case {
     let mut mesh = sheet(1, 1.0, |_, _| 0.0, |p| p);
     append(&mut mesh, soup(1, 0.7, random));
     let eye = DVec3::new(unit(random), 1.5, 2.0);
-    (mesh, camera(eye, DVec3::ZERO, 50.0), random_light(round % 2 == 0, random))
+    (mesh, camera(eye, DVec3::ZERO, 50.0), random_light(round.is_multiple_of(2), random))
 }
 
 /// Eye and casters anywhere, also behind each other.
