@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::fmt;
 use subpixel_shadows::gpu::program::{Access, Binding};
 use subpixel_shadows::gpu::{AdapterSummary, Buffer, Entry, Gpu, Groups, Program, Recorder, Stage, Timer};
-use subpixel_shadows::{Error, Result};
+use subpixel_shadows::{Error, Result, wgpu};
 
 /// What the command line asks for.
 pub struct Options {
@@ -236,6 +236,32 @@ pub fn measure(gpu: &Gpu, ceilings: &Ceilings, cases: &[Case], repeats: usize) -
         }
     };
     Ok(cases.iter().zip(times).zip(dispatches).map(row).collect())
+}
+
+/// A view of a texture of about `size` texels, and its sides: four texels wide in proportion to one high. `None` where the
+/// device has none so wide.
+pub fn texture(
+    gpu: &Gpu,
+    size: usize,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> Option<(wgpu::TextureView, [u32; 2])> {
+    let width = (2.0 * (size as f64).sqrt()) as u32;
+    let height = (size as u32 / width).max(1);
+    if width > gpu.device.limits().max_texture_dimension_2d {
+        return None;
+    }
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("bench.texture"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    });
+    Some((texture.create_view(&Default::default()), [width, height]))
 }
 
 /// Well mixed words, the same on every machine.

@@ -7,7 +7,7 @@ use subpixel_shadows::caster_tree::CasterTree;
 use subpixel_shadows::glam::Vec4;
 use subpixel_shadows::gpu::{Gpu, Recorder};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::shadow_rays::{Rays, Scene, ShadowRays, TreeBuffers};
+use subpixel_shadows::stages::shadow_rays::{Rays, Scene, ShadowRays, Step, TreeBuffers};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
@@ -34,7 +34,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
                 triangles: shadow.triangles(),
                 positions: shadow.setup.casters.positions.raw(),
             };
-            stage.record_trace(s, shadow.frame.raw(), scene, &shadow.facets, &rays)
+            stage.record(s, Step::Trace, shadow.frame.raw(), scene, &shadow.facets, &rays)
         }),
     }])
 }

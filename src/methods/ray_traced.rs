@@ -10,46 +10,36 @@ use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
 use super::settled::Settled;
-use crate::caster_tree::CasterTree;
 use crate::frame::Frame;
-use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::gpu::{Buffer, Gpu, Recorder, Stage};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
-use crate::stages::shadow_rays::{Rays, Scene, ShadowRays, TreeBuffers};
+use crate::stages::shadow_rays::{Rays, ShadowRays, Step};
 use crate::{Error, Result};
-use glam::DVec3;
 
 /// The method for one mesh, image and setting.
 #[derive(Debug)]
 pub struct RayTraced {
     settled: Settled,
     rays: ShadowRays,
-    tree: CasterTree,
-    tree_buffers: TreeBuffers,
     work: Rays,
-    validity: bool,
 }
 
 impl RayTraced {
     /// Builds the tree, pipelines and memory.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] for impossible settings; as [`CasterTree::new`] and [`Buffer::storage`].
+    /// As [`Settled::new`].
     pub fn new(gpu: &Gpu, prepared: &Prepared, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
-        settings.check()?;
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let tree = CasterTree::new(&prepared.mesh)?;
         let scan = PrefixScan::new(device);
         let settle = settings.ray_traced.silhouettes && settings.settle;
         Ok(Self {
+            settled: Settled::new(gpu, &scan, prepared, casters, settings, settle)?,
             rays: ShadowRays::new(device, &scan, settings.samples.words()),
-            settled: Settled::new(gpu, &scan, casters, settings, settle)?,
-            tree_buffers: TreeBuffers::new(device, queue, &tree)?,
             work: Rays::new(device, queue, settings.pixels(), settings.samples.count())?,
-            validity: settings.validity && settings.samples.count() > 1,
-            tree,
         })
     }
 
@@ -61,31 +51,24 @@ impl RayTraced {
 
 impl FixedMethod for RayTraced {
     fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, _: &LightView, frame: &Frame) -> Result<()> {
-        self.settled.prepare(gpu, frame, self.validity);
-        let place = self.tree.place(DVec3::from(camera.eye.map(f64::from)), f64::from(frame.eye[3]));
-        self.tree_buffers.place.write(&gpu.queue, &[place]);
+        self.settled.prepare(gpu, camera, frame);
         Ok(())
     }
 
     fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
-        let (casters, facets) = (inputs.casters, self.settled.facets());
+        let facets = self.settled.facets();
         rec.clear_words(self.work.work.raw(), 0, 4);
         self.settled.record_facets(rec, inputs)?;
-        let frame = self.settled.frame();
-        let scene = Scene {
-            samples: inputs.samples,
-            tree: &self.tree_buffers,
-            triangles: casters.triangles.raw(),
-            positions: casters.positions.raw(),
-        };
+        let (frame, scene) = (self.settled.frame(), self.settled.scene(inputs));
+        let record = |stage: &mut Stage, step| self.rays.record(stage, step, frame, scene, facets, &self.work);
         {
             let stage = &mut rec.stage("shadow_rays");
             self.rays.record_list(stage, facets, &self.work)?;
-            self.rays.record_trace(stage, frame, scene, facets, &self.work)?;
+            record(stage, Step::Trace)?;
         }
-        self.rays.record_refine(&mut rec.stage("shadow_rays_refine"), frame, scene, facets, &self.work)?;
-        if self.validity {
-            self.rays.record_cut(&mut rec.stage("shadow_rays_cut"), frame, scene, facets, &self.work)?;
+        record(&mut rec.stage("shadow_rays_refine"), Step::Refine)?;
+        if self.settled.validity() {
+            record(&mut rec.stage("shadow_rays_cut"), Step::Cut)?;
         }
         self.settled.record_resolve(rec)
     }

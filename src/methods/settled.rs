@@ -1,24 +1,28 @@
-//! What methods of one facet a pixel share around their own work: the facets, settled early where that is proved, and from
-//! their masks the picture.
+//! What methods of one facet a pixel share around their own work: the facets, settled early where that is proved, the tree
+//! of casters, and from the facets' masks the picture.
 
 use super::fixed::Inputs;
-use super::prepared::CasterBuffers;
+use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
 use crate::Result;
+use crate::caster_tree::CasterTree;
 use crate::frame::Frame;
 use crate::gpu::kernels::silhouette_mask;
 use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::scene::Camera;
 use crate::stages::dispatch_args::{Request, Requests};
 use crate::stages::facet_classify::{FacetClassify, Facets, State, Surroundings};
 use crate::stages::front_layer::FrontLayer;
 use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::resolve::Resolve;
+use crate::stages::shadow_rays::{Scene, TreeBuffers};
 use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
 use crate::stages::{Count, DispatchArgs, PrefixScan, SummedArea, prefix_scan, summed_area};
+use glam::DVec3;
 
-/// Facets, and the way from their masks to the picture.
+/// Facets, the tree of casters, and the way from masks to the picture.
 #[derive(Debug)]
 pub struct Settled {
     settings: Settings,
@@ -32,6 +36,8 @@ pub struct Settled {
     visibility: Buffer<f32>,
     lit: Buffer<u32>,
     proof: Option<Proof>,
+    tree: CasterTree,
+    tree_buffers: TreeBuffers,
 }
 
 /// What proves facets lit or shadowed without looking at their casters: stages of `facet-masks`.
@@ -53,17 +59,20 @@ struct Proof {
 }
 
 impl Settled {
-    /// Memory and pipelines for one mesh, image and map; with `settle` facets are settled early on proof.
+    /// Builds the tree, memory and pipelines for one mesh, image and map; with `settle` facets are settled early on proof.
     ///
     /// # Errors
-    /// As [`Buffer::storage`].
+    /// [`crate::Error::Config`] for impossible settings; as [`CasterTree::new`] and [`Buffer::storage`].
     pub fn new(
         gpu: &Gpu,
         scan: &PrefixScan,
+        prepared: &Prepared,
         casters: &CasterBuffers,
         settings: &Settings,
         settle: bool,
     ) -> Result<Self> {
+        settings.check()?;
+        let tree = CasterTree::new(&prepared.mesh)?;
         let (device, pixels, words) = (&gpu.device, settings.pixels(), settings.samples.words());
         let map = if settle { settings.map as usize } else { 1 };
         Ok(Self {
@@ -77,21 +86,40 @@ impl Settled {
             visibility: Buffer::storage(device, "settled.visibility", pixels)?,
             lit: Buffer::storage(device, "settled.lit", pixels * words as usize)?,
             proof: if settle { Some(Proof::new(gpu, scan, casters, map)?) } else { None },
+            tree_buffers: TreeBuffers::new(device, &gpu.queue, &tree)?,
+            tree,
             settings: settings.clone(),
         })
     }
 
-    /// Takes in the frame, with what this way of settling changes of it.
-    pub fn prepare(&self, gpu: &Gpu, frame: &Frame, validity: bool) {
+    /// Whether the masks tell which samples see another surface: with one sample a pixel none does.
+    pub fn validity(&self) -> bool {
+        self.settings.validity && self.samples() > 1
+    }
+
+    /// Takes in the frame, with what this way of settling changes of it, and where the tree lies in it.
+    pub fn prepare(&self, gpu: &Gpu, camera: &Camera, frame: &Frame) {
         let mut own = *frame;
-        own.flags |= if validity { Frame::VALIDITY } else { 0 };
+        own.flags |= if self.validity() { Frame::VALIDITY } else { 0 };
         own.flags |= if self.proof.is_none() { Frame::ALL_UNDECIDED } else { 0 };
         self.frame.write(&gpu.queue, &[own]);
+        let place = self.tree.place(DVec3::from(camera.eye.map(f64::from)), f64::from(frame.eye[3]));
+        self.tree_buffers.place.write(&gpu.queue, &[place]);
     }
 
     /// The frame uniform with those changes.
     pub fn frame(&self) -> &wgpu::Buffer {
         self.frame.raw()
+    }
+
+    /// What rays through the tree read.
+    pub fn scene<'a>(&'a self, inputs: Inputs<'a>) -> Scene<'a> {
+        Scene {
+            samples: inputs.samples,
+            tree: &self.tree_buffers,
+            triangles: inputs.casters.triangles.raw(),
+            positions: inputs.casters.positions.raw(),
+        }
     }
 
     /// The facets of the last frame.

@@ -11,7 +11,6 @@ use super::render::Counts;
 use super::settings::Settings;
 use super::settled::Settled;
 use crate::Result;
-use crate::caster_tree::CasterTree;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
@@ -20,9 +19,8 @@ use crate::stages::camera_visibility::Blocks;
 use crate::stages::dispatch_args::Requests;
 use crate::stages::facet_classify::Facets;
 use crate::stages::sample_bins::{self, Bins, SampleBins};
-use crate::stages::shadow_rays::{Rays, Scene, ShadowRays, TreeBuffers};
+use crate::stages::shadow_rays::{Rays, ShadowRays, Step};
 use crate::stages::{DispatchArgs, PrefixScan};
-use glam::DVec3;
 
 /// The method for one mesh, image, map and setting.
 #[derive(Debug)]
@@ -34,36 +32,28 @@ pub struct Supersampled {
     requests: Requests,
     args: Buffer<u32>,
     cut: ShadowRays,
-    tree: CasterTree,
-    tree_buffers: TreeBuffers,
     cut_work: Rays,
-    validity: bool,
 }
 
 impl Supersampled {
     /// Builds pipelines and memory, and the tree.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] for impossible settings; as [`CasterTree::new`] and [`Buffer::storage`].
+    /// As [`Settled::new`].
     pub fn new(gpu: &Gpu, prepared: &Prepared, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
-        settings.check()?;
         let (device, queue) = (&gpu.device, &gpu.queue);
         let (count, pixels) = (settings.samples.count(), settings.pixels());
         let scan = PrefixScan::new(device);
-        let tree = CasterTree::new(&prepared.mesh)?;
         let requests = SampleBins::requests(casters.triangles.len())?;
         Ok(Self {
-            settled: Settled::new(gpu, &scan, casters, settings, false)?,
+            settled: Settled::new(gpu, &scan, prepared, casters, settings, false)?,
             test: SampleBins::new(device, &scan, settings.samples.words()),
             bins: Bins::new(device, settings.map as usize, pixels, count)?,
             fold: DispatchArgs::new(device),
             requests: DispatchArgs::requests(device, queue, &requests)?,
             args: Buffer::indirect(device, "supersampled.args", 6)?,
             cut: ShadowRays::new(device, &scan, settings.samples.words()),
-            tree_buffers: TreeBuffers::new(device, queue, &tree)?,
             cut_work: Rays::with_doubts(device, queue, pixels, count, 0)?,
-            validity: settings.validity && count > 1,
-            tree,
         })
     }
 
@@ -75,10 +65,8 @@ impl Supersampled {
 
 impl FixedMethod for Supersampled {
     fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, _: &LightView, frame: &Frame) -> Result<()> {
-        self.settled.prepare(gpu, frame, self.validity);
+        self.settled.prepare(gpu, camera, frame);
         self.bins.prepare(&gpu.queue, frame);
-        let place = self.tree.place(DVec3::from(camera.eye.map(f64::from)), f64::from(frame.eye[3]));
-        self.tree_buffers.place.write(&gpu.queue, &[place]);
         Ok(())
     }
 
@@ -100,13 +88,12 @@ impl FixedMethod for Supersampled {
             self.test.record_occlude(&mut rec.stage("sample_tests"), band, binned, &self.bins)?;
             self.test.record_refine(&mut rec.stage("sample_tests_refine"), band, binned, &self.bins)?;
         }
-        let triangles = casters.triangles.raw();
-        let scene = Scene { samples, tree: &self.tree_buffers, triangles, positions };
         {
             // Also where nothing is cut: invalid masks are cleared.
             let stage = &mut rec.stage("shadow_rays_cut");
             self.cut.record_list(stage, facets, &self.cut_work)?;
-            self.cut.record_cut(stage, self.settled.frame(), scene, facets, &self.cut_work)?;
+            let scene = self.settled.scene(inputs);
+            self.cut.record(stage, Step::Cut, self.settled.frame(), scene, facets, &self.cut_work)?;
         }
         self.settled.record_resolve(rec)
     }

@@ -140,6 +140,17 @@ pub struct Scene<'a> {
     pub positions: &'a wgpu::Buffer,
 }
 
+/// What can be done for the listed facets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Their rays in single precision.
+    Trace,
+    /// The rays that single precision left open, with 46 bits.
+    Refine,
+    /// Their invalid masks.
+    Cut,
+}
+
 impl ShadowRays {
     /// Builds the pipelines for masks of `words` words; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
@@ -164,65 +175,28 @@ impl ShadowRays {
         self.fold.record(stage, &rays.work, &rays.requests, &rays.args)
     }
 
-    /// Records the invalid masks of the listed facets.
+    /// Records a step for the listed facets.
     ///
     /// # Errors
     /// None that input can cause.
-    pub fn record_cut(
+    pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        scene: Scene,
-        facets: &Facets,
-        rays: &Rays,
-    ) -> Result<()> {
-        self.run(stage, &self.cut, FACET_ARGS, frame, scene, facets, rays)
-    }
-
-    /// Records the rays of the listed facets in single precision.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record_trace(
-        &self,
-        stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        scene: Scene,
-        facets: &Facets,
-        rays: &Rays,
-    ) -> Result<()> {
-        self.run(stage, &self.trace, TRACE_ARGS, frame, scene, facets, rays)
-    }
-
-    /// Records the rays that single precision left open, with 46 bits.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record_refine(
-        &self,
-        stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        scene: Scene,
-        facets: &Facets,
-        rays: &Rays,
-    ) -> Result<()> {
-        self.fold.record(stage, &rays.work, &rays.requests, &rays.args)?;
-        self.run(stage, &self.refine, DOUBT_ARGS, frame, scene, facets, rays)?;
-        self.run(stage, &self.refine_all, AGAIN_ARGS, frame, scene, facets, rays)
-    }
-
-    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
-    fn run(
-        &self,
-        stage: &mut Stage,
-        program: &Program,
-        args: usize,
+        step: Step,
         frame: &wgpu::Buffer,
         scene: Scene,
         facets: &Facets,
         rays: &Rays,
     ) -> Result<()> {
         super::holds("shadow_rays", "listed", rays.facets, facets.list.len())?;
+        let programs: &[(&Program, usize)] = match step {
+            Step::Trace => &[(&self.trace, TRACE_ARGS)],
+            Step::Refine => {
+                self.fold.record(stage, &rays.work, &rays.requests, &rays.args)?;
+                &[(&self.refine, DOUBT_ARGS), (&self.refine_all, AGAIN_ARGS)]
+            }
+            Step::Cut => &[(&self.cut, FACET_ARGS)],
+        };
         let buffers = [
             ("frame", frame),
             ("samples", scene.samples),
@@ -236,6 +210,9 @@ impl ShadowRays {
             ("positions", scene.positions),
             ("masks", facets.masks.raw()),
         ];
-        stage.run(program, &buffers, Groups::Indirect(rays.args.raw(), args as u64))
+        let run = |&(program, args): &(&Program, usize)| {
+            stage.run(program, &buffers, Groups::Indirect(rays.args.raw(), args as u64))
+        };
+        programs.iter().try_for_each(run)
     }
 }

@@ -5,7 +5,7 @@
 //! margins).
 
 use crate::support::shadow::{
-    World, camera, folding_gpu, indirect, random_light, random_scene, samples, uniform, unit, vector,
+    World, append, camera, folding_gpu, indirect, random_light, random_scene, samples, uniform, unit, vector,
 };
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::gpu::Gpu;
@@ -215,10 +215,7 @@ fn degenerate() {
             mesh.positions[3 * t + 2] = std::array::from_fn(|k| 0.5 * (a[k] + b[k]) + by * (k as f32 - 1.0));
         }
         mesh.triangles.push([1, 1, 1]);
-        let floor = crate::support::shadow::sheet(1, 2.0, |_, _| -0.6, |p| p);
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend(floor.positions);
-        mesh.triangles.extend(floor.triangles.iter().map(|t| t.map(|v| v + base)));
+        append(&mut mesh, crate::support::shadow::sheet(1, 2.0, |_, _| -0.6, |p| p));
         let world = world(gpu(), &mesh, &mut random);
         check(&world, stage(), &if round % 2 == 0 { world.seen() } else { world.anything(100, &mut random) });
     }

@@ -1,5 +1,6 @@
 //! Facets and their states against their definition, and settled ones against rays.
 
+use crate::support::masks::mask_of;
 use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, soup, unit, vector};
 use crate::support::{Random, assert_same, difference, gpu, poisoned, run, sizes_around, upload};
 use subpixel_shadows::glam::DVec2;
@@ -11,7 +12,7 @@ use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::view::block_count;
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets};
-use subpixel_shadows::truth::{Tracer, join_mask};
+use subpixel_shadows::truth::Tracer;
 
 const STATES: [State; 5] = [State::Empty, State::Dark, State::Lit, State::Shadowed, State::Undecided];
 
@@ -64,11 +65,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
         if got.items[k] != items {
             fault(format!("{} items, {items} expected", got.items[k]));
         }
-        let mask = |part: usize| {
-            let mut all = [0; 4];
-            all[..words].copy_from_slice(&got.masks[(3 * k + part) * words..(3 * k + part + 1) * words]);
-            join_mask(all)
-        };
+        let mask = |part: usize| mask_of(&got.masks, words, k, part);
         if mask(1) != 0 || mask(2) != 0 {
             fault("occluded and invalid are not cleared".into());
         }

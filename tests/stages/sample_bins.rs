@@ -1,32 +1,27 @@
 //! Samples sorted into texels, and every caster against them, held against facet truth: no sample may differ outside the
 //! ambiguity band, whatever the size of the map. Facets are classified with nothing settled.
 
-use crate::support::masks::{List, Masks, Tally, boxes, judge};
-use crate::support::shadow::{
-    World, camera, folding_gpu, random_light, random_scene, samples, sheet, soup, unit, vector,
+use crate::support::masks::{
+    self, Case, List, Masks, PATTERNS, Tally, anywhere, assert_defined, boxes_case, classify, judge,
+    on_axis_and_far_away, one_caster, scene_case, soup_case, undecided_with,
 };
+use crate::support::shadow::{Pipelines, World, add_triangle, camera, folding_gpu, random_light, samples, sheet};
 use crate::support::{Random, gpu, run, sizes_around};
 use std::collections::HashMap;
-use std::sync::{Mutex, OnceLock};
-use subpixel_shadows::glam::{DVec2, DVec3, Vec3};
+use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
 use subpixel_shadows::reference::facet_classify::pixel_ray;
-use subpixel_shadows::reference::front_layer::Split;
 use subpixel_shadows::reference::sample_bins;
-use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::samples::Samples;
+use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::facet_classify::State;
 use subpixel_shadows::stages::sample_bins::{Bins, SampleBins, Scene};
-use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
 
-fn stage(gpu: &'static Gpu, words: usize) -> &'static SampleBins {
-    static MADE: OnceLock<Mutex<HashMap<(u32, usize), &'static SampleBins>>> = OnceLock::new();
-    let key = (gpu.device.limits().max_compute_workgroups_per_dimension, words);
-    let mut made = MADE.get_or_init(Mutex::default).lock().expect("no test panicked while making a pipeline");
-    let make = || Box::leak(Box::new(SampleBins::new(&gpu.device, &PrefixScan::new(&gpu.device), words as u32)));
-    made.entry(key).or_insert_with(|| make())
+fn stage(gpu: &Gpu, words: usize) -> &'static SampleBins {
+    static MADE: Pipelines<SampleBins> = Pipelines::new();
+    MADE.get(gpu, words, || SampleBins::new(&gpu.device, &PrefixScan::new(&gpu.device), words as u32))
 }
 
 /// What a run left.
@@ -39,9 +34,9 @@ struct Ran {
 
 /// Every caster against every sample of every listed facet, in bands of at most so many facets.
 fn test(world: &World, listed: &List, band: usize) -> Ran {
-    let (gpu, words) = (world.gpu, world.words());
+    let gpu = world.gpu;
     let size = world.view.map.map_size as usize;
-    let facets = world.classify(listed, &vec![true; size * size], &vec![Split::Marked; size * size]);
+    let facets = classify(world, listed);
     let count = world.samples.count();
     let mut frame = world.frame;
     frame.facets_total = listed.len() as u32;
@@ -61,7 +56,7 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
     };
     let patterns = world.sample_offsets();
     let scene = Scene { samples: patterns.raw(), blocks, positions: world.casters.positions.raw(), facets: &facets };
-    let stage = stage(gpu, words);
+    let stage = stage(gpu, world.words());
     let (mut binned, mut doubts) = (Vec::new(), 0);
     for band in 0..bins.frames.len() {
         bins.texel_ends.write(&gpu.queue, &vec![0; size * size + 2]);
@@ -79,17 +74,10 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
         doubts += bins.texel_ends.read(gpu).expect("readback")[size * size];
         run(gpu, |s| stage.record_refine(s, band, scene, &bins));
     }
-    let list = facets.list.read(gpu).expect("readback");
-    let masks = facets.masks.read(gpu).expect("readback");
-    let mask = |f: usize, part: usize| {
-        let mut all = [0; 4];
-        all[..words].copy_from_slice(&masks[(3 * f + part) * words..(3 * f + part + 1) * words]);
-        join_mask(all)
-    };
-    let full = full_mask(count);
+    let mut masks = masks::read(world, &facets);
     // Invalid masks are not the stage's.
-    let one = |f: usize| (list[f].state, [mask(f, 0) & full, mask(f, 1) & full, 0]);
-    Ran { masks: (0..list.len()).map(one).collect(), binned, doubts }
+    masks.iter_mut().for_each(|m| m.1[2] = 0);
+    Ran { masks, binned, doubts }
 }
 
 /// Where the bins depart from their definition: a sample that is surely in a texel must be in its bin, and no other may.
@@ -139,18 +127,18 @@ fn compare(world: &World, listed: &List) -> Tally {
     Tally { evaluations: ran.binned.len(), ..judge(world, listed, &ran.masks, false) }
 }
 
-fn world(mesh: &Mesh, camera: Camera, light: Light, size: [u32; 2], map: u32, samples: Samples) -> World {
-    World::new(gpu(), mesh, camera, light, size, map, samples)
+fn world((mesh, camera, light): Case, size: [u32; 2], map: u32, samples: Samples) -> World {
+    World::new(gpu(), &mesh, camera, light, size, map, samples)
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn empty() {
     let light = Light::Directional { direction: [0.2, 1.0, 0.1] };
-    let look = || camera(DVec3::new(0.0, 1.0, 2.0), DVec3::ZERO, 50.0);
-    let nothing = world(&Mesh::default(), look(), light, [8, 8], 4, samples(32));
+    let look = camera(DVec3::new(0.0, 1.0, 2.0), DVec3::ZERO, 50.0);
+    let nothing = world((Mesh::default(), look, light), [8, 8], 4, samples(32));
     assert!(test(&nothing, &vec![(3, None)], 8).binned.is_empty());
-    let world = world(&sheet(1, 1.0, |_, _| 0.0, |p| p), look(), light, [8, 8], 4, samples(32));
+    let world = world((sheet(1, 1.0, |_, _| 0.0, |p| p), look, light), [8, 8], 4, samples(32));
     let ran = test(&world, &world.seen(), 8);
     assert!(!ran.binned.is_empty() && ran.masks.iter().all(|m| m.1[1] == 0));
 }
@@ -161,15 +149,7 @@ fn one() {
     let mut random = Random::new(61);
     let mut total = Tally::default();
     for round in 0..20 {
-        let mut mesh = sheet(1, 1.0, |_, _| 0.0, |p| p);
-        let extra = soup(1, 0.7, &mut random);
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend(extra.positions);
-        mesh.triangles.push([base, base + 1, base + 2]);
-        let eye = DVec3::new(unit(&mut random), 1.5, 2.0);
-        let light = random_light(round % 2 == 0, &mut random);
-        let map = [1, 7, 32][round % 3];
-        let world = world(&mesh, camera(eye, DVec3::ZERO, 50.0), light, [16, 12], map, samples(8));
+        let world = world(one_caster(round, &mut random), [16, 12], [1, 7, 32][round % 3], samples(8));
         total.add(compare(&world, &world.seen()));
     }
     total.assert_right("one caster");
@@ -180,11 +160,9 @@ fn one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn every_size_around_workgroup() {
     let mut random = Random::new(62);
-    let mesh = soup(9, 1.5, &mut random);
-    let light = random_light(true, &mut random);
-    let look = camera(DVec3::new(0.5, 1.5, 2.0), DVec3::ZERO, 50.0);
+    let case = soup_case(9, 1.5, &mut random);
     for count in [1, 32, 128] {
-        let world = world(&mesh, look, light, [24, 18], 12, samples(count));
+        let world = world(case.clone(), [24, 18], 12, samples(count));
         let any = world.anything(193, &mut random);
         for size in sizes_around(64) {
             compare(&world, &any[..size].to_vec()).assert_right("a size around the workgroup");
@@ -198,21 +176,17 @@ fn random_seeded() {
     let mut random = Random::new(63);
     let mut total = Tally::default();
     for count in Samples::COUNTS {
-        for (round, pattern) in [Pattern::Grid, Pattern::Rotated, Pattern::LowDiscrepancy].into_iter().enumerate() {
-            let mesh = soup(40, [0.3, 1.0][round % 2], &mut random);
-            let (eye, target) = (vector(&mut random), vector(&mut random));
+        for (round, pattern) in PATTERNS.into_iter().enumerate() {
+            let (mesh, look) = anywhere(round, &mut random);
             let light = random_light(round != 1, &mut random);
             let samples = Samples::new(pattern, count).expect("a pattern");
-            let world = world(&mesh, camera(eye, target, 70.0), light, [48, 36], [3, 24, 90][round], samples);
+            let world = world((mesh, look, light), [48, 36], [3, 24, 90][round], samples);
             // What is seen: the light's map holds no caster that reaches none of it.
             total.add(compare(&world, &world.seen()));
         }
     }
     for kind in 0..8 {
-        let mesh = random_scene(kind, &mut random);
-        let eye = vector(&mut random).normalize() * 2.5;
-        let light = random_light(random.below(2) == 0, &mut random);
-        let world = world(&mesh, camera(eye, DVec3::ZERO, 50.0), light, [24, 18], 40, samples(32));
+        let world = world(scene_case(kind, &mut random), [24, 18], 40, samples(32));
         total.add(compare(&world, &world.seen()));
     }
     println!("{total:?}");
@@ -223,54 +197,19 @@ fn random_seeded() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn degenerate() {
-    let mut random = Random::new(65);
-    let eye = DVec3::new(0.3, 2.0, 3.0);
-    let view =
-        |mesh: &Mesh, light: Light| world(mesh, camera(eye, DVec3::ZERO, 60.0), light, [32, 24], 24, samples(32));
-    // Light grazing the floor, down to parallel to it; along an axis.
-    for elevation in [1e-1f32, 1e-3, 1e-5, 1e-7, 0.0] {
-        let world = view(&boxes(), Light::Directional { direction: [1.0, elevation, 0.3] });
-        compare(&world, &world.seen()).assert_right(&format!("light {elevation} over the floor"));
+    let cases = masks::degenerate(&[1e-1, 1e-3, 1e-5, 1e-7, 0.0], &[], &[3, 5, 7]);
+    for (what, case) in cases.into_iter().chain(on_axis_and_far_away()) {
+        let world = world(case, [32, 24], 24, samples(32));
+        compare(&world, &world.seen()).assert_right(&what);
     }
-    let world = view(&boxes(), Light::Directional { direction: [0.0, 1.0, 0.0] });
-    compare(&world, &world.seen()).assert_right("light along an axis");
-    // Slivers of aspect 1e3 to 1e7, and triangles of no area at all.
-    for power in [3, 5, 7] {
-        let mut mesh = sheet(1, 2.0, |_, _| -0.5, |p| p);
-        let slivers = soup(60, 1.5, &mut random);
-        let base = mesh.positions.len() as u32;
-        for t in 0..60 {
-            let corner = |k: usize| Vec3::from(slivers.positions[3 * t + k]);
-            let (a, b) = (corner(0), corner(1));
-            let c = a + (b - a) * 0.6 + (corner(2) - a) * 10f32.powi(-power);
-            let c = if t % 10 == 0 { a } else { c };
-            mesh.positions.extend([a, b, c].map(<[f32; 3]>::from));
-            mesh.triangles.push([base + 3 * t as u32, base + 3 * t as u32 + 1, base + 3 * t as u32 + 2]);
-        }
-        let world = view(&mesh, random_light(power % 2 == 0, &mut random));
-        compare(&world, &world.seen()).assert_right(&format!("slivers of aspect 1e{power}"));
-    }
-    // Everything twice; everything far from the origin.
-    let mut mesh = boxes();
-    mesh.triangles.extend(mesh.triangles.clone());
-    let light = Light::Directional { direction: [0.4, 1.0, 0.3] };
-    let world = view(&mesh, light);
-    compare(&world, &world.seen()).assert_right("doubled");
-    let far = DVec3::new(1e3, -2e3, 5e2);
-    let mut mesh = boxes();
-    mesh.positions.iter_mut().for_each(|p| *p = (Vec3::from(*p) + far.as_vec3()).into());
-    let world = self::world(&mesh, camera(eye + far, far, 60.0), light, [32, 24], 24, samples(32));
-    compare(&world, &world.seen()).assert_right("far away");
 }
 
 /// Bands that end inside the list, down to one facet each; with room for less than the doubts that come up.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn overflow_by_one() {
-    let light = Light::Directional { direction: [0.4, 1.0, 0.3] };
-    let look = camera(DVec3::new(0.3, 2.0, 3.0), DVec3::ZERO, 60.0);
     for count in [1, 32, 128] {
-        let world = world(&boxes(), look, light, [48, 36], 24, samples(count));
+        let world = world(boxes_case(), [48, 36], 24, samples(count));
         let listed: List = world.seen().into_iter().filter(|f| f.1.is_some()).take(65).collect();
         let whole = test(&world, &listed, 65);
         for band in [64, 33, 8, 1] {
@@ -285,19 +224,17 @@ fn overflow_by_one() {
         }
     }
     // One texel for all samples, many more than one invocation looks at.
-    let crowded = world(&boxes(), look, light, [48, 36], 1, samples(64));
+    let crowded = world(boxes_case(), [48, 36], 1, samples(64));
     compare(&crowded, &crowded.seen()).assert_right("one texel");
     // Many walls edge-on to the light and one behind the other: all of them in doubt for the samples along their line.
     let mut mesh = sheet(1, 1.0, |_, _| 0.0, |p| p);
     for k in 0..400u32 {
         let y = 0.5 + 0.001 * k as f32;
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend([[0.0, y, -1.0], [0.0, y, 1.0], [1.0, y, 0.0]]);
-        mesh.triangles.push([base, base + 1, base + 2]);
+        add_triangle(&mut mesh, [[0.0, y, -1.0], [0.0, y, 1.0], [1.0, y, 0.0]]);
     }
     let light = Light::Directional { direction: [0.0, 1.0, 0.0] };
-    let world =
-        world(&mesh, camera(DVec3::new(0.0, 0.3, 0.0), DVec3::new(0.0, 0.0, 0.01), 60.0), light, [9, 9], 3, samples(1));
+    let look = camera(DVec3::new(0.0, 0.3, 0.0), DVec3::new(0.0, 0.0, 0.01), 60.0);
+    let world = world((mesh, look, light), [9, 9], 3, samples(1));
     let listed = world.seen();
     let ran = test(&world, &listed, usize::MAX);
     let room = (listed.len() as u32).div_ceil(4);
@@ -311,26 +248,22 @@ fn overflow_by_one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
     let mut random = Random::new(67);
-    let mesh = soup(20, 1.0, &mut random);
-    let light = random_light(true, &mut random);
-    let look = camera(DVec3::new(0.5, 1.5, 2.0), DVec3::ZERO, 50.0);
+    let (mesh, look, light) = soup_case(20, 1.0, &mut random);
     let folded = World::new(folding_gpu(), &mesh, look, light, [24, 18], 12, samples(32));
     let listed = folded.anything(14, &mut random);
     let (.., blocks) = folded.items(&folded.facts.light_items.read(folded.gpu).expect("readback"));
     assert!((25..=72).contains(&blocks), "{blocks} blocks, eight a group, for 4 to 9 groups");
     let tally = compare(&folded, &listed);
     tally.assert_right("folded");
-    let flat = world(&mesh, look, light, [24, 18], 12, samples(32));
+    let flat = world((mesh, look, light), [24, 18], 12, samples(32));
     assert!(test(&folded, &listed, 14).masks == test(&flat, &listed, 14).masks, "the fold changes the result");
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn detects_corruption() {
-    let light = Light::Directional { direction: [0.4, 1.0, 0.3] };
     let map = 24;
-    let world =
-        world(&boxes(), camera(DVec3::new(0.3, 2.0, 3.0), DVec3::ZERO, 60.0), light, [24, 18], map, samples(32));
+    let world = world(boxes_case(), [24, 18], map, samples(32));
     let listed = world.seen();
     let ran = test(&world, &listed, usize::MAX);
     judge(&world, &listed, &ran.masks, false).assert_right("untouched");
@@ -348,27 +281,14 @@ fn detects_corruption() {
     }
     assert!(test(&world, &listed, usize::MAX).masks == ran.masks, "another result in a second run");
     let got = &ran.masks;
-    let at = |full: bool| {
-        let mask = if full { u128::from(u32::MAX) } else { 0 };
-        (0..got.len()).find(|&f| got[f].0 == State::Undecided as u32 && got[f].1[1] == mask).expect("a facet")
-    };
-    for f in [at(true), at(false)] {
+    for f in [u128::from(u32::MAX), 0].map(|occluded| undecided_with(got, occluded)) {
         let mut off = got.clone();
         off[f].1[1] ^= 1 << 7;
         let tally = judge(&world, &listed, &off, false);
         assert_eq!(tally.wrong_occluded, 1, "facet {f}: {tally:?}");
     }
     // The definition finds the same shadows.
-    let [w, h] = world.view.image;
-    let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
-    let truth = FacetTruth::new(&tracer, &world.camera, &world.light, &world.samples, w, h).expect("a truth");
-    let coverage = split_mask(full_mask(32));
-    let facet = |&(pixel, triangle): &(u32, Option<u32>)| Some(FacetInput { pixel, triangle: triangle?, coverage });
-    let inputs: Vec<_> = listed.iter().filter_map(facet).collect();
-    let wanted = sample_bins::masks(&truth, &inputs).expect("masks");
-    let wanted: u32 = wanted.iter().map(|r| r.occluded[0].count_ones()).sum();
-    let ours: u32 = got.iter().filter(|m| m.0 == State::Undecided as u32).map(|m| m.1[1].count_ones()).sum();
-    assert!(ours > 100 && wanted >= ours, "{ours}, {wanted}");
+    assert_defined(&world, &listed, got, sample_bins::masks);
     // Places on and beside the map.
     let places = [[0.0, 0.0], [-0.5, 3.2], [-1.5, 3.2], [23.9, 24.5], [25.5, 1.0], [7.5, 11.5]].map(DVec2::from);
     let texels = sample_bins::texels(&places, map);

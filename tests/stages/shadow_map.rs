@@ -1,7 +1,9 @@
 //! Depth comparison, pixel by pixel against `f64` on the same map. What rounding may turn over (a place at a texel's border, a
 //! depth at the receiver's) makes an interval of visibility, in which the kernel's has to lie.
 
-use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform};
+use crate::support::shadow::{
+    World, add_triangle, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform,
+};
 use crate::support::spsm::{noise, receiver};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
@@ -147,8 +149,7 @@ fn empty() {
 fn one() {
     // A floor under a roof, one sample: a plain map knows two answers, a filtered one more.
     let mut mesh = sheet(1, 2.0, |_, _| 0.0, |p| p);
-    mesh.positions.extend([[-1.0, 0.8, -1.0], [1.0, 0.8, -1.0], [0.0, 0.8, 1.0]]);
-    mesh.triangles.push([4, 5, 6]);
+    add_triangle(&mut mesh, [[-1.0, 0.8, -1.0], [1.0, 0.8, -1.0], [0.0, 0.8, 1.0]]);
     let world = world(gpu(), &mesh, above(), [48, 36], 64, 1);
     let plain = check(&world, PLAIN);
     assert!(plain.visibility.contains(&0.0) && plain.visibility.iter().all(|v| *v == 0.0 || *v == 1.0));

@@ -1,6 +1,8 @@
 //! The closest triangle of each texel and its record, against `f64`; and the codes themselves, bit for bit.
 
-use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, sheet, soup, uniform};
+use crate::support::shadow::{
+    World, add_triangle, camera, doubled, folding_gpu, random_light, random_scene, samples, sheet, soup, uniform,
+};
 use crate::support::spsm::{Made, middle, noise};
 use crate::support::{Random, gpu, run, sizes_around, upload};
 use subpixel_shadows::glam::{DVec2, DVec3};
@@ -165,12 +167,9 @@ fn degenerate() {
     // Edge-on to the light, without area, doubled; and a triangle that reaches behind a point light.
     let mut mesh = sheet(3, 1.0, |_, _| 0.0, |p| DVec3::new(p.x, p.z, 0.1));
     mesh.triangles.push([0, 0, 5]);
-    mesh.triangles.extend(mesh.triangles.clone());
-    check(gpu(), &mesh, Light::Directional { direction: [0.0, 1.0, 0.0] }, 40);
+    check(gpu(), &doubled(mesh), Light::Directional { direction: [0.0, 1.0, 0.0] }, 40);
     let mut mesh = random_scene(1, &mut Random::new(2));
-    let base = mesh.positions.len() as u32;
-    mesh.positions.extend([[-90.0, -3.0, -90.0], [90.0, -3.0, -90.0], [0.0, 4.0, 90.0]]);
-    mesh.triangles.push([base, base + 1, base + 2]);
+    add_triangle(&mut mesh, [[-90.0, -3.0, -90.0], [90.0, -3.0, -90.0], [0.0, 4.0, 90.0]]);
     check(gpu(), &mesh, above(), 64);
 }
 

@@ -1,7 +1,9 @@
 //! Shadows from the sub-pixel shadow map, sample by sample against the definition in `f64` on the same records. A sample whose
 //! answer is another a little to the side, or at a little more or less depth, may be given either way.
 
-use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform};
+use crate::support::shadow::{
+    World, add_triangle, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform,
+};
 use crate::support::spsm::{Made, noise, receiver};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
@@ -206,8 +208,7 @@ fn one() {
     let ran = check(&world(gpu(), &floor, above(), [16, 12], 32, 32), true, 1);
     assert!(ran.classes.contains(&(Class::Lit as u32)) && !ran.classes.contains(&(Class::Shadowed as u32)));
     let mut roofed = floor.clone();
-    roofed.positions.extend([[-1.0, 0.8, -1.0], [1.0, 0.8, -1.0], [0.0, 0.8, 1.0]]);
-    roofed.triangles.push([4, 5, 6]);
+    add_triangle(&mut roofed, [[-1.0, 0.8, -1.0], [1.0, 0.8, -1.0], [0.0, 0.8, 1.0]]);
     for lines in [false, true] {
         let ran = check(&world(gpu(), &roofed, above(), [96, 72], 64, 32), lines, 1);
         let classes = [Class::Lit, Class::Shadowed, Class::Uncertain];
@@ -270,9 +271,7 @@ fn degenerate() {
 fn ground_behind_all_casters() {
     for distance in [1.0, 3.0, 30.0] {
         let mut mesh = sheet(2, 2.0, |_, _| 0.0, |p| p);
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend([[-1.0, distance, -1.0], [1.0, distance, -1.0], [0.0, distance, 1.0]]);
-        mesh.triangles.push([first, first + 1, first + 2]);
+        add_triangle(&mut mesh, [[-1.0, distance, -1.0], [1.0, distance, -1.0], [0.0, distance, 1.0]]);
         let camera = camera(DVec3::new(-3.0, 2.5, 1.0), DVec3::ZERO, 40.0);
         let light = Light::Directional { direction: [0.05, 1.0, 0.02] };
         let world = World::new(gpu(), &mesh, camera, light, [60, 45], 128, samples(8));

@@ -3,36 +3,33 @@
 //! Facets are classified with nothing settled, and every facet is evaluated against every other triangle of the mesh, so
 //! nothing depends on lists.
 
-use crate::support::masks::{List, Masks, Tally, boxes, judge, list_triangle};
+use crate::support::masks::{
+    self, Case, List, Masks, PATTERNS, Tally, anywhere, boxes_case, classify, judge, light_anywhere, list_triangle,
+    one_caster, scene_case, soup_case, undecided_with, undecided_world,
+};
 use crate::support::shadow::{
-    World, camera, folding_gpu, indirect, random_light, random_scene, samples, sheet, soup, uniform, unit, vector,
+    Pipelines, World, add_triangle, camera, folding_gpu, indirect, samples, sheet, uniform, unit,
 };
 use crate::support::{Random, difference, gpu, run, sizes_around, upload};
-use std::collections::HashMap;
-use std::sync::{Mutex, OnceLock};
-use subpixel_shadows::glam::{DVec3, DVec4, Vec3};
+use subpixel_shadows::frame::Frame;
+use subpixel_shadows::glam::{DVec3, DVec4};
 use subpixel_shadows::gpu::program::{Access, Binding};
 use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program};
-use subpixel_shadows::reference::front_layer::Split;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::facet_classify::State;
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, TALLY_WORDS};
 use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
-use subpixel_shadows::truth::{full_mask, join_mask};
 
-fn stage(gpu: &'static Gpu, words: usize) -> &'static VisibilityMasks {
-    static MADE: OnceLock<Mutex<HashMap<(u32, usize), &'static VisibilityMasks>>> = OnceLock::new();
-    let key = (gpu.device.limits().max_compute_workgroups_per_dimension, words);
-    let mut made = MADE.get_or_init(Mutex::default).lock().expect("no test panicked while making a pipeline");
-    made.entry(key).or_insert_with(|| Box::leak(Box::new(VisibilityMasks::new(&gpu.device, words as u32, [0, 0]))))
+fn stage(gpu: &Gpu, words: usize) -> &'static VisibilityMasks {
+    static MADE: Pipelines<VisibilityMasks> = Pipelines::new();
+    MADE.get(gpu, words, || VisibilityMasks::new(&gpu.device, words as u32, [0, 0]))
 }
 
 /// Evaluates every facet against every other triangle on the GPU.
 fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
-    let (gpu, words) = (world.gpu, world.words());
-    let texels = (world.view.map.map_size as usize).pow(2);
-    let facets = world.classify(listed, &vec![true; texels], &vec![Split::Marked; texels]);
+    let gpu = world.gpu;
+    let facets = classify(world, listed);
     let list = facets.list.read(gpu).expect("readback");
     let undecided = |f: &usize| list[*f].state == State::Undecided as u32;
     let triangles = world.prepared.mesh.triangles.len() as u32;
@@ -46,7 +43,7 @@ fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
     content.extend(pairs.iter().flatten());
     lists.candidates.write(&gpu.queue, &content);
     let mut frame = world.frame;
-    frame.flags |= if validity { 2 } else { 0 };
+    frame.flags |= if validity { Frame::VALIDITY } else { 0 };
     frame.facets_total = listed.len() as u32;
     frame.candidate_capacity = pairs.len() as u32;
     let (frame, offsets) = (uniform(gpu, &frame), world.sample_offsets());
@@ -56,7 +53,7 @@ fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
         triangles: world.casters.triangles.raw(),
         positions: world.casters.positions.raw(),
     };
-    let stage = stage(gpu, words);
+    let stage = stage(gpu, world.words());
     if !pairs.is_empty() {
         let args = indirect(gpu, pairs.len() as u32);
         run(gpu, |s| stage.record_evaluate(s, frame.raw(), casters, &facets, &lists, (args.raw(), 0)));
@@ -65,15 +62,7 @@ fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
         let args = indirect(gpu, doubts);
         run(gpu, |s| stage.record_refine(s, frame.raw(), casters, &facets, &lists, (args.raw(), 0)));
     }
-    let masks = facets.masks.read(gpu).expect("readback");
-    let mask = |f: usize, part: usize| {
-        let mut all = [0; 4];
-        all[..words].copy_from_slice(&masks[(3 * f + part) * words..(3 * f + part + 1) * words]);
-        join_mask(all)
-    };
-    let full = full_mask(world.samples.count());
-    let one = |f: usize| (list[f].state, [0, 1, 2].map(|part| mask(f, part) & full));
-    ((0..list.len()).map(one).collect(), pairs.len())
+    (masks::read(world, &facets), pairs.len())
 }
 
 fn compare(world: &World, listed: &List, validity: bool) -> Tally {
@@ -81,13 +70,9 @@ fn compare(world: &World, listed: &List, validity: bool) -> Tally {
     Tally { evaluations, ..judge(world, listed, &got, validity) }
 }
 
-fn world(mesh: &Mesh, camera: Camera, light: Light, size: [u32; 2], samples: Samples) -> World {
-    let mut world = World::new(gpu(), mesh, camera, light, size, 1, samples);
-    world.frame.flags |= 8;
-    world
+fn world((mesh, camera, light): Case, size: [u32; 2], samples: Samples) -> World {
+    undecided_world(gpu(), &mesh, camera, light, size, samples)
 }
-
-const PATTERNS: [Pattern; 3] = [Pattern::Grid, Pattern::Rotated, Pattern::LowDiscrepancy];
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
@@ -95,7 +80,7 @@ fn empty() {
     let light = Light::Directional { direction: [0.2, 1.0, 0.1] };
     let mesh = sheet(1, 1.0, |_, _| 0.0, |p| p);
     let eye = DVec3::new(0.0, 1.0, 2.0);
-    let world = world(&mesh, camera(eye, DVec3::ZERO, 50.0), light, [8, 8], samples(32));
+    let world = world((mesh, camera(eye, DVec3::ZERO, 50.0), light), [8, 8], samples(32));
     let (masks, evaluations) = evaluate(&world, &vec![(3, None)], true);
     assert_eq!((evaluations, masks[0].1[1], masks[0].1[2]), (0, 0, 0));
     // Facets whose only neighbour is coplanar: evaluated, nothing occluded, nothing invalid.
@@ -109,14 +94,7 @@ fn one() {
     let mut random = Random::new(61);
     let mut total = Tally::default();
     for round in 0..40 {
-        let mut mesh = sheet(1, 1.0, |_, _| 0.0, |p| p);
-        let extra = soup(1, 0.7, &mut random);
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend(extra.positions);
-        mesh.triangles.push([base, base + 1, base + 2]);
-        let eye = DVec3::new(unit(&mut random), 1.5, 2.0);
-        let light = random_light(round % 2 == 0, &mut random);
-        let world = world(&mesh, camera(eye, DVec3::ZERO, 50.0), light, [16, 12], samples(8));
+        let world = world(one_caster(round, &mut random), [16, 12], samples(8));
         total.add(compare(&world, &world.seen(), true));
     }
     total.assert_right("one caster");
@@ -127,11 +105,8 @@ fn one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn every_size_around_workgroup() {
     let mut random = Random::new(62);
-    let mesh = soup(2, 1.5, &mut random);
-    let light = random_light(true, &mut random);
-    let eye = DVec3::new(0.5, 1.5, 2.0);
     // One evaluation a facet: as many as facets.
-    let world = world(&mesh, camera(eye, DVec3::ZERO, 50.0), light, [24, 18], samples(32));
+    let world = world(soup_case(2, 1.5, &mut random), [24, 18], samples(32));
     let any = world.anything(193, &mut random);
     for size in sizes_around(64) {
         compare(&world, &any[..size].to_vec(), true).assert_right("a size around the workgroup");
@@ -139,21 +114,16 @@ fn every_size_around_workgroup() {
 }
 
 /// Eyes, lights, facets and casters anywhere, also behind each other: every number of samples and every pattern.
-fn anywhere() -> Tally {
+fn all_anywhere() -> Tally {
     let mut random = Random::new(63);
     let mut total = Tally::default();
     for count in Samples::COUNTS {
         for pattern in PATTERNS {
             for round in 0..4 {
-                let mesh = soup(40, [0.3, 1.0][round % 2], &mut random);
-                let (eye, target) = (vector(&mut random), vector(&mut random));
-                let light = match round {
-                    0 => Light::Directional { direction: vector(&mut random).as_vec3().into() },
-                    1 => random_light(false, &mut random),
-                    _ => Light::Point { position: (vector(&mut random) * 1.2).as_vec3().into() },
-                };
+                let (mesh, look) = anywhere(round, &mut random);
+                let light = light_anywhere(round, &mut random);
                 let samples = Samples::new(pattern, count).expect("a pattern");
-                let world = world(&mesh, camera(eye, target, 70.0), light, [24, 18], samples);
+                let world = world((mesh, look, light), [24, 18], samples);
                 let listed = [world.anything(700, &mut random), world.seen()].concat();
                 total.add(compare(&world, &listed, true));
             }
@@ -166,7 +136,7 @@ fn anywhere() -> Tally {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn random_seeded() {
-    let total = anywhere();
+    let total = all_anywhere();
     assert!(total.evaluations >= 1_000_000 && total.occluded > 10_000, "{total:?}");
     assert_eq!((total.wrong_occluded, total.leaks), (0, 0), "{total:?}");
 }
@@ -174,7 +144,7 @@ fn random_seeded() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn cuts_behind_the_eye_are_as_exact() {
-    anywhere().assert_right("anywhere");
+    all_anywhere().assert_right("anywhere");
 }
 
 /// Closed, open, interpenetrating and doubled scenes.
@@ -184,10 +154,7 @@ fn scenes() {
     let mut random = Random::new(64);
     let mut total = Tally::default();
     for kind in 0..16 {
-        let mesh = random_scene(kind, &mut random);
-        let eye = vector(&mut random).normalize() * 2.5;
-        let light = random_light(random.below(2) == 0, &mut random);
-        let world = world(&mesh, camera(eye, DVec3::ZERO, 50.0), light, [24, 18], samples(32));
+        let world = world(scene_case(kind, &mut random), [24, 18], samples(32));
         let tally = compare(&world, &world.seen(), true);
         tally.assert_right(&format!("scene {kind}"));
         total.add(tally);
@@ -198,53 +165,21 @@ fn scenes() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn degenerate() {
-    let mut random = Random::new(65);
-    let eye = DVec3::new(0.3, 2.0, 3.0);
-    let view = |mesh: &Mesh, light: Light| world(mesh, camera(eye, DVec3::ZERO, 60.0), light, [32, 24], samples(32));
-    // Light grazing the floor, down to parallel to it.
-    for elevation in [1e-1f32, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
-        let world = view(&boxes(), Light::Directional { direction: [1.0, elevation, 0.3] });
-        compare(&world, &world.seen(), true).assert_right(&format!("light {elevation} over the floor"));
+    let elevations = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
+    let heights = [0.75, 0.75f32.next_up(), 0.75f32.next_down(), 0.750_001];
+    for (what, case) in masks::degenerate(&elevations, &heights, &[2, 3, 4, 5, 6, 7]) {
+        let world = world(case, [32, 24], samples(32));
+        compare(&world, &world.seen(), true).assert_right(&what);
     }
-    // Light in a caster's plane, beside it by one ulp, in a vertex of it.
-    let mesh = boxes();
-    for y in [0.75f32, 0.75f32.next_up(), 0.75f32.next_down(), 0.750_001] {
-        for position in [[3.0, y, 0.1], [0.5, y, 0.5], [0.5, y, 2.0]] {
-            let world = view(&mesh, Light::Point { position });
-            compare(&world, &world.seen(), true).assert_right(&format!("light at {position:?}"));
-        }
-    }
-    // Slivers of aspect 1e3 to 1e7, and triangles of no area at all.
-    for power in 2..8 {
-        let mut mesh = sheet(1, 2.0, |_, _| -0.5, |p| p);
-        let slivers = soup(60, 1.5, &mut random);
-        let base = mesh.positions.len() as u32;
-        for t in 0..60 {
-            let corner = |k: usize| Vec3::from(slivers.positions[3 * t + k]);
-            let (a, b) = (corner(0), corner(1));
-            let c = a + (b - a) * 0.6 + (corner(2) - a) * 10f32.powi(-power);
-            let c = if t % 10 == 0 { a } else { c };
-            mesh.positions.extend([a, b, c].map(<[f32; 3]>::from));
-            mesh.triangles.push([base + 3 * t as u32, base + 3 * t as u32 + 1, base + 3 * t as u32 + 2]);
-        }
-        let light = random_light(power % 2 == 0, &mut random);
-        let world = view(&mesh, light);
-        compare(&world, &world.seen(), true).assert_right(&format!("slivers of aspect 1e{power}"));
-    }
-    // Everything twice.
-    let mut mesh = boxes();
-    mesh.triangles.extend(mesh.triangles.clone());
-    let world = view(&mesh, Light::Directional { direction: [0.4, 1.0, 0.3] });
-    compare(&world, &world.seen(), true).assert_right("doubled");
 }
 
 /// A caster in whose plane the light lies casts nothing, but where it rises through a facet it still cuts it.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn edge_on_casters_still_cut() {
+    let (mesh, look, _) = boxes_case();
     let light = Light::Directional { direction: [1.0, 0.0, 0.3] };
-    let eye = DVec3::new(0.3, 2.0, 3.0);
-    let world = world(&boxes(), camera(eye, DVec3::ZERO, 60.0), light, [32, 24], samples(32));
+    let world = world((mesh, look, light), [32, 24], samples(32));
     compare(&world, &world.seen(), true).assert_right("light along the floor");
 }
 
@@ -264,7 +199,7 @@ fn tessellated_floors_do_not_shadow_themselves() {
         let mesh = sheet(20, 1.0, |_, _| 0.0, turn(offset));
         let eye = turn(offset)(DVec3::new(0.3, 1.1, 1.0));
         let light = Light::Directional { direction: turn(0.0)(DVec3::new(0.8, 0.6, -0.3)).as_vec3().into() };
-        let world = world(&mesh, camera(eye, DVec3::splat(offset), 50.0), light, [24, 18], samples(32));
+        let world = world((mesh, camera(eye, DVec3::splat(offset), 50.0), light), [24, 18], samples(32));
         let listed = world.seen();
         assert!(listed.iter().filter(|l| l.1.is_some()).count() > 200);
         let (got, _) = evaluate(&world, &listed, true);
@@ -289,12 +224,10 @@ fn cuts_through_the_pixel_centre() {
     for step in -6..=6 {
         let at = centre.x + f64::from(step) * 1e-7 * pixel;
         let mut mesh = sheet(1, 2.0, |_, _| 0.0, |p| p);
-        let base = mesh.positions.len() as u32;
         let wall = [[at, -0.3, -1.0], [at, -0.3, 1.0], [at, 0.4, 0.1]];
-        mesh.positions.extend(wall.map(|p| p.map(|c| c as f32)));
-        mesh.triangles.push([base, base + 1, base + 2]);
+        add_triangle(&mut mesh, wall.map(|p| p.map(|c| c as f32)));
         let light = Light::Directional { direction: [0.5, 1.0, 0.1] };
-        let world = world(&mesh, look, light, [9, 9], samples(32));
+        let world = world((mesh, look, light), [9, 9], samples(32));
         let listed: List = world.seen();
         let (got, _) = evaluate(&world, &listed, true);
         judge(&world, &listed, &got, true).assert_right(&format!("step {step}"));
@@ -348,7 +281,7 @@ fn closed_fans_do_not_leak() {
                 [x, y, z, 0.0] => Light::Directional { direction: [x, y, z] },
                 [x, y, z, _] => Light::Point { position: [x, y, z] },
             };
-            let world = world(&mesh, look, light, size, samples.clone());
+            let world = world((mesh, look, light), size, samples.clone());
             // Floor facets whatever is in front of them.
             let pixels = size[0] * size[1];
             let floor = world.prepared.given.iter().position(|&t| t == 0).expect("the floor") as u32;
@@ -367,13 +300,11 @@ fn closed_fans_do_not_leak() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn overflow_by_one() {
-    let light = Light::Directional { direction: [0.4, 1.0, 0.3] };
-    let world = world(&boxes(), camera(DVec3::new(0.3, 2.0, 3.0), DVec3::ZERO, 60.0), light, [8, 8], samples(32));
+    let world = world(boxes_case(), [8, 8], samples(32));
     let listed = world.seen();
-    let texels = vec![Split::Marked; 1];
     let stage = stage(gpu(), 1);
     let reach = |capacity: u32, counted: u32| {
-        let facets = world.classify(&listed, &[true], &texels);
+        let facets = classify(&world, &listed);
         let lists = PairLists::new(&gpu().device, 1, 1, 1, 8).expect("memory");
         let mut content = vec![0; TALLY_WORDS];
         content[1] = counted;
@@ -410,13 +341,9 @@ fn overflow_by_one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
     let mut random = Random::new(67);
-    let mesh = soup(20, 1.0, &mut random);
-    let light = random_light(true, &mut random);
-    let eye = DVec3::new(0.5, 1.5, 2.0);
-    let look = camera(eye, DVec3::ZERO, 50.0);
+    let (mesh, look, light) = soup_case(20, 1.0, &mut random);
     // At most 3 by 3 workgroups of 64 fit: 30 facets against 19 triangles.
-    let mut world = World::new(folding_gpu(), &mesh, look, light, [24, 18], 1, samples(32));
-    world.frame.flags |= 8;
+    let world = undecided_world(folding_gpu(), &mesh, look, light, [24, 18], samples(32));
     let listed = world.anything(25, &mut random);
     let tally = compare(&world, &listed, true);
     tally.assert_right("folded");
@@ -426,18 +353,16 @@ fn two_d_dispatch() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn detects_corruption() {
-    let light = Light::Directional { direction: [0.4, 1.0, 0.3] };
-    let world = world(&boxes(), camera(DVec3::new(0.3, 2.0, 3.0), DVec3::ZERO, 60.0), light, [24, 18], samples(32));
+    let world = world(boxes_case(), [24, 18], samples(32));
     let listed = world.seen();
     let (mut got, _) = evaluate(&world, &listed, true);
     let right = judge(&world, &listed, &got, true);
     right.assert_right("untouched");
-    let k =
-        got.iter().position(|m| m.0 == State::Undecided as u32 && m.1[1] == u128::from(u32::MAX)).expect("a shadow");
+    let k = undecided_with(&got, u128::from(u32::MAX));
     got[k].1[1] ^= 1;
     let wrong = judge(&world, &listed, &got, true);
     assert_eq!((wrong.wrong_occluded, wrong.leaks), (1, 1), "a lit sample in a shadow is seen");
-    let j = got.iter().position(|m| m.0 == State::Undecided as u32 && m.1[1] == 0).expect("a lit facet");
+    let j = undecided_with(&got, 0);
     got[j].1[2] |= 1;
     assert_eq!(judge(&world, &listed, &got, true).wrong_valid, 1, "a lost sample is seen");
     assert!(difference(&[1], &[2]).is_some());

@@ -1,7 +1,7 @@
 //! What the tests of the shadow stages share: random scenes, and stages run one at a time on lists made by hand.
 
 use super::{POISON, Random, run};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::glam::DVec3;
@@ -38,10 +38,16 @@ pub fn vector(random: &mut Random) -> DVec3 {
     DVec3::new(unit(random), unit(random), unit(random)) * 2.0 - 1.0
 }
 
-fn push(mesh: &mut Mesh, corners: [DVec3; 3]) {
+/// Adds the triangles of another mesh.
+pub fn append(mesh: &mut Mesh, other: Mesh) {
     let base = mesh.positions.len() as u32;
-    mesh.positions.extend(corners.map(|c| <[f32; 3]>::from(c.as_vec3())));
-    mesh.triangles.push([base, base + 1, base + 2]);
+    mesh.positions.extend(other.positions);
+    mesh.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + base)));
+}
+
+/// Adds a triangle with vertices of its own.
+pub fn add_triangle(mesh: &mut Mesh, corners: [[f32; 3]; 3]) {
+    append(mesh, Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]] });
 }
 
 /// `n` triangles of this size, anywhere in the cube from -1 to 1.
@@ -49,7 +55,8 @@ pub fn soup(n: usize, size: f64, random: &mut Random) -> Mesh {
     let mut mesh = Mesh::default();
     for _ in 0..n {
         let at = vector(random);
-        push(&mut mesh, [at, at + vector(random) * size, at + vector(random) * size]);
+        let corners = [at, at + vector(random) * size, at + vector(random) * size];
+        add_triangle(&mut mesh, corners.map(|c| c.as_vec3().into()));
     }
     mesh
 }
@@ -103,18 +110,17 @@ pub fn random_scene(kind: u32, random: &mut Random) -> Mesh {
         2 => {
             let phase = unit(random) * 6.0;
             let mut mesh = sheet(8, 1.5, |x, z| 0.3 * (7.0 * x + phase).sin() * (5.0 * z).cos() - 0.5, |p| p);
-            let extra = soup(10, 0.7, random);
-            let base = mesh.positions.len() as u32;
-            mesh.positions.extend(extra.positions);
-            mesh.triangles.extend(extra.triangles.iter().map(|t| t.map(|v| v + base)));
+            append(&mut mesh, soup(10, 0.7, random));
             mesh
         }
-        _ => {
-            let mut mesh = random_scene(1, random);
-            mesh.triangles.extend(mesh.triangles.clone());
-            mesh
-        }
+        _ => doubled(random_scene(1, random)),
     }
+}
+
+/// Every triangle twice.
+pub fn doubled(mut mesh: Mesh) -> Mesh {
+    mesh.triangles.extend_from_within(..);
+    mesh
 }
 
 /// A camera at `eye` that looks at `target`.
@@ -142,6 +148,21 @@ pub fn random_light(directional: bool, random: &mut Random) -> Light {
 /// The low-discrepancy pattern.
 pub fn samples(count: u32) -> Samples {
     Samples::new(Pattern::LowDiscrepancy, count).expect("a pattern")
+}
+
+/// Pipelines of a stage, made once for each device and number of mask words.
+pub struct Pipelines<T: 'static>(Mutex<BTreeMap<(u32, usize), &'static T>>);
+
+impl<T> Pipelines<T> {
+    pub const fn new() -> Self {
+        Self(Mutex::new(BTreeMap::new()))
+    }
+
+    pub fn get(&self, gpu: &Gpu, words: usize, make: impl FnOnce() -> T) -> &'static T {
+        let key = (gpu.device.limits().max_compute_workgroups_per_dimension, words);
+        let mut made = self.0.lock().expect("no test panicked while making a pipeline");
+        made.entry(key).or_insert_with(|| Box::leak(Box::new(make())))
+    }
 }
 
 /// A mesh under camera and light, its vertices and triangles set up on the GPU and by their definitions.
@@ -237,16 +258,9 @@ impl World {
 
     /// Runs `classify` on listed facets over given marks and splits.
     pub fn classify(&self, listed: &[(u32, Option<u32>)], marked: &[bool], splits: &[Split]) -> Facets {
-        type Made = Mutex<HashMap<(u32, usize), &'static FacetClassify>>;
-        static MADE: OnceLock<Made> = OnceLock::new();
+        static MADE: Pipelines<FacetClassify> = Pipelines::new();
         let (gpu, words) = (self.gpu, self.words());
-        let key = (gpu.device.limits().max_compute_workgroups_per_dimension, words);
-        let classify = *MADE
-            .get_or_init(Made::default)
-            .lock()
-            .expect("no test panicked while making a pipeline")
-            .entry(key)
-            .or_insert_with(|| Box::leak(Box::new(FacetClassify::new(&gpu.device, words as u32))));
+        let classify = MADE.get(gpu, words, || FacetClassify::new(&gpu.device, words as u32));
         let pixels = (self.view.image[0] * self.view.image[1]) as usize;
         let facets = Facets::new(&gpu.device, listed.len(), pixels, words).expect("memory");
         let one = |&(pixel, t): &(u32, Option<u32>)| Facet {
