@@ -16,6 +16,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: count,
         bytes: 2 * (setup.in_camera.items * 96 + pixels * 4),
         atomics: 0,
+        flops: 2 * setup.cells_seen * 6,
         record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.seen(), &setup.depth_keys, &setup.id_keys)),
     }])
 }

@@ -15,6 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size,
         bytes,
         atomics,
+        flops: shadow.tests * 12,
         record: Box::new(move |s| shadow.candidates(s, &stage)),
     }])
 }

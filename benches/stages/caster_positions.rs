@@ -23,6 +23,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             size,
             bytes: size * (4 * words + 8 + 12),
             atomics: 0,
+            flops: 0,
             record: Box::new(move |s| {
                 let from = Vertices { buffer: vertices.raw(), offset: 0, stride: 4 * words as u64 };
                 stage.record(s, from, &places, [[-1.0; 3], [1.0; 3]], &positions, &faults)

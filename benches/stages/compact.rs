@@ -22,6 +22,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             size,
             bytes: len * 4 + size / 2 * 4,
             atomics: 0,
+            flops: 0,
             record: Box::new(move |s| {
                 let flags = if packed { Flags::Bits(&flags) } else { Flags::Words(&flags) };
                 stage.record(s, flags, None, &kept, (&total, 0), &scratch, Count::Exactly(size))

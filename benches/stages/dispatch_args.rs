@@ -18,6 +18,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size,
         bytes: size * 32,
         atomics: 0,
+        flops: 0,
         record: Box::new(move |s| stage.record(s, &counts, &requests, &args)),
     }])
 }

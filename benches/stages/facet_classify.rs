@@ -15,6 +15,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size,
         bytes,
         atomics,
+        // Four corners on the plane and in the light view.
+        flops: 800 * 600 * 160,
         record: Box::new(move |s| {
             let around = Surroundings {
                 triangles: shadow.triangles(),

@@ -15,6 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: count,
         bytes: setup.in_light.items * 96 + texels * 20,
         atomics: 0,
+        flops: setup.cells_lit * 6,
         record: Box::new(move |s| {
             stage.record_check(s, setup.frame.raw(), setup.lit(), &setup.layers)?;
             stage.record_settle(s, setup.frame.raw(), &setup.layers)

@@ -14,6 +14,7 @@ pub struct Options {
     filter: String,
     quick: bool,
     json: Option<String>,
+    baseline: Option<String>,
     logs: Vec<u32>,
     /// Rounds of each size.
     pub repeats: usize,
@@ -22,12 +23,14 @@ pub struct Options {
 impl Options {
     /// Reads the command line; what cargo adds is ignored.
     pub fn from_args() -> Self {
-        let mut options = Self { filter: String::new(), quick: false, json: None, logs: Vec::new(), repeats: 0 };
+        let mut options =
+            Self { filter: String::new(), quick: false, json: None, baseline: None, logs: Vec::new(), repeats: 0 };
         let mut args = std::env::args().skip(1);
         while let Some(arg) = args.next() {
             match arg.as_str() {
                 "--quick" => options.quick = true,
                 "--json" => options.json = args.next(),
+                "--baseline" => options.baseline = args.next(),
                 "--log-sizes" => {
                     let list = args.next().unwrap_or_default();
                     options.logs = list.split(',').filter_map(|n| n.parse().ok()).filter(|&n| n <= 25).collect();
@@ -52,9 +55,27 @@ impl Options {
         }
     }
 
-    /// Whether a case is asked for.
+    /// Whether a case is asked for: its name contains one of the filters, which commas part.
     pub fn wants(&self, name: &str) -> bool {
-        name.contains(&self.filter)
+        self.filter.split(',').any(|part| name.contains(part))
+    }
+
+    /// The medians of the table that an earlier run wrote with `--json`, by name and size.
+    pub fn baseline(&self) -> Result<Baseline> {
+        #[derive(serde::Deserialize)]
+        struct Old {
+            name: String,
+            size: usize,
+            median_ms: f64,
+        }
+        #[derive(serde::Deserialize)]
+        struct Table {
+            rows: Vec<Old>,
+        }
+        let Some(path) = &self.baseline else { return Ok(Baseline::default()) };
+        let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e.to_string()))?;
+        let table: Table = serde_json::from_str(&text).map_err(|e| Error::file(path, e.to_string()))?;
+        Ok(Baseline(table.rows.into_iter().map(|row| ((row.name, row.size), row.median_ms)).collect()))
     }
 
     /// Writes the table as JSON, if asked for.
@@ -73,6 +94,17 @@ impl Options {
     }
 }
 
+/// Medians of an earlier run.
+#[derive(Default)]
+pub struct Baseline(std::collections::HashMap<(String, usize), f64>);
+
+impl Baseline {
+    /// Notes in `row` what it took before.
+    pub fn note(&self, row: &mut Row) {
+        row.baseline_ms = self.0.get(&(row.name.clone(), row.size)).copied();
+    }
+}
+
 /// What records a case.
 pub type Record<'a> = dyn Fn(&mut Stage) -> Result<()> + 'a;
 
@@ -86,6 +118,8 @@ pub struct Case<'a> {
     pub bytes: usize,
     /// Atomics that it must do.
     pub atomics: usize,
+    /// Additions and multiplications of `f32` that its definition asks for; 0 where they do not matter.
+    pub flops: usize,
     /// Records it.
     pub record: Box<Record<'a>>,
 }
@@ -97,6 +131,8 @@ pub struct Ceilings {
     pub bytes_per_ms: f64,
     /// Atomics to 2^20 scattered words.
     pub atomics_per_ms: f64,
+    /// Additions and multiplications of `f32`, in four independent chains an invocation.
+    pub flops_per_ms: f64,
     /// One dispatch that depends on the one before.
     pub dispatch_ms: f64,
 }
@@ -110,6 +146,15 @@ const PROBES: &str = "
 }
 @compute @workgroup_size(64) fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     atomicOr(&words[(id.x * 2654435769u) >> 12u], id.x);
+}
+@compute @workgroup_size(64) fn multiply(@builtin(global_invocation_id) id: vec3<u32>) {
+    let x = f32(id.x & 255u) * 0.001;
+    var a = vec4(x); var b = vec4(x + 1.0); var c = vec4(x + 2.0); var d = vec4(x + 3.0);
+    for (var k = 0u; k < 256u; k++) {
+        a = a * 0.999 + 0.001; b = b * 0.998 + 0.002; c = c * 0.997 + 0.003; d = d * 0.996 + 0.004;
+    }
+    let sum = a + b + c + d;
+    if sum.x + sum.y + sum.z + sum.w == 0.1234 { atomicAdd(&words[0], 1u); }
 }
 @compute @workgroup_size(1) fn step() { atomicAdd(&words[0], 1u); }
 ";
@@ -135,6 +180,7 @@ impl Ceilings {
         let words = Buffer::<u32>::storage(device, "probe.words", 1 << 20)?;
         let copy = Program::new(device, probe("copy", COPY), &[]);
         let scatter = Program::new(device, probe("scatter", WORDS), &[]);
+        let multiply = Program::new(device, probe("multiply", WORDS), &[]);
         let step = Program::new(device, probe("step", WORDS), &[]);
         let best = |record: &Record| -> Result<f64> {
             let times = (0..7).map(|_| time(gpu, record)).collect::<Result<Vec<_>>>()?;
@@ -143,18 +189,27 @@ impl Ceilings {
         let buffers = [("source", source.raw()), ("target_quads", target.raw()), ("words", words.raw())];
         let copy_ms = best(&|s| s.run(&copy, &buffers, Groups::Items(quads as u64)))?;
         let scatter_ms = best(&|s| s.run(&scatter, &buffers, Groups::Items(1 << 20)))?;
+        let multiply_ms = best(&|s| s.run(&multiply, &buffers, Groups::Items(1 << 16)))?;
         let step_ms = best(&|s| (0..STEPS).try_for_each(|_| s.run(&step, &buffers, Groups::Workgroups(1))))?;
         Ok(Self {
             bytes_per_ms: (quads * 32) as f64 / copy_ms,
             atomics_per_ms: (1 << 20) as f64 / scatter_ms,
+            // 256 turns of four times four lanes, a product and a sum each.
+            flops_per_ms: ((1u64 << 16) * 256 * 4 * 4 * 2) as f64 / multiply_ms,
             dispatch_ms: step_ms / STEPS as f64,
         })
     }
 
-    /// The least time that work can take.
-    fn limit_ms(&self, case: &Case, dispatches: u32) -> f64 {
-        let work = (case.bytes as f64 / self.bytes_per_ms).max(case.atomics as f64 / self.atomics_per_ms);
-        work + f64::from(dispatches) * self.dispatch_ms
+    /// The least time that a case can take, and what most of that is.
+    fn limit_ms(&self, case: &Case, dispatches: u32) -> (f64, &'static str) {
+        let parts = [
+            (case.bytes as f64 / self.bytes_per_ms, "bytes"),
+            (case.atomics as f64 / self.atomics_per_ms, "atomics"),
+            (case.flops as f64 / self.flops_per_ms, "arithmetic"),
+        ];
+        let work = parts.into_iter().fold((0.0, "bytes"), |most, part| if part.0 > most.0 { part } else { most });
+        let latency = f64::from(dispatches) * self.dispatch_ms;
+        (work.0 + latency, if latency > work.0 { "dispatches" } else { work.1 })
     }
 }
 
@@ -185,18 +240,21 @@ pub struct Row {
     min_ms: f64,
     p90_ms: f64,
     limit_ms: f64,
+    bound: &'static str,
+    /// Median of the baseline, if there is one.
+    baseline_ms: Option<f64>,
 }
 
 impl Row {
     /// What the columns hold.
-    pub const HEAD: &'static str = "case                            size  disp.   median ms      min ms      p90 ms    limit ms  median/limit  M items/s";
+    pub const HEAD: &'static str = "case                            size  disp.   median ms      min ms      p90 ms    limit ms  median/limit  of what      M items/s  to baseline";
 }
 
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(
             f,
-            "{:<26}{:>10}  {:>5}  {:>10.4}  {:>10.4}  {:>10.4}  {:>10.4}  {:>12.1}  {:>9.1}",
+            "{:<26}{:>10}  {:>5}  {:>10.4}  {:>10.4}  {:>10.4}  {:>10.4}  {:>12.1}  {:<10}{:>11.1}",
             self.name,
             self.size,
             self.dispatches,
@@ -205,8 +263,10 @@ impl fmt::Display for Row {
             self.p90_ms,
             self.limit_ms,
             self.median_ms / self.limit_ms,
+            self.bound,
             self.size as f64 / self.median_ms * 1e-3
-        )
+        )?;
+        self.baseline_ms.map_or(Ok(()), |before| write!(f, "  {:>11.2}", self.median_ms / before))
     }
 }
 
@@ -225,6 +285,7 @@ pub fn measure(gpu: &Gpu, ceilings: &Ceilings, cases: &[Case], repeats: usize) -
     }
     let row = |((case, mut times), dispatches): ((&Case, Vec<f64>), u32)| {
         times.sort_by(f64::total_cmp);
+        let (limit_ms, bound) = ceilings.limit_ms(case, dispatches);
         Row {
             name: case.name.clone(),
             size: case.size,
@@ -232,7 +293,9 @@ pub fn measure(gpu: &Gpu, ceilings: &Ceilings, cases: &[Case], repeats: usize) -
             median_ms: times[times.len() / 2],
             min_ms: times[0],
             p90_ms: times[times.len() * 9 / 10],
-            limit_ms: ceilings.limit_ms(case, dispatches),
+            limit_ms,
+            bound,
+            baseline_ms: None,
         }
     };
     Ok(cases.iter().zip(times).zip(dispatches).map(row).collect())

@@ -15,6 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: count,
         bytes: 2 * (setup.in_light.items * 96 + texels * 4),
         atomics: 0,
+        flops: 2 * setup.cells_lit * 6,
         record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.lit(), &setup.layers)),
     }])
 }

@@ -1,11 +1,15 @@
 //! Times every stage over a range of sizes, beside what the device could do at best.
 //!
-//! `cargo bench --bench stages -- [FILTER] [--quick] [--log-sizes 18,20] [--repeats N] [--json FILE]`
+//! `cargo bench --bench stages -- [FILTER,…] [--quick] [--log-sizes 18,20] [--repeats N] [--json FILE] [--baseline FILE]`
 //!
-//! First the ceilings of the device are measured (copy bandwidth, scattered atomics, a dependent dispatch), then all
-//! cases of one size in turn, round after round, so that a slow spell of the machine hits all alike. Times are GPU time
-//! stamps around the stage; upload, readback and compilation are left out. The limit of a case is the larger of its
-//! bytes at the copy bandwidth and its atomics at their rate, plus its dispatches.
+//! First the ceilings of the device are measured (copy bandwidth, scattered atomics, arithmetic, a dependent dispatch), then
+//! all cases of one size in turn, round after round, so that a slow spell of the machine hits all alike. Times are GPU time
+//! stamps around the stage; upload, readback and compilation are left out. The limit of a case is the largest of its bytes
+//! at the copy bandwidth, its atomics and its arithmetic at their rates, plus its dispatches. `--baseline` takes what an
+//! earlier run wrote with `--json`, and each row then ends in its median over that of the baseline.
+//!
+//! Stages that take textures come after all others: once a texture was cleared, llvmpipe (Mesa 22.3.6) takes the first time
+//! stamp of a pass only when something waits for it, so that passes of direct dispatches seem to take no time.
 
 mod camera_visibility;
 mod candidate_pairs;
@@ -42,19 +46,23 @@ use harness::{Ceilings, Options, Row};
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::Gpu;
 
+type Maker = for<'a> fn(&'a Gpu, usize) -> Result<Vec<harness::Case<'a>>>;
+
 fn run(options: &Options) -> Result<()> {
     let gpu = Gpu::open(None)?;
     println!("adapter: {} ({}, {})", gpu.adapter.name, gpu.adapter.backend, gpu.adapter.driver);
     let ceilings = Ceilings::measure(&gpu)?;
     println!(
-        "ceilings: copy {:.2} GB/s, scattered atomics {:.3} G/s, dispatch {:.1} us",
+        "ceilings: copy {:.2} GB/s, scattered atomics {:.3} G/s, arithmetic {:.2} GFLOP/s, dispatch {:.1} us",
         ceilings.bytes_per_ms * 1e-6,
         ceilings.atomics_per_ms * 1e-6,
+        ceilings.flops_per_ms * 1e-6,
         ceilings.dispatch_ms * 1e3
     );
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
-    let makers = [
+    let baseline = options.baseline()?;
+    let without_textures: [Maker; 27] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -66,7 +74,6 @@ fn run(options: &Options) -> Result<()> {
         vertex_project::cases,
         triangle_setup::cases,
         camera_visibility::cases,
-        triangle_ids::cases,
         light_layers::cases,
         shadow_map::cases,
         shadow_rays::cases,
@@ -83,17 +90,20 @@ fn run(options: &Options) -> Result<()> {
         candidate_pairs::cases,
         visibility_masks::cases,
         resolve::cases,
-        visibility_texture::cases,
     ];
-    for log_size in options.log_sizes() {
-        let mut cases = Vec::new();
-        for make in makers {
-            cases.extend(make(&gpu, 1 << log_size)?);
-        }
-        cases.retain(|case| options.wants(&case.name));
-        for row in harness::measure(&gpu, &ceilings, &cases, options.repeats)? {
-            println!("{row}");
-            rows.push(row);
+    let with_textures: [Maker; 2] = [triangle_ids::cases, visibility_texture::cases];
+    for makers in [&without_textures[..], &with_textures] {
+        for log_size in options.log_sizes() {
+            let mut cases = Vec::new();
+            for make in makers {
+                cases.extend(make(&gpu, 1 << log_size)?);
+                cases.retain(|case| options.wants(&case.name));
+            }
+            for mut row in harness::measure(&gpu, &ceilings, &cases, options.repeats)? {
+                baseline.note(&mut row);
+                println!("{row}");
+                rows.push(row);
+            }
         }
     }
     options.save(&gpu, &ceilings, &rows)

@@ -28,6 +28,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: setup.casters.triangles.len(),
         bytes: 3 * setup.in_camera.items * 96 + pixels * 40,
         atomics: 2 * pixels,
+        flops: 3 * setup.cells_seen * 6,
         record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.seen(), &lists, &scratch, &status)),
     }])
 }

@@ -20,6 +20,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             size,
             bytes: size * 8,
             atomics: 0,
+            flops: 0,
             record: Box::new(move |s| stage.record(s, &input, &output, (&total, 0), &scratch, Count::Exactly(size))),
         });
     }

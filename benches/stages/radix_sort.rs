@@ -23,6 +23,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             size,
             bytes: size * 16 * digits(key_bits).count(),
             atomics: 0,
+            flops: 0,
             record: Box::new(move |s| {
                 let pairs = Pairs { keys: &keys, values: &values };
                 let sorted = Pairs { keys: &keys_out, values: &values_out };

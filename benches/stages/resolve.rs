@@ -28,6 +28,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // A facet's state alone is read of it.
             bytes: size * (4 + 8 + 4 + 16 * width),
             atomics: size.div_ceil(64) * 5,
+            flops: 0,
             record: Box::new(move |s| stage.record(s, frame.raw(), &facets, &visibility, &lit, &status)),
         });
     }

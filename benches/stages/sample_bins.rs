@@ -50,6 +50,11 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     stage.record_bin(&mut rec.stage("setup"), 1, 0, occlude.scene(), bins)?;
     gpu.submit_and_wait(encoder)?;
     let binned = bins.texel_offsets.read(gpu)?[texels] as usize;
+    let lengths =
+        |offsets: Vec<u32>| offsets.windows(2).take(texels).map(|w| (w[1] - w[0]) as usize).collect::<Vec<_>>();
+    let (samples, casters) =
+        (lengths(bins.texel_offsets.read(gpu)?), lengths(shadow.lists.triangle_offsets.read(gpu)?));
+    let tests: usize = samples.iter().zip(&casters).map(|(s, c)| s * c).sum();
     Ok(vec![
         Case {
             name: "sample_bins count".to_owned(),
@@ -57,6 +62,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // A facet for its samples, and the count of a texel each; then the texels are scanned.
             bytes: binned / 32 * 144 + binned * 4 + texels * 8,
             atomics: binned,
+            flops: 0,
             record: Box::new(move |s| count.stage.record_bin(s, 0, 0, count.scene(), &count.bins)),
         },
         Case {
@@ -65,6 +71,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // At the least every sample once.
             bytes: binned * 16,
             atomics: 0,
+            // Four half-planes for each caster and sample of a texel.
+            flops: tests * 16,
             record: Box::new(move |s| occlude.stage.record_occlude(s, 0, occlude.scene(), &occlude.bins)),
         },
     ])

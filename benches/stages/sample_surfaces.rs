@@ -46,6 +46,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     }
     gpu.submit_and_wait(encoder)?;
     let count = complex.total.read(gpu)?[0];
+    // All but those of pixels that show one triangle.
+    let listed = (lists.offsets.read(gpu)?[pixels] as usize).saturating_sub(pixels);
     let args = Buffer::<u32>::indirect(device, "bench.args", 6)?;
     args.write(&gpu.queue, &[count, count.div_ceil(GROUP_NEAREST)].map(|n| recorder::fold(u64::from(n))).concat());
     let stage = SampleSurfaces::new(device, &scan, 1);
@@ -54,6 +56,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: setup.casters.triangles.len(),
         bytes: count as usize * 32 * 12 + pixels * 24,
         atomics: count as usize * 64,
+        flops: listed * 32 * 12,
         record: Box::new(move |s| {
             let (triangles, points) = (setup.casters.triangles.raw(), &setup.points);
             let mesh = Mesh { samples: samples.raw(), triangles, points, positions: setup.casters.positions.raw() };

@@ -21,8 +21,10 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         cases.push(Case {
             name: format!("shadow_map {kernel} x {kernel}"),
             size: setup.casters.triangles.len(),
-            bytes: count * (8 + 32 * (kernel * kernel) as usize * 4),
+            bytes: count * 8 + setup.layers.nearest_keys.len() * 4,
             atomics: 0,
+            // Two products and sums for each texel of the filter, and the sample's place and depth.
+            flops: count * 32 * (12 + (kernel * kernel) as usize),
             record: Box::new(move |s| {
                 let seen = Seen {
                     samples: samples.raw(),

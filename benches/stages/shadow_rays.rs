@@ -27,6 +27,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         // A facet, and at the least a node and a triangle a ray.
         bytes: traced * (144 + 32 * (80 + 48)),
         atomics: 0,
+        flops: traced * 32 * (8 * 12 + 24),
         record: Box::new(move |s| {
             let scene = Scene {
                 samples: shadow.samples.raw(),

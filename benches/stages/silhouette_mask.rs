@@ -15,6 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: count,
         bytes: count * 36 + setup.edge_work.items * 48,
         atomics: 0,
+        flops: count * 24,
         record: Box::new(move |s| {
             let (frame, edges, map) = (setup.frame.raw(), setup.casters.edges.raw(), &setup.map_points);
             let (rects, items, facing) = (&setup.edge_rects, &setup.edge_items, &setup.facts.facing);

@@ -24,6 +24,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // Three passes of six bits, then the bounds and the pairs.
             bytes: size * (72 + 24),
             atomics: 2 * size.min(spread as usize),
+            flops: 0,
             record: Box::new(move |s| stage.record(s, &scratch, Sorted::Pairs(&pairs), &counts)),
         });
     }

@@ -18,6 +18,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             size: setup.casters.triangles.len(),
             bytes: setup.in_light.items * 192 + side * side * 28,
             atomics: side * side * 2,
+            flops: setup.cells_lit * 6,
             record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.lit(), &texels)),
         });
     }

@@ -34,6 +34,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: setup.casters.triangles.len(),
         bytes: count * (4 + 16 + 4 + 4 + 4),
         atomics: 0,
+        flops: 0,
         record: Box::new(move |s| {
             let seen = Seen {
                 samples: samples.raw(),

@@ -24,6 +24,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             size: side * side,
             bytes: (map.len() + side * side) * 4,
             atomics: 0,
+            flops: 0,
             record: Box::new(move |s| stage.record(s, &input, &sat, &scratch)),
         });
     }

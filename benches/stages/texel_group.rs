@@ -23,6 +23,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             size,
             bytes: size * 24 + texels * 16,
             atomics: size,
+            flops: 0,
             record: Box::new(move |s| {
                 let to = Grouping { offsets: &offsets, grouped: &grouped, total: (&total, 0) };
                 stage.record(s, &keys, Some(&values), to, &scratch, Count::Exactly(size))

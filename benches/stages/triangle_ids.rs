@@ -23,6 +23,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: pixels,
         bytes: pixels * 8,
         atomics: 0,
+        flops: 0,
         record: Box::new(move |s| {
             let counted = Params { first: 0, none: u32::MAX };
             stage.record(s, frame.raw(), &view, counted, &numbers, &keys, &faults)

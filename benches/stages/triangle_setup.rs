@@ -15,6 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: count,
         bytes: count * 40 + setup.points.len() * 32,
         atomics: 0,
+        flops: count * 60,
         record: Box::new(move |s| {
             let (triangles, map) = (setup.casters.triangles.raw(), &setup.map_points);
             stage.record(s, setup.frame.raw(), triangles, &setup.points, map, &setup.facts, count)

@@ -15,6 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size,
         bytes,
         atomics,
+        flops: shadow.counts[1] * 12,
         record: Box::new(move |s| shadow.triangle_pairs(s, &stage, 0)),
     }])
 }

@@ -15,6 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: count,
         bytes: count * 44,
         atomics: 0,
+        flops: count * 42,
         record: Box::new(move |s| {
             stage.record(s, setup.frame.raw(), setup.casters.positions.raw(), &setup.points, &setup.map_points, count)
         }),

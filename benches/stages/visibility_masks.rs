@@ -15,6 +15,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size,
         bytes,
         atomics,
+        // Four half-planes at 32 samples.
+        flops: shadow.counts[2] * 32 * 16,
         record: Box::new(move |s| {
             let casters = Casters {
                 samples: shadow.samples.raw(),

@@ -21,6 +21,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         size: pixels,
         bytes: pixels * 8,
         atomics: 0,
+        flops: 0,
         record: Box::new(move |s| stage.record(s, frame.raw(), &visibility, &view)),
     }])
 }

@@ -52,7 +52,7 @@ impl<T: Pod> Buffer<T> {
     /// As [`Buffer::storage`].
     pub fn uniform(device: &wgpu::Device, label: &str, len: usize) -> Result<Self> {
         use wgpu::BufferUsages as U;
-        Self::with_usage(device, label, len, U::UNIFORM | U::COPY_DST)
+        Self::with_usage(device, label, len, U::UNIFORM | U::COPY_SRC | U::COPY_DST)
     }
 
     /// A storage buffer that holds `data`.

@@ -43,6 +43,10 @@ pub struct Setup {
     pub map_points: Buffer<[f32; 4]>,
     pub facts: TriangleFacts,
     pub in_camera: Work,
+    /// Pixels in the triangles' rectangles, halved, as a triangle fills half of a box.
+    pub cells_seen: usize,
+    /// Texels likewise.
+    pub cells_lit: usize,
     pub in_light: Work,
     pub depth_keys: Buffer<u32>,
     pub id_keys: Buffer<u32>,
@@ -146,6 +150,13 @@ impl Setup {
         })?;
         let in_camera = Work::of(gpu, &facts.camera_items, kernels::camera_visibility::WORKGROUP)?;
         let in_light = Work::of(gpu, &facts.light_items, kernels::light_layers::WORKGROUP)?;
+        let cells = |rects: &Buffer<[u32; 2]>| -> Result<usize> {
+            let side = |low: u32, high: u32| (high & 0xffff) as usize + 1 - (low & 0xffff) as usize;
+            let filled = |[low, high]: &&[u32; 2]| low & 0xffff <= high & 0xffff;
+            let rects = rects.read(gpu)?;
+            Ok(rects.iter().filter(filled).map(|&[l, h]| side(l, h) * side(l >> 16, h >> 16)).sum::<usize>() / 2)
+        };
+        let (cells_seen, cells_lit) = (cells(&facts.camera_rects)?, cells(&facts.light_rects)?);
         let edge_rects = Buffer::storage(device, "bench.edge_rects", edges)?;
         let edge_items = Buffer::storage(device, "bench.edge_items", edges)?;
         let status = Buffer::storage(device, "bench.status", 64)?;
@@ -171,6 +182,8 @@ impl Setup {
             map_points,
             facts,
             in_camera,
+            cells_seen,
+            cells_lit,
             in_light,
             depth_keys: Buffer::storage(device, "bench.depth_keys", pixels)?,
             id_keys: Buffer::storage(device, "bench.id_keys", pixels)?,

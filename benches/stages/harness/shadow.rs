@@ -28,6 +28,8 @@ pub struct Shadow {
     pub candidate_args: Buffer<u32>,
     /// Pixel-texel pairs, triangle-texel pairs, candidates.
     pub counts: [usize; 3],
+    /// Facets and triangles of one texel, of all texels.
+    pub tests: usize,
     /// Work items of the facets.
     pub items: usize,
 }
@@ -87,6 +89,7 @@ impl Shadow {
             pair_args: args(gpu, 0)?,
             candidate_args: args(gpu, 0)?,
             counts: [0; 3],
+            tests: 0,
             setup,
             frame,
             samples,
@@ -102,6 +105,9 @@ impl Shadow {
         shadow.lists.texel_counts.write(queue, &vec![0; texels]);
         submit(gpu, |s| shadow.triangle_pairs(s, &triangle_stage, 0))?;
         let (triangle_offsets, triangle_count) = scanned(gpu, &shadow.lists.texel_counts)?;
+        let lengths =
+            |offsets: &[u32]| offsets.windows(2).map(|w| (w[1] - w[0]) as usize).take(texels).collect::<Vec<_>>();
+        shadow.tests = lengths(&pixel_offsets).iter().zip(lengths(&triangle_offsets)).map(|(p, t)| p * t).sum();
         let deepest = shadow.lists.texel_deepest.read(gpu)?;
         let room = (8 * pixel_count).max(1 << 16);
         shadow.lists = PairLists::new(device, MAP as usize, pixel_count, triangle_count, room)?;
