@@ -147,16 +147,16 @@ pub struct ReportOptions {
     /// Light-view map sizes; the first is measured at every number of samples [default: 512,256,1024,2048; quick: 256]
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     pub maps: Vec<u32>,
-    /// Image size, pixels [default: 800x600; quick: 400x300]
+    /// Image size, pixels [default: 800x600; quick: 240x180]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
-    /// Frames of each row that count [default: 15; quick: 3]
+    /// Frames of each row that count [default: 15; quick: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: Option<u32>,
-    /// Seconds of frames after which a row has enough, fewer than N but one at the least [default: 20; quick: 3]
+    /// Seconds of frames after which a row has enough, fewer than N but one at the least (ten times as long, and the first frame of all counts) [default: 20; quick: 1]
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub row_seconds: Option<u32>,
-    /// Also split each triangle of the first scene into 4, 16, ... as often as this [default: 3; quick: 1]
+    /// Also split each triangle of the first scene into 4, 16, ... as often as this [default: 3; quick: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=6))]
     pub tessellate: Option<u32>,
     /// Add a ground plane under each scene
@@ -225,23 +225,23 @@ impl ReportOptions {
 
     /// Frames of each row.
     pub fn repeats(&self) -> u32 {
-        self.repeats.unwrap_or(if self.quick { 3 } else { 15 })
+        self.repeats.unwrap_or(if self.quick { 2 } else { 15 })
     }
 
     /// Milliseconds after which a row has frames enough.
     pub fn row_ms(&self) -> f64 {
-        1e3 * f64::from(self.row_seconds.unwrap_or(if self.quick { 3 } else { 20 }))
+        1e3 * f64::from(self.row_seconds.unwrap_or(if self.quick { 1 } else { 20 }))
     }
 
     /// How often triangles of the first scene are split.
     pub fn tessellation(&self) -> u32 {
-        self.tessellate.unwrap_or(if self.quick { 1 } else { 3 })
+        self.tessellate.unwrap_or(if self.quick { 0 } else { 3 })
     }
 
     /// What is compared.
     pub fn scope(&self) -> Result<Scope> {
         let (samples, maps, size): (&[u32], &[u32], _) = match self.quick {
-            true => (&[1, 32], &[256], [400, 300]),
+            true => (&[1, 32], &[256], [240, 180]),
             false => (&[1, 8, 16, 32, 64, 128], &[512, 256, 1024, 2048], [800, 600]),
         };
         let or = |given: &[u32], default: &[u32]| if given.is_empty() { default.to_vec() } else { given.to_vec() };

@@ -157,7 +157,8 @@ pub struct Bench<'a> {
     pub gpu: &'a Gpu,
     /// Frames of each row that count; one more comes first and does not.
     pub repeats: u32,
-    /// Milliseconds after which a row has frames enough, fewer than `repeats` but one at the least.
+    /// Milliseconds after which a row has frames enough, fewer than `repeats` but one at the least. A first frame of
+    /// [`Bench::LONG`] times as long counts: what it compiles is little beside it.
     pub row_ms: f64,
     /// Memory of lists.
     pub budget: Budget,
@@ -174,6 +175,8 @@ pub struct Measured {
 impl Bench<'_> {
     /// Rows that are measured together: so many that memory suffices.
     pub const GROUP: usize = 5;
+    /// See [`Bench::row_ms`].
+    pub const LONG: f64 = 10.0;
 
     /// Measures a group of variants in interleaved rounds, with `reference` in each of them. A variant that the scene or
     /// the memory does not allow becomes a row that says so.
@@ -192,7 +195,9 @@ impl Bench<'_> {
             match self.set_up(case, variant, &mut row) {
                 Ok((subject, output)) => {
                     visibility = output.visibility;
-                    subjects.push((rows.len(), subject, Vec::new()));
+                    let long = output.wall_ms > Self::LONG * self.row_ms;
+                    let first = Timing { stages: output.stages, wall_ms: output.wall_ms };
+                    subjects.push((rows.len(), subject, if long { vec![first] } else { Vec::new() }));
                 }
                 Err(error) if error.is_gpu() => return Err(error),
                 Err(error) => row.failed = Some(error.to_string()),
