@@ -1,16 +1,17 @@
 // sample_surfaces: which surface each sample sees, and the facets made of that: one for every triangle that samples of the
 // pixel see, with the mask of those samples.
 // `nearest` runs an invocation for each word of samples of a complex pixel over ROUND_LENGTH triangles of its list, from
-// round `step` on, and keeps for each sample the nearest, of equally near ones the lowest (`sample_ids`). Where another surface
+// round `step.round` on, and keeps for each sample the nearest, of equally near ones the lowest (`sample_ids`). Where another surface
 // almost touches it (`rival_ids`), `settle_rivals` decides with 46 bits.
 // `group_samples` counts the triangles that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
 // `pixel_facets`, in the order of their first samples. `emit_single` lists the facets of single pixels, and makes what
 // lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the complement of the
 // triangle at the pixel centre, which is sample 0; it must be 0 before.
+// What all samples see may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_ids` and
+// `rival_ids` are those of a band.
 
 //@import frame
 //@import dispatch
-//@import pass
 //@import facet
 //@import facing
 //@import double_float
@@ -21,6 +22,13 @@
 //@import nearest_sample
 //@import eye_order_46
 
+struct Step {
+    round: u32,
+    first_slot: u32,  // of the band
+    slots: u32,       // of the band at most
+    pad_0: u32,
+}
+
 override WORDS: u32 = 1u;
 const WORKGROUP = 32u;       // one lane for each sample of a word
 const GROUP_NEAREST = 64u;
@@ -29,7 +37,7 @@ const ROUND_LENGTH = 512u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
-@group(0) @binding(2) var<uniform> step: Pass;                     // the round
+@group(0) @binding(2) var<uniform> step: Step;
 @group(0) @binding(3) var<storage, read> triangles: array<u32>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> pixel_offsets: array<u32>;
@@ -55,8 +63,14 @@ fn sample_offset(k: u32) -> vec2<f32> {
     return select(pair.xy, pair.zw, (k & 1u) == 1u);
 }
 
+// Complex pixels of the band.
 fn slot_count() -> u32 {
-    return min(complex_total[0], frame.complex_capacity);
+    let all = min(complex_total[0], frame.complex_capacity);
+    return min(all - min(all, step.first_slot), step.slots);
+}
+
+fn complex_pixel(slot: u32) -> u32 {
+    return complex_pixels[step.first_slot + slot];
 }
 
 @compute @workgroup_size(GROUP_NEAREST)
@@ -65,11 +79,11 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     let slot = item / WORDS;
     let word = item % WORDS;
     if slot >= slot_count() { return; }
-    let pixel = complex_pixels[slot];
+    let pixel = complex_pixel(slot);
     let centre = pixel_ray(pixel);
-    let first = pixel_offsets[pixel] + step.index * ROUND_LENGTH;
+    let first = pixel_offsets[pixel] + step.round * ROUND_LENGTH;
     let end = min(min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity), first + ROUND_LENGTH);
-    if step.index != 0u && first >= end { return; }
+    if step.round != 0u && first >= end { return; }
     let base = 32u * item;
     let count = min(frame.sample_count - 32u * word, 32u);
     // A count that compilers do not know: some would write all 32 turns out.
@@ -79,7 +93,7 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
         best_rivals[k] = NO_TRIANGLE;
         best_near[k] = 3.0e38;
         best_far[k] = 3.0e38;
-        if step.index == 0u || k >= count { continue; }
+        if step.round == 0u || k >= count { continue; }
         let t = sample_ids[base + k];
         if t == NO_TRIANGLE { continue; }
         best_ids[k] = t;
@@ -104,7 +118,7 @@ fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
         // A loop of one turn: CPU adapters jump over a loop, but not over a branch.
         for (var open = rival != NO_TRIANGLE; open; open = false) {
             let t = sample_ids[at];
-            let ray = ray_at(complex_pixels[slot], sample_offset(32u * w + lane));
+            let ray = ray_at(complex_pixel(slot), sample_offset(32u * w + lane));
             let order = order_46(corners_of(rival), corners_of(t), ray);
             if order < 0.0 || (order == 0.0 && rival < t) { sample_ids[at] = rival; }
         }
@@ -140,14 +154,14 @@ fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
     if lane != 0u { return; }
     var count = 0u;
     for (var w = 0u; w < WORDS; w++) { count += countOneBits(atomicLoad(&wg_firsts[w])); }
-    facet_counts[complex_pixels[slot]] = count;
+    facet_counts[complex_pixel(slot)] = count;
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let slot = flat_group(group, groups);
     if slot >= slot_count() { return; }
-    let pixel = complex_pixels[slot];
+    let pixel = complex_pixel(slot);
     find_groups(slot, lane);
     if lane == 0u { id_keys[pixel] = ~wg_ids[0]; }
     var f = pixel_facets[pixel];

@@ -7,18 +7,32 @@
 //!   ones the lowest. Edges belong to both sides, and around a vertex all edges agree on where the sample is. Bit-equal from
 //!   run to run. Nothing is written beyond the capacities.
 //! - **Capacity.** [`ROUND_LENGTH`] triangles of a pixel a dispatch; longer lists take more rounds.
+//!   Samples of more complex pixels than one binding holds are taken in bands, one after the other.
 //! - **Cost.** One invocation for each complex pixel and round: about 25 flop for each sample and triangle of its list, and
 //!   150 a triangle; per complex pixel 4 bytes a sample.
 
 use super::facet_classify::Facets;
 use super::pixel_triangles::PixelLists;
 use super::{Count, PrefixScan, prefix_scan};
-use crate::Result;
 use crate::gpu::kernels::sample_surfaces as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
-use crate::stages::camera_visibility::Pass;
+use crate::{Result, shared_struct};
 
 pub use kernel::{GROUP_NEAREST, ROUND_LENGTH};
+
+shared_struct! {
+    /// What a dispatch takes of the complex pixels.
+    "sample_surfaces" => pub struct Step {
+        /// Which [`ROUND_LENGTH`] triangles of each list.
+        pub round: u32,
+        /// First complex pixel.
+        pub first_slot: u32,
+        /// Complex pixels at most.
+        pub slots: u32,
+        /// Unused.
+        pub pad_0: u32,
+    }
+}
 
 /// The pipelines for one number of mask words.
 #[derive(Debug)]
@@ -39,24 +53,46 @@ pub struct ComplexPixels {
     pub pixels: Buffer<u32>,
     /// How many there are, and 0.
     pub total: Buffer<u32>,
-    /// Triangle of each sample.
-    pub ids: Buffer<u32>,
-    /// Another one that almost touches it there.
+    /// Triangle of each sample, one buffer for each band of them.
+    pub ids: Vec<Buffer<u32>>,
+    /// Another one that almost touches it there, of the band at work.
     pub rivals: Buffer<u32>,
+    /// Pixels of a band.
+    band: usize,
 }
 
 impl ComplexPixels {
-    /// Memory for `count` pixels with masks of `words` words.
+    /// Memory for `count` pixels with masks of `words` words, in as few bands as the device's bindings allow.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, count: usize, words: usize) -> Result<Self> {
+        let limits = device.limits();
+        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        Self::in_bands(device, count, words, (binding / (128 * words as u64)) as usize)
+    }
+
+    /// As [`ComplexPixels::new`], in bands of at most `most` pixels.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn in_bands(device: &wgpu::Device, count: usize, words: usize, most: usize) -> Result<Self> {
+        let bands = count.div_ceil(most.max(1)).max(1);
+        let band = count.div_ceil(bands);
+        let samples = |label| Buffer::storage(device, label, band * 32 * words);
         Ok(Self {
             pixels: Buffer::storage(device, "sample_surfaces.pixels", count)?,
             total: Buffer::storage(device, "sample_surfaces.total", 2)?,
-            ids: Buffer::storage(device, "sample_surfaces.ids", count * 32 * words)?,
-            rivals: Buffer::storage(device, "sample_surfaces.rivals", count * 32 * words)?,
+            ids: (0..bands).map(|_| samples("sample_surfaces.ids")).collect::<Result<_>>()?,
+            rivals: samples("sample_surfaces.rivals")?,
+            band,
         })
+    }
+
+    /// The bands: what all dispatches but those of further rounds are told, and the triangles of the samples.
+    fn bands(&self) -> impl Iterator<Item = (Step, &Buffer<u32>)> {
+        let step = |n: usize| Step { first_slot: (n * self.band) as u32, slots: self.band as u32, ..Step::default() };
+        self.ids.iter().enumerate().map(move |(n, ids)| (step(n), ids))
     }
 }
 
@@ -108,43 +144,56 @@ impl SampleSurfaces {
         id_keys: &Buffer<u32>,
     ) -> Result<()> {
         let pixels = lists.counts.len();
-        let per_pixel = || Groups::Indirect(args.0, args.1);
-        for index in 0..rounds {
-            let round = self.uniforms.get(stage.device, &Pass { index });
+        // As many workgroups as there are complex pixels; with several bands, as a band may hold.
+        let one_band = complex.ids.len() == 1;
+        let indirect = |word| Groups::Indirect(args.0, args.1 + word);
+        let direct = |items: usize| Groups::Workgroups(items as u64);
+        let per_pixel = || if one_band { indirect(0) } else { direct(complex.band) };
+        let per_word = || {
+            let words = complex.rivals.len() / 32;
+            if one_band { indirect(3) } else { direct(words.div_ceil(GROUP_NEAREST as usize)) }
+        };
+        for (band, ids) in complex.bands() {
+            for round in 0..rounds {
+                let step = self.uniforms.get(stage.device, &Step { round, ..band });
+                let buffers = [
+                    ("frame", frame),
+                    ("samples", mesh.samples),
+                    ("step", &step),
+                    ("triangles", mesh.triangles),
+                    ("points", mesh.points.raw()),
+                    ("pixel_offsets", lists.offsets.raw()),
+                    ("pixel_list", lists.list.raw()),
+                    ("complex_pixels", complex.pixels.raw()),
+                    ("complex_total", complex.total.raw()),
+                    ("sample_ids", ids.raw()),
+                    ("rival_ids", complex.rivals.raw()),
+                ];
+                stage.run(&self.nearest, &buffers, per_word())?;
+            }
+            let step = self.uniforms.get(stage.device, &band);
             let buffers = [
                 ("frame", frame),
                 ("samples", mesh.samples),
-                ("step", &round),
+                ("step", &step),
                 ("triangles", mesh.triangles),
-                ("points", mesh.points.raw()),
-                ("pixel_offsets", lists.offsets.raw()),
-                ("pixel_list", lists.list.raw()),
+                ("positions", mesh.positions),
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
-                ("sample_ids", complex.ids.raw()),
+                ("sample_ids", ids.raw()),
                 ("rival_ids", complex.rivals.raw()),
             ];
-            stage.run(&self.nearest, &buffers, Groups::Indirect(args.0, args.1 + 3))?;
+            stage.run(&self.rivals, &buffers, per_pixel())?;
+            let buffers = [
+                ("frame", frame),
+                ("step", &step),
+                ("complex_pixels", complex.pixels.raw()),
+                ("complex_total", complex.total.raw()),
+                ("sample_ids", ids.raw()),
+                ("facet_counts", lists.facet_counts.raw()),
+            ];
+            stage.run(&self.group, &buffers, per_pixel())?;
         }
-        let buffers = [
-            ("frame", frame),
-            ("samples", mesh.samples),
-            ("triangles", mesh.triangles),
-            ("positions", mesh.positions),
-            ("complex_pixels", complex.pixels.raw()),
-            ("complex_total", complex.total.raw()),
-            ("sample_ids", complex.ids.raw()),
-            ("rival_ids", complex.rivals.raw()),
-        ];
-        stage.run(&self.rivals, &buffers, per_pixel())?;
-        let buffers = [
-            ("frame", frame),
-            ("complex_pixels", complex.pixels.raw()),
-            ("complex_total", complex.total.raw()),
-            ("sample_ids", complex.ids.raw()),
-            ("facet_counts", lists.facet_counts.raw()),
-        ];
-        stage.run(&self.group, &buffers, per_pixel())?;
         let (counts, offsets) = (&lists.facet_counts, &facets.pixel_facets);
         self.scan.record(stage, counts, offsets, (offsets, pixels), scratch, Count::Exactly(pixels))?;
         let buffers = [
@@ -158,17 +207,22 @@ impl SampleSurfaces {
             ("id_keys", id_keys.raw()),
         ];
         stage.run(&self.emit_single, &buffers, Groups::Items(pixels.max(facets.list.len()) as u64))?;
-        let buffers = [
-            ("frame", frame),
-            ("samples", mesh.samples),
-            ("complex_pixels", complex.pixels.raw()),
-            ("complex_total", complex.total.raw()),
-            ("sample_ids", complex.ids.raw()),
-            ("pixel_facets", facets.pixel_facets.raw()),
-            ("facets", facets.list.raw()),
-            ("masks", facets.masks.raw()),
-            ("id_keys", id_keys.raw()),
-        ];
-        stage.run(&self.emit, &buffers, per_pixel())
+        for (band, ids) in complex.bands() {
+            let step = self.uniforms.get(stage.device, &band);
+            let buffers = [
+                ("frame", frame),
+                ("samples", mesh.samples),
+                ("step", &step),
+                ("complex_pixels", complex.pixels.raw()),
+                ("complex_total", complex.total.raw()),
+                ("sample_ids", ids.raw()),
+                ("pixel_facets", facets.pixel_facets.raw()),
+                ("facets", facets.list.raw()),
+                ("masks", facets.masks.raw()),
+                ("id_keys", id_keys.raw()),
+            ];
+            stage.run(&self.emit, &buffers, per_pixel())?;
+        }
+        Ok(())
     }
 }

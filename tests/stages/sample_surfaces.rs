@@ -2,7 +2,7 @@
 //! wherever no edge is within 1/256 pixel and no two depths are too near to tell; none missed where one surely covers.
 
 use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
-use crate::support::surfaces::{Found, find, find_within, pattern, square};
+use crate::support::surfaces::{Found, find, find_in_bands, find_within, pattern, square};
 use crate::support::{gpu, sizes_around, small_gpu};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
@@ -220,6 +220,26 @@ fn several_rounds() {
     let within = |rounds| find_within(gpu(), &case, &pattern(128), room, rounds);
     assert!(within(1).surfaces != found.surfaces, "one round is enough");
     assert!(within(rounds + 1) == found, "a round too many changes something");
+}
+
+/// What the samples see may lie in several buffers: the result is the same, in one round and in several.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn bands_do_not_matter() {
+    let mut dense = Mesh::default();
+    ball(&mut dense, DVec3::ZERO, 1.0, 90, 60);
+    for (mesh, image, count) in [(mesh("closed balls", 4), [37, 29], 32), (dense, [9, 7], 128)] {
+        let mut case = Case::new(&mesh, light(0), image, 8);
+        case.camera.vertical_fov_degrees = 60.0;
+        let whole = find(gpu(), &case, &pattern(count));
+        let complex = whole.needed[1];
+        assert!(complex > 8, "{complex} complex pixels");
+        let rounds = whole.longest.div_ceil(ROUND_LENGTH).max(1);
+        for band in [1, 7, complex - 1, complex] {
+            let found = find_in_bands(gpu(), &case, &pattern(count), whole.needed, rounds, band);
+            assert!(found == whole, "bands of {band} of {complex} pixels change the result");
+        }
+    }
 }
 
 /// Needs are counted in full, and nothing is written past the end (see `find_within`).

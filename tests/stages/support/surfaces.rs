@@ -87,6 +87,11 @@ pub fn find(gpu: &Gpu, case: &Case, samples: &Samples) -> Found {
 
 /// Runs with this much room. Fails if anything is written beyond it.
 pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32) -> Found {
+    find_in_bands(gpu, case, samples, room, rounds, usize::MAX)
+}
+
+/// The same in bands of at most `band` complex pixels.
+pub fn find_in_bands(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, band: usize) -> Found {
     let device = &gpu.device;
     let words = samples.words();
     let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
@@ -116,11 +121,10 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
         args.write(&gpu.queue, &groups.map(|g| fold_within(u64::from(g), most)).concat());
     };
     let lists = PixelLists { list: poisoned(gpu, room[0]), ..PixelLists::new(device, pixels, 1).expect(memory) };
-    let complex = ComplexPixels {
-        pixels: poisoned(gpu, room[1]),
-        ids: poisoned(gpu, room[1] * 32 * words as usize),
-        ..ComplexPixels::new(device, room[1], words as usize).expect(memory)
-    };
+    let mut complex = ComplexPixels::in_bands(device, room[1], words as usize, band).expect(memory);
+    complex.pixels = poisoned(gpu, room[1]);
+    complex.ids.iter_mut().for_each(|ids| *ids = poisoned(gpu, ids.len()));
+    assert!(band >= room[1] || complex.ids.len() > 1, "one band");
     let facets = Facets {
         masks: poisoned(gpu, room[2] * 3 * words as usize),
         ..Facets::new(device, room[2], pixels, words as usize).expect(memory)
