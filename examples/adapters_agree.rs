@@ -59,10 +59,15 @@ struct Frame {
 impl Frame {
     fn of(gpu: &Gpu, prepared: &Prepared, scene: &Scene, plan: &Plan) -> Result<Self> {
         let mut renderer = Renderer::new(gpu, prepared, &plan.settings, Budget::default())?;
-        renderer.render(&scene.camera, &scene.light)?;
-        let words = plan.settings.samples.words();
-        let lit = renderer.method().lit().read(gpu)?;
-        Ok(Self { lit, set: FacetSet::read(gpu, renderer.method().facets(), words)? })
+        let (words, width) = (plan.settings.samples.words(), plan.settings.size[0]);
+        let mut set = FacetSet::default();
+        let output = renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
+            if rows.first == 0 {
+                set = FacetSet::default();
+            }
+            set.add(gpu, method.facets(), words, width, rows)
+        })?;
+        Ok(Self { lit: output.lit, set })
     }
 
     /// The facets of the pixels that `wanted` holds, with their coverage.

@@ -103,8 +103,13 @@ fn main() -> Result<()> {
                     }
                     let settings = &plan.settings;
                     let mut renderer = Renderer::new(&gpu, &prepared, settings, Budget::default())?;
-                    let frame = renderer.render(&camera, &light)?;
-                    let set = FacetSet::read(&gpu, renderer.method().facets(), samples.words())?;
+                    let mut set = FacetSet::default();
+                    let frame = renderer.render_and(&camera, &light, &mut |method, rows| {
+                        if rows.first == 0 {
+                            set = FacetSet::default();
+                        }
+                        set.add(&gpu, method.facets(), samples.words(), arguments.size[0], rows)
+                    })?;
                     let own = FacetErrors::of(&set, &tracer, &camera, &light, settings, None)?;
                     let against = traced.errors(&frame.visibility)?;
                     println!(

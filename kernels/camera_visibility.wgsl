@@ -54,7 +54,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let turn = sign(distance);
     let known = abs(distance) > 1e-5 * length(normal) * farthest;
     for (var y = block.low.y; y <= block.high.y; y++) {
-        let row = f32(y) + 0.5;
+        let row = f32(frame.first_row + y) + 0.5;
         var cut = span_of(block.low.x, block.high.x);
         if known {
             cut = cut_span(cut_span(cut_span(cut, turn * e0.yzx, row), turn * e1.yzx, row), turn * e2.yzx, row);

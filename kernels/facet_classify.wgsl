@@ -38,11 +38,6 @@ const WORKGROUP = 64u;
 
 //@import facet_samples
 
-fn full_word(word: u32) -> u32 {
-    let left = frame.sample_count - 32u * word;
-    return select((1u << left) - 1u, 0xffffffffu, left >= 32u);
-}
-
 @compute @workgroup_size(WORKGROUP)
 fn one(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);

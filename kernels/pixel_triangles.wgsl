@@ -54,7 +54,7 @@ struct Seen {
 }
 
 fn middle() -> vec2<f32> {
-    return 0.5 * vec2<f32>(frame.image_size);
+    return vec2(0.0, f32(frame.first_row)) + 0.5 * vec2<f32>(frame.image_size);
 }
 
 fn seen_triangle(t: u32) -> Seen {
@@ -84,7 +84,7 @@ fn seen_triangle(t: u32) -> Seen {
 
 fn over_square(s: Seen, x: u32, y: u32) -> Over {
     var out = Over(true, s.turn != 0.0, s.nearest, s.farthest);
-    let at = vec3(1.0, vec2(f32(x), f32(y)) + 0.5 - middle());
+    let at = vec3(1.0, vec2(f32(x), f32(frame.first_row + y)) + 0.5 - middle());
     let v = vec3(dot(s.edges[0].xyz, at), dot(s.edges[1].xyz, at), dot(s.edges[2].xyz, at));
     var half = vec3(0.0);
     for (var k = 0u; k < 3u; k++) { half[k] = 0.5 * (abs(s.edges[k].y) + abs(s.edges[k].z)) + s.edges[k].w; }

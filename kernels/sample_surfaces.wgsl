@@ -178,11 +178,6 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     }
 }
 
-fn full_word(word: u32) -> u32 {
-    let left = frame.sample_count - 32u * word;
-    return select((1u << left) - 1u, 0xffffffffu, left >= 32u);
-}
-
 @compute @workgroup_size(GROUP_SINGLE)
 fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let pixel = flat_invocation(group, groups, GROUP_SINGLE, local);

@@ -40,6 +40,16 @@ fn include_edge(a: vec3<f32>, b: vec3<f32>, da: f32, db: f32, near: f32) {
     }
 }
 
+// The pixels of the strip of rows at hand that a box of the image touches.
+fn pixels_touched(low: vec2<f32>, high: vec2<f32>) -> vec2<u32> {
+    let cells = cells_touched(low, high, frame.image_size + vec2(0u, frame.first_row));
+    if is_empty(cells) { return cells; }
+    let r = unpack_rect(cells);
+    if r.high.y < frame.first_row { return EMPTY_RECT; }
+    let first = vec2(0u, frame.first_row);
+    return pack_rect(Rect(max(r.low, first) - first, r.high - first));
+}
+
 fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
     box_low = vec2(1e30);
     box_high = vec2(-1e30);
@@ -52,12 +62,12 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
     include_edge(c, a, dc, da, near);
     if box_low.x > box_high.x { return EMPTY_RECT; }
     let slack = 0.015625 + 1e-6 * max(max(abs(box_low.x), abs(box_low.y)), max(abs(box_high.x), abs(box_high.y)));
-    if (frame.flags & FLAG_CLAMP) != 0u { return cells_touched(box_low - slack, box_high + slack, frame.image_size); }
+    if (frame.flags & FLAG_CLAMP) != 0u { return pixels_touched(box_low - slack, box_high + slack); }
     // A pixel can be covered only if its centre is in the box.
     let low = ceil(box_low - 0.5 - slack);
     let high = floor(box_high - 0.5 + slack);
     if any(low > high) { return EMPTY_RECT; }
-    return cells_touched(low, high, frame.image_size);
+    return pixels_touched(low, high);
 }
 
 fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> vec2<u32> {

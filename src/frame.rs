@@ -82,7 +82,7 @@ shared_struct! {
         /// Pixels with several surfaces that can be looked at.
         pub complex_capacity: u32,
         /// Unused.
-        pub pad_2: u32,
+        pub first_row: u32,
     }
 }
 

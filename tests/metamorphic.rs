@@ -11,6 +11,7 @@ use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
+use subpixel_shadows::wgpu::Limits;
 
 const SCENES: [&str; 9] = ["plane", "spheres", "windmill", "cage", "bicycle", "plant", "knot", "bumpy", "city"];
 const SIZE: [u32; 2] = [80, 60];
@@ -247,6 +248,54 @@ fn list_sizes_do_not_matter() {
         }
     }
     failures.report();
+}
+
+/// An image in strips of rows, which overlap where they do not divide it, is the image in one piece.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn strips_do_not_matter() {
+    let mut failures = Failures::default();
+    for (name, facets) in scenes().flat_map(|name| [(name, FacetMode::One), (name, FacetMode::All)]) {
+        let scene = scene(name);
+        let prepared = Prepared::new(&scene.mesh);
+        let settings = Settings { facets, ..settings(true) };
+        let pipelines = Arc::new(Pipelines::new(&gpu().device, &settings));
+        let with = |strips| {
+            let (budget, pipelines) = (Budget::default(), pipelines.clone());
+            let mut renderer =
+                Renderer::in_strips(gpu(), &prepared, &settings, budget, pipelines, strips).expect("a renderer");
+            assert_eq!(renderer.strips(), strips);
+            renderer.render(&scene.camera, &scene.light).expect("a frame")
+        };
+        let whole = with(1);
+        for strips in [2, 7] {
+            let cut = with(strips);
+            failures.compare(&format!("{name}, {facets:?}, {strips} strips"), &whole, &cut);
+            assert_eq!(cut.triangles, whole.triangles, "{name}");
+            if SIZE[1] % strips == 0 {
+                assert_eq!(cut.counts.facets, whole.counts.facets, "{name}");
+            }
+        }
+    }
+    failures.report();
+}
+
+/// A device that binds little renders in strips by itself.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_device_that_binds_little_renders_in_strips() {
+    let scene = scene("spheres");
+    let prepared = Prepared::new(&scene.mesh);
+    let limits = Limits { max_storage_buffer_binding_size: 1 << 19, ..Limits::default() };
+    let small = Gpu::open_with_limits(None, Some(limits)).expect("a GPU");
+    for facets in [FacetMode::One, FacetMode::All] {
+        let settings = Settings { facets, ..settings(true) };
+        let mut renderer = Renderer::new(&small, &prepared, &settings, Budget::default()).expect("a renderer");
+        let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
+        assert!(renderer.strips() > 1, "{facets:?}: one binding was enough");
+        let whole = render_with(&scene.mesh, &scene.camera, &scene.light, &settings, Budget::default());
+        assert_eq!(difference(&picture(&whole), &picture(&output)), None, "{facets:?}");
+    }
 }
 
 /// Sorted or grouped, the pairs are the same, with room for all from the start, with none, and in bands.

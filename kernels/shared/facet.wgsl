@@ -34,9 +34,15 @@ struct Outline {
     whole: bool,                   // every ray of the pixel meets the plane in front of the limit
 }
 
+// A word of the mask of all samples.
+fn full_word(word: u32) -> u32 {
+    let left = frame.sample_count - 32u * word;
+    return select((1u << left) - 1u, 0xffffffffu, left >= 32u);
+}
+
 fn pixel_ray(pixel: u32) -> vec3<f32> {
     let x = f32(pixel % frame.image_size.x) + 0.5;
-    let y = f32(pixel / frame.image_size.x) + 0.5;
+    let y = f32(frame.first_row + pixel / frame.image_size.x) + 0.5;
     return frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
 }
 

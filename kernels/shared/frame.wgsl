@@ -38,7 +38,7 @@ struct Frame {
     facets_total: u32,
     pixel_triangle_capacity: u32,
     complex_capacity: u32,
-    pad_2: u32,
+    first_row: u32,          // of the image: pixels are those of a strip of rows
 }
 
 const FLAG_CULL_BACK = 1u;      // the mesh is closed: triangles that face away from the light cast nothing of their own

@@ -72,7 +72,7 @@ fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
 
 fn ray_of(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
     let x = f32(pixel % frame.image_size.x) + 0.5;
-    let y = f32(pixel / frame.image_size.x) + 0.5;
+    let y = f32(frame.first_row + pixel / frame.image_size.x) + 0.5;
     let middle = frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
     return middle + offset.x * frame.ray_x.xyz + offset.y * frame.ray_y.xyz;
 }

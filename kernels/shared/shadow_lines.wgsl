@@ -112,6 +112,6 @@ fn meets_pixel(line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec
     if dq < near { q += (p - q) * ((near - dq) / (dp - dq)); }
     let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / max(dp, near);
     let to = vec2(dot(q, frame.pixel_x.xyz), dot(q, frame.pixel_y.xyz)) / max(dq, near);
-    let corner = vec2(f32(pixel % frame.image_size.x), f32(pixel / frame.image_size.x)) - vec2(frame.pixel_x.w, frame.pixel_y.w);
+    let corner = vec2(f32(pixel % frame.image_size.x), f32(frame.first_row + pixel / frame.image_size.x)) - vec2(frame.pixel_x.w, frame.pixel_y.w);
     return all(max(at, to) >= corner) && all(min(at, to) <= corner + 1.0);
 }

@@ -103,8 +103,20 @@ impl Engine {
             }
             (Extent::Everything, Self::Gpu(gpu)) => {
                 let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
-                let output = renderer.render(&scene.camera, &scene.light)?;
-                Ok(Rendered { output, facets: read(gpu, renderer.method().facets())? })
+                let mut facets = None;
+                let output = renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
+                    if rows.first == 0 {
+                        facets = options.truth.then(FacetSet::default);
+                    }
+                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, method.facets(), words, settings.size[0], rows))
+                })?;
+                if renderer.strips() > 1 {
+                    console.note(&format!(
+                        "rendered in {} strips of rows, as one binding holds no more",
+                        renderer.strips()
+                    ));
+                }
+                Ok(Rendered { output, facets })
             }
             (_, Self::Cpu) if options.method != MethodName::FacetMasks => {
                 let name = options.method.name();

@@ -87,6 +87,22 @@ impl Pipelines {
     }
 }
 
+/// Which part of an image a frame is: as many rows as its settings say, all of them as wide as the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Strip {
+    /// Width and height of the image.
+    pub image: [u32; 2],
+    /// First row of the frame, from the top.
+    pub first_row: u32,
+}
+
+impl Strip {
+    /// All of an image.
+    pub fn whole(image: [u32; 2]) -> Self {
+        Self { image, first_row: 0 }
+    }
+}
+
 /// The pipelines with the memory of one mesh, image and map size.
 pub struct FacetMasks {
     settings: Settings,
@@ -151,10 +167,11 @@ impl FacetMasks {
         Ok(())
     }
 
-    /// Writes what the next frame is computed from: camera, light and its view.
+    /// Writes what the next frame is computed from: camera, light and its view, and which rows of the image it is.
     ///
     /// # Errors
     /// [`Error::Scene`] if camera or light cannot be used.
+    #[expect(clippy::too_many_arguments, reason = "one argument a thing it depends on")]
     pub fn prepare(
         &self,
         queue: &wgpu::Queue,
@@ -163,8 +180,9 @@ impl FacetMasks {
         light: &Light,
         view: &LightView,
         bounds: (DVec3, DVec3),
+        strip: Strip,
     ) -> Result<()> {
-        let frames = self.frames_for(casters, camera, light, view, bounds)?;
+        let frames = self.frames_for(casters, camera, light, view, bounds, strip)?;
         frames.iter().zip(&self.memory.frames).for_each(|(frame, buffer)| buffer.write(queue, &[*frame]));
         Ok(())
     }
@@ -180,11 +198,13 @@ impl FacetMasks {
         light: &Light,
         view: &LightView,
         bounds: (DVec3, DVec3),
+        strip: Strip,
     ) -> Result<Vec<Frame>> {
         camera.check()?;
         light.check()?;
         let s = &self.settings;
-        let mut frame = Frame::new(camera, light, view, bounds, s.size, &s.samples);
+        let mut frame = Frame::new(camera, light, view, bounds, strip.image, &s.samples);
+        (frame.image_size, frame.first_row) = (s.size, strip.first_row);
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
         frame.flags |= flag(s.cull_back && casters.closed, Frame::CULL_BACK)
             | flag(s.validity && s.samples.count() > 1 && s.facets == FacetMode::One, Frame::VALIDITY)

@@ -14,6 +14,7 @@ pub mod settings;
 pub mod settled;
 pub mod shadow_map;
 pub mod spsm;
+pub mod strips;
 pub mod supersampled;
 pub mod unshadowed;
 

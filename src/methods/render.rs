@@ -4,10 +4,11 @@
 use super::facet_masks::{FacetMasks, Pipelines, Settings};
 use super::growth;
 use super::prepared::{CasterBuffers, Prepared};
-use crate::Result;
+use super::strips::{Rows, Strips};
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
+use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -98,15 +99,23 @@ impl Default for Budget {
 }
 
 /// A method set up for one mesh and one setting, to be rendered again and again.
+///
+/// An image whose facets do not fit what the device can bind is rendered in strips of rows, one after the other, with the
+/// same samples as in one piece. What the light sees is then found anew for each strip.
 pub struct Renderer<'a> {
     gpu: &'a Gpu,
     prepared: &'a Prepared,
     casters: CasterBuffers,
+    pipelines: Arc<Pipelines>,
     method: FacetMasks,
+    strips: Strips,
     budget: Budget,
     timer: Option<Timer>,
     settings: Settings,
 }
+
+/// Looks at the method after each strip.
+pub type Look<'a> = &'a mut dyn FnMut(&FacetMasks, Rows) -> Result<()>;
 
 impl<'a> Renderer<'a> {
     /// Uploads the mesh and builds pipelines and memory.
@@ -129,36 +138,91 @@ impl<'a> Renderer<'a> {
         budget: Budget,
         pipelines: Arc<Pipelines>,
     ) -> Result<Self> {
-        let casters = prepared.upload(&gpu.device, &gpu.queue)?;
-        let capacities = growth::first(settings, budget);
-        let method = FacetMasks::new(&gpu.device, &gpu.queue, pipelines, &casters, settings, capacities)?;
-        gpu.check()?;
-        Ok(Self { gpu, prepared, casters, method, budget, timer: Timer::new(gpu), settings: settings.clone() })
+        Self::in_strips(gpu, prepared, settings, budget, pipelines, 1)
     }
 
-    /// Renders one frame, running it again with larger lists, more bands or more rounds until nothing is left out.
+    /// As [`Renderer::with_pipelines`], in at least so many strips of rows.
     ///
     /// # Errors
-    /// [`crate::Error::Scene`] for an impossible camera or light, [`crate::Error::Memory`] if the lists fit in no way, [`crate::Error::Gpu`].
+    /// As [`FacetMasks::new`].
+    pub fn in_strips(
+        gpu: &'a Gpu,
+        prepared: &'a Prepared,
+        settings: &Settings,
+        budget: Budget,
+        pipelines: Arc<Pipelines>,
+        strips: u32,
+    ) -> Result<Self> {
+        settings.check()?;
+        let casters = prepared.upload(&gpu.device, &gpu.queue)?;
+        let mut strips = Strips::new(settings.size, strips);
+        let method = loop {
+            match method_for(gpu, &casters, settings, budget, &pipelines, strips) {
+                Err(error @ Error::Memory { .. }) => strips = strips.more().ok_or(error)?,
+                made => break made?,
+            }
+        };
+        gpu.check()?;
+        let (timer, settings) = (Timer::new(gpu), settings.clone());
+        Ok(Self { gpu, prepared, casters, pipelines, method, strips, budget, timer, settings })
+    }
+
+    /// Renders one frame, running it again with larger lists, more bands, rounds or strips until nothing is left out.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an impossible camera or light, [`Error::Memory`] if the lists fit in no way, [`Error::Gpu`].
     pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
+        self.render_and(camera, light, &mut |_, _| Ok(()))
+    }
+
+    /// As [`Renderer::render`], and lets `look` see the method after each strip of rows; from row 0 on once more, with other
+    /// rows, where strips turned out too large.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`], and those of `look`.
+    pub fn render_and(&mut self, camera: &Camera, light: &Light, look: Look) -> Result<Output> {
         let view = LightView::fit(&self.prepared.mesh, light, self.settings.map)?;
         view.check()?;
+        'image: loop {
+            let mut image: Option<Output> = None;
+            for rows in self.strips.rows() {
+                let Some(output) = self.strip(camera, light, &view, rows)? else { continue 'image };
+                look(&self.method, rows)?;
+                match &mut image {
+                    None => image = Some(output),
+                    Some(image) => image.add_rows(output, rows),
+                }
+            }
+            return image.ok_or_else(|| Error::Config("an image without rows".to_owned()));
+        }
+    }
+
+    /// One strip; `None` if its lists fit no binding, and there are more strips now.
+    fn strip(&mut self, camera: &Camera, light: &Light, view: &LightView, rows: Rows) -> Result<Option<Output>> {
         let bounds = self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let mut runs = 0;
         loop {
             runs += 1;
-            self.method.prepare(&self.gpu.queue, &self.casters, camera, light, &view, bounds)?;
+            self.method.prepare(queue, &self.casters, camera, light, view, bounds, rows.strip(self.settings.size))?;
             let (dispatches, wall_ms) = self.run_once()?;
             let words = self.method.status().read(self.gpu)?;
-            let limits = self.gpu.device.limits();
-            let wanted = growth::wanted(&words, self.method.capacities(), &self.settings, &limits, self.budget.bytes)?;
-            if let Some(wanted) = wanted {
-                log::info!("lists overflowed: running again with {wanted:?}");
-                self.method.resize(&self.gpu.device, &self.gpu.queue, wanted)?;
-                self.gpu.check()?;
-                continue;
+            let (now, limits) = (self.method.capacities(), device.limits());
+            let Some(wanted) = growth::wanted(&words, now, &self.settings, &limits, self.budget.bytes)? else {
+                return self.read(&words, runs, dispatches, wall_ms).map(Some);
+            };
+            log::info!("lists overflowed: running again with {wanted:?}");
+            match self.method.resize(device, queue, wanted) {
+                Err(error @ Error::Memory { .. }) => {
+                    self.strips = self.strips.more().ok_or(error)?;
+                    log::info!("lists fit no binding: {} strips of rows", self.strips.count());
+                    let (gpu, settings) = (self.gpu, &self.settings);
+                    self.method = method_for(gpu, &self.casters, settings, self.budget, &self.pipelines, self.strips)?;
+                    return Ok(None);
+                }
+                resized => resized?,
             }
-            return self.read(&words, runs, dispatches, wall_ms);
+            self.gpu.check()?;
         }
     }
 
@@ -194,8 +258,27 @@ impl<'a> Renderer<'a> {
         })
     }
 
-    /// The method, for looking at its buffers.
+    /// The method as the last strip left it, for looking at its buffers.
     pub fn method(&self) -> &FacetMasks {
         &self.method
     }
+
+    /// Strips of rows in which the image is rendered.
+    pub fn strips(&self) -> u32 {
+        self.strips.count()
+    }
+}
+
+/// The method with memory for one strip.
+fn method_for(
+    gpu: &Gpu,
+    casters: &CasterBuffers,
+    settings: &Settings,
+    budget: Budget,
+    pipelines: &Arc<Pipelines>,
+    strips: Strips,
+) -> Result<FacetMasks> {
+    let settings = Settings { size: strips.size(), ..settings.clone() };
+    let capacities = growth::first(&settings, budget);
+    FacetMasks::new(&gpu.device, &gpu.queue, pipelines.clone(), casters, &settings, capacities)
 }

@@ -27,7 +27,7 @@ pub use status::{Faults, FrameStatus};
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder, Timer};
 use crate::light_view::LightView;
-use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines};
+use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines, Strip};
 use crate::methods::render::{Budget, Counts};
 use crate::methods::{FacetMode, Settings, growth};
 use crate::scene::Light;
@@ -203,7 +203,10 @@ impl ShadowPass {
         if self.grows {
             self.grow()?;
         }
-        let frames = self.method.frames_for(&self.casters.buffers, inputs.camera, inputs.light, &view, bounds)?;
+        let frames = {
+            let strip = Strip::whole(self.settings.size);
+            self.method.frames_for(&self.casters.buffers, inputs.camera, inputs.light, &view, bounds, strip)?
+        };
         encoder.push_debug_group("shadow_pass");
         let recorded = self.record_checked(encoder, inputs, target, &frames);
         encoder.pop_debug_group();

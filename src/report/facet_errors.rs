@@ -3,6 +3,7 @@
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::methods::facet_masks::Settings;
+use crate::methods::strips::Rows;
 use crate::scene::{Camera, Light, PixelRays};
 use crate::stages::facet_classify::{Facet, Facets, State};
 use crate::truth::facet_truth::FacetResult;
@@ -29,6 +30,23 @@ impl FacetSet {
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn read(gpu: &Gpu, facets: &Facets, words: u32) -> Result<Self> {
         Ok(Self { words, facets: facets.list.read(gpu)?, masks: facets.masks.read(gpu)? })
+    }
+
+    /// Adds the facets of a strip of rows of an image `width` pixels wide, those of rows that are known already left out.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device fails.
+    pub fn add(&mut self, gpu: &Gpu, facets: &Facets, words: u32, width: u32, rows: Rows) -> Result<()> {
+        let strip = Self::read(gpu, facets, words)?;
+        let size = 3 * words as usize;
+        self.words = words;
+        for (facet, masks) in strip.facets.iter().zip(strip.masks.chunks(size)) {
+            if facet.state != State::Empty as u32 && facet.pixel >= rows.known * width {
+                self.facets.push(Facet { pixel: facet.pixel + rows.first * width, ..*facet });
+                self.masks.extend_from_slice(masks);
+            }
+        }
+        Ok(())
     }
 
     /// Coverage, occluded and invalid samples of facet `f`.
