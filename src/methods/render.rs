@@ -75,11 +75,11 @@ pub struct Output {
     pub counts: Counts,
     /// The lists.
     pub lists: Vec<ListUse>,
-    /// GPU time of each stage of the last run; empty without time stamps.
+    /// GPU time of each stage of the last run, of all strips; empty without time stamps.
     pub stages: Vec<StageTime>,
-    /// Milliseconds from submission to the end of the last run.
+    /// Milliseconds from submission to the end of the last run, of all strips.
     pub wall_ms: f64,
-    /// Dispatches recorded for the last run.
+    /// Dispatches recorded for the last run, of all strips.
     pub dispatches: u32,
 }
 
