@@ -1,12 +1,16 @@
 //! Whether the adapters of this machine give the same samples, as a table:
-//! `cargo run --release --example adapters_agree -- [--size WxH] [--map N] [--ground] [SCENE …]`
+//! `cargo run --release --example adapters_agree -- [--size WxH] [--samples N] [--map N] [--ground] [SCENE …]`
 //!
-//! Each scene is rendered on every adapter with 1, 32 and 128 samples, with one facet a pixel and with all, and held
+//! Each scene is rendered on every adapter with 1, 32 and 128 samples, or N, with one facet a pixel and with all, and held
 //! against the first adapter bit by bit. A sample that differs is *in the band* if facet truth says so of its facet on
 //! either adapter (nearer than 1/256 pixel to an edge), *another surface* if the two see different triangles there, else
 //! *wrong*. In each frame a sample is turned over first and must be found wrong. A wrong sample,
 //! or less than two adapters, is exit status 1.
 
+#[path = "shared/arguments.rs"]
+mod arguments;
+
+use arguments::Arguments;
 use std::collections::HashMap;
 use std::process::ExitCode;
 use subpixel_shadows::gpu::Gpu;
@@ -15,40 +19,10 @@ use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
+use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::stages::facet_classify::State;
 use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer};
 use subpixel_shadows::{Error, Result};
-
-struct Arguments {
-    size: [u32; 2],
-    map: u32,
-    ground: bool,
-    scenes: Vec<String>,
-}
-
-fn arguments() -> Result<Arguments> {
-    let mut found = Arguments { size: [800, 600], map: 512, ground: false, scenes: Vec::new() };
-    let mut words = std::env::args().skip(1);
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or_else(|| Error::Config(format!("{word} needs a value")));
-        let number = |text: &str| text.parse::<u32>().map_err(|e| Error::Config(format!("'{text}': {e}")));
-        match word.as_str() {
-            "--ground" => found.ground = true,
-            "--map" => found.map = number(&value()?)?,
-            "--size" => {
-                let text = value()?;
-                let (w, h) = text.split_once('x').ok_or_else(|| Error::Config(format!("'{text}' is no WxH")))?;
-                found.size = [number(w)?, number(h)?];
-            }
-            _ => found.scenes.push(word),
-        }
-    }
-    if found.scenes.is_empty() {
-        found.scenes = BUILTIN_NAMES.map(str::to_owned).to_vec();
-    }
-    Ok(found)
-}
 
 /// What one adapter made of a frame.
 struct Frame {
@@ -139,7 +113,7 @@ fn check_that_faults_are_seen(frame: &Frame, truth: &FacetTruth) -> Result<()> {
 }
 
 fn main() -> Result<ExitCode> {
-    let arguments = arguments()?;
+    let arguments = Arguments::read()?;
     let gpus: Vec<Gpu> = Gpu::adapters().iter().map(|a| Gpu::from_adapter(a, None)).collect::<Result<_>>()?;
     let given = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let [w, h] = arguments.size;
@@ -155,6 +129,7 @@ fn main() -> Result<ExitCode> {
     if others.is_empty() {
         return Err(Error::Config(format!("only one adapter here: {}", first.adapter.name)));
     }
+    let counts = arguments.samples.map_or(vec![1, 32, 128], |n| vec![n]);
     let mut wrong = 0;
     for name in &arguments.scenes {
         let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
@@ -162,7 +137,7 @@ fn main() -> Result<ExitCode> {
         let prepared = Prepared::new(&scene.mesh);
         let tracer = Tracer::new(&prepared.mesh)?;
         for (count, facets, label) in
-            [1, 32, 128].iter().flat_map(|&n| [(n, FacetMode::One, "one"), (n, FacetMode::All, "all")])
+            counts.iter().flat_map(|&n| [(n, FacetMode::One, "one"), (n, FacetMode::All, "all")])
         {
             let samples = Samples::new(Pattern::default(), count)?;
             let wanted = Settings { facets, cull_back: true, ..Settings::new(arguments.size, arguments.map, samples) };

@@ -3,8 +3,13 @@
 //!
 //! The views are the scene's own and one from the other side; the lights are the scene's own and a spot from the same side.
 
+#[path = "shared/arguments.rs"]
+mod arguments;
+
+use arguments::Arguments;
 use std::io::Write;
 use std::time::Instant;
+use subpixel_shadows::Result;
 use subpixel_shadows::glam::{DQuat, DVec3, Vec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::render::{Budget, Renderer};
@@ -12,41 +17,8 @@ use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::{FacetErrors, FacetSet, TracedScene};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{BUILTIN_NAMES, Camera, Light, Scene, SceneOptions};
+use subpixel_shadows::scene::{Camera, Light, Scene, SceneOptions};
 use subpixel_shadows::truth::Tracer;
-use subpixel_shadows::{Error, Result};
-
-struct Arguments {
-    size: [u32; 2],
-    samples: u32,
-    map: u32,
-    ground: bool,
-    scenes: Vec<String>,
-}
-
-fn arguments() -> Result<Arguments> {
-    let mut found = Arguments { size: [800, 600], samples: 32, map: 512, ground: false, scenes: Vec::new() };
-    let mut words = std::env::args().skip(1);
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or_else(|| Error::Config(format!("{word} needs a value")));
-        let number = |text: &str| text.parse::<u32>().map_err(|e| Error::Config(format!("'{text}': {e}")));
-        match word.as_str() {
-            "--ground" => found.ground = true,
-            "--samples" => found.samples = number(&value()?)?,
-            "--map" => found.map = number(&value()?)?,
-            "--size" => {
-                let text = value()?;
-                let (w, h) = text.split_once('x').ok_or_else(|| Error::Config(format!("'{text}' is no WxH")))?;
-                found.size = [number(w)?, number(h)?];
-            }
-            _ => found.scenes.push(word),
-        }
-    }
-    if found.scenes.is_empty() {
-        found.scenes = BUILTIN_NAMES.map(str::to_owned).to_vec();
-    }
-    Ok(found)
-}
 
 /// The camera turned by 140 degrees around its target, up as it is.
 fn other_side(camera: &Camera) -> Camera {
@@ -64,20 +36,20 @@ fn spot(light: &Light, (low, high): (DVec3, DVec3)) -> Light {
 }
 
 fn main() -> Result<()> {
-    let arguments = arguments()?;
+    let arguments = Arguments::read()?;
     let gpu = Gpu::open(None)?;
     let [w, h] = arguments.size;
-    let samples = Samples::new(Pattern::default(), arguments.samples)?;
+    let samples = Samples::new(Pattern::default(), arguments.samples.unwrap_or(32))?;
     let given = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     println!("`cargo run --release --example truth_table -- {given}`\n");
-    println!("{}; {w} x {h} pixels, {} samples, map {}.\n", gpu.adapter.name, arguments.samples, arguments.map);
+    println!("{}; {w} x {h} pixels, {} samples, map {}.\n", gpu.adapter.name, samples.count(), arguments.map);
     println!("*Wrong* are samples that differ from facet truth farther than 1/256 pixel from every edge, *open* those");
     println!(
         "nearer. The other columns are of pixels against scene truth at the same samples; *band* is the silhouette band.\n"
     );
     println!(
         "| scene | view | light | facets | samples | wrong | open | within 1/{} | largest | band RMSE |",
-        arguments.samples
+        samples.count()
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let start = Instant::now();

@@ -32,10 +32,13 @@ const WORKGROUP = 64u;
 @group(0) @binding(10) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(11) var<storage, read_write> values: array<u32>;
 
-// The work item's facet and its block of texels.
+// A facet and a block of texels; beyond the last, NO_TRIANGLE for the facet.
 struct Item { facet: u32, block: Rect }
 
-fn item_of(item: u32, end: u32) -> Item {
+fn item_of(invocation: u32) -> Item {
+    let item = work_offsets[frame.first_facet] + invocation;
+    let end = frame.first_facet + frame.facet_count;
+    if item >= work_offsets[end] { return Item(NO_TRIANGLE, Rect()); }
     let f = owner_of(item, end);
     return Item(f, block_of(facets[f].rect, item - work_offsets[f]));
 }
@@ -75,10 +78,8 @@ fn deepest_of(f: u32) -> u32 {
 
 @compute @workgroup_size(WORKGROUP)
 fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = work_offsets[frame.first_facet] + flat_invocation(group, groups, WORKGROUP, local);
-    let end = frame.first_facet + frame.facet_count;
-    if at >= work_offsets[end] { return; }
-    let item = item_of(at, end);
+    let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
+    if item.facet == NO_TRIANGLE { return; }
     let deepest = deepest_of(item.facet);
     var texels = texels_of(item);
     while any(texels != vec2(0u)) {
@@ -96,10 +97,8 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 
 @compute @workgroup_size(WORKGROUP)
 fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = work_offsets[frame.first_facet] + flat_invocation(group, groups, WORKGROUP, local);
-    let end = frame.first_facet + frame.facet_count;
-    if at >= work_offsets[end] { return; }
-    let item = item_of(at, end);
+    let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
+    if item.facet == NO_TRIANGLE { return; }
     let deepest = deepest_of(item.facet);
     var texels = texels_of(item);
     var place = room_for(texels);

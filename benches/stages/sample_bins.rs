@@ -3,17 +3,19 @@
 use crate::harness::Case;
 use crate::harness::shadow::Shadow;
 use std::rc::Rc;
-use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, recorder};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::sample_bins::{Bins, SampleBins, Scene};
+use subpixel_shadows::{Error, Result};
 
 struct Setting {
     stage: SampleBins,
     bins: Bins,
     args: Buffer<u32>,
     shadow: Rc<Shadow>,
+    /// In the middle of the image, where samples are.
+    band: usize,
 }
 
 impl Setting {
@@ -33,23 +35,27 @@ fn setting(gpu: &Gpu, shadow: &Rc<Shadow>) -> Result<Setting> {
     let groups = |per: u64| recorder::fold((shadow.setup.in_light.items as u64).div_ceil(per));
     args.write(queue, &[groups(8), groups(1)].concat());
     let stage = SampleBins::new(device, &PrefixScan::new(device), 1);
-    Ok(Setting { stage, bins, args, shadow: shadow.clone() })
+    let band = bins.frames.len() / 2;
+    Ok(Setting { stage, bins, args, shadow: shadow.clone(), band })
 }
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
     let [count, occlude] = [setting(gpu, &shadow)?, setting(gpu, &shadow)?];
-    // The bins of the first band, once.
+    // The bins of a band, once.
     let texels = shadow.setup.layers.nearest_keys.len();
     let mut encoder = gpu.encoder();
     let mut rec = Recorder::new(&gpu.device, &mut encoder, None);
-    let Setting { stage, bins, .. } = &occlude;
+    let Setting { stage, bins, band, .. } = &occlude;
     rec.clear(bins.texel_ends.raw());
-    stage.record_bin(&mut rec.stage("setup"), 0, 0, occlude.scene(), bins)?;
+    stage.record_bin(&mut rec.stage("setup"), 0, *band, occlude.scene(), bins)?;
     rec.copy_words(bins.texel_offsets.raw(), 0, bins.texel_ends.raw(), 0, texels as u64);
-    stage.record_bin(&mut rec.stage("setup"), 1, 0, occlude.scene(), bins)?;
+    stage.record_bin(&mut rec.stage("setup"), 1, *band, occlude.scene(), bins)?;
     gpu.submit_and_wait(encoder)?;
     let binned = bins.texel_offsets.read(gpu)?[texels] as usize;
+    if binned == 0 {
+        return Err(Error::Scene("sample_bins: no sample to bin".to_owned()));
+    }
     let lengths =
         |offsets: Vec<u32>| offsets.windows(2).take(texels).map(|w| (w[1] - w[0]) as usize).collect::<Vec<_>>();
     let (samples, casters) =
@@ -63,7 +69,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             bytes: binned / 32 * 144 + binned * 4 + texels * 8,
             atomics: binned,
             flops: 0,
-            record: Box::new(move |s| count.stage.record_bin(s, 0, 0, count.scene(), &count.bins)),
+            record: Box::new(move |s| count.stage.record_bin(s, 0, count.band, count.scene(), &count.bins)),
         },
         Case {
             name: "sample_bins occlude".to_owned(),
@@ -73,7 +79,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             atomics: 0,
             // Four half-planes for each caster and sample of a texel.
             flops: tests * 16,
-            record: Box::new(move |s| occlude.stage.record_occlude(s, 0, occlude.scene(), &occlude.bins)),
+            record: Box::new(move |s| occlude.stage.record_occlude(s, occlude.band, occlude.scene(), &occlude.bins)),
         },
     ])
 }

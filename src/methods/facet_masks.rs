@@ -1,5 +1,6 @@
 //! `facet-masks`: the flagship (Pan, Wang, Chen, Zhou, Bao 2009), one page of calls to stages.
 
+mod bands;
 mod memory;
 
 use super::every_surface::EverySurface;
@@ -12,18 +13,16 @@ use crate::gpu::{Buffer, Groups, Program, Recorder};
 use crate::light_view::LightView;
 use crate::mask_table::MaskVariant;
 use crate::scene::{Camera, Light};
-use crate::stages::camera_visibility::Blocks;
-use crate::stages::candidate_pairs::{CandidatePairs, tally};
+use crate::stages::candidate_pairs::CandidatePairs;
 use crate::stages::facet_classify::{FacetClassify, Facets, Surroundings};
 use crate::stages::front_layer::FrontLayer;
 use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_WORDS};
 use crate::stages::resolve::Resolve;
 use crate::stages::silhouette_mask::SilhouetteMask;
-use crate::stages::sorted_pairs::{self, Sorted};
 use crate::stages::summed_area::Texels;
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
-use crate::stages::visibility_masks::{Casters, VisibilityMasks};
+use crate::stages::visibility_masks::VisibilityMasks;
 use crate::stages::{Count, PrefixScan, SortedPairs, SummedArea};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -329,135 +328,6 @@ impl FacetMasks {
             self.record_band(rec, casters, in_light, band)?;
         }
         self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
-    }
-
-    /// The pairs of one band of facets, and their evaluation.
-    fn record_band(&self, rec: &mut Recorder, casters: &CasterBuffers, in_light: Blocks, band: u32) -> Result<()> {
-        let m = &self.memory;
-        let texels = m.lists.texel_counts.len();
-        let frame_of = |round: u32| m.frames[(band * self.capacities.rounds + round) as usize].raw();
-        rec.clear(m.lists.texel_deepest.raw());
-        match &m.unsorted {
-            None => self.record_grouped(rec, frame_of(0), in_light)?,
-            Some(unsorted) => self.record_sorted(rec, frame_of(0), in_light, unsorted)?,
-        }
-        rec.copy_words(
-            m.lists.pixel_offsets.raw(),
-            texels as u64,
-            m.lists.candidates.raw(),
-            u64::from(tally::TALLY_PAIRS),
-            1,
-        );
-        rec.clear_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), 3);
-        let (triangles, positions) = (casters.triangles.raw(), casters.positions.raw());
-        {
-            let stage = &mut rec.stage("candidate_pairs");
-            self.args(stage, Arg::Pairs, &m.lists.candidates)?;
-            let args = (m.args.raw(), Arg::Pairs.word());
-            for round in 0..self.capacities.rounds {
-                self.with.candidates.record(
-                    stage,
-                    frame_of(round),
-                    triangles,
-                    &m.geometry.map_points,
-                    &m.facets,
-                    args,
-                    &m.lists,
-                )?;
-            }
-        }
-        {
-            let stage = &mut rec.stage("visibility_masks");
-            let casters = Casters { samples: m.samples.raw(), table: m.table.raw(), triangles, positions };
-            let frame = frame_of(0);
-            self.args(stage, Arg::Candidates, &m.lists.candidates)?;
-            let args = (m.args.raw(), Arg::Candidates.word());
-            self.with.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args)?;
-        }
-        {
-            let stage = &mut rec.stage("visibility_refine");
-            let casters = Casters { samples: m.samples.raw(), table: m.table.raw(), triangles, positions };
-            let frame = frame_of(0);
-            self.args(stage, Arg::Doubts, &m.lists.candidates)?;
-            let args = (m.args.raw(), Arg::Doubts.word());
-            self.with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;
-        }
-        let slot = (status::BANDS + status::BAND_WORDS * band as usize) as u64;
-        rec.copy_words(m.lists.pixel_offsets.raw(), texels as u64, m.status.raw(), slot, 2);
-        rec.copy_words(m.lists.triangle_offsets.raw(), texels as u64, m.status.raw(), slot + 2, 2);
-        rec.copy_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), m.status.raw(), slot + 4, 3);
-        rec.copy_words(
-            m.lists.candidates.raw(),
-            u64::from(tally::TALLY_TESTS),
-            m.status.raw(),
-            status::TESTS as u64,
-            2,
-        );
-        Ok(())
-    }
-
-    /// The pairs of one band, counted, scanned and written to their places.
-    fn record_grouped(&self, rec: &mut Recorder, frame: &wgpu::Buffer, in_light: Blocks) -> Result<()> {
-        let m = &self.memory;
-        let (texels, facet_args) = (m.lists.texel_counts.len(), (m.args.raw(), Arg::Facets.word()));
-        for run in 0..2 {
-            rec.clear(m.lists.texel_counts.raw());
-            let stage = &mut rec.stage("pixel_texel_pairs");
-            let splits = &m.layers.splits;
-            let offsets = &m.facet_offsets;
-            self.with.pixel_pairs.record(stage, run, frame, &m.facets, offsets, facet_args, splits, &m.lists)?;
-            if run == 0 {
-                self.scan(stage, &m.lists.texel_counts, &m.lists.pixel_offsets, texels)?;
-            }
-        }
-        for run in 0..2 {
-            rec.clear(m.lists.texel_counts.raw());
-            let stage = &mut rec.stage("triangle_texel_pairs");
-            self.with.triangle_pairs.record(stage, run, frame, in_light, &m.lists)?;
-            if run == 0 {
-                self.scan(stage, &m.lists.texel_counts, &m.lists.triangle_offsets, texels)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// The pairs of one band, listed as they come and sorted.
-    fn record_sorted(
-        &self,
-        rec: &mut Recorder,
-        frame: &wgpu::Buffer,
-        in_light: Blocks,
-        [of_pixels, of_triangles]: &[sorted_pairs::Scratch; 2],
-    ) -> Result<()> {
-        let m = &self.memory;
-        let Some(sorted) = &self.with.sorted else { return Ok(()) };
-        let (counts, args) = (&m.lists.texel_counts, (m.args.raw(), Arg::Facets.word()));
-        let (texels, splits) = (counts.len(), &m.layers.splits);
-        let counted = |rec: &mut Recorder, from: &sorted_pairs::Scratch, offsets: &Buffer<u32>| {
-            // Of pairs beyond the capacity it is known only that they are there.
-            rec.copy_words(from.appended.raw(), 0, offsets.raw(), texels as u64, 2);
-        };
-        for list in [of_pixels, of_triangles] {
-            rec.clear(list.appended.raw());
-        }
-        rec.clear(counts.raw());
-        {
-            let stage = &mut rec.stage("pixel_texel_pairs");
-            let offsets = &m.facet_offsets;
-            self.with.pixel_pairs.record_append(stage, frame, &m.facets, offsets, args, splits, &m.lists, of_pixels)?;
-            sorted.record(stage, of_pixels, Sorted::Pairs(&m.lists.pixel_pairs), counts)?;
-            self.scan(stage, counts, &m.lists.pixel_offsets, texels)?;
-        }
-        counted(rec, of_pixels, &m.lists.pixel_offsets);
-        rec.clear(counts.raw());
-        {
-            let stage = &mut rec.stage("triangle_texel_pairs");
-            self.with.triangle_pairs.record_append(stage, frame, in_light, &m.lists, of_triangles)?;
-            sorted.record(stage, of_triangles, Sorted::Items(&m.lists.triangle_pairs), counts)?;
-            self.scan(stage, counts, &m.lists.triangle_offsets, texels)?;
-        }
-        counted(rec, of_triangles, &m.lists.triangle_offsets);
-        Ok(())
     }
 
     /// Exclusive scan of `items` into `offsets`, whose last two words take the sum and the overflow flag.

@@ -155,13 +155,8 @@ impl<'a> Renderer<'a> {
     ) -> Result<Self> {
         settings.check()?;
         let casters = prepared.upload(&gpu.device, &gpu.queue)?;
-        let mut strips = Strips::new(settings.size, strips);
-        let method = loop {
-            match method_for(gpu, &casters, settings, budget, &pipelines, strips) {
-                Err(error @ Error::Memory { .. }) => strips = strips.more().ok_or(error)?,
-                made => break made?,
-            }
-        };
+        let strips = Strips::new(settings.size, strips);
+        let (strips, method) = fitting(gpu, &casters, settings, budget, &pipelines, strips)?;
         gpu.check()?;
         let (timer, settings) = (Timer::new(gpu), settings.clone());
         Ok(Self { gpu, prepared, casters, pipelines, method, strips, budget, timer, settings })
@@ -214,10 +209,10 @@ impl<'a> Renderer<'a> {
             log::info!("lists overflowed: running again with {wanted:?}");
             match self.method.resize(device, queue, wanted) {
                 Err(error @ Error::Memory { .. }) => {
-                    self.strips = self.strips.more().ok_or(error)?;
+                    let (more, settings) = (self.strips.more().ok_or(error)?, &self.settings);
+                    (self.strips, self.method) =
+                        fitting(self.gpu, &self.casters, settings, self.budget, &self.pipelines, more)?;
                     log::info!("lists fit no binding: {} strips of rows", self.strips.count());
-                    let (gpu, settings) = (self.gpu, &self.settings);
-                    self.method = method_for(gpu, &self.casters, settings, self.budget, &self.pipelines, self.strips)?;
                     return Ok(None);
                 }
                 resized => resized?,
@@ -269,16 +264,21 @@ impl<'a> Renderer<'a> {
     }
 }
 
-/// The method with memory for one strip.
-fn method_for(
+/// The method with memory for one strip, of as many as it takes, but not fewer than `strips`.
+fn fitting(
     gpu: &Gpu,
     casters: &CasterBuffers,
     settings: &Settings,
     budget: Budget,
     pipelines: &Arc<Pipelines>,
-    strips: Strips,
-) -> Result<FacetMasks> {
-    let settings = Settings { size: strips.size(), ..settings.clone() };
-    let capacities = growth::first(&settings, budget);
-    FacetMasks::new(&gpu.device, &gpu.queue, pipelines.clone(), casters, &settings, capacities)
+    mut strips: Strips,
+) -> Result<(Strips, FacetMasks)> {
+    loop {
+        let settings = Settings { size: strips.size(), ..settings.clone() };
+        let capacities = growth::first(&settings, budget);
+        match FacetMasks::new(&gpu.device, &gpu.queue, pipelines.clone(), casters, &settings, capacities) {
+            Err(error @ Error::Memory { .. }) => strips = strips.more().ok_or(error)?,
+            made => return made.map(|method| (strips, method)),
+        }
+    }
 }

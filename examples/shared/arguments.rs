@@ -1,0 +1,40 @@
+//! The command line of the examples that go through scenes.
+
+use subpixel_shadows::scene::BUILTIN_NAMES;
+use subpixel_shadows::{Error, Result};
+
+/// `[--size WxH] [--samples N] [--map N] [--ground] [SCENE …]`
+pub struct Arguments {
+    pub size: [u32; 2],
+    pub samples: Option<u32>,
+    pub map: u32,
+    pub ground: bool,
+    /// Every built-in scene if none is named.
+    pub scenes: Vec<String>,
+}
+
+impl Arguments {
+    pub fn read() -> Result<Self> {
+        let mut found = Self { size: [800, 600], samples: None, map: 512, ground: false, scenes: Vec::new() };
+        let mut words = std::env::args().skip(1);
+        while let Some(word) = words.next() {
+            let mut value = || words.next().ok_or_else(|| Error::Config(format!("{word} needs a value")));
+            let number = |text: &str| text.parse::<u32>().map_err(|e| Error::Config(format!("'{text}': {e}")));
+            match word.as_str() {
+                "--ground" => found.ground = true,
+                "--samples" => found.samples = Some(number(&value()?)?),
+                "--map" => found.map = number(&value()?)?,
+                "--size" => {
+                    let text = value()?;
+                    let (w, h) = text.split_once('x').ok_or_else(|| Error::Config(format!("'{text}' is no WxH")))?;
+                    found.size = [number(w)?, number(h)?];
+                }
+                _ => found.scenes.push(word),
+            }
+        }
+        if found.scenes.is_empty() {
+            found.scenes = BUILTIN_NAMES.map(str::to_owned).to_vec();
+        }
+        Ok(found)
+    }
+}
