@@ -268,6 +268,7 @@ fn strips_do_not_matter() {
             renderer.render(&scene.camera, &scene.light).expect("a frame")
         };
         let whole = with(1);
+        assert!(whole.counts.visibility_evaluations > 0, "{name}: nothing was evaluated");
         for strips in [2, 7] {
             let cut = with(strips);
             failures.compare(&format!("{name}, {facets:?}, {strips} strips"), &whole, &cut);
@@ -311,6 +312,7 @@ fn how_pairs_are_brought_together_does_not_matter() {
         };
         let grouped = with(PairVariant::Grouped, Budget::default());
         let sorted = with(PairVariant::Sorted, Budget::default());
+        assert!(grouped.counts.visibility_evaluations > 0, "{name}: nothing was evaluated");
         // Evaluations are not compared: a facet that is covered takes no more, and that depends on the order.
         let pairs = |o: &Output| (o.counts.pixel_texel_pairs, o.counts.triangle_texel_pairs, o.counts.candidate_tests);
         assert_eq!(pairs(&sorted), pairs(&grouped), "{name}");
@@ -339,6 +341,7 @@ fn what_is_left_out_does_not_matter() {
             left_out += if force { 0 } else { plan.left_out().count() };
             let mut renderer = renderer(&prepared, &plan.settings, Budget::default());
             let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
+            assert!(output.counts.visibility_evaluations > 0, "{name}: nothing was evaluated");
             Output { lit: Vec::new(), ..output }
         });
         failures.compare(&format!("{name}, {facets:?}"), &forced, &planned);
