@@ -1,10 +1,11 @@
 // pixel_texel_pairs: lists, texel by texel, the undecided facets whose light-view outline touches it (Pan 2009, section
-// 3.3). Two runs of the same entry point around a scan: pass 0 counts, pass 1 writes.
-// Pass 0 writes `texel_counts` (pairs of each texel) and `texel_deepest` (one more than the bits of the farthest facet's
+// 3.3). `count` counts; after a scan `emit` and `emit_rest` write. The texels of the first `step.index` blocks are kept in
+// `touched` from counting to emitting, those of the rest are found anew.
+// Counting writes `texel_counts` (pairs of each texel) and `texel_deepest` (one more than the bits of the farthest facet's
 // depth, 0 where there is no pair; after the texels, one word for each 8 x 8 block of them, not 0 where any has a pair).
-// Pass 1 writes `pairs` (facet, texel) at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
-// Instead of both, `append` lists the pairs as they come: texels in `keys`, facets in `values`, their number in `appended`,
-// to be sorted (the paper's way); it writes `texel_deepest` as pass 0 does.
+// Emitting writes `pairs` (facet, texel) at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
+// Instead of all three, `append` lists the pairs as they come: texels in `keys`, facets in `values`, their number in `appended`,
+// to be sorted (the paper's way); it writes `texel_deepest` as counting does.
 // A texel that a facet touches makes no pair where no caster is, nor, without validity masks, where the facet lies before
 // the split depth.
 
@@ -15,6 +16,7 @@
 //@import work_items
 //@import facet
 //@import front_split
+//@import block_bits
 //@import append
 
 const WORKGROUP = 64u;
@@ -31,6 +33,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(9) var<storage, read_write> appended: array<atomic<u32>>;  // pairs appended; not 0 if more than 2^32
 @group(0) @binding(10) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(11) var<storage, read_write> values: array<u32>;
+@group(0) @binding(12) var<storage, read_write> touched: array<vec2<u32>>;
 
 // A facet and a block of texels; beyond the last, NO_TRIANGLE for the facet.
 struct Item { facet: u32, block: Rect }
@@ -76,23 +79,44 @@ fn deepest_of(f: u32) -> u32 {
     return bitcast<u32>(max(facets[f].farthest, 0.0)) + 1u;
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
-    if item.facet == NO_TRIANGLE { return; }
-    let deepest = deepest_of(item.facet);
-    var texels = texels_of(item);
+fn write_pairs(item: Item, found: vec2<u32>) {
+    var texels = found;
     while any(texels != vec2(0u)) {
         let at = item.block.low + take_texel(&texels);
         let texel = at.y * frame.map_size + at.x;
-        let rank = atomicAdd(&texel_counts[texel], 1u);
-        if step.index == 0u {
-            note_depth(at, texel, deepest);
-        } else {
-            let at = pair_offsets[texel] + rank;
-            if at < frame.pixel_texel_capacity { pairs[at] = vec2(item.facet, texel); }
-        }
+        let place = pair_offsets[texel] + atomicAdd(&texel_counts[texel], 1u);
+        if place < frame.pixel_texel_capacity { pairs[place] = vec2(item.facet, texel); }
     }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    let item = item_of(index);
+    if item.facet == NO_TRIANGLE { return; }
+    let deepest = deepest_of(item.facet);
+    var texels = texels_of(item);
+    if index < step.index { touched[index] = texels; }
+    while any(texels != vec2(0u)) {
+        let at = item.block.low + take_texel(&texels);
+        let texel = at.y * frame.map_size + at.x;
+        atomicAdd(&texel_counts[texel], 1u);
+        note_depth(at, texel, deepest);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    if index >= step.index { return; }
+    let item = item_of(index);
+    if item.facet != NO_TRIANGLE { write_pairs(item, touched[index]); }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
+    if item.facet != NO_TRIANGLE { write_pairs(item, texels_of(item)); }
 }
 
 @compute @workgroup_size(WORKGROUP)

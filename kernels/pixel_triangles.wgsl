@@ -1,8 +1,9 @@
 // pixel_triangles: lists, pixel by pixel, the triangles that some sample in the pixel's square may see.
-// Three runs of `raster` by 8 x 8 blocks: pass 0 finds the nearest "farthest depth over the square" of the triangles that
-// surely cover the whole square (`cover_keys`, complement of its bits, 0 without one); pass 1 counts the triangles that
-// touch the square no farther than that (`pixel_counts`); pass 2 writes them to `pixel_list` at `pixel_offsets`, never
-// beyond the capacity, and takes the counts down to 0 again; order inside a pixel is not defined.
+// Over blocks of 8 x 8 pixels: `cover` finds the nearest "farthest depth over the square" of the triangles that surely cover
+// the whole square (`cover_keys`, complement of its bits, 0 without one); `count` counts the triangles that touch the square
+// no farther than that (`pixel_counts`); `emit` and `emit_rest` write them to `pixel_list` at `pixel_offsets`, never beyond
+// the capacity, and take the counts down to 0 again; order inside a pixel is not defined. The pixels of the first
+// `step.index` blocks are kept in `touched` from counting to emitting, those of the rest are found anew.
 // `judge` runs before the counts are scanned. A pixel with one triangle, which covers it, is single; a pixel without any is
 // empty; the others are marked in `complex_flags`. It writes `facet_counts` (1 for single pixels, else 0) and keeps the
 // longest list in `status`.
@@ -15,6 +16,7 @@
 //@import work_items
 //@import facing
 //@import eye_edges
+//@import block_bits
 
 const WORKGROUP = 64u;
 const STATUS_LONGEST = 25u;
@@ -32,6 +34,7 @@ const STATUS_LONGEST = 25u;
 @group(0) @binding(10) var<storage, read_write> complex_flags: array<u32>;
 @group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
 @group(0) @binding(12) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(13) var<storage, read_write> touched: array<vec2<u32>>;
 
 const MARGIN = 1.00001;
 
@@ -105,34 +108,80 @@ fn over_square(s: Seen, x: u32, y: u32) -> Over {
     return out;
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= work_offsets[frame.triangle_count] { return; }
+// A triangle and a block of pixels; beyond the last, NO_TRIANGLE for the triangle.
+struct Item { triangle: u32, block: Rect }
+
+fn item_of(item: u32) -> Item {
+    if item >= work_offsets[frame.triangle_count] { return Item(NO_TRIANGLE, Rect()); }
     let t = owner_of(item, frame.triangle_count);
-    let block = block_of(camera_rects[t], item - work_offsets[t]);
-    let s = seen_triangle(t);
-    if step.index == 0u && s.turn == 0.0 { return; }
-    for (var y = block.low.y; y <= block.high.y; y++) {
-        for (var x = block.low.x; x <= block.high.x; x++) {
+    return Item(t, block_of(camera_rects[t], item - work_offsets[t]));
+}
+
+// The pixels of the block, one bit each row by row, in which the triangle is listed.
+fn pixels_of(item: Item) -> vec2<u32> {
+    let s = seen_triangle(item.triangle);
+    var found = vec2(0u);
+    for (var y = item.block.low.y; y <= item.block.high.y; y++) {
+        for (var x = item.block.low.x; x <= item.block.high.x; x++) {
             let over = over_square(s, x, y);
             if !over.touches { continue; }
-            let pixel = y * frame.image_size.x + x;
-            if step.index == 0u {
-                if over.covers { atomicMax(&cover_keys[pixel], ~bitcast<u32>(over.farthest)); }
-                continue;
-            }
             // Without a covering triangle the key is 0 and the depth no number: nothing is behind it.
-            let cover = bitcast<f32>(min(~atomicLoad(&cover_keys[pixel]), FAR));
-            if over.nearest > cover { continue; }
-            if step.index == 1u {
-                atomicAdd(&pixel_counts[pixel], 1u);
-            } else {
-                let at = pixel_offsets[pixel] + atomicSub(&pixel_counts[pixel], 1u) - 1u;
-                if at < frame.pixel_triangle_capacity { pixel_list[at] = t; }
-            }
+            let cover = bitcast<f32>(min(~atomicLoad(&cover_keys[y * frame.image_size.x + x]), FAR));
+            if !(over.nearest > cover) { add_texel(&found, vec2(x, y) - item.block.low); }
         }
     }
+    return found;
+}
+
+fn write_triangle(item: Item, found: vec2<u32>) {
+    var pixels = found;
+    while any(pixels != vec2(0u)) {
+        let at = item.block.low + take_texel(&pixels);
+        let pixel = at.y * frame.image_size.x + at.x;
+        let place = pixel_offsets[pixel] + atomicSub(&pixel_counts[pixel], 1u) - 1u;
+        if place < frame.pixel_triangle_capacity { pixel_list[place] = item.triangle; }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn cover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
+    if item.triangle == NO_TRIANGLE { return; }
+    let s = seen_triangle(item.triangle);
+    if s.turn == 0.0 { return; }
+    for (var y = item.block.low.y; y <= item.block.high.y; y++) {
+        for (var x = item.block.low.x; x <= item.block.high.x; x++) {
+            let over = over_square(s, x, y);
+            if over.touches && over.covers { atomicMax(&cover_keys[y * frame.image_size.x + x], ~bitcast<u32>(over.farthest)); }
+        }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    let item = item_of(index);
+    if item.triangle == NO_TRIANGLE { return; }
+    var pixels = pixels_of(item);
+    if index < step.index { touched[index] = pixels; }
+    while any(pixels != vec2(0u)) {
+        let at = item.block.low + take_texel(&pixels);
+        atomicAdd(&pixel_counts[at.y * frame.image_size.x + at.x], 1u);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    if index >= step.index { return; }
+    let item = item_of(index);
+    if item.triangle != NO_TRIANGLE { write_triangle(item, touched[index]); }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
+    if item.triangle != NO_TRIANGLE { write_triangle(item, pixels_of(item)); }
 }
 
 @compute @workgroup_size(WORKGROUP)

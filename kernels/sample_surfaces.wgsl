@@ -1,14 +1,15 @@
 // sample_surfaces: which surface each sample sees, and the facets made of that: one for every triangle that samples of the
 // pixel see, with the mask of those samples.
-// `nearest` runs an invocation for each word of samples of a complex pixel over ROUND_LENGTH triangles of its list, from
-// round `step.round` on, and keeps for each sample the nearest, of equally near ones the lowest (`sample_ids`). Where another surface
-// almost touches it (`rival_ids`), `settle_rivals` decides with 46 bits.
+// `nearest` runs an invocation for each complex pixel over ROUND_LENGTH triangles of its list, from round `step.round` on,
+// and keeps for each sample of word `step.word` the nearest, of equally near ones the lowest (`sample_keys`, complement; 0
+// for none). Where another surface almost touches it (`rivals_found`: triangles, then a mask a word), `settle_rivals` decides
+// with 46 bits.
 // `group_samples` counts the triangles that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
 // `pixel_facets`, in the order of their first samples. `emit_single` lists the facets of single pixels, and makes what
 // lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the complement of the
 // triangle at the pixel centre, which is sample 0; it must be 0 before.
-// What all samples see may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_ids` and
-// `rival_ids` are those of a band.
+// What all samples see may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_keys` and
+// `rivals_found` are those of a band, sample by sample: neighbouring invocations find theirs side by side.
 
 //@import frame
 //@import dispatch
@@ -26,13 +27,11 @@ struct Step {
     round: u32,
     first_slot: u32,  // of the band
     slots: u32,       // of the band at most
-    pad_0: u32,
+    word: u32,        // of the masks; of `nearest` alone
 }
 
 override WORDS: u32 = 1u;
-const WORKGROUP = 32u;       // one lane for each sample of a word
-const GROUP_NEAREST = 64u;
-const GROUP_SINGLE = 64u;
+const WORKGROUP = 64u;
 const ROUND_LENGTH = 512u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -45,23 +44,14 @@ const ROUND_LENGTH = 512u;
 @group(0) @binding(7) var<storage, read> complex_pixels: array<u32>;
 @group(0) @binding(8) var<storage, read> complex_total: array<u32>;
 @group(0) @binding(9) var<storage, read> positions: array<f32>;
-@group(0) @binding(10) var<storage, read_write> sample_ids: array<u32>;
-@group(0) @binding(17) var<storage, read_write> rival_ids: array<u32>;
+@group(0) @binding(10) var<storage, read_write> sample_keys: array<u32>;
+@group(0) @binding(17) var<storage, read_write> rivals_found: array<u32>;
 @group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
 @group(0) @binding(12) var<storage, read> complex_flags: array<u32>;
 @group(0) @binding(13) var<storage, read> pixel_facets: array<u32>;
 @group(0) @binding(14) var<storage, read_write> facets: array<Facet>;
 @group(0) @binding(15) var<storage, read_write> masks: array<u32>;  // coverage, occluded, invalid: WORDS words each
 @group(0) @binding(16) var<storage, read_write> id_keys: array<u32>;
-
-var<workgroup> wg_ids: array<u32, 128>;
-var<workgroup> wg_firsts: array<atomic<u32>, 4>;
-var<workgroup> wg_masks: array<atomic<u32>, 512>;
-
-fn sample_offset(k: u32) -> vec2<f32> {
-    let pair = samples[k >> 1u];
-    return select(pair.xy, pair.zw, (k & 1u) == 1u);
-}
 
 // Complex pixels of the band.
 fn slot_count() -> u32 {
@@ -73,114 +63,116 @@ fn complex_pixel(slot: u32) -> u32 {
     return complex_pixels[step.first_slot + slot];
 }
 
-@compute @workgroup_size(GROUP_NEAREST)
+// Where what is known of sample `k` of the band's pixel `slot` is kept.
+fn place(slot: u32, k: u32) -> u32 {
+    return k * step.slots + slot;
+}
+
+@compute @workgroup_size(WORKGROUP)
 fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let item = flat_invocation(group, groups, GROUP_NEAREST, local);
-    let slot = item / WORDS;
-    let word = item % WORDS;
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     let pixel = complex_pixel(slot);
     let centre = pixel_ray(pixel);
     let first = pixel_offsets[pixel] + step.round * ROUND_LENGTH;
     let end = min(min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity), first + ROUND_LENGTH);
-    if step.round != 0u && first >= end { return; }
-    let base = 32u * item;
-    let count = min(frame.sample_count - 32u * word, 32u);
-    // A count that compilers do not know: some would write all 32 turns out.
-    let all = 32u * min(count, 1u);
-    for (var k = 0u; k < all; k++) {
-        best_ids[k] = NO_TRIANGLE;
-        best_rivals[k] = NO_TRIANGLE;
-        best_near[k] = 3.0e38;
-        best_far[k] = 3.0e38;
-        if step.round == 0u || k >= count { continue; }
-        let t = sample_ids[base + k];
-        if t == NO_TRIANGLE { continue; }
-        best_ids[k] = t;
-        best_rivals[k] = rival_ids[base + k];
-        best_near[k] = eye_depth(corners_of(t), ray_at(pixel, sample_offset(32u * word + k)));
-        best_far[k] = best_near[k];
+    let word = 32u * step.word;
+    let count = min(frame.sample_count - word, 32u);
+    let masks_at = place(slot, 32u * WORDS + step.word);
+    if step.round != 0u {
+        if first >= end { return; }
+        rivals = rivals_found[masks_at];
+        for (var k = 0u; k < count; k++) {
+            let key = sample_keys[place(slot, word + k)];
+            if key != 0u { keep(k, key, eye_depth(corners_of(~key), ray_at(pixel, sample_offset(word + k)))); }
+        }
     }
-    for (var n = first; n < end; n++) { look_at(pixel_list[n], word, count, pixel, centre); }
-    for (var k = 0u; k < all; k++) {
-        sample_ids[base + k] = best_ids[k];
-        rival_ids[base + k] = best_rivals[k];
-    }
+    for (var n = first; n < end; n++) { take_in(pixel_list[n], count, slot, pixel, centre); }
+    for (var k = 0u; k < 32u; k++) { sample_keys[place(slot, word + k)] = select(0u, best_keys[k], k < count); }
+    rivals_found[masks_at] = rivals;
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let slot = flat_group(group, groups);
+fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
+    let pixel = complex_pixel(slot);
     for (var w = 0u; w < WORDS; w++) {
-        let at = 32u * (WORDS * slot + w) + lane;
-        let rival = rival_ids[at];
-        // A loop of one turn: CPU adapters jump over a loop, but not over a branch.
-        for (var open = rival != NO_TRIANGLE; open; open = false) {
-            let t = sample_ids[at];
-            let ray = ray_at(complex_pixel(slot), sample_offset(32u * w + lane));
-            let order = order_46(corners_of(rival), corners_of(t), ray);
-            if order < 0.0 || (order == 0.0 && rival < t) { sample_ids[at] = rival; }
+        var left = rivals_found[place(slot, 32u * WORDS + w)];
+        while left != 0u {
+            let k = 32u * w + firstTrailingBit(left);
+            left &= left - 1u;
+            let at = place(slot, k);
+            let rival = rivals_found[at];
+            let t = ~sample_keys[at];
+            let order = order_46(corners_of(rival), corners_of(t), ray_at(pixel, sample_offset(k)));
+            if order < 0.0 || (order == 0.0 && rival < t) { sample_keys[at] = ~rival; }
         }
     }
 }
 
-// Groups the samples of a complex pixel by triangle: bits of the first samples in `wg_firsts`, and at each first sample
-// the mask of its group in `wg_masks`. All lanes of a workgroup call it.
-fn find_groups(slot: u32, lane: u32) {
+// The samples of a complex pixel that see what `key` says.
+fn samples_that_see(slot: u32, key: u32) -> vec4<u32> {
+    var found = vec4(0u);
     for (var w = 0u; w < WORDS; w++) {
-        let k = lane + 32u * w;
-        wg_ids[k] = sample_ids[slot * 32u * WORDS + k];
-        for (var n = 0u; n < WORDS; n++) { atomicStore(&wg_masks[WORDS * k + n], 0u); }
+        var bits = 0u;
+        var at = place(slot, 32u * w);
+        for (var k = 0u; k < 32u; k++) {
+            bits |= select(0u, 1u << k, sample_keys[at] == key);
+            at += step.slots;
+        }
+        found[w] = bits;
     }
-    if lane < 4u { atomicStore(&wg_firsts[lane], 0u); }
-    workgroupBarrier();
-    for (var w = 0u; w < WORDS; w++) {
-        let k = lane + 32u * w;
-        if wg_ids[k] == NO_TRIANGLE { continue; }
-        var first = 0u;
-        while wg_ids[first] != wg_ids[k] { first += 1u; }
-        if first == k { atomicOr(&wg_firsts[w], 1u << lane); }
-        atomicOr(&wg_masks[WORDS * first + w], 1u << lane);
-    }
-    workgroupBarrier();
+    return found;
+}
+
+fn lowest_sample(mask: vec4<u32>) -> u32 {
+    var w = 0u;
+    while mask[w] == 0u { w += 1u; }
+    return 32u * w + firstTrailingBit(mask[w]);
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let slot = flat_group(group, groups);
+fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
-    find_groups(slot, lane);
-    if lane != 0u { return; }
     var count = 0u;
-    for (var w = 0u; w < WORDS; w++) { count += countOneBits(atomicLoad(&wg_firsts[w])); }
+    for (var left = samples_left(slot); any(left != vec4(0u)); count++) {
+        left &= ~samples_that_see(slot, sample_keys[place(slot, lowest_sample(left))]);
+    }
     facet_counts[complex_pixel(slot)] = count;
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let slot = flat_group(group, groups);
+fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     let pixel = complex_pixel(slot);
-    find_groups(slot, lane);
-    if lane == 0u { id_keys[pixel] = ~wg_ids[0]; }
+    id_keys[pixel] = sample_keys[place(slot, 0u)];
     var f = pixel_facets[pixel];
-    for (var w = 0u; w < WORDS; w++) {
-        let firsts = atomicLoad(&wg_firsts[w]);
-        let rank = f + countOneBits(firsts & ((1u << lane) - 1u));
-        f += countOneBits(firsts);
-        if ((firsts >> lane) & 1u) == 0u || rank >= frame.facets_total { continue; }
-        let k = lane + 32u * w;
-        facets[rank].pixel = pixel;
-        facets[rank].triangle = wg_ids[k];
-        facets[rank].origin = sample_offset(k);
-        for (var n = 0u; n < WORDS; n++) { masks[3u * WORDS * rank + n] = atomicLoad(&wg_masks[WORDS * k + n]); }
+    for (var left = samples_left(slot); any(left != vec4(0u)) && f < frame.facets_total; f++) {
+        let k = lowest_sample(left);
+        let key = sample_keys[place(slot, k)];
+        let mask = samples_that_see(slot, key);
+        left &= ~mask;
+        facets[f].pixel = pixel;
+        facets[f].triangle = ~key;
+        facets[f].origin = sample_offset(k);
+        for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * f + w] = mask[w]; }
     }
 }
 
-@compute @workgroup_size(GROUP_SINGLE)
+// The samples of a complex pixel that see a surface.
+fn samples_left(slot: u32) -> vec4<u32> {
+    let none = samples_that_see(slot, 0u);
+    var left = vec4(0u);
+    for (var w = 0u; w < WORDS; w++) { left[w] = ~none[w]; }
+    return left;
+}
+
+@compute @workgroup_size(WORKGROUP)
 fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let pixel = flat_invocation(group, groups, GROUP_SINGLE, local);
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let pixels = frame.image_size.x * frame.image_size.y;
     if pixel >= pixel_facets[pixels] && pixel < frame.facets_total { facets[pixel].triangle = NO_TRIANGLE; }
     if pixel >= pixels || complex_flags[pixel] != 0u { return; }

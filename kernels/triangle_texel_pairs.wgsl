@@ -1,7 +1,8 @@
 // triangle_texel_pairs: lists, texel by texel, the casters that touch a texel with pixel-texel pairs (Pan 2009, section
-// 3.3). Two runs of the same entry point around a scan: pass 0 counts into `texel_counts`, pass 1 writes the triangles to
-// `pair_triangles` at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
-// Instead of both, `append` lists the pairs as they come: texels in `keys`, triangles in `values`, their number in
+// 3.3). `count` counts into `texel_counts`; after a scan `emit` and `emit_rest` write the triangles to `pair_triangles` at
+// `pair_offsets`, never beyond the capacity; order inside a texel is not defined. The texels of the first `step.index` blocks
+// are kept in `touched` from counting to emitting, those of the rest are found anew.
+// Instead of all three, `append` lists the pairs as they come: texels in `keys`, triangles in `values`, their number in
 // `appended`, to be sorted (the paper's way).
 // A caster that lies behind the farthest facet of the texel makes no pair.
 
@@ -12,6 +13,7 @@
 //@import work_items
 //@import conservative
 //@import span
+//@import block_bits
 //@import append
 
 const WORKGROUP = 64u;
@@ -29,6 +31,16 @@ const WORKGROUP = 64u;
 @group(0) @binding(10) var<storage, read_write> appended: array<atomic<u32>>;  // pairs appended; not 0 if more than 2^32
 @group(0) @binding(11) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(12) var<storage, read_write> values: array<u32>;
+@group(0) @binding(13) var<storage, read_write> touched: array<vec2<u32>>;
+
+// A caster and a block of texels; beyond the last, NO_TRIANGLE for the caster.
+struct Item { triangle: u32, block: Rect }
+
+fn item_of(item: u32) -> Item {
+    if item >= work_offsets[frame.triangle_count] { return Item(NO_TRIANGLE, Rect()); }
+    let t = owner_of(item, frame.triangle_count);
+    return Item(t, block_of(light_rects[t], item - work_offsets[t]));
+}
 
 // The texels of the block, one bit each row by row, that make a pair with triangle `t`.
 fn texels_of(t: u32, block: Rect) -> vec2<u32> {
@@ -57,37 +69,54 @@ fn texels_of(t: u32, block: Rect) -> vec2<u32> {
     return texels;
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
-    var texels = texels_of(t, block);
+fn write_pairs(item: Item, found: vec2<u32>) {
+    var texels = found;
     while any(texels != vec2(0u)) {
-        let at = block.low + take_texel(&texels);
+        let at = item.block.low + take_texel(&texels);
         let texel = at.y * frame.map_size + at.x;
-        let rank = atomicAdd(&texel_counts[texel], 1u);
-        if step.index == 1u {
-            let at = pair_offsets[texel] + rank;
-            if at < frame.triangle_texel_capacity { pair_triangles[at] = t; }
-        }
+        let place = pair_offsets[texel] + atomicAdd(&texel_counts[texel], 1u);
+        if place < frame.triangle_texel_capacity { pair_triangles[place] = item.triangle; }
     }
 }
 
 @compute @workgroup_size(WORKGROUP)
+fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    let item = item_of(index);
+    if item.triangle == NO_TRIANGLE { return; }
+    var texels = texels_of(item.triangle, item.block);
+    if index < step.index { touched[index] = texels; }
+    while any(texels != vec2(0u)) {
+        let at = item.block.low + take_texel(&texels);
+        atomicAdd(&texel_counts[at.y * frame.map_size + at.x], 1u);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let index = flat_invocation(group, groups, WORKGROUP, local);
+    if index >= step.index { return; }
+    let item = item_of(index);
+    if item.triangle != NO_TRIANGLE { write_pairs(item, touched[index]); }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
+    if item.triangle != NO_TRIANGLE { write_pairs(item, texels_of(item.triangle, item.block)); }
+}
+
+@compute @workgroup_size(WORKGROUP)
 fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
-    var texels = texels_of(t, block);
+    let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
+    if item.triangle == NO_TRIANGLE { return; }
+    var texels = texels_of(item.triangle, item.block);
     var place = room_for(texels);
     while any(texels != vec2(0u)) {
-        let at = block.low + take_texel(&texels);
+        let at = item.block.low + take_texel(&texels);
         if place < frame.triangle_texel_capacity {
             keys[place] = at.y * frame.map_size + at.x;
-            values[place] = t;
+            values[place] = item.triangle;
         }
         place++;
     }

@@ -10,7 +10,7 @@ use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::compact::{Compact, Flags};
 use subpixel_shadows::stages::facet_classify::Facets;
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, GROUP_NEAREST, Mesh, SampleSurfaces};
+use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces, WORKGROUP};
 use subpixel_shadows::stages::{Count, PrefixScan};
 
 const FACETS: usize = 1 << 20;
@@ -48,15 +48,15 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let count = complex.total.read(gpu)?[0];
     // All but those of pixels that show one triangle.
     let listed = (lists.offsets.read(gpu)?[pixels] as usize).saturating_sub(pixels);
-    let args = Buffer::<u32>::indirect(device, "bench.args", 6)?;
-    args.write(&gpu.queue, &[count, count.div_ceil(GROUP_NEAREST)].map(|n| recorder::fold(u64::from(n))).concat());
+    let args = Buffer::<u32>::indirect(device, "bench.args", 3)?;
+    args.write(&gpu.queue, &recorder::fold(u64::from(count.div_ceil(WORKGROUP))));
     let stage = SampleSurfaces::new(device, &scan, 1);
     Ok(vec![Case {
         name: "sample_surfaces".to_owned(),
         size: setup.casters.triangles.len(),
         bytes: count as usize * 32 * 12 + pixels * 24,
-        atomics: count as usize * 64,
-        flops: listed * 32 * 12,
+        atomics: 0,
+        flops: listed * (32 * 45 + 250),
         record: Box::new(move |s| {
             let (triangles, points) = (setup.casters.triangles.raw(), &setup.points);
             let mesh = Mesh { samples: samples.raw(), triangles, points, positions: setup.casters.positions.raw() };

@@ -1,23 +1,44 @@
-// A triangle as the rays of one pixel see it: edge functions and depth, linear in the offset, with bounds of their doubt.
-// Needs `frame`, `points`, eye_edges.
+// A triangle as the rays of one pixel see it: edge functions and inverse depth, linear in the offset from the pixel centre,
+// with bounds of their doubt. Needs `frame`, `points`, eye_edges.
 
-const DEPTH_SLACK = 0.00001;
+const INVERSE_SLACK = 0.00002;
 
 struct View {
-    edges: array<vec4<f32>, 3>,  // at the pixel centre, per pixel right and down, and doubt
-    over: vec3<f32>,             // normal . ray likewise, positive where the plane is met before the eye's horizon
-    over_doubt: f32,
-    distance: f32,
-    distance_doubt: f32,
-    nearest: f32,
-    farthest: f32,
+    at: vec3<f32>,      // the three edge functions at the pixel centre
+    right: vec3<f32>,   // what a pixel to the right adds, and one down
+    down: vec3<f32>,
+    doubt: vec3<f32>,   // how far one may be off anywhere in the pixel, and `eye_edge_near` too
+    high: vec3<f32>,    // upper bound of the inverse depth at the centre, per pixel right and down
+    low: vec3<f32>,     // lower bound likewise
+    highest: f32,       // bounds of it over the whole triangle
+    lowest: f32,
+}
+
+// Edge function at the pixel centre, per pixel right, per pixel down, and doubt. Evaluated from the end that is nearer to
+// the ray, so that small triangles far away are as certain as large ones nearby.
+fn edge_over(i: u32, j: u32, centre: vec3<f32>) -> vec4<f32> {
+    let low = min(i, j);
+    let high = max(i, j);
+    let p = points[low].xyz;
+    let q = points[high].xyz;
+    let a = p - dot(p, frame.forward.xyz) * centre;
+    let b = q - dot(q, frame.forward.xyz) * centre;
+    let d = select(a, b, dot(b, b) < dot(a, a));
+    let along = q - p;
+    let turn = select(-1.0, 1.0, i == low);
+    let m = turn * cross(p, along);
+    let v = vec3(turn * dot(cross(d, along), centre), dot(m, frame.ray_x.xyz), dot(m, frame.ray_y.xyz));
+    // Rounding of the ray, of the way from it to the corner, and of the products; of the sum over a pixel.
+    let reach = max(largest(p), largest(q));
+    let shift = max(largest(frame.ray_x.xyz), largest(frame.ray_y.xyz));
+    let off = (1.6e-6 * reach + 6e-6 * largest(d)) * largest(centre) + 4e-6 * reach * shift;
+    return vec4(v, off * largest(along) + 6e-7 * (abs(v.x) + abs(v.y) + abs(v.z)));
 }
 
 fn view_of(i: vec3<u32>, centre: vec3<f32>) -> View {
-    var s: View;
-    s.edges[0] = eye_edge(i.x, i.y, centre);
-    s.edges[1] = eye_edge(i.y, i.z, centre);
-    s.edges[2] = eye_edge(i.z, i.x, centre);
+    let e = edge_over(i.x, i.y, centre);
+    let f = edge_over(i.y, i.z, centre);
+    let g = edge_over(i.z, i.x, centre);
     let a = points[i.x].xyz;
     let b = points[i.y].xyz;
     let c = points[i.z].xyz;
@@ -26,24 +47,18 @@ fn view_of(i: vec3<u32>, centre: vec3<f32>) -> View {
     let reach = max(largest(a), max(largest(b), largest(c)));
     let doubt = 2e-6 * largest(b - a) * largest(c - a) + 6e-7 * reach * (largest(b - a) + largest(c - a));
     let distance = dot(normal, a);
-    let turn = sign(distance);
-    s.over = turn * vec3(dot(normal, centre), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
-    s.over_doubt = 2.0 * doubt * largest(centre);
-    s.distance = abs(distance);
-    s.distance_doubt = doubt * reach;
+    let over = sign(distance) * vec3(dot(normal, centre), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
+    let over_doubt = vec3(2.0 * doubt * largest(centre), 0.0, 0.0);
+    let distance_doubt = doubt * reach;
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
-    s.nearest = min(depths.x, min(depths.y, depths.z));
-    s.farthest = max(depths.x, max(depths.y, depths.z));
-    return s;
-}
-
-// Nearest and farthest that `eye_depth` may say at a ray with this value of `over`.
-fn depth_bounds(s: View, over: f32) -> vec2<f32> {
-    var near = s.nearest;
-    var far = s.farthest;
-    let most = over + s.over_doubt;
-    let least = over - s.over_doubt;
-    if most > 0.0 && s.distance > s.distance_doubt { near = max(near, (s.distance - s.distance_doubt) / most * (1.0 - DEPTH_SLACK)); }
-    if least > 0.0 { far = min(far, (s.distance + s.distance_doubt) / least * (1.0 + DEPTH_SLACK)); }
-    return vec2(near - DEPTH_SLACK * abs(near), far + DEPTH_SLACK * abs(far));
+    let nearest = min(depths.x, min(depths.y, depths.z));
+    let farthest = max(depths.x, max(depths.y, depths.z));
+    let most = (1.0 + INVERSE_SLACK) / (abs(distance) - distance_doubt);
+    let least = (1.0 - INVERSE_SLACK) / (abs(distance) + distance_doubt);
+    // Where the plane's distance is mostly doubt, nothing but the corners bounds the depth.
+    let known = abs(distance) > 2.0 * distance_doubt && most < 1e30;
+    return View(
+        vec3(e.x, f.x, g.x), vec3(e.y, f.y, g.y), vec3(e.z, f.z, g.z), vec3(e.w, f.w, g.w),
+        select(vec3(3.0e38, 0.0, 0.0), (over + over_doubt) * most, known), select(vec3(0.0), (over - over_doubt) * least, known),
+        select(3.0e38, (1.0 + INVERSE_SLACK) / nearest, nearest > 1e-30), select(0.0, (1.0 - INVERSE_SLACK) / farthest, farthest > 1e-30));
 }

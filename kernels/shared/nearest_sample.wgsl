@@ -1,15 +1,26 @@
-// The nearest triangle of each sample of a word, kept by one invocation. A sample that a linear edge function cannot place
-// is looked at from the nearer end of each edge; depths are compared by bounds, and computed where bounds overlap; where
-// surfaces almost touch, the other one is kept as a rival. Needs `frame`, `samples`, `points`, `triangles`, eye_view.
+// The nearest triangle of each sample of a word, kept by one invocation. Edges and inverse depths are compared by bounds of
+// linear functions; what those leave open is computed from the corners. Where surfaces almost touch, the other one is kept as a
+// rival. Needs `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
 
-// What is known of each sample of a word: its triangle, one that almost touches it there, and bounds of its depth.
-var<private> best_ids: array<u32, 32>;
-var<private> best_rivals: array<u32, 32>;
-var<private> best_near: array<f32, 32>;
-var<private> best_far: array<f32, 32>;
+// What is known of each sample of the word: the complement of its triangle (0: none) and bounds of its inverse depth. They
+// are only indexed by what compilers know, so that they stay in registers. Where `rivals` has a bit, another triangle almost
+// touches it there: `rivals_found`.
+var<private> best_keys: array<u32, 32>;
+var<private> best_high: array<f32, 32>;
+var<private> best_low: array<f32, 32>;
+var<private> rivals: u32;
+
+// The triangle that is looked at, and the samples for which bounds do not tell.
+var<private> view: View;
+var<private> open: u32;
 
 fn corners_of(t: u32) -> vec3<u32> {
     return vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+}
+
+fn sample_offset(k: u32) -> vec2<f32> {
+    let pair = samples[k >> 1u];
+    return select(pair.xy, pair.zw, (k & 1u) == 1u);
 }
 
 const TOUCHING = 9.5367432e-7;  // 2^-20: relative difference of depths that single precision is not asked about
@@ -18,61 +29,100 @@ fn share_vertex(i: vec3<u32>, j: vec3<u32>) -> bool {
     return any(i == j) || any(i == j.yzx) || any(i == j.zxy);
 }
 
-// Takes in that triangle `t`, of corners `i`, may be what sample `k` of a word sees; `offset` is the sample's.
-// What is rare stands in a loop of one turn: CPU adapters jump over a loop, but not over a branch.
-fn consider(k: u32, offset: vec2<f32>, t: u32, i: vec3<u32>, s: View, unsure: bool, pixel: u32) {
-    var bounds = depth_bounds(s, s.over.x + offset.x * s.over.y + offset.y * s.over.z);
-    var stays = bounds.x <= best_far[k];
-    var touching = false;
-    // Too near to tell, to what is known or to the near plane.
-    let open = !(bounds.x >= frame.forward.w && bounds.y < best_near[k]);
-    for (var look = stays && (unsure || open); look; look = false) {
-        let ray = ray_at(pixel, offset);
-        if unsure {
-            let v = vec3(eye_edge_near(i.x, i.y, ray), eye_edge_near(i.y, i.z, ray), eye_edge_near(i.z, i.x, ray));
-            stays = all(v >= vec3(0.0)) || all(v <= vec3(0.0));
-        }
-        if !stays || !open { continue; }
-        bounds = vec2(eye_depth(i, ray));
-        stays = bounds.x >= frame.forward.w;
-        let other = best_ids[k];
-        if !stays || other == NO_TRIANGLE { continue; }
-        if best_near[k] != best_far[k] { best_near[k] = eye_depth(corners_of(other), ray); }
-        best_far[k] = best_near[k];
-        stays = bounds.x < best_far[k] || (bounds.x == best_far[k] && t < other);
-        touching = abs(bounds.x - best_far[k]) <= TOUCHING * best_far[k] && !share_vertex(i, corners_of(other));
-        best_rivals[k] = select(best_rivals[k], select(t, other, stays), touching);
-    }
-    if stays {
-        if !touching { best_rivals[k] = NO_TRIANGLE; }
-        best_ids[k] = t;
-        best_near[k] = bounds.x;
-        best_far[k] = bounds.y;
+fn key_of(k: u32) -> u32 {
+    var key = 0u;
+    for (var n = 0u; n < 32u; n++) { key = select(key, best_keys[n], n == k); }
+    return key;
+}
+
+fn keep(k: u32, key: u32, depth: f32) {
+    let high = 1.000001 / depth;
+    let low = 0.999999 / depth;
+    for (var n = 0u; n < 32u; n++) {
+        best_keys[n] = select(best_keys[n], key, n == k);
+        best_high[n] = select(best_high[n], high, n == k);
+        best_low[n] = select(best_low[n], low, n == k);
     }
 }
 
-fn look_at(t: u32, word: u32, count: u32, pixel: u32, centre: vec3<f32>) {
-    let i = corners_of(t);
-    let s = view_of(i, centre);
-    let at = vec3(s.edges[0].x, s.edges[1].x, s.edges[2].x);
-    let ax = vec3(s.edges[0].y, s.edges[1].y, s.edges[2].y);
-    let ay = vec3(s.edges[0].z, s.edges[1].z, s.edges[2].z);
-    let doubt = vec3(s.edges[0].w, s.edges[1].w, s.edges[2].w);
-    var inside = 0u;
-    var unsure = 0u;
-    for (var p = 0u; p < (count + 1u) / 2u; p++) {
-        let pair = samples[16u * word + p];
-        let v = at + pair.x * ax + pair.y * ay;
-        let w = at + pair.z * ax + pair.w * ay;
-        inside |= select(1u, 0u, any(v > doubt) && any(v < -doubt)) << (2u * p);
-        inside |= select(2u, 0u, any(w > doubt) && any(w < -doubt)) << (2u * p);
-        unsure |= select(0u, 1u, any(abs(v) <= doubt)) << (2u * p);
-        unsure |= select(0u, 2u, any(abs(w) <= doubt)) << (2u * p);
+// Triangle `t` at sample `k`, a constant, by bounds. No branch.
+fn look(k: u32, offset: vec2<f32>, t: u32) {
+    let v = view.at + offset.x * view.right + offset.y * view.down;
+    let ahead = v > view.doubt;
+    let behind = v < -view.doubt;
+    let high = min(view.high.x + offset.x * view.high.y + offset.y * view.high.z, view.highest);
+    let low = max(view.low.x + offset.x * view.low.y + offset.y * view.low.z, view.lowest);
+    let matters = !(any(ahead) && any(behind)) && high >= best_low[k];
+    let sure = (all(ahead) || all(behind)) && low > best_high[k] && high * frame.forward.w < 0.99999;
+    open |= select(0u, 1u << k, matters && !sure);
+    let takes = matters && sure;
+    best_keys[k] = select(best_keys[k], ~t, takes);
+    best_high[k] = select(best_high[k], high, takes);
+    best_low[k] = select(best_low[k], low, takes);
+    rivals &= select(0xffffffffu, ~(1u << k), takes);
+}
+
+fn look_twice(n: u32, t: u32) {
+    let pair = samples[16u * step.word + n];
+    look(2u * n, pair.xy, t);
+    look(2u * n + 1u, pair.zw, t);
+}
+
+// Triangle `t`, of corners `i`, at sample `k`, from its corners.
+fn decide(k: u32, t: u32, i: vec3<u32>, slot: u32, pixel: u32) {
+    let ray = ray_at(pixel, sample_offset(32u * step.word + k));
+    let v = vec3(eye_edge_near(i.x, i.y, ray), eye_edge_near(i.y, i.z, ray), eye_edge_near(i.z, i.x, ray));
+    let depth = eye_depth(i, ray);
+    if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) || !(depth >= frame.forward.w) { return; }
+    let other = ~key_of(k);
+    var takes = true;
+    var touching = false;
+    if other != NO_TRIANGLE {
+        let j = corners_of(other);
+        let known = eye_depth(j, ray);
+        takes = depth < known || (depth == known && t < other);
+        touching = abs(depth - known) <= TOUCHING * known && !share_vertex(i, j);
     }
-    inside &= select((1u << count) - 1u, 0xffffffffu, count == 32u);
-    while inside != 0u {
-        let k = firstTrailingBit(inside);
-        inside &= inside - 1u;
-        consider(k, sample_offset(32u * word + k), t, i, s, ((unsure >> k) & 1u) != 0u, pixel);
+    if touching {
+        rivals_found[place(slot, 32u * step.word + k)] = select(t, other, takes);
+        rivals |= 1u << k;
+    }
+    if takes {
+        if !touching { rivals &= ~(1u << k); }
+        keep(k, ~t, depth);
+    }
+}
+
+// Takes in a triangle of the pixel's list. `count`: samples of the word.
+fn take_in(t: u32, count: u32, slot: u32, pixel: u32, centre: vec3<f32>) {
+    let i = corners_of(t);
+    view = view_of(i, centre);
+    open = 0u;
+    look_twice(0u, t);
+    look_twice(1u, t);
+    look_twice(2u, t);
+    look_twice(3u, t);
+    // Loops of one turn: CPU adapters jump over a loop, but not over a branch.
+    for (var more = count > 8u; more; more = false) {
+        look_twice(4u, t);
+        look_twice(5u, t);
+        look_twice(6u, t);
+        look_twice(7u, t);
+    }
+    for (var more = count > 16u; more; more = false) {
+        look_twice(8u, t);
+        look_twice(9u, t);
+        look_twice(10u, t);
+        look_twice(11u, t);
+        look_twice(12u, t);
+        look_twice(13u, t);
+        look_twice(14u, t);
+        look_twice(15u, t);
+    }
+    open &= select((1u << count) - 1u, 0xffffffffu, count == 32u);
+    while open != 0u {
+        let k = firstTrailingBit(open);
+        open &= open - 1u;
+        decide(k, t, i, slot, pixel);
     }
 }

@@ -1,3 +1,3 @@
-// Which of a kernel's two runs it is: 0 or 1.
+// Which of a kernel's runs it is, or, where a kernel keeps what it found for a later run, of how many items it does.
 
 struct Pass { index: u32 }

@@ -9,7 +9,7 @@ use crate::stages::camera_visibility::Blocks;
 use crate::stages::compact::{self, Compact, Flags};
 use crate::stages::facet_classify::Facets;
 use crate::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use crate::stages::sample_surfaces::{ComplexPixels, GROUP_NEAREST, Mesh, SampleSurfaces};
+use crate::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces, WORKGROUP};
 use crate::stages::{Count, PrefixScan, prefix_scan};
 
 /// Pipelines and memory.
@@ -23,7 +23,7 @@ pub struct EverySurface {
     complex: ComplexPixels,
     compact_scratch: compact::Scratch,
     scan_scratch: prefix_scan::Scratch,
-    requests: [Buffer<[u32; 4]>; 2],
+    request: Buffer<[u32; 4]>,
     args: Buffer<u32>,
     rounds: u32,
 }
@@ -52,8 +52,8 @@ impl EverySurface {
             complex: ComplexPixels::new(device, c.complex_pixels, words as usize)?,
             compact_scratch: Compact::scratch(device, pixels)?,
             scan_scratch: PrefixScan::scratch(device, pixels)?,
-            requests: requests(device, queue, words, c)?,
-            args: Buffer::indirect(device, "every_surface.args", 6)?,
+            request: request(device, queue, c)?,
+            args: Buffer::indirect(device, "every_surface.args", 3)?,
             rounds: c.camera_rounds,
         })
     }
@@ -71,7 +71,7 @@ impl EverySurface {
     ) -> Result<()> {
         self.lists = PixelLists::new(device, settings.pixels(), capacities.pixel_triangles)?;
         self.complex = ComplexPixels::new(device, capacities.complex_pixels, settings.samples.words() as usize)?;
-        self.requests = requests(device, queue, settings.samples.words(), capacities)?;
+        self.request = request(device, queue, capacities)?;
         self.rounds = capacities.camera_rounds;
         Ok(())
     }
@@ -106,10 +106,9 @@ impl EverySurface {
             let total = (&complex.total, 0);
             let count = Count::Exactly(pixels);
             self.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
-            for request in &self.requests {
-                let buffers = [("counts", complex.total.raw()), ("requests", request.raw()), ("args", self.args.raw())];
-                stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
-            }
+            let buffers =
+                [("counts", complex.total.raw()), ("requests", self.request.raw()), ("args", self.args.raw())];
+            stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
             let mesh = Mesh { samples, triangles: in_camera.triangles, points: in_camera.points, positions };
             let (args, scratch) = ((self.args.raw(), 0), &self.scan_scratch);
             self.surfaces.record(stage, frame, mesh, lists, complex, args, self.rounds, scratch, facets, id_keys)?;
@@ -124,10 +123,7 @@ impl EverySurface {
     }
 }
 
-/// One workgroup for each complex pixel, and one for each [`GROUP_NEAREST`] words of their samples.
-fn requests(device: &wgpu::Device, queue: &wgpu::Queue, words: u32, c: Capacities) -> Result<[Buffer<[u32; 4]>; 2]> {
-    let request = |group, at| {
-        Buffer::from_slice(device, queue, "dispatch_args.request", &[[0, group, c.complex_pixels as u32, at]])
-    };
-    Ok([request(1, 0)?, request(GROUP_NEAREST / words, 3)?])
+/// One workgroup for each [`WORKGROUP`] complex pixels.
+fn request(device: &wgpu::Device, queue: &wgpu::Queue, c: Capacities) -> Result<Buffer<[u32; 4]>> {
+    Buffer::from_slice(device, queue, "dispatch_args.request", &[[0, WORKGROUP, c.complex_pixels as u32, 0]])
 }

@@ -13,9 +13,9 @@ use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
-    /// Which of a kernel's two runs it is.
+    /// Which of a kernel's runs it is, or how many items a kernel keeps for a later run.
     "shared/pass" => pub struct Pass {
-        /// 0 or 1.
+        /// The run, or the items.
         pub index: u32,
     }
 }

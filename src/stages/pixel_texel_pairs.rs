@@ -5,7 +5,8 @@
 //!   once `texel_deepest` and the pairs as they come, for [`SortedPairs`](super::SortedPairs).
 //! - **Guarantee.** Conservative: every texel in which a caster may shadow the facet makes a pair. Nothing is written beyond
 //!   the capacity. The order inside a texel is not defined; what is made of it does not depend on it.
-//! - **Cost.** One indirect dispatch each; one invocation looks at up to 64 texels.
+//! - **Cost.** One indirect dispatch to count, two to emit; one invocation looks at up to 64 texels, once, as long as
+//!   [`PairLists::touched`] has room for what it found.
 
 use super::camera_visibility::Pass;
 use super::facet_classify::Facets;
@@ -17,7 +18,9 @@ use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 /// The pipeline.
 #[derive(Debug)]
 pub struct PixelTexelPairs {
-    raster: Program,
+    count: Program,
+    emit: Program,
+    emit_rest: Program,
     append: Program,
     uniforms: Uniforms,
 }
@@ -37,6 +40,9 @@ pub struct PairLists {
     pub pixel_pairs: Buffer<[u32; 2]>,
     /// Triangle-texel pairs: triangle.
     pub triangle_pairs: Buffer<u32>,
+    /// Texels that a block of a facet or caster makes pairs in, one bit each, from counting to emitting; what finds no room
+    /// is found twice.
+    pub touched: Buffer<[u32; 2]>,
     /// Counters of the band at work and pairs listed lately (see `kernels/shared/candidates.wgsl`), then facet and triangle
     /// of each pair worth evaluating.
     pub candidates: Buffer<u32>,
@@ -67,6 +73,8 @@ impl PairLists {
             triangle_offsets: Buffer::storage(device, "pairs.triangle_offsets", texels + 2)?,
             pixel_pairs: Buffer::storage(device, "pairs.pixel_pairs", pixel_pairs)?,
             triangle_pairs: Buffer::storage(device, "pairs.triangle_pairs", triangle_pairs)?,
+            // A block makes several pairs as a rule.
+            touched: Buffer::storage(device, "pairs.touched", (pixel_pairs + triangle_pairs) / 4)?,
             candidates: Buffer::storage(device, "pairs.candidates", TALLY_WORDS + 2 * candidates)?,
             doubts: Buffer::storage(device, "pairs.doubts", candidates)?,
         })
@@ -77,7 +85,9 @@ impl PixelTexelPairs {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
-            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
+            emit: Program::new(device, kernel::ENTRY_EMIT, &[]),
+            emit_rest: Program::new(device, kernel::ENTRY_EMIT_REST, &[]),
             append: Program::new(device, kernel::ENTRY_APPEND, &[]),
             uniforms: Uniforms::default(),
         }
@@ -99,10 +109,10 @@ impl PixelTexelPairs {
         splits: &Buffer<f32>,
         lists: &PairLists,
     ) -> Result<()> {
-        let pass = self.uniforms.get(stage.device, &Pass { index });
+        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 });
         let buffers = [
             ("frame", frame),
-            ("step", &pass),
+            ("step", &kept),
             ("facets", facets.list.raw()),
             ("work_offsets", offsets.raw()),
             ("splits", splits.raw()),
@@ -110,8 +120,10 @@ impl PixelTexelPairs {
             ("texel_deepest", lists.texel_deepest.raw()),
             ("pair_offsets", lists.pixel_offsets.raw()),
             ("pairs", lists.pixel_pairs.raw()),
+            ("touched", lists.touched.raw()),
         ];
-        stage.run(&self.raster, &buffers, Groups::Indirect(args.0, args.1))
+        let programs = if index == 0 { vec![&self.count] } else { vec![&self.emit, &self.emit_rest] };
+        programs.into_iter().try_for_each(|program| stage.run(program, &buffers, Groups::Indirect(args.0, args.1)))
     }
 
     /// Records the listing of pairs as they come, to be sorted; the capacity of `frame` may not be above that of `to`.

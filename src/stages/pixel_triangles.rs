@@ -7,7 +7,8 @@
 //! - **Guarantee.** Conservative: every triangle that a sample sees is listed at its pixel, and a pixel passes for single
 //!   only if its one triangle covers its whole square by a margin far above rounding. Nothing is written beyond the capacity.
 //!   The order inside a pixel is not defined; what is made of it does not depend on it.
-//! - **Cost.** Three indirect dispatches over blocks (an invocation looks at up to 64 pixels), one over pixels, a scan.
+//! - **Cost.** Four indirect dispatches over blocks (an invocation looks at up to 64 pixels, twice as long as
+//!   [`PixelLists::touched`] has room for what it found), one over pixels, a scan.
 //! - **Source.** The pair lists of Pan 2009, section 3.3, turned on the camera's view.
 
 use super::camera_visibility::{Blocks, Pass};
@@ -19,7 +20,10 @@ use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 /// The pipelines.
 #[derive(Debug)]
 pub struct PixelTriangles {
-    raster: Program,
+    cover: Program,
+    count: Program,
+    emit: Program,
+    emit_rest: Program,
     judge: Program,
     scan: PrefixScan,
     uniforms: Uniforms,
@@ -36,6 +40,9 @@ pub struct PixelLists {
     pub offsets: Buffer<u32>,
     /// The triangles.
     pub list: Buffer<u32>,
+    /// Pixels of a block in which its triangle is listed, one bit each, from counting to emitting; what finds no room is
+    /// found twice.
+    pub touched: Buffer<[u32; 2]>,
     /// 1 for each pixel that may show several surfaces.
     pub complex_flags: Buffer<u32>,
     /// Facets of each pixel.
@@ -53,6 +60,7 @@ impl PixelLists {
             counts: Buffer::storage(device, "pixel_triangles.counts", pixels)?,
             offsets: Buffer::storage(device, "pixel_triangles.offsets", pixels + 2)?,
             list: Buffer::storage(device, "pixel_triangles.list", triangles)?,
+            touched: Buffer::storage(device, "pixel_triangles.touched", triangles / 4)?,
             complex_flags: Buffer::storage(device, "pixel_triangles.complex_flags", pixels)?,
             facet_counts: Buffer::storage(device, "pixel_triangles.facet_counts", pixels)?,
         })
@@ -66,7 +74,10 @@ impl PixelTriangles {
     /// Builds the pipelines; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
         Self {
-            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            cover: Program::new(device, kernel::ENTRY_COVER, &[]),
+            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
+            emit: Program::new(device, kernel::ENTRY_EMIT, &[]),
+            emit_rest: Program::new(device, kernel::ENTRY_EMIT_REST, &[]),
             judge: Program::new(device, kernel::ENTRY_JUDGE, &[]),
             scan: scan.clone(),
             uniforms: Uniforms::default(),
@@ -87,8 +98,7 @@ impl PixelTriangles {
         status: &Buffer<u32>,
     ) -> Result<()> {
         let pixels = lists.counts.len();
-        self.raster(stage, 0, frame, blocks, lists)?;
-        self.raster(stage, 1, frame, blocks, lists)?;
+        self.raster(stage, &[&self.cover, &self.count], frame, blocks, lists)?;
         let buffers = [
             ("frame", frame),
             ("cover_keys", lists.cover_keys.raw()),
@@ -100,21 +110,21 @@ impl PixelTriangles {
         stage.run(&self.judge, &buffers, Groups::Items(pixels as u64))?;
         let total = (&lists.offsets, pixels);
         self.scan.record(stage, &lists.counts, &lists.offsets, total, scratch, Count::Exactly(pixels))?;
-        self.raster(stage, 2, frame, blocks, lists)
+        self.raster(stage, &[&self.emit, &self.emit_rest], frame, blocks, lists)
     }
 
     fn raster(
         &self,
         stage: &mut Stage,
-        index: u32,
+        programs: &[&Program],
         frame: &wgpu::Buffer,
         blocks: Blocks,
         lists: &PixelLists,
     ) -> Result<()> {
-        let pass = self.uniforms.get(stage.device, &Pass { index });
+        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 });
         let buffers = [
             ("frame", frame),
-            ("step", &pass),
+            ("step", &kept),
             ("triangles", blocks.triangles),
             ("points", blocks.points.raw()),
             ("camera_rects", blocks.rects.raw()),
@@ -123,7 +133,9 @@ impl PixelTriangles {
             ("pixel_counts", lists.counts.raw()),
             ("pixel_offsets", lists.offsets.raw()),
             ("pixel_list", lists.list.raw()),
+            ("touched", lists.touched.raw()),
         ];
-        stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
+        let run = |program: &&Program| stage.run(program, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1));
+        programs.iter().try_for_each(run)
     }
 }

@@ -8,8 +8,9 @@
 //!   run to run. Nothing is written beyond the capacities.
 //! - **Capacity.** [`ROUND_LENGTH`] triangles of a pixel a dispatch; longer lists take more rounds.
 //!   Samples of more complex pixels than one binding holds are taken in bands, one after the other.
-//! - **Cost.** One invocation for each complex pixel and round: about 25 flop for each sample and triangle of its list, and
-//!   150 a triangle; per complex pixel 4 bytes a sample.
+//! - **Cost.** One invocation for each complex pixel and word of its samples: about 45 flop for each sample and triangle of
+//!   its list, and 250 a triangle. A sample within rounding of an edge, or of two surfaces that bounds of their depths do not
+//!   tell apart, costs about 150 more. Per complex pixel 4 bytes a sample, read once for each of its surfaces and once more.
 
 use super::facet_classify::Facets;
 use super::pixel_triangles::PixelLists;
@@ -18,7 +19,7 @@ use crate::gpu::kernels::sample_surfaces as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::{Result, shared_struct};
 
-pub use kernel::{GROUP_NEAREST, ROUND_LENGTH};
+pub use kernel::{ROUND_LENGTH, WORKGROUP};
 
 shared_struct! {
     /// What a dispatch takes of the complex pixels.
@@ -29,8 +30,8 @@ shared_struct! {
         pub first_slot: u32,
         /// Complex pixels at most.
         pub slots: u32,
-        /// Unused.
-        pub pad_0: u32,
+        /// Word of the samples.
+        pub word: u32,
     }
 }
 
@@ -43,6 +44,7 @@ pub struct SampleSurfaces {
     emit: Program,
     emit_single: Program,
     scan: PrefixScan,
+    words: u32,
     uniforms: Uniforms,
 }
 
@@ -53,9 +55,9 @@ pub struct ComplexPixels {
     pub pixels: Buffer<u32>,
     /// How many there are, and 0.
     pub total: Buffer<u32>,
-    /// Triangle of each sample, one buffer for each band of them.
-    pub ids: Vec<Buffer<u32>>,
-    /// Another one that almost touches it there, of the band at work.
+    /// Complement of the triangle of each sample, one buffer for each band of them.
+    pub keys: Vec<Buffer<u32>>,
+    /// Another one that almost touches it there, of the band at work, and which samples have one.
     pub rivals: Buffer<u32>,
     /// Pixels of a band.
     band: usize,
@@ -69,7 +71,7 @@ impl ComplexPixels {
     pub fn new(device: &wgpu::Device, count: usize, words: usize) -> Result<Self> {
         let limits = device.limits();
         let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        Self::in_bands(device, count, words, (binding / (128 * words as u64)) as usize)
+        Self::in_bands(device, count, words, (binding / (132 * words as u64)) as usize)
     }
 
     /// As [`ComplexPixels::new`], in bands of at most `most` pixels.
@@ -79,12 +81,13 @@ impl ComplexPixels {
     pub fn in_bands(device: &wgpu::Device, count: usize, words: usize, most: usize) -> Result<Self> {
         let bands = count.div_ceil(most.max(1)).max(1);
         let band = count.div_ceil(bands);
-        let samples = |label| Buffer::storage(device, label, band * 32 * words);
         Ok(Self {
             pixels: Buffer::storage(device, "sample_surfaces.pixels", count)?,
             total: Buffer::storage(device, "sample_surfaces.total", 2)?,
-            ids: (0..bands).map(|_| samples("sample_surfaces.ids")).collect::<Result<_>>()?,
-            rivals: samples("sample_surfaces.rivals")?,
+            keys: (0..bands)
+                .map(|_| Buffer::storage(device, "sample_surfaces.keys", band * 32 * words))
+                .collect::<Result<_>>()?,
+            rivals: Buffer::storage(device, "sample_surfaces.rivals", band * 33 * words)?,
             band,
         })
     }
@@ -92,7 +95,7 @@ impl ComplexPixels {
     /// The bands: what all dispatches but those of further rounds are told, and the triangles of the samples.
     fn bands(&self) -> impl Iterator<Item = (Step, &Buffer<u32>)> {
         let step = |n: usize| Step { first_slot: (n * self.band) as u32, slots: self.band as u32, ..Step::default() };
-        self.ids.iter().enumerate().map(move |(n, ids)| (step(n), ids))
+        self.keys.iter().enumerate().map(move |(n, keys)| (step(n), keys))
     }
 }
 
@@ -120,12 +123,13 @@ impl SampleSurfaces {
             emit: Program::new(device, kernel::ENTRY_EMIT, &constants),
             emit_single: Program::new(device, kernel::ENTRY_EMIT_SINGLE, &constants),
             scan: scan.clone(),
+            words,
             uniforms: Uniforms::default(),
         }
     }
 
-    /// Records all of it, in `rounds` rounds. `args`: indirect arguments of one workgroup for each complex pixel, and three
-    /// words further of one for each [`GROUP_NEAREST`] words of their samples.
+    /// Records all of it, in `rounds` rounds. `args`: indirect arguments of one workgroup for each [`WORKGROUP`] complex
+    /// pixels.
     ///
     /// # Errors
     /// [`crate::Error::Config`] if a buffer is too small for the image.
@@ -145,17 +149,13 @@ impl SampleSurfaces {
     ) -> Result<()> {
         let pixels = lists.counts.len();
         // As many workgroups as there are complex pixels; with several bands, as a band may hold.
-        let one_band = complex.ids.len() == 1;
-        let indirect = |word| Groups::Indirect(args.0, args.1 + word);
-        let direct = |items: usize| Groups::Workgroups(items as u64);
-        let per_pixel = || if one_band { indirect(0) } else { direct(complex.band) };
-        let per_word = || {
-            let words = complex.rivals.len() / 32;
-            if one_band { indirect(3) } else { direct(words.div_ceil(GROUP_NEAREST as usize)) }
+        let groups = || match complex.keys.len() {
+            1 => Groups::Indirect(args.0, args.1),
+            _ => Groups::Items(complex.band as u64),
         };
-        for (band, ids) in complex.bands() {
-            for round in 0..rounds {
-                let step = self.uniforms.get(stage.device, &Step { round, ..band });
+        for (band, keys) in complex.bands() {
+            for (round, word) in (0..rounds).flat_map(|round| (0..self.words).map(move |word| (round, word))) {
+                let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
                 let buffers = [
                     ("frame", frame),
                     ("samples", mesh.samples),
@@ -166,10 +166,10 @@ impl SampleSurfaces {
                     ("pixel_list", lists.list.raw()),
                     ("complex_pixels", complex.pixels.raw()),
                     ("complex_total", complex.total.raw()),
-                    ("sample_ids", ids.raw()),
-                    ("rival_ids", complex.rivals.raw()),
+                    ("sample_keys", keys.raw()),
+                    ("rivals_found", complex.rivals.raw()),
                 ];
-                stage.run(&self.nearest, &buffers, per_word())?;
+                stage.run(&self.nearest, &buffers, groups())?;
             }
             let step = self.uniforms.get(stage.device, &band);
             let buffers = [
@@ -180,19 +180,19 @@ impl SampleSurfaces {
                 ("positions", mesh.positions),
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
-                ("sample_ids", ids.raw()),
-                ("rival_ids", complex.rivals.raw()),
+                ("sample_keys", keys.raw()),
+                ("rivals_found", complex.rivals.raw()),
             ];
-            stage.run(&self.rivals, &buffers, per_pixel())?;
+            stage.run(&self.rivals, &buffers, groups())?;
             let buffers = [
                 ("frame", frame),
                 ("step", &step),
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
-                ("sample_ids", ids.raw()),
+                ("sample_keys", keys.raw()),
                 ("facet_counts", lists.facet_counts.raw()),
             ];
-            stage.run(&self.group, &buffers, per_pixel())?;
+            stage.run(&self.group, &buffers, groups())?;
         }
         let (counts, offsets) = (&lists.facet_counts, &facets.pixel_facets);
         self.scan.record(stage, counts, offsets, (offsets, pixels), scratch, Count::Exactly(pixels))?;
@@ -207,7 +207,7 @@ impl SampleSurfaces {
             ("id_keys", id_keys.raw()),
         ];
         stage.run(&self.emit_single, &buffers, Groups::Items(pixels.max(facets.list.len()) as u64))?;
-        for (band, ids) in complex.bands() {
+        for (band, keys) in complex.bands() {
             let step = self.uniforms.get(stage.device, &band);
             let buffers = [
                 ("frame", frame),
@@ -215,13 +215,13 @@ impl SampleSurfaces {
                 ("step", &step),
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
-                ("sample_ids", ids.raw()),
+                ("sample_keys", keys.raw()),
                 ("pixel_facets", facets.pixel_facets.raw()),
                 ("facets", facets.list.raw()),
                 ("masks", facets.masks.raw()),
                 ("id_keys", id_keys.raw()),
             ];
-            stage.run(&self.emit, &buffers, per_pixel())?;
+            stage.run(&self.emit, &buffers, groups())?;
         }
         Ok(())
     }

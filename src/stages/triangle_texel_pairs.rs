@@ -5,7 +5,8 @@
 //!   come, for [`SortedPairs`](super::SortedPairs).
 //! - **Guarantee.** Conservative: every caster that may shadow a facet listed at a texel is listed there. Nothing is written
 //!   beyond the capacity. The order inside a texel is not defined; what is made of it does not depend on it.
-//! - **Cost.** One indirect dispatch each; one invocation looks at up to 64 texels.
+//! - **Cost.** One indirect dispatch to count, two to emit; one invocation looks at up to 64 texels, once, as long as
+//!   [`PairLists::touched`] has room for what it found.
 
 use super::camera_visibility::{Blocks, Pass};
 use super::pixel_texel_pairs::PairLists;
@@ -17,7 +18,9 @@ use crate::gpu::{Groups, Program, Stage, Uniforms};
 /// The pipeline.
 #[derive(Debug)]
 pub struct TriangleTexelPairs {
-    raster: Program,
+    count: Program,
+    emit: Program,
+    emit_rest: Program,
     append: Program,
     uniforms: Uniforms,
 }
@@ -26,7 +29,9 @@ impl TriangleTexelPairs {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
-            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
+            emit: Program::new(device, kernel::ENTRY_EMIT, &[]),
+            emit_rest: Program::new(device, kernel::ENTRY_EMIT_REST, &[]),
             append: Program::new(device, kernel::ENTRY_APPEND, &[]),
             uniforms: Uniforms::default(),
         }
@@ -44,10 +49,10 @@ impl TriangleTexelPairs {
         blocks: Blocks,
         lists: &PairLists,
     ) -> Result<()> {
-        let pass = self.uniforms.get(stage.device, &Pass { index });
+        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 });
         let buffers = [
             ("frame", frame),
-            ("step", &pass),
+            ("step", &kept),
             ("triangles", blocks.triangles),
             ("map_points", blocks.points.raw()),
             ("light_rects", blocks.rects.raw()),
@@ -56,8 +61,11 @@ impl TriangleTexelPairs {
             ("texel_counts", lists.texel_counts.raw()),
             ("pair_offsets", lists.triangle_offsets.raw()),
             ("pair_triangles", lists.triangle_pairs.raw()),
+            ("touched", lists.touched.raw()),
         ];
-        stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
+        let programs = if index == 0 { vec![&self.count] } else { vec![&self.emit, &self.emit_rest] };
+        let run = |program| stage.run(program, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1));
+        programs.into_iter().try_for_each(run)
     }
 
     /// Records the listing of pairs as they come, to be sorted; the capacity of `frame` may not be above that of `to`.

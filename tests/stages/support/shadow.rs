@@ -322,7 +322,7 @@ impl World {
     pub fn pixel_pairs(&self, stage: &PixelTexelPairs, facets: &Facets, splits: &[Split], capacity: usize) -> Listed {
         let gpu = self.gpu;
         let (map, count) = (self.view.map.map_size as usize, facets.list.len());
-        let lists = PairLists::new(&gpu.device, map, capacity.max(1), 1, 1).expect("memory");
+        let mut lists = PairLists::new(&gpu.device, map, capacity.max(1), 1, 1).expect("memory");
         let items = facets.items.read(gpu).expect("readback");
         let (offsets, args, total) = self.items(&items);
         let splits = self.splits(splits);
@@ -330,10 +330,15 @@ impl World {
         (frame.facet_count, frame.facets_total) = (count as u32, count as u32);
         frame.pixel_texel_capacity = capacity as u32;
         let frame = uniform(gpu, &frame);
-        lists.pixel_pairs.write(&gpu.queue, &vec![[POISON; 2]; capacity.max(1)]);
         let mut counts = Vec::new();
         let mut deepest = Vec::new();
-        for pass in 0..2 {
+        let mut kept = None;
+        // All blocks found twice, half of them kept, all kept.
+        for (room, pass) in [0, total / 2, total + 1].into_iter().flat_map(|room| [(room, 0), (room, 1)]) {
+            if pass == 0 {
+                lists.touched = Buffer::storage(&gpu.device, "test.touched", room as usize).expect("memory");
+                lists.pixel_pairs.write(&gpu.queue, &vec![[POISON; 2]; capacity.max(1)]);
+            }
             lists.texel_counts.write(&gpu.queue, &vec![0; map * map]);
             if total > 0 {
                 run(gpu, |s| stage.record(s, pass, frame.raw(), facets, &offsets, (args.raw(), 0), &splits, &lists));
@@ -342,9 +347,13 @@ impl World {
             if pass == 0 {
                 deepest = lists.texel_deepest.read(gpu).expect("readback");
                 lists.pixel_offsets.write(&gpu.queue, &with_total(&counts[0]));
+            } else if counts[0].iter().sum::<u32>() as usize <= capacity {
+                let mut list = lists.pixel_pairs.read(gpu).expect("readback");
+                list.sort_unstable();
+                assert_eq!(*kept.get_or_insert_with(|| list.clone()), list, "what is kept of {total} blocks: {room}");
             }
         }
-        assert_eq!(counts[0], counts[1], "both runs find the same pairs");
+        assert!(counts.iter().all(|c| *c == counts[0]), "all runs find the same pairs");
         let list = lists.pixel_pairs.read(gpu).expect("readback");
         // Appended instead, they are the same.
         lists.texel_deepest.write(&gpu.queue, &vec![0; deepest.len()]);
@@ -369,7 +378,9 @@ impl World {
     ) -> Vec<[u32; 2]> {
         let gpu = self.gpu;
         let map = self.view.map.map_size as usize;
-        let lists = PairLists::new(&gpu.device, map, len, 1, 1).expect("memory");
+        // Nothing is kept from counting.
+        let touched = Buffer::storage(&gpu.device, "test.touched", 0).expect("memory");
+        let lists = PairLists { touched, ..PairLists::new(&gpu.device, map, len, 1, 1).expect("memory") };
         let (offsets, args, _) = self.items(&facets.items.read(gpu).expect("readback"));
         let splits_on_gpu = self.splits(splits);
         let mut frame = self.frame;
@@ -398,7 +409,7 @@ impl World {
     ) -> Listed {
         let gpu = self.gpu;
         let map = self.view.map.map_size as usize;
-        let lists = PairLists::new(&gpu.device, map, 1, len, 1).expect("memory");
+        let mut lists = PairLists::new(&gpu.device, map, 1, len, 1).expect("memory");
         let items = self.facts.light_items.read(gpu).expect("readback");
         let (offsets, args, total) = self.items(&items);
         let across = map.div_ceil(8);
@@ -408,7 +419,6 @@ impl World {
             words[map * map + texel / map / 8 * across + texel % map / 8] = 1;
         }
         lists.texel_deepest.write(&gpu.queue, &words);
-        lists.triangle_pairs.write(&gpu.queue, &vec![POISON; len]);
         let mut frame = self.frame;
         frame.triangle_texel_capacity = capacity as u32;
         let frame = uniform(gpu, &frame);
@@ -420,7 +430,13 @@ impl World {
             args: (args.raw(), 0),
         };
         let mut counts = Vec::new();
-        for pass in 0..2 {
+        let mut kept = None;
+        // All blocks found twice, half of them kept, all kept.
+        for (room, pass) in [0, total / 2, total + 1].into_iter().flat_map(|room| [(room, 0), (room, 1)]) {
+            if pass == 0 {
+                lists.touched = Buffer::storage(&gpu.device, "test.touched", room as usize).expect("memory");
+                lists.triangle_pairs.write(&gpu.queue, &vec![POISON; len]);
+            }
             lists.texel_counts.write(&gpu.queue, &vec![0; map * map]);
             if total > 0 {
                 run(gpu, |s| stage.record(s, pass, frame.raw(), blocks, &lists));
@@ -428,9 +444,14 @@ impl World {
             counts.push(lists.texel_counts.read(gpu).expect("readback"));
             if pass == 0 {
                 lists.triangle_offsets.write(&gpu.queue, &with_total(&counts[0]));
+            } else if counts[0].iter().sum::<u32>() as usize <= capacity {
+                let mut list = lists.triangle_pairs.read(gpu).expect("readback");
+                let offsets = with_total(&counts[0]);
+                offsets[..=map * map].windows(2).for_each(|w| list[w[0] as usize..w[1] as usize].sort_unstable());
+                assert_eq!(*kept.get_or_insert_with(|| list.clone()), list, "what is kept of {total} blocks: {room}");
             }
         }
-        assert_eq!(counts[0], counts[1], "both runs find the same pairs");
+        assert!(counts.iter().all(|c| *c == counts[0]), "all runs find the same pairs");
         let offsets = with_total(&counts[0]);
         let list = lists.triangle_pairs.read(gpu).expect("readback");
         let owner = |k: usize| offsets[..map * map].partition_point(|&o| o as usize <= k) as u32 - 1;
