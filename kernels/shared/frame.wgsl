@@ -3,7 +3,7 @@
 
 struct Frame {
     eye: vec4<f32>,          // xyz: eye in world units; w: scale
-    eye_low: vec4<f32>,      // xyz: what f32 leaves out of the eye
+    eye_low: vec4<f32>,      // xyz: what f32 leaves out of the eye; w: no caster is nearer along the light view's axis
     light: vec4<f32>,        // homogeneous: direction towards the light and 0, or its point and 1
     light_low: vec4<f32>,    // xyz: what f32 leaves out of the light; w: nearest distance along the light view's axis
     ray_corner: vec4<f32>,   // direction through the image's top left corner

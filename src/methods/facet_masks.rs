@@ -330,6 +330,15 @@ impl FacetMasks {
         self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
     }
 
+    /// Records the stage `camera_visibility` alone, for what takes its place to look at; after `triangle_setup`, as in what
+    /// [`FacetMasks::record_seen`] is given.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_camera(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
+        self.memory.geometry.record_camera(rec, &self.with.geometry, self.memory.frames[0].raw(), casters)
+    }
+
     /// Exclusive scan of `items` into `offsets`, whose last two words take the sum and the overflow flag.
     fn scan(
         &self,

@@ -3,7 +3,7 @@
 use super::Casters;
 use crate::Result;
 use crate::gpu::Buffer;
-use crate::methods::prepared::{CasterBuffers, Prepared};
+use crate::methods::prepared::{CasterBuffers, Prepared, surfaces};
 use crate::scene::Mesh;
 use crate::scene::weld::{UNUSED, weld};
 
@@ -19,9 +19,19 @@ pub struct CasterSet {
 }
 
 impl CasterSet {
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
+    /// With room behind the casters for `room` triangles of surfaces that are none.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        casters: &Casters,
+        given: Mesh,
+        room: usize,
+    ) -> Result<Self> {
         let prepared = Prepared::new(&given);
-        let buffers = prepared.upload(device, queue)?;
+        let mut buffers = prepared.upload(device, queue)?;
+        if room > 0 {
+            (buffers.positions, buffers.triangles) = surfaces(device, queue, &prepared.mesh, room)?;
+        }
         let mut numbers = vec![0; prepared.given.len()];
         for (number, &triangle) in (0..).zip(&prepared.given) {
             numbers[triangle as usize] = number;

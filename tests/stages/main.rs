@@ -10,6 +10,7 @@ mod dispatch_args;
 mod facet_classify;
 mod front_layer;
 mod light_layers;
+mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;
 mod prefix_scan;
