@@ -10,7 +10,7 @@
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
 // There is no depth bias: the split depth was proved (front_layer) to lie between two sheets.
 // A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle. With
-// FLAG_CLAMP all facets have only such samples: their rectangles are cut to their triangles.
+// FLAG_CLAMP all facets have only such samples, but for FLAG_BEYOND: their rectangles are cut to their triangles.
 
 //@import frame
 //@import dispatch
@@ -97,12 +97,13 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
     // One facet is followed well beyond its own triangle, but not to the horizon.
     let clamped = (frame.flags & FLAG_CLAMP) != 0u;
-    let limit = max(far_corner, depth) * select(4.0, 1.0001, clamped);
+    let cut = clamped && (frame.flags & FLAG_BEYOND) == 0u;
+    let limit = max(far_corner, depth) * select(4.0, 1.0001, cut);
     let span = select(vec2(0u), span_of_samples(f), clamped);
     var outline = facet_box(pixel, part_of(span), plane, limit);
-    if clamped {
+    if cut {
         cut_to_triangle(&outline, a, b, c);
-    } else if !outline.whole {
+    } else if !clamped && !outline.whole {
         keep_own_triangle(f, given, pixel_ray(pixel));
     }
     var rect = EMPTY_RECT;

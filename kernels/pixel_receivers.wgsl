@@ -21,7 +21,7 @@ const GIVEN_POSITIONS = 1u;
 const GIVEN_NORMALS = 2u;
 const GIVEN_IDS = 4u;
 const NEAR_EDGE = 0.03125;
-const FARTHEST = 1e9;  // times the casters' distance: beyond it squares of squares leave f32
+const MOST_STEPS = 4;  // pixels to look for a neighbour on the same surface
 
 struct Params {
     depth: vec4<f32>,  // at view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
@@ -47,46 +47,7 @@ struct Params {
 @group(0) @binding(9) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(10) var<storage, read_write> faults: array<atomic<u32>>;
 
-const NOTHING = 0u;
-const SURFACE = 1u;
-const FAULT = 2u;
-
-struct Place {
-    point: vec3<f32>,  // relative to the eye, scaled
-    world: vec3<f32>,
-    depth: f32,        // view depth, scaled
-    what: u32,
-}
-
-fn ray_of(at: vec2<i32>) -> vec3<f32> {
-    let v = vec2<f32>(at) + 0.5;
-    return frame.ray_corner.xyz + v.x * frame.ray_x.xyz + (v.y + f32(frame.first_row)) * frame.ray_y.xyz;
-}
-
-fn place_at(at: vec2<i32>) -> Place {
-    var p: Place;
-    if any(at < vec2(0)) || any(at >= vec2<i32>(frame.image_size)) { return p; }
-    let texel = textureLoad(place, at, 0);
-    p.what = FAULT;
-    if (params.given & GIVEN_POSITIONS) != 0u {
-        if texel.w == 0.0 { p.what = NOTHING; }
-        if p.what == NOTHING || !all_finite(texel.xyz) || !is_finite(texel.w) { return p; }
-        p.world = texel.xyz;
-        p.point = ((p.world - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
-        p.depth = dot(p.point, frame.forward.xyz);
-    } else {
-        if texel.x == params.nothing { p.what = NOTHING; }
-        let under = texel.x * params.depth.z - params.depth.x;
-        if p.what == NOTHING || !is_finite(texel.x) || under == 0.0 { return p; }
-        let depth = (params.depth.y - texel.x * params.depth.w) / under;
-        p.depth = depth * frame.eye.w;
-        let away = ray_of(at) * depth;
-        p.point = away * frame.eye.w;
-        p.world = frame.eye.xyz + (frame.eye_low.xyz + away);
-    }
-    if is_finite(p.depth) && p.depth > 0.0 && largest(p.point) < FARTHEST { p.what = SURFACE; }
-    return p;
-}
+//@import given_place
 
 // Whether the surface is that of triangle `t`: on its plane and, seen from the eye, in it, give or take `reach` pixels.
 fn shows(t: u32, p: Place, ray: vec3<f32>, reach: f32) -> bool {
@@ -123,14 +84,31 @@ fn caster_at(at: vec2<i32>, p: Place) -> u32 {
     return NO_TRIANGLE;
 }
 
-// From the surface to that of the neighbour on the side where depth differs less; 0 if there is none on either.
+// What a neighbour shows, if it is no caster.
+fn other_at(at: vec2<i32>) -> Place {
+    var p = place_at(at);
+    if p.what != SURFACE { return p; }
+    var is_caster = false;
+    if (params.given & GIVEN_IDS) != 0u {
+        is_caster = textureLoad(ids, at, 0).x != params.none;
+    } else {
+        let t = ~id_keys[u32(at.y * i32(frame.image_size.x) + at.x)];
+        is_caster = t < frame.triangle_count && shows(t, p, ray_of(at), 1.0);
+    }
+    if is_caster { p.what = NOTHING; }
+    return p;
+}
+
+// From the surface to that of the nearest neighbour, of two the one whose depth differs less; 0 if there is none.
 fn step_along(at: vec2<i32>, by: vec2<i32>, p: Place) -> vec3<f32> {
-    let q = place_at(at + by);
-    let r = place_at(at - by);
-    let ahead = select(3.0e38, abs(q.depth - p.depth), q.what == SURFACE);
-    let behind = select(3.0e38, abs(r.depth - p.depth), r.what == SURFACE);
-    if min(ahead, behind) == 3.0e38 { return vec3(0.0); }
-    return select(p.point - r.point, q.point - p.point, ahead <= behind);
+    for (var d = 1; d <= MOST_STEPS; d++) {
+        let q = other_at(at + by * d);
+        let r = other_at(at - by * d);
+        let ahead = select(3.0e38, abs(q.depth - p.depth), q.what == SURFACE);
+        let behind = select(3.0e38, abs(r.depth - p.depth), r.what == SURFACE);
+        if min(ahead, behind) < 3.0e38 { return select(p.point - r.point, q.point - p.point, ahead <= behind); }
+    }
+    return vec3(0.0);
 }
 
 fn normal_at(at: vec2<i32>, p: Place) -> vec3<f32> {

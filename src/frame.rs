@@ -97,6 +97,8 @@ impl Frame {
     pub const ALL_UNDECIDED: u32 = 8;
     /// A facet covers only its own triangle, and pixels count by their squares, not their centres.
     pub const CLAMP: u32 = 16;
+    /// With it: a facet may also cover samples beyond its triangle.
+    pub const BEYOND: u32 = 32;
 
     /// The frame of a camera, a light and its view of a scene that lies between two corners.
     /// Counts of the mesh, lists and bands are left at 0.

@@ -18,6 +18,7 @@ mod compact;
 mod dispatch_args;
 mod facet_classify;
 mod front_layer;
+mod gbuffer_triangles;
 mod harness;
 mod light_layers;
 mod pixel_receivers;
@@ -92,7 +93,8 @@ fn run(options: &Options) -> Result<()> {
         visibility_masks::cases,
         resolve::cases,
     ];
-    let with_textures: [Maker; 3] = [triangle_ids::cases, pixel_receivers::cases, visibility_texture::cases];
+    let with_textures: [Maker; 4] =
+        [triangle_ids::cases, gbuffer_triangles::cases, pixel_receivers::cases, visibility_texture::cases];
     for makers in [&without_textures[..], &with_textures] {
         for log_size in options.log_sizes() {
             let mut cases = Vec::new();

@@ -70,13 +70,7 @@ impl<T: Pod> Buffer<T> {
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn with_room(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        label: &str,
-        data: &[T],
-        room: usize,
-    ) -> Result<Self> {
+    pub fn with_room(device: &wgpu::Device, queue: &wgpu::Queue, label: &str, data: &[T], room: usize) -> Result<Self> {
         let buffer = Self { len: data.len(), ..Self::storage(device, label, data.len() + room)? };
         buffer.write(queue, data);
         Ok(buffer)

@@ -1,6 +1,7 @@
 //! What an application knows of the surfaces that its pixels show, and the checks of it.
 
-use super::textures::check_texture;
+use super::textures::{check_sampled, check_texture};
+use crate::stages::gbuffer_triangles::Params;
 use crate::{Error, Result};
 use glam::Mat4;
 use wgpu::TextureFormat;
@@ -16,6 +17,8 @@ pub enum GBuffer<'a> {
     TriangleIds(TriangleTexture<'a>),
     /// Where the surface at each pixel centre is, be it a caster's or not. One facet a pixel.
     Surfaces(SurfaceTextures<'a>),
+    /// The triangles at several places of each pixel. A facet for every surface that one of them shows.
+    SampleIds(SampleTexture<'a>),
 }
 
 /// A texture of triangle numbers.
@@ -42,6 +45,64 @@ impl<'a> TriangleTexture<'a> {
     }
 }
 
+/// Triangle numbers at several places of each pixel, for a pass with [`FacetMode::All`](crate::methods::FacetMode::All).
+///
+/// Each sample of the picture sees the nearest of the triangles that its pixel's G-buffer samples show and that it lies in; one
+/// that lies in none of them takes what the nearest G-buffer sample shows, if anything, on that triangle's plane.
+///
+/// **Error.** A surface that none of the pixel's G-buffer samples shows is missing: `data/reports/gbuffer.md` says how often.
+/// With the samples of the picture themselves nothing is, and the picture is that of the pass without a G-buffer, bit for bit.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleTexture<'a> {
+    /// Two-dimensional, the size of the image, usage `TEXTURE_BINDING`; the first level is read. Either of one sample and as many
+    /// layers as there are `places`, format `R32Uint`; or multisampled, of as many samples, format `R32Uint` (where the device
+    /// can), `R16Uint`, or `Rg16Uint` with the low half of a number in red and the high half in green.
+    pub texture: &'a wgpu::Texture,
+    /// Where in the pixel each sample lies: `[0, 1)`, x to the right, y down; 1 to 128 of them.
+    pub places: &'a [[f32; 2]],
+    /// The number of the first triangle; the others follow in the order in which they were given to the pass.
+    pub first: u32,
+    /// What stands for no triangle.
+    pub none: u32,
+}
+
+impl<'a> SampleTexture<'a> {
+    /// Where the samples of a multisampled texture of four lie on nearly all devices (the standard pattern of Vulkan, Direct3D
+    /// and Metal).
+    pub const STANDARD_4: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
+
+    /// Triangles counted from 0; `u32::MAX` where there is none.
+    pub fn new(texture: &'a wgpu::Texture, places: &'a [[f32; 2]]) -> Self {
+        Self { texture, places, first: 0, none: u32::MAX }
+    }
+
+    /// Whether it is a multisampled texture.
+    pub(super) fn is_multisampled(&self) -> bool {
+        self.texture.sample_count() > 1
+    }
+
+    /// What the stage is told, for a picture with samples at `ours`.
+    pub(super) fn params(&self, ours: &[[f32; 2]]) -> Result<Params> {
+        Params::new(ours, self.places, self.first, self.none)
+    }
+
+    pub(super) fn check(&self, size: [u32; 2], ours: &[[f32; 2]]) -> Result<()> {
+        use TextureFormat::{R16Uint, R32Uint, Rg16Uint};
+        self.params(ours)?;
+        let (usage, given) = (wgpu::TextureUsages::TEXTURE_BINDING, self.places.len() as u32);
+        let (formats, what, have): (&[_], _, _) = if self.is_multisampled() {
+            (&[R32Uint, R16Uint, Rg16Uint], "samples", self.texture.sample_count())
+        } else {
+            (&[R32Uint], "layers", self.texture.depth_or_array_layers())
+        };
+        check_sampled("sample triangle id", self.texture, formats, usage, size, self.texture.sample_count())?;
+        if have != given {
+            return Err(Error::Config(format!("sample triangle id texture: {have} {what}, {given} places are given")));
+        }
+        Ok(())
+    }
+}
+
 /// Textures of the surface at each pixel centre: two-dimensional, one sample, the size of the image, usage
 /// `TEXTURE_BINDING`; the first level and layer are read. The pass must have been made with
 /// [`PassConfig::receivers`](super::PassConfig::receivers).
@@ -53,14 +114,15 @@ impl<'a> TriangleTexture<'a> {
 /// one, is in its shadow here and there. All other surfaces receive shadows and cast none.
 ///
 /// **Error.** One plane stands for the whole pixel, as with all G-buffers of one sample. A surface that casts nothing is as
-/// exact as its place and normal; reconstructed normals are off at creases, and where a pixel's surface is alone in its row
-/// or column it is taken to face the eye.
+/// exact as its place and normal; reconstructed normals are off at creases, and a surface without another pixel of its kind near
+/// in its row or column is taken to face the eye.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceTextures<'a> {
     /// Where the surfaces are.
     pub place: Place<'a>,
     /// Their geometric normals, world space, any length but 0, of either side; `Rgba16Float` or `Rgba32Float`, alpha is not
-    /// read. `None`: reconstructed from the neighbours of a pixel, of each two the one whose depth differs less.
+    /// read. `None`: reconstructed from the nearest pixels in its row and column that show no caster, of two
+    /// the one whose depth differs less.
     pub normals: Option<&'a wgpu::Texture>,
     /// Which pixels show casters: the rest show something else, or nothing. `None`: found out.
     pub ids: Option<TriangleTexture<'a>>,

@@ -24,7 +24,7 @@ mod status;
 mod textures;
 
 pub use crate::stages::caster_positions::Vertices;
-pub use gbuffer::{DepthTerms, GBuffer, Place, SurfaceTextures, TriangleTexture};
+pub use gbuffer::{DepthTerms, GBuffer, Place, SampleTexture, SurfaceTextures, TriangleTexture};
 pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
@@ -132,6 +132,7 @@ impl ShadowPass {
             let casters = CasterSet::new(device, queue, &config.casters, mesh, room(config.receivers, &settings))?;
             let first = growth::first_for(&settings, config.budget, casters.buffers.triangles.len());
             let method = FacetMasks::new(device, queue, pipelines.clone(), &casters.buffers, &settings, first)?;
+            let seen = Seen::new(device, &settings, config.receivers.then_some(pixels))?;
             Ok(Self {
                 device: device.clone(),
                 queue: queue.clone(),
@@ -140,7 +141,7 @@ impl ShadowPass {
                 grows: config.grow,
                 pipelines,
                 gather: CasterPositions::new(device),
-                seen: Seen::new(device, config.receivers.then_some(pixels))?,
+                seen,
                 receivers: config.receivers,
                 store: VisibilityTexture::new(device),
                 casters,
@@ -227,10 +228,13 @@ impl ShadowPass {
         if self.grows {
             self.grow()?;
         }
-        let frames = {
+        let mut frames = {
             let strip = Strip::whole(self.settings.size);
             self.method.frames_for(&self.casters.buffers, inputs.camera, inputs.light, &view, bounds, strip)?
         };
+        if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
+            frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
+        }
         encoder.push_debug_group("shadow_pass");
         let recorded = self.record_checked(encoder, inputs, target, &frames);
         encoder.pop_debug_group();
@@ -265,7 +269,7 @@ impl ShadowPass {
             let stage = &mut rec.stage("caster_positions");
             self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
         }
-        self.seen.record(rec, &inputs.gbuffer, method, casters, faults)?;
+        self.seen.record(rec, &inputs.gbuffer, self.settings.samples.offsets(), method, casters, faults)?;
         if let Some(texture) = target.visibility {
             let view = textures::first_level(texture);
             let frame = method.frames()[0].raw();
@@ -298,6 +302,10 @@ impl ShadowPass {
         let size = self.settings.size;
         match gbuffer {
             GBuffer::None => Ok(()),
+            GBuffer::SampleIds(_) if self.settings.facets == FacetMode::One => refuse(
+                "a G-buffer of several samples shows several surfaces a pixel; they need a facet for every surface",
+            ),
+            GBuffer::SampleIds(given) => given.check(size, self.settings.samples.offsets()),
             _ if self.settings.facets == FacetMode::All => refuse(
                 "a G-buffer of one sample shows one surface a pixel; with a facet for every surface the pass finds them",
             ),

@@ -1,11 +1,15 @@
 //! Recording what an application's G-buffer says of the surfaces seen.
 
 use super::casters::CasterSet;
-use super::gbuffer::{GBuffer, Place, SurfaceTextures, TriangleTexture};
-use super::textures::first_level;
+use super::gbuffer::{GBuffer, Place, SampleTexture, SurfaceTextures, TriangleTexture};
+use super::textures::{all_layers, first_level};
 use crate::Result;
 use crate::gpu::{Buffer, Recorder};
-use crate::methods::facet_masks::FacetMasks;
+use crate::methods::every_surface::SampleIds;
+use crate::methods::facet_masks::{self, FacetMasks};
+use crate::methods::{FacetMode, Settings};
+use crate::stages::PrefixScan;
+use crate::stages::gbuffer_triangles::{GbufferTriangles, Given, Texture};
 use crate::stages::pixel_receivers::{
     GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, Params, PixelReceivers, Surfaces, Textures,
 };
@@ -15,6 +19,8 @@ use crate::stages::triangle_ids::{self, TriangleIds};
 pub struct Seen {
     ids: TriangleIds,
     receivers: Option<Receivers>,
+    /// With a facet for every surface.
+    samples: Option<GbufferTriangles>,
 }
 
 struct Receivers {
@@ -27,9 +33,11 @@ struct Receivers {
 
 impl Seen {
     /// `receivers`: pixels of which surfaces that are no casters are told apart, if the pass has room for them.
-    pub fn new(device: &wgpu::Device, receivers: Option<usize>) -> Result<Self> {
+    pub fn new(device: &wgpu::Device, settings: &Settings, receivers: Option<usize>) -> Result<Self> {
         let receivers = receivers.map(|pixels| Receivers::new(device, pixels)).transpose()?;
-        Ok(Self { ids: TriangleIds::new(device), receivers })
+        let every = settings.facets == FacetMode::All;
+        let samples = every.then(|| GbufferTriangles::new(device, &PrefixScan::new(device), settings.samples.words()));
+        Ok(Self { ids: TriangleIds::new(device), receivers, samples })
     }
 
     /// Memory for an image of another size.
@@ -49,6 +57,7 @@ impl Seen {
         &self,
         rec: &mut Recorder,
         gbuffer: &GBuffer,
+        ours: &[[f32; 2]],
         method: &FacetMasks,
         casters: &CasterSet,
         faults: &Buffer<u32>,
@@ -59,7 +68,7 @@ impl Seen {
                 let ids = |rec: &mut Recorder, frame: &wgpu::Buffer| {
                     self.record_ids(rec, frame, *given, method, casters, faults)
                 };
-                method.record_seen(rec, buffers, Some(&ids))
+                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&ids))
             }
             (GBuffer::Surfaces(given), Some(receivers)) => {
                 let surfaces = |rec: &mut Recorder, frame: &wgpu::Buffer| {
@@ -68,10 +77,29 @@ impl Seen {
                     }
                     receivers.record(rec, frame, given, method, casters, faults)
                 };
-                method.record_seen(rec, buffers, Some(&surfaces))
+                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&surfaces))
             }
+            (GBuffer::SampleIds(given), _) => self.record_samples(rec, given, ours, method, casters, faults),
             _ => method.record(rec, buffers),
         }
+    }
+
+    fn record_samples(
+        &self,
+        rec: &mut Recorder,
+        given: &SampleTexture,
+        ours: &[[f32; 2]],
+        method: &FacetMasks,
+        casters: &CasterSet,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        let Some(stage) = &self.samples else { return method.record(rec, &casters.buffers) };
+        let multisampled = given.is_multisampled();
+        let view = if multisampled { first_level(given.texture) } else { all_layers(given.texture) };
+        let texture = if multisampled { Texture::Samples(&view) } else { Texture::Layers(&view) };
+        let given = Given { texture, params: given.params(ours)?, numbers: &casters.numbers };
+        let samples = SampleIds { stage, given, faults };
+        method.record_seen(rec, &casters.buffers, facet_masks::Seen::Samples(samples))
     }
 
     fn record_ids(
@@ -118,9 +146,7 @@ impl Receivers {
             Place::Depth { texture, terms, nothing } => {
                 (first_level(texture), Params { depth: terms.words(), nothing, ..Params::default() })
             }
-            Place::Position(texture) => {
-                (first_level(texture), Params { given: GIVEN_POSITIONS, ..Params::default() })
-            }
+            Place::Position(texture) => (first_level(texture), Params { given: GIVEN_POSITIONS, ..Params::default() }),
         };
         params.tolerance = given.tolerance;
         let normals = given.normals.map(first_level);

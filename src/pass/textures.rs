@@ -8,7 +8,19 @@ pub(super) fn check_texture(
     texture: &wgpu::Texture,
     formats: &[wgpu::TextureFormat],
     usage: wgpu::TextureUsages,
+    size: [u32; 2],
+) -> Result<()> {
+    check_sampled(what, texture, formats, usage, size, 1)
+}
+
+/// As [`check_texture`], of a texture of so many samples.
+pub(super) fn check_sampled(
+    what: &str,
+    texture: &wgpu::Texture,
+    formats: &[wgpu::TextureFormat],
+    usage: wgpu::TextureUsages,
     [width, height]: [u32; 2],
+    samples: u32,
 ) -> Result<()> {
     let wrong = |text: String| Err(Error::Config(format!("{what} texture: {text}")));
     if !formats.contains(&texture.format()) {
@@ -18,9 +30,9 @@ pub(super) fn check_texture(
     if (texture.width(), texture.height()) != (width, height) {
         return wrong(format!("{}x{} texels, the image has {width}x{height}", texture.width(), texture.height()));
     }
-    if texture.dimension() != wgpu::TextureDimension::D2 || texture.sample_count() != 1 {
+    if texture.dimension() != wgpu::TextureDimension::D2 || texture.sample_count() != samples {
         return wrong(format!(
-            "dimension {:?} and {} samples, D2 and 1 are needed",
+            "dimension {:?} and {} samples, D2 and {samples} are needed",
             texture.dimension(),
             texture.sample_count()
         ));
@@ -38,6 +50,16 @@ pub(super) fn first_level(texture: &wgpu::Texture) -> wgpu::TextureView {
         dimension: Some(wgpu::TextureViewDimension::D2),
         mip_level_count: Some(1),
         array_layer_count: Some(1),
+        ..Default::default()
+    })
+}
+
+/// The first level of all layers of a texture.
+pub(super) fn all_layers(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        label: Some("shadow_pass"),
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        mip_level_count: Some(1),
         ..Default::default()
     })
 }

@@ -9,6 +9,7 @@ pub mod compact;
 pub mod dispatch_args;
 pub mod facet_classify;
 pub mod front_layer;
+pub mod gbuffer_triangles;
 pub mod light_layers;
 pub mod pixel_receivers;
 pub mod pixel_texel_pairs;

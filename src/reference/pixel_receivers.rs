@@ -76,6 +76,9 @@ pub fn pixels(view: &View, corners: &[Option<[DVec3; 3]>], seen: &[Option<u32>],
     (0..seen.len()).map(|pixel| Asked { view, corners, seen, given }.pixel(pixel)).collect()
 }
 
+/// Pixels to look for a neighbour on the same surface.
+const MOST_STEPS: i64 = 4;
+
 /// A surface relative to the eye, scaled.
 type Found = Result<DVec3, Shown>;
 
@@ -184,19 +187,39 @@ impl Asked<'_> {
         (off <= self.given.tolerance && inside >= 0.0, open)
     }
 
+    /// Whether a pixel shows a caster, as its neighbours look at it; and whether that is open.
+    fn is_caster(&self, pixel: usize, point: DVec3) -> (bool, bool) {
+        match (self.given.ids, self.seen[pixel]) {
+            (Some((ids, _, none, _)), _) => (ids[pixel] != none, false),
+            (None, Some(t)) => self.shows(t, point, self.ray(pixel), 1.0),
+            (None, None) => (false, false),
+        }
+    }
+
     /// The normal by neighbours, and how far off it may be with `f32`.
     fn normal(&self, pixel: usize, point: DVec3) -> (DVec3, f64) {
         let depth = |p: DVec3| p.dot(self.view.rays.forward);
         let step = |by: [i64; 2]| {
-            let to = |by| self.beside(pixel, by).and_then(|q| self.place(q).ok()).map(|q| q - point);
-            match (to(by), to(by.map(|v| -v))) {
-                (Some(q), Some(r)) => {
-                    let (near, far) = (depth(q).abs().min(depth(r).abs()), depth(q).abs().max(depth(r).abs()));
-                    let open = far - near < 1e-5 * depth(point);
-                    Some((if depth(q).abs() <= depth(r).abs() { q } else { -r }, open))
+            let mut open = false;
+            for d in 1..=MOST_STEPS {
+                let mut to = |d: i64| {
+                    let q = self.beside(pixel, by.map(|v| v * d))?;
+                    let at = self.place(q).ok()?;
+                    let (is_caster, doubt) = self.is_caster(q, at);
+                    open |= doubt;
+                    (!is_caster).then_some(at - point)
+                };
+                match (to(d), to(-d)) {
+                    (Some(q), Some(r)) => {
+                        let (near, far) = (depth(q).abs().min(depth(r).abs()), depth(q).abs().max(depth(r).abs()));
+                        open |= far - near < 1e-5 * depth(point);
+                        return Some((if depth(q).abs() <= depth(r).abs() { q } else { -r }, open));
+                    }
+                    (None, None) => {}
+                    (q, r) => return q.or(r.map(|r| -r)).map(|q| (q, open)),
                 }
-                (q, r) => q.or(r.map(|r| -r)).map(|q| (q, false)),
             }
+            None
         };
         let (Some((a, open_a)), Some((b, open_b))) = (step([1, 0]), step([0, 1])) else {
             return (self.ray(pixel), 1e-5);

@@ -5,11 +5,11 @@
 //! - **Writes** `keys`: complement of each pixel's triangle, 0 where there is none. Of a pixel that shows no caster it is number
 //!   `triangle_count + pixel`, whose three vertices, from `vertex_count + 3 * pixel` on, the stage writes around the pixel's
 //!   surface: on the plane of its normal, as far from it as its coordinates are large, so that rounding turns it by less than
-//!   2^-20. Without normals the plane is that of the neighbour right or left and that above or below, on the side where
-//!   depth differs less. Counts into `faults` texels that name no triangle ([`FAULT_UNKNOWN`]) and those that are no place or
+//!   2^-20. Without normals the plane is that of the nearest pixels in its row and column that show no caster, at most 4
+//!   away, of two the one whose depth differs less. Counts into `faults` texels that name no triangle ([`FAULT_UNKNOWN`]) and those that are no place or
 //!   normal ([`FAULT_UNUSABLE`]); both count as none.
 //! - **Guarantee.** Same inputs, same bits.
-//! - **Cost.** One dispatch over pixels: without numbers up to nine triangles are looked at, without normals five texels; 52
+//! - **Cost.** One dispatch over pixels: without numbers up to nine triangles are looked at, without normals five texels or more; 52
 //!   bytes a pixel are written.
 
 use crate::Result;

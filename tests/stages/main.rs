@@ -9,6 +9,7 @@ mod compact;
 mod dispatch_args;
 mod facet_classify;
 mod front_layer;
+mod gbuffer_triangles;
 mod light_layers;
 mod pixel_receivers;
 mod pixel_texel_pairs;

@@ -36,6 +36,7 @@ fn facets(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> (Face
         marked: &marked,
         splits: &splits,
         samples: world.samples.offsets(),
+        casters: world.frame.triangle_count,
     };
     (world.classify(listed, &marked, &splits), classify(&world.view, &around, listed, margin, true))
 }
