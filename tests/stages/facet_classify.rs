@@ -205,7 +205,7 @@ fn random_seeded() {
 fn what_only_receives() {
     let mut random = Random::new(13);
     let mut states = [0; 5];
-    for round in 0..48 {
+    for round in 0..24 {
         let mut world = world(gpu(), round, &mut random);
         let all = world.frame.triangle_count;
         world.frame.triangle_count = if round % 3 == 0 { 0 } else { random.below(all) };
@@ -226,7 +226,7 @@ fn what_only_receives() {
             got.facets.iter().for_each(|f| states[f.state as usize] += 1);
         }
     }
-    assert!(states.iter().skip(1).all(|&n| n > 1000), "{states:?}");
+    assert!(states.iter().skip(1).all(|&n| n > 500), "{states:?}");
 }
 
 /// Light along a facet, behind the eye, in a triangle's plane; slivers; a floor up to the horizon.
