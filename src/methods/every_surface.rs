@@ -103,13 +103,13 @@ impl EverySurface {
         facets: &Facets,
         id_keys: &Buffer<u32>,
         status_words: &Buffer<u32>,
-        given: Option<SampleIds>,
+        given: Option<&SampleIds>,
     ) -> Result<()> {
         let (lists, complex) = (&self.lists, &self.complex);
         let pixels = lists.counts.len();
         rec.clear(lists.cover_keys.raw());
         rec.clear(lists.counts.raw());
-        if let Some(SampleIds { stage: with, given, faults }) = &given {
+        if let Some(SampleIds { stage: with, given, faults }) = given {
             let stage = &mut rec.stage("gbuffer_triangles");
             with.record(stage, frame, given, lists, &self.scan_scratch, status_words, faults)?;
         } else {
@@ -129,7 +129,7 @@ impl EverySurface {
             let mesh = Mesh { samples, triangles: in_camera.triangles, points: in_camera.points, positions };
             let (args, scratch) = ((self.args.raw(), 0), &self.scan_scratch);
             let (listed, total) = (&complex.pixels, &complex.total);
-            let fill = given.as_ref().map(|of| {
+            let fill = given.map(|of| {
                 move |stage: &mut Stage, band: [u32; 2], ids: &Buffer<u32>, groups: Groups| {
                     of.stage.record_fill(stage, frame, &of.given, band, listed, total, ids, groups)
                 }

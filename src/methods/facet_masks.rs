@@ -415,5 +415,5 @@ pub enum Seen<'a> {
     /// given the frame.
     Centres(&'a dyn Fn(&mut Recorder, &wgpu::Buffer) -> Result<()>),
     /// With a facet for every surface: a G-buffer of several samples a pixel. The frames must have [`Frame::BEYOND`] set.
-    Samples(SampleIds<'a>),
+    Samples(&'a SampleIds<'a>),
 }

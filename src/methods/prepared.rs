@@ -31,7 +31,15 @@ impl Prepared {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<CasterBuffers> {
-        let (positions, triangles) = surfaces(device, queue, &self.mesh, 0)?;
+        self.upload_with_room(device, queue, 0)
+    }
+
+    /// As [`Prepared::upload`], with room for `room` triangles with vertices of their own behind those of the mesh.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn upload_with_room(&self, device: &wgpu::Device, queue: &wgpu::Queue, room: usize) -> Result<CasterBuffers> {
+        let (positions, triangles) = surfaces(device, queue, &self.mesh, room)?;
         Ok(CasterBuffers {
             positions,
             triangles,

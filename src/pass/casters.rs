@@ -3,7 +3,7 @@
 use super::Casters;
 use crate::Result;
 use crate::gpu::Buffer;
-use crate::methods::prepared::{CasterBuffers, Prepared, surfaces};
+use crate::methods::prepared::{CasterBuffers, Prepared};
 use crate::scene::Mesh;
 use crate::scene::weld::{UNUSED, weld};
 
@@ -28,10 +28,7 @@ impl CasterSet {
         room: usize,
     ) -> Result<Self> {
         let prepared = Prepared::new(&given);
-        let mut buffers = prepared.upload(device, queue)?;
-        if room > 0 {
-            (buffers.positions, buffers.triangles) = surfaces(device, queue, &prepared.mesh, room)?;
-        }
+        let buffers = prepared.upload_with_room(device, queue, room)?;
         let mut numbers = vec![0; prepared.given.len()];
         for (number, &triangle) in (0..).zip(&prepared.given) {
             numbers[triangle as usize] = number;

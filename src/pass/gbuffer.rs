@@ -115,7 +115,8 @@ impl<'a> SampleTexture<'a> {
 ///
 /// **Error.** One plane stands for the whole pixel, as with all G-buffers of one sample. A surface that casts nothing is as
 /// exact as its place and normal; reconstructed normals are off at creases, and a surface without another pixel of its kind near
-/// in its row or column is taken to face the eye.
+/// in its row or column is taken to face the eye. A caster that lies in the plane of such a surface shadows it or not by the
+/// rounding of its place.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceTextures<'a> {
     /// Where the surfaces are.
@@ -277,11 +278,21 @@ mod tests {
             near(value(terms, 0.5), at_near);
             near(value(terms, 8.0), at_far);
         }
+        // Depth and divisor of view-space z and 1, along -z and along z.
+        let projection = |[zz, zw, wz]: [f32; 3]| {
+            Mat4::from_cols_array_2d(&[
+                [1.2, 0.0, 0.0, 0.0],
+                [0.0, 1.8, 0.0, 0.0],
+                [0.0, 0.0, zz, wz],
+                [0.0, 0.0, zw, 0.0],
+            ])
+        };
+        let far = 8.0 / 7.5;
         for (matrix, terms) in [
-            (Mat4::perspective_rh(1.0, 1.5, 0.5, 8.0), DepthTerms::standard(0.5, 8.0)),
-            (Mat4::perspective_lh(1.0, 1.5, 0.5, 8.0), DepthTerms::standard(0.5, 8.0)),
-            (Mat4::perspective_infinite_rh(1.0, 1.5, 0.5), DepthTerms::infinite(0.5)),
-            (Mat4::perspective_infinite_reverse_rh(1.0, 1.5, 0.5), DepthTerms::reversed_infinite(0.5)),
+            (projection([-far, -0.5 * far, -1.0]), DepthTerms::standard(0.5, 8.0)),
+            (projection([far, -0.5 * far, 1.0]), DepthTerms::standard(0.5, 8.0)),
+            (projection([-1.0, -0.5, -1.0]), DepthTerms::infinite(0.5)),
+            (projection([0.0, 0.5, -1.0]), DepthTerms::reversed_infinite(0.5)),
         ] {
             let of = DepthTerms::of_projection(matrix).expect("a projection");
             [0.5, 1.0, 3.0, 8.0].iter().for_each(|&z| near(value(of, z), value(terms, z)));

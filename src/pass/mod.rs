@@ -5,11 +5,16 @@
 //!   encoder: it never submits, waits or reads back. [`ShadowPass::status`] says afterwards how each frame came out.
 //! - **Surfaces seen.** Without a G-buffer the pass finds them among the casters. With a texture of triangle numbers
 //!   ([`GBuffer::TriangleIds`]) the stage `camera_visibility` is left out. Both give the same bits for the same triangles.
-//!   Depth and position textures are not taken.
-//! - **Error.** With [`FacetMode::One`] the triangle at the centre stands for the whole pixel, found or given: pixels that show
+//!   With depths or positions ([`GBuffer::Surfaces`]), normals and triangle numbers if there are any, a pixel may also show what is
+//!   no caster, such as a terrain that only receives: it gets a plane of its own. With triangle numbers of several samples a
+//!   pixel ([`GBuffer::SampleIds`]) the search for every surface is left out.
+//! - **Error.** With [`FacetMode::One`] the surface at the centre stands for the whole pixel, found or given: pixels that show
 //!   several surfaces differ from scene truth: 0.4 to 14 % of all pixels of the scenes in `data/reports/truth.md` by more than one
 //!   sample of 32.
-//!   [`FacetMode::All`] has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample.
+//!   [`FacetMode::All`] has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample, and of
+//!   one with several it misses what none of them shows: `data/reports/gbuffer.md` has figures.
+//! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
+//!   fitted to all casters, as each may shadow something, and a light among them is refused.
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first

@@ -99,7 +99,7 @@ impl Seen {
         let texture = if multisampled { Texture::Samples(&view) } else { Texture::Layers(&view) };
         let given = Given { texture, params: given.params(ours)?, numbers: &casters.numbers };
         let samples = SampleIds { stage, given, faults };
-        method.record_seen(rec, &casters.buffers, facet_masks::Seen::Samples(samples))
+        method.record_seen(rec, &casters.buffers, facet_masks::Seen::Samples(&samples))
     }
 
     fn record_ids(

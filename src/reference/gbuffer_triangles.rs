@@ -16,12 +16,24 @@ impl Pixel {
     }
 }
 
-/// The casters' triangle of a texel: `Err` if it names none, though it is not `none`.
-pub fn triangle(id: u32, first: u32, none: u32, numbers: &[u32]) -> Result<Option<u32>, ()> {
+/// What a texel says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// No triangle.
+    Nothing,
+    /// A number of no triangle.
+    Unknown,
+    /// This triangle of the casters.
+    Triangle(u32),
+}
+
+/// What a texel says, of an application that counts from `first` and writes `none` for no triangle.
+pub fn shown(id: u32, first: u32, none: u32, numbers: &[u32]) -> Shown {
     if id == none {
-        return Ok(None);
+        return Shown::Nothing;
     }
-    id.checked_sub(first).and_then(|n| numbers.get(n as usize)).map(|&t| Some(t)).ok_or(())
+    let named = id.checked_sub(first).and_then(|n| numbers.get(n as usize));
+    named.map_or(Shown::Unknown, |&t| Shown::Triangle(t))
 }
 
 /// What each pixel shows, and how many samples name no triangle. `layers` has the texels of each sample.
@@ -30,12 +42,12 @@ pub fn pixels(layers: &[Vec<u32>], first: u32, none: u32, numbers: &[u32]) -> (V
     let mut unknown = 0;
     let mut pixels = vec![Pixel { single: true, ..Pixel::default() }; count];
     for (texel, pixel) in layers.iter().flat_map(|layer| layer.iter().zip(0..)) {
-        let shown = triangle(*texel, first, none, numbers);
-        unknown += u32::from(shown.is_err());
+        let shown = shown(*texel, first, none, numbers);
+        unknown += u32::from(shown == Shown::Unknown);
         let pixel: &mut Pixel = &mut pixels[pixel as usize];
         match shown {
-            Ok(Some(t)) if !pixel.triangles.contains(&t) => pixel.triangles.push(t),
-            Ok(Some(_)) => {}
+            Shown::Triangle(t) if !pixel.triangles.contains(&t) => pixel.triangles.push(t),
+            Shown::Triangle(_) => {}
             _ => pixel.single = false,
         }
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
-use subpixel_shadows::reference::gbuffer_triangles::{nearest, pixels, triangle};
+use subpixel_shadows::reference::gbuffer_triangles::{Shown, nearest, pixels, shown};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::gbuffer_triangles::{FAULT_UNKNOWN, GbufferTriangles, Given, Params, Texture};
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
@@ -196,7 +196,7 @@ fn wanted(case: &Case) -> Got {
             return before;
         }
         let id = case.layers[near[k]][complex[slot] as usize];
-        triangle(id, case.first, case.none, &case.numbers).ok().flatten().unwrap_or(u32::MAX)
+        if let Shown::Triangle(t) = shown(id, case.first, case.none, &case.numbers) { t } else { u32::MAX }
     };
     let longest = pixels.iter().filter(|p| p.complex()).map(|p| p.triangles.len() as u32).max().unwrap_or(0);
     Got {
