@@ -136,10 +136,13 @@ fn write_kernel(out: &mut String, stem: &str, source: &str) -> Result<(), String
 /// How a kernel uses a texture; `None` if the host knows no such binding.
 fn texture_access(inner: &naga::TypeInner) -> Option<&'static str> {
     use naga::{ImageClass, ImageDimension, ScalarKind, StorageAccess, StorageFormat};
-    let naga::TypeInner::Image { dim: ImageDimension::D2, arrayed: false, class } = inner else { return None };
-    match *class {
-        ImageClass::Sampled { kind: ScalarKind::Uint, multi: false } => Some("TextureUint"),
-        ImageClass::Storage { format: StorageFormat::R32Float, access } if access == StorageAccess::STORE => {
+    let naga::TypeInner::Image { dim: ImageDimension::D2, arrayed, class } = inner else { return None };
+    match (*class, *arrayed) {
+        (ImageClass::Sampled { kind: ScalarKind::Uint, multi: false }, false) => Some("TextureUint"),
+        (ImageClass::Sampled { kind: ScalarKind::Uint, multi: false }, true) => Some("TextureUintLayers"),
+        (ImageClass::Sampled { kind: ScalarKind::Uint, multi: true }, false) => Some("TextureUintSamples"),
+        (ImageClass::Sampled { kind: ScalarKind::Float, multi: false }, false) => Some("TextureFloat"),
+        (ImageClass::Storage { format: StorageFormat::R32Float, access }, false) if access == StorageAccess::STORE => {
             Some("TextureStoreR32Float")
         }
         _ => None,

@@ -4,16 +4,20 @@
 //! `cargo run --release --example deferred`
 //!
 //! The G-buffer is drawn with the hardware's rasterizer (triangle numbers, reversed depth); the shadow pass reads it and
-//! writes a texture, which the shading pass multiplies with diffuse light. A second frame without the G-buffer is compared
-//! with what the library's own renderer gives: not a bit may differ.
+//! writes a texture, which the shading pass multiplies with diffuse light. Three ways to hand it over follow each other:
+//! triangle numbers; depth alone, as for an application that has no numbers, or draws what casts nothing; and the numbers of
+//! four samples a pixel, from a multisampled texture, for a facet for each surface that they show. A last frame without a
+//! G-buffer is compared with what the library's own renderer gives: not a bit may differ.
 
 use futures::executor::block_on;
 use std::path::Path;
 use subpixel_shadows::glam::{DMat4, DVec3, DVec4};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::render::{Budget, Renderer};
-use subpixel_shadows::methods::{Prepared, Settings};
-use subpixel_shadows::pass::{Casters, GBuffer, Inputs, PassConfig, Target, TriangleTexture};
+use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
+use subpixel_shadows::pass::{
+    Casters, DepthTerms, GBuffer, Inputs, PassConfig, Place, SampleTexture, SurfaceTextures, Target, TriangleTexture,
+};
 use subpixel_shadows::report::write_png_rgb;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Scene;
@@ -48,6 +52,12 @@ fn number(at: Corner) -> @location(0) u32 {
     return at.id;
 }
 
+// For a texture of several samples: the low half of the number and the high half.
+@fragment
+fn halves(at: Corner) -> @location(0) vec2<u32> {
+    return vec2(at.id & 0xffffu, at.id >> 16u);
+}
+
 @compute @workgroup_size(8, 8)
 fn shade(@builtin(global_invocation_id) at: vec3<u32>) {
     let size = textureDimensions(ids);
@@ -66,17 +76,26 @@ fn shade(@builtin(global_invocation_id) at: vec3<u32>) {
 }
 ";
 
-/// The application: its device, its buffers and textures, its two pipelines.
+/// Where the application draws triangle numbers, with the pipeline that does.
+struct Drawn {
+    ids: wgpu::Texture,
+    depth: wgpu::Texture,
+    /// What stands for no triangle.
+    nothing: wgpu::Color,
+    draw: wgpu::RenderPipeline,
+    mesh: wgpu::BindGroup,
+}
+
+/// The application: its device, its buffers and textures, its pipelines.
 struct App {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    ids: wgpu::Texture,
-    depth: wgpu::Texture,
+    centres: Drawn,
+    samples: Drawn,
     visibility: wgpu::Texture,
     image: wgpu::Buffer,
-    draw: wgpu::RenderPipeline,
     shade: wgpu::ComputePipeline,
-    scene: [wgpu::BindGroup; 2],
+    mesh: wgpu::BindGroup,
     screen: wgpu::BindGroup,
     vertices: u32,
 }
@@ -96,16 +115,25 @@ fn main() -> Result<()> {
 
     let settings = Settings::new(SIZE, 512, Samples::new(Pattern::LowDiscrepancy, 32)?);
     let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };
-    let config = PassConfig { timing: true, ..PassConfig::new(settings.clone(), casters) };
+    let config = PassConfig { timing: true, receivers: true, ..PassConfig::new(settings.clone(), casters) };
     let mut pass = ShadowPass::new(&app.device, &app.queue, &config)?;
     let plain = Inputs::new(&scene.camera, &scene.light);
-    let gbuffer = GBuffer::TriangleIds(TriangleTexture::new(&app.ids));
+    let numbers = GBuffer::TriangleIds(TriangleTexture::new(&app.centres.ids));
+    app.write_frame("out/deferred.png", &mut pass, &Inputs { gbuffer: numbers, ..plain })?;
+    let by_numbers = app.read(pass.visibility())?;
 
-    let shaded = app.complete_frame(&mut pass, &Inputs { gbuffer, ..plain })?;
-    let path = Path::new("out/deferred.png");
-    std::fs::create_dir_all("out").map_err(|e| Error::file("out", e.to_string()))?;
-    write_png_rgb(path, SIZE[0], SIZE[1], &shaded)?;
-    println!("wrote {}", path.display());
+    let terms = DepthTerms::reversed_infinite(scene.camera.near);
+    let depth = Place::Depth { texture: &app.centres.depth, terms, nothing: 0.0 };
+    let surfaces = GBuffer::Surfaces(SurfaceTextures::new(depth));
+    app.write_frame("out/deferred_depth.png", &mut pass, &Inputs { gbuffer: surfaces, ..plain })?;
+    let by_depth = app.read(pass.visibility())?;
+    let off = by_depth.iter().zip(&by_numbers).filter(|(a, b)| a != b).count();
+    println!("{off} of {} pixels differ from those by triangle numbers", by_depth.len());
+
+    let every = PassConfig::new(Settings { facets: FacetMode::All, ..settings.clone() }, casters);
+    let mut every = ShadowPass::new(&app.device, &app.queue, &every)?;
+    let samples = GBuffer::SampleIds(SampleTexture::new(&app.samples.ids, &SampleTexture::STANDARD_4));
+    app.write_frame("out/deferred_samples.png", &mut every, &Inputs { gbuffer: samples, ..plain })?;
 
     app.complete_frame(&mut pass, &plain)?;
     let ours = app.read(pass.visibility())?;
@@ -126,14 +154,19 @@ impl App {
     fn complete_frame(&self, pass: &mut ShadowPass, inputs: &Inputs) -> Result<Vec<[u8; 3]>> {
         for _ in 0..8 {
             let mut encoder = self.device.create_command_encoder(&Default::default());
-            self.record_gbuffer(&mut encoder);
+            self.record_gbuffer(&mut encoder, &self.centres);
+            self.record_gbuffer(&mut encoder, &self.samples);
             let frame = pass.record(&mut encoder, inputs, &Target { visibility: Some(&self.visibility), lit: None })?;
             self.record_shading(&mut encoder);
             self.queue.submit([encoder.finish()]);
             let shaded = self.read(&self.image)?;
             let Some(status) = pass.status() else { return Err(Error::Gpu(format!("frame {frame} has no status"))) };
             let gpu_ms: f64 = status.stages.iter().map(|s| s.gpu_ms).sum();
-            let said = if status.complete { "complete" } else { "lists were too short, they grow" };
+            let said = match (status.complete, status.overflowed) {
+                (true, _) => "complete".to_owned(),
+                (_, true) => "lists were too short, they grow".to_owned(),
+                _ => format!("{:?}", status.faults),
+            };
             println!("frame {frame}: {said}; {} stages, {gpu_ms:.2} ms", status.stages.len());
             if status.complete {
                 return Ok(shaded.iter().map(|p| [0, 8, 16].map(|shift| (p >> shift) as u8)).collect());
@@ -142,27 +175,35 @@ impl App {
         Err(Error::Gpu("no frame was complete".to_owned()))
     }
 
-    /// The application's first pass: triangle numbers and depth.
-    fn record_gbuffer(&self, encoder: &mut wgpu::CommandEncoder) {
-        let (ids, depth) = (self.ids.create_view(&Default::default()), self.depth.create_view(&Default::default()));
-        let nothing = wgpu::Color { r: f64::from(u32::MAX), g: 0.0, b: 0.0, a: 0.0 };
+    /// A complete frame as a picture.
+    fn write_frame(&self, path: &str, pass: &mut ShadowPass, inputs: &Inputs) -> Result<()> {
+        let shaded = self.complete_frame(pass, inputs)?;
+        std::fs::create_dir_all("out").map_err(|e| Error::file("out", e.to_string()))?;
+        write_png_rgb(Path::new(path), SIZE[0], SIZE[1], &shaded)?;
+        println!("wrote {path}");
+        Ok(())
+    }
+
+    /// The application's first passes: triangle numbers and depth, at pixel centres and for four samples.
+    fn record_gbuffer(&self, encoder: &mut wgpu::CommandEncoder, drawn: &Drawn) {
+        let (ids, depth) = (drawn.ids.create_view(&Default::default()), drawn.depth.create_view(&Default::default()));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("g-buffer"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &ids,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(nothing), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(drawn.nothing), store: wgpu::StoreOp::Store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
                 stencil_ops: None,
             }),
             ..Default::default()
         });
-        pass.set_pipeline(&self.draw);
-        pass.set_bind_group(0, &self.scene[0], &[]);
+        pass.set_pipeline(&drawn.draw);
+        pass.set_bind_group(0, &drawn.mesh, &[]);
         pass.draw(0..self.vertices, 0..1);
     }
 
@@ -171,18 +212,18 @@ impl App {
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shade"), ..Default::default() });
         pass.set_pipeline(&self.shade);
-        pass.set_bind_group(0, &self.scene[1], &[]);
+        pass.set_bind_group(0, &self.mesh, &[]);
         pass.set_bind_group(1, &self.screen, &[]);
         pass.dispatch_workgroups(SIZE[0].div_ceil(8), SIZE[1].div_ceil(8), 1);
     }
 
     fn new(device: wgpu::Device, queue: wgpu::Queue, scene: &Scene) -> Self {
-        let texture = |format, usage| {
+        let texture = |format, usage, sample_count| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: None,
                 size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
                 mip_level_count: 1,
-                sample_count: 1,
+                sample_count,
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage,
@@ -196,11 +237,8 @@ impl App {
             queue.write_buffer(&buffer, 0, bytes);
             buffer
         };
-        let drawn = TextureUsages::RENDER_ATTACHMENT;
-        let ids = texture(TextureFormat::R32Uint, drawn | TextureUsages::TEXTURE_BINDING);
-        let depth = texture(TextureFormat::Depth32Float, drawn);
         let stored = TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING;
-        let visibility = texture(TextureFormat::R32Float, stored);
+        let visibility = texture(TextureFormat::R32Float, stored, 1);
         let bytes = vec![0; (4 * SIZE[0] * SIZE[1]) as usize];
         let kept = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let image = buffer(&bytes, kept | BufferUsages::COPY_SRC);
@@ -212,33 +250,35 @@ impl App {
             label: Some("application"),
             source: wgpu::ShaderSource::Wgsl(SHADER.into()),
         });
-        let draw = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("g-buffer"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("draw"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: TextureFormat::Depth32Float,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("number"),
-                compilation_options: Default::default(),
-                targets: &[Some(TextureFormat::R32Uint.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let draw = |number, format: TextureFormat, count| {
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("g-buffer"),
+                layout: None,
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("draw"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: Default::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: TextureFormat::Depth32Float,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: wgpu::MultisampleState { count, ..Default::default() },
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(number),
+                    compilation_options: Default::default(),
+                    targets: &[Some(format.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
         let shade = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("shade"),
             layout: None,
@@ -254,13 +294,27 @@ impl App {
             device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
         };
         let mesh = [view.as_entire_binding(), positions.as_entire_binding(), triangles.as_entire_binding()];
-        let views = [&ids, &visibility].map(|t| t.create_view(&Default::default()));
+        let drawn = |number, format, samples, none| {
+            let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+            let draw = draw(number, format, samples);
+            let mesh = group(&draw.get_bind_group_layout(0), &mesh);
+            Drawn {
+                ids: texture(format, usage, samples),
+                depth: texture(TextureFormat::Depth32Float, usage, samples),
+                nothing: wgpu::Color { r: none, g: none, b: 0.0, a: 0.0 },
+                draw,
+                mesh,
+            }
+        };
+        let centres = drawn("number", TextureFormat::R32Uint, 1, f64::from(u32::MAX));
+        let samples = drawn("halves", TextureFormat::Rg16Uint, 4, f64::from(u16::MAX));
+        let views = [&centres.ids, &visibility].map(|t| t.create_view(&Default::default()));
         let textures = [0, 1].map(|k| wgpu::BindingResource::TextureView(&views[k]));
         let [id_view, visibility_view] = textures;
         let screen = group(&shade.get_bind_group_layout(1), &[id_view, visibility_view, image.as_entire_binding()]);
-        let both = [group(&draw.get_bind_group_layout(0), &mesh), group(&shade.get_bind_group_layout(0), &mesh)];
+        let mesh = group(&shade.get_bind_group_layout(0), &mesh);
         let vertices = 3 * scene.mesh.triangles.len() as u32;
-        Self { device, queue, ids, depth, visibility, image, draw, shade, scene: both, screen, vertices }
+        Self { device, queue, centres, samples, visibility, image, shade, mesh, screen, vertices }
     }
 
     /// Waits for the GPU and reads a buffer.

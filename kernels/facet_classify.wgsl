@@ -5,10 +5,12 @@
 //   precision leaves it open;
 //   LIT where no caster is in the rectangle, or where no texel of it is marked and the facet lies before the split depth;
 //   SHADOWED where no texel of it is marked and it lies behind the split depth;
+//   Facets of triangles behind the casters' (shared/only_receiver) are LIT too where they lie nearer to the light than any
+//   caster, and settled by the splits of all texels of a small rectangle;
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
 // There is no depth bias: the split depth was proved (front_layer) to lie between two sheets.
 // A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle. With
-// FLAG_CLAMP all facets have only such samples: their rectangles are cut to their triangles.
+// FLAG_CLAMP all facets have only such samples, but for FLAG_BEYOND: their rectangles are cut to their triangles.
 
 //@import frame
 //@import dispatch
@@ -19,6 +21,7 @@
 //@import vertex
 //@import facing_46
 //@import front_split
+//@import only_receiver
 //@import summed_area
 
 override WORDS: u32 = 1u;
@@ -94,20 +97,34 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
     // One facet is followed well beyond its own triangle, but not to the horizon.
     let clamped = (frame.flags & FLAG_CLAMP) != 0u;
-    let limit = max(far_corner, depth) * select(4.0, 1.0001, clamped);
+    let cut = clamped && (frame.flags & FLAG_BEYOND) == 0u;
+    let limit = max(far_corner, depth) * select(4.0, 1.0001, cut);
     let span = select(vec2(0u), span_of_samples(f), clamped);
     var outline = facet_box(pixel, part_of(span), plane, limit);
-    if clamped {
+    if cut {
         cut_to_triangle(&outline, a, b, c);
-    } else if !outline.whole {
+    } else if !clamped && !outline.whole {
         keep_own_triangle(f, given, pixel_ray(pixel));
     }
     var rect = EMPTY_RECT;
     let low = select(vec2(-3.0e38), outline.low, outline.in_front);
     let high = select(vec2(3.0e38), outline.high, outline.in_front);
-    let farthest = select(3.0e38, outline.farthest, outline.in_front);
+    var farthest = select(3.0e38, outline.farthest, outline.in_front);
+    var margin = frame.map_margin;
+    let receives = only_receives(t);
+    if receives {
+        let reach = reach_beyond(pixel, part_of(span), plane, limit);
+        let perspective = (frame.flags & FLAG_PERSPECTIVE) != 0u;
+        if perspective && outline.ahead + 2e-6 * reach < frame.eye_low.w {
+            settle(f, STATE_LIT);
+            return;
+        }
+        margin = margin_beyond(reach);
+        farthest += frame.depth_margin * reach;
+        outline.nearest -= frame.depth_margin * (reach + 1.0);
+    }
     if outline.in_front {
-        rect = cells_touched(low - frame.map_margin, high + frame.map_margin, vec2(frame.map_size));
+        rect = cells_touched(low - margin, high + margin, vec2(frame.map_size));
     } else {
         rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
@@ -117,7 +134,15 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     }
     if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front {
         let r = unpack_rect(rect);
-        if rect_sum(vec2(frame.map_size), r.low, r.high) == 0u {
+        let unmarked = rect_sum(vec2(frame.map_size), r.low, r.high) == 0u;
+        if unmarked && receives {
+            let inside = all(low >= vec2(margin)) && all(high <= vec2(f32(frame.map_size) - margin));
+            let state = behind_splits(r, outline.nearest, inside);
+            if state != STATE_UNDECIDED {
+                settle(f, state);
+                return;
+            }
+        } else if unmarked {
             let p = vec4(ray * depth, 1.0);
             var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
             if (frame.flags & FLAG_PERSPECTIVE) != 0u { uvz /= dot(frame.map_w, p); }
@@ -149,8 +174,8 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     facet.tilt = tilt;
     facet.at = at;
     facet.doubt = 5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a));
-    facet.box_low = low - frame.map_margin;
-    facet.box_high = high + frame.map_margin;
+    facet.box_low = low - margin;
+    facet.box_high = high + margin;
     facet.slope = light_slope(plane);
     facet.origin = origin;
     facet.span = span;

@@ -6,8 +6,8 @@
 // Emitting writes `pairs` (facet, texel) at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
 // Instead of all three, `append` lists the pairs as they come: texels in `keys`, facets in `values`, their number in `appended`,
 // to be sorted (the paper's way); it writes `texel_deepest` as counting does.
-// A texel that a facet touches makes no pair where no caster is, nor, without validity masks, where the facet lies before
-// the split depth.
+// A texel that a facet touches makes no pair where no caster is, nor, without validity masks, where the facet of a caster lies
+// before the split depth.
 
 //@import frame
 //@import dispatch
@@ -15,6 +15,8 @@
 //@import rect
 //@import work_items
 //@import facet
+//@import facing
+//@import only_receiver
 //@import front_split
 //@import block_bits
 //@import append
@@ -51,9 +53,13 @@ fn texels_of(item: Item) -> vec2<u32> {
     let facet = facets[item.facet];
     let block = item.block;
     var outline = facet_outline(facet.pixel, part_of(facet.span), facet.plane, facet.limit);
-    let reach = 0.5 + frame.map_margin;
+    var reach = 0.5 + frame.map_margin;
     // With validity masks even the facet's own sheet is looked at: its triangles may cut samples off.
-    let skip_front = (frame.flags & (FLAG_ALL_UNDECIDED | FLAG_VALIDITY)) == 0u;
+    var skip_front = (frame.flags & (FLAG_ALL_UNDECIDED | FLAG_VALIDITY)) == 0u;
+    if only_receives(facet.triangle) {
+        reach = 0.5 + margin_beyond(reach_beyond(facet.pixel, part_of(facet.span), facet.plane, facet.limit));
+        skip_front = false;
+    }
     var texels = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         for (var x = block.low.x; x <= block.high.x; x++) {

@@ -11,7 +11,7 @@ shared_struct! {
     "shared/frame" => pub struct Frame {
         /// Eye in world units, and the scale, a power of two.
         pub eye: [f32; 4],
-        /// What `f32` leaves out of the eye.
+        /// What `f32` leaves out of the eye; `w`: no caster is nearer along the light view's axis.
         pub eye_low: [f32; 4],
         /// Direction towards the light and 0, or its point and 1.
         pub light: [f32; 4],
@@ -97,6 +97,8 @@ impl Frame {
     pub const ALL_UNDECIDED: u32 = 8;
     /// A facet covers only its own triangle, and pixels count by their squares, not their centres.
     pub const CLAMP: u32 = 16;
+    /// With it: a facet may also cover samples beyond its triangle.
+    pub const BEYOND: u32 = 32;
 
     /// The frame of a camera, a light and its view of a scene that lies between two corners.
     /// Counts of the mesh, lists and bands are left at 0.
@@ -131,7 +133,7 @@ impl Frame {
         let (light_high, light_low) = split(to_light);
         Self {
             eye: eye_high.extend(scale).as_vec4().into(),
-            eye_low: eye_low.extend(0.0).as_vec4().into(),
+            eye_low: eye_low.extend(v.clear_of_rounding()).as_vec4().into(),
             light: light_high.extend(l.w).as_vec4().into(),
             light_low: light_low.extend(v.near).as_vec4().into(),
             ray_corner: rays.corner.extend(0.0).as_vec4().into(),

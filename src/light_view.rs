@@ -20,6 +20,8 @@ pub struct LightView {
     pub w: DVec4,
     /// Points with a smaller divisor are not in front of the light.
     pub near: f64,
+    /// Of a light at a point, the smallest divisor of what the view was fitted to; else 0.
+    pub clear: f64,
     /// Whether the light is at a point.
     pub perspective: bool,
     /// Whether the view holds every caster that can shadow something. Where it does not, a receiver outside the map may
@@ -76,6 +78,32 @@ impl LightView {
         })
     }
 
+    /// Fits the view to all triangles of `mesh`, whatever they shadow of one another: for receivers that are no part of it.
+    ///
+    /// # Errors
+    /// As [`LightView::fit`].
+    pub fn fit_all(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
+        check(light, map_size)?;
+        let (lo, hi) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let mut corners: Vec<DVec3> = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
+        if corners.is_empty() {
+            corners = vec![lo, hi];
+        }
+        Ok(Self::holding(&corners, (lo + hi) * 0.5, light, map_size))
+    }
+
+    /// The view that holds all of `points`, of which `middle` is somewhere in the middle.
+    fn holding(points: &[DVec3], middle: DVec3, light: &Light, map_size: u32) -> Self {
+        let l = light.homogeneous();
+        if light.is_directional() {
+            Self::directional(points, l.truncate().normalize(), map_size)
+        } else {
+            let start = light.towards(middle).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
+            let axis = middle_of_directions(points, l.truncate(), start);
+            Self::perspective(points, l.truncate(), axis, map_size)
+        }
+    }
+
     /// Fits the view to a box that holds all casters, between its lowest and its highest corner: for casters whose vertices
     /// are not known. It is wider than that of [`LightView::fit`], so more casters share a texel; the picture is the same.
     ///
@@ -85,14 +113,7 @@ impl LightView {
         check(light, map_size)?;
         let pick = |k: usize, axis: usize| if k >> axis & 1 == 0 { lowest[axis] } else { highest[axis] };
         let corners: [DVec3; 8] = std::array::from_fn(|k| DVec3::new(pick(k, 0), pick(k, 1), pick(k, 2)));
-        let l = light.homogeneous();
-        Ok(if light.is_directional() {
-            Self::directional(&corners, l.truncate().normalize(), map_size)
-        } else {
-            let start = light.towards((lowest + highest) * 0.5).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
-            let axis = middle_of_directions(&corners, l.truncate(), start);
-            Self::perspective(&corners, l.truncate(), axis, map_size)
-        })
+        Ok(Self::holding(&corners, (lowest + highest) * 0.5, light, map_size))
     }
 
     /// Number of vertices that are not in front of the light.
@@ -127,6 +148,7 @@ impl LightView {
             z: row(-towards, lo.z, size.z, 1.0, 0.0),
             w: DVec4::W,
             near: 0.0,
+            clear: 0.0,
             perspective: false,
             complete: true,
         }
@@ -164,6 +186,7 @@ impl LightView {
             z,
             w,
             near,
+            clear: nearest,
             perspective: true,
             complete,
         }
@@ -204,6 +227,7 @@ impl LightView {
             z: turn(self.z) * unit,
             w: turn(self.w) * unit,
             near: self.near * unit,
+            clear: self.clear * unit,
             ..*self
         };
         if self.perspective {
@@ -221,6 +245,11 @@ impl LightView {
     /// Likewise of a depth.
     pub fn noise_in_depth(&self) -> f64 {
         row_noise(self.z) + row_noise(self.w)
+    }
+
+    /// What the divisor of a caster within the unit cube, as `f32` has it, is not below.
+    pub fn clear_of_rounding(&self) -> f64 {
+        if self.perspective { self.clear * (1.0 - 1e-6) - row_noise(self.w) } else { 0.0 }
     }
 }
 

@@ -13,8 +13,8 @@ use subpixel_shadows::scene::Edge;
 use subpixel_shadows::stages::camera_visibility::Pass;
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::{
-    caster_positions, compact, dispatch_args, facet_classify, prefix_scan, radix_sort, sample_surfaces, sorted_pairs,
-    summed_area, texel_group, triangle_ids,
+    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, pixel_receivers, prefix_scan,
+    radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids,
 };
 
 /// A struct as Rust knows it.
@@ -63,6 +63,8 @@ fn registry() -> Vec<Registered> {
         of::<compact::Params>(),
         of::<dispatch_args::Request>(),
         of::<facet_classify::Facet>(),
+        of::<gbuffer_triangles::Params>(),
+        of::<pixel_receivers::Params>(),
         of::<prefix_scan::Params>(),
         of::<radix_sort::Params>(),
         of::<sample_surfaces::Step>(),

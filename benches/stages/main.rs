@@ -18,8 +18,10 @@ mod compact;
 mod dispatch_args;
 mod facet_classify;
 mod front_layer;
+mod gbuffer_triangles;
 mod harness;
 mod light_layers;
+mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;
 mod prefix_scan;
@@ -91,7 +93,8 @@ fn run(options: &Options) -> Result<()> {
         visibility_masks::cases,
         resolve::cases,
     ];
-    let with_textures: [Maker; 2] = [triangle_ids::cases, visibility_texture::cases];
+    let with_textures: [Maker; 4] =
+        [triangle_ids::cases, gbuffer_triangles::cases, pixel_receivers::cases, visibility_texture::cases];
     for makers in [&without_textures[..], &with_textures] {
         for log_size in options.log_sizes() {
             let mut cases = Vec::new();

@@ -50,10 +50,14 @@ fn pixel_ray(pixel: u32) -> vec3<f32> {
 struct OutlineBox {
     low: vec2<f32>,
     high: vec2<f32>,
+    nearest: f32,
     farthest: f32,
+    ahead: f32,      // largest divisor
     in_front: bool,
     whole: bool,
 }
+
+const NO_BOX = OutlineBox(vec2(3.0e38), vec2(-3.0e38), 3.0e38, -3.0e38, -3.0e38, true, true);
 
 fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
     let p = vec4(point, 1.0);
@@ -61,8 +65,10 @@ fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {
         let w = dot(frame.map_w, p);
         if w <= frame.light_low.w { (*out).in_front = false; }
+        (*out).ahead = max((*out).ahead, w);
         uvz /= w;
     }
+    (*out).nearest = min((*out).nearest, uvz.z);
     (*out).low = min((*out).low, uvz.xy);
     (*out).high = max((*out).high, uvz.xy);
     (*out).farthest = max((*out).farthest, uvz.z);
@@ -84,7 +90,7 @@ fn part_of(packed: vec2<u32>) -> vec4<f32> {
 }
 
 fn facet_box(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> OutlineBox {
-    var out = OutlineBox(vec2(3.0e38), vec2(-3.0e38), -3.0e38, true, true);
+    var out = NO_BOX;
     let centre = pixel_ray(pixel);
     let left = span.x * frame.ray_x.xyz;
     let right = span.z * frame.ray_x.xyz;
@@ -99,7 +105,7 @@ fn facet_box(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> Outli
 
 // Cuts the box to that of the triangle, if all of it lies in front of the light.
 fn cut_to_triangle(out: ptr<function, OutlineBox>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) {
-    var own = OutlineBox(vec2(3.0e38), vec2(-3.0e38), -3.0e38, true, true);
+    var own = NO_BOX;
     box_add(&own, a);
     box_add(&own, b);
     box_add(&own, c);

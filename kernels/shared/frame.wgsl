@@ -3,7 +3,7 @@
 
 struct Frame {
     eye: vec4<f32>,          // xyz: eye in world units; w: scale
-    eye_low: vec4<f32>,      // xyz: what f32 leaves out of the eye
+    eye_low: vec4<f32>,      // xyz: what f32 leaves out of the eye; w: no caster is nearer along the light view's axis
     light: vec4<f32>,        // homogeneous: direction towards the light and 0, or its point and 1
     light_low: vec4<f32>,    // xyz: what f32 leaves out of the light; w: nearest distance along the light view's axis
     ray_corner: vec4<f32>,   // direction through the image's top left corner
@@ -46,6 +46,7 @@ const FLAG_VALIDITY = 2u;       // keep the validity mask
 const FLAG_PERSPECTIVE = 4u;    // the light is at a point: divide by the light's w
 const FLAG_ALL_UNDECIDED = 8u;  // settle no facet before evaluation
 const FLAG_CLAMP = 16u;         // a facet covers only its own triangle
+const FLAG_BEYOND = 32u;        // with it: but may also cover samples beyond
 
 const NO_TRIANGLE = 0xffffffffu;
 const FAR = 0x7f800000u;        // bits of +infinity: no surface at a texel

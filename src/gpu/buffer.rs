@@ -65,6 +65,17 @@ impl<T: Pod> Buffer<T> {
         Ok(buffer)
     }
 
+    /// As [`Buffer::from_slice`], with room for `room` further elements behind those that count: kernels may read and write
+    /// them, the host does not see them.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn with_room(device: &wgpu::Device, queue: &wgpu::Queue, label: &str, data: &[T], room: usize) -> Result<Self> {
+        let buffer = Self { len: data.len(), ..Self::storage(device, label, data.len() + room)? };
+        buffer.write(queue, data);
+        Ok(buffer)
+    }
+
     fn with_usage(device: &wgpu::Device, label: &str, len: usize, usage: wgpu::BufferUsages) -> Result<Self> {
         let limits = device.limits();
         let binding = if usage.contains(wgpu::BufferUsages::UNIFORM) {

@@ -13,6 +13,12 @@ pub enum Access {
     ReadWrite,
     /// A texture of unsigned integers, one sample a texel, that is read texel by texel.
     TextureUint,
+    /// Layers of such textures.
+    TextureUintLayers,
+    /// A multisampled texture of unsigned integers that is read sample by sample.
+    TextureUintSamples,
+    /// A texture of `f32`, or a depth texture, that is read texel by texel and never filtered.
+    TextureFloat,
     /// A storage texture of format `r32float` that is only written.
     TextureStoreR32Float,
 }
@@ -24,16 +30,21 @@ impl Access {
     }
 
     fn layout(self) -> wgpu::BindingType {
+        use wgpu::TextureViewDimension::{D2, D2Array};
         let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let texture = |sample_type, view_dimension, multisampled| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
+            multisampled,
+        };
         match self {
             Self::Uniform => buffer(wgpu::BufferBindingType::Uniform),
             Self::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
             Self::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
-            Self::TextureUint => wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Uint,
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
+            Self::TextureUint => texture(wgpu::TextureSampleType::Uint, D2, false),
+            Self::TextureUintLayers => texture(wgpu::TextureSampleType::Uint, D2Array, false),
+            Self::TextureUintSamples => texture(wgpu::TextureSampleType::Uint, D2, true),
+            Self::TextureFloat => texture(wgpu::TextureSampleType::Float { filterable: false }, D2, false),
             Self::TextureStoreR32Float => wgpu::BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::R32Float,

@@ -69,7 +69,7 @@ pub fn render(
 
     // Facets, and what is not settled.
     let listed: Vec<_> = (0u32..).zip(seen.iter().copied()).collect();
-    let around = Surroundings { triangles: &triangles, marked: &marked, splits: &splits, samples };
+    let around = Surroundings { triangles: &triangles, marked: &marked, splits: &splits, samples, casters: u32::MAX };
     let facets = classify(&view, &around, &listed, MARGIN, settings.settle);
     let validity = settings.validity && samples.len() > 1;
     let skip_front = settings.settle && !validity;

@@ -4,13 +4,25 @@
 use super::facet_masks::{Capacities, Settings, status};
 use crate::Result;
 use crate::gpu::kernels::dispatch_args;
-use crate::gpu::{Buffer, Groups, Program, Recorder};
+use crate::gpu::{Buffer, Groups, Program, Recorder, Stage};
 use crate::stages::camera_visibility::Blocks;
 use crate::stages::compact::{self, Compact, Flags};
 use crate::stages::facet_classify::Facets;
+use crate::stages::gbuffer_triangles::{GbufferTriangles, Given};
 use crate::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use crate::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces, WORKGROUP};
+use crate::stages::sample_surfaces::{ComplexPixels, Fill, Mesh, SampleSurfaces, WORKGROUP};
 use crate::stages::{Count, PrefixScan, prefix_scan};
+
+/// A G-buffer of several samples a pixel in place of the search for what pixels show.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleIds<'a> {
+    /// The pipelines.
+    pub stage: &'a GbufferTriangles,
+    /// The G-buffer.
+    pub given: Given<'a>,
+    /// Takes the count of samples that name no triangle.
+    pub faults: &'a Buffer<u32>,
+}
 
 /// Pipelines and memory.
 #[derive(Debug)]
@@ -76,7 +88,7 @@ impl EverySurface {
         Ok(())
     }
 
-    /// Records the facets of all pixels.
+    /// Records the facets of all pixels: of the surfaces found among the triangles, or of those of a G-buffer.
     ///
     /// # Errors
     /// None that input can cause.
@@ -91,12 +103,16 @@ impl EverySurface {
         facets: &Facets,
         id_keys: &Buffer<u32>,
         status_words: &Buffer<u32>,
+        given: Option<&SampleIds>,
     ) -> Result<()> {
         let (lists, complex) = (&self.lists, &self.complex);
         let pixels = lists.counts.len();
         rec.clear(lists.cover_keys.raw());
         rec.clear(lists.counts.raw());
-        {
+        if let Some(SampleIds { stage: with, given, faults }) = given {
+            let stage = &mut rec.stage("gbuffer_triangles");
+            with.record(stage, frame, given, lists, &self.scan_scratch, status_words, faults)?;
+        } else {
             let stage = &mut rec.stage("pixel_triangles");
             self.triangles.record(stage, frame, in_camera, lists, &self.scan_scratch, status_words)?;
         }
@@ -111,7 +127,16 @@ impl EverySurface {
             stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
             let mesh = Mesh { samples, triangles: in_camera.triangles, points: in_camera.points, positions };
             let (args, scratch) = ((self.args.raw(), 0), &self.scan_scratch);
-            self.surfaces.record(stage, frame, mesh, lists, complex, args, self.rounds, scratch, facets, id_keys)?;
+            let (listed, total) = (&complex.pixels, &complex.total);
+            let fill = given.map(|of| {
+                move |stage: &mut Stage, band: [u32; 2], keys: &Buffer<u32>, groups: Groups| {
+                    of.stage.record_fill(stage, frame, &of.given, band, listed, total, keys, groups)
+                }
+            });
+            let fill = fill.as_ref().map(|f| f as Fill);
+            let rounds = self.rounds;
+            let surfaces = &self.surfaces;
+            surfaces.record_filled(stage, frame, mesh, lists, complex, args, rounds, scratch, facets, id_keys, fill)?;
         }
         let mut keep = |from: &Buffer<u32>, first: usize, at: usize| {
             rec.copy_words(from.raw(), first as u64, status_words.raw(), at as u64, 2);

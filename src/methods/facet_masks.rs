@@ -3,7 +3,7 @@
 mod bands;
 mod memory;
 
-use super::every_surface::EverySurface;
+use super::every_surface::{EverySurface, SampleIds};
 use super::geometry::GeometryPipelines;
 use super::prepared::CasterBuffers;
 pub use super::settings::{FacetMode, PairVariant, Settings};
@@ -236,15 +236,14 @@ impl FacetMasks {
     /// # Errors
     /// None that input can cause.
     pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
-        self.record_seen(rec, casters, None)
+        self.record_seen(rec, casters, Seen::Found)
     }
 
-    /// As [`FacetMasks::record`]; with one facet a pixel `seen` may write [`FacetMasks::id_keys`] in place of the stage
-    /// `camera_visibility`. It is given the frame.
+    /// As [`FacetMasks::record`], with what pixels show from elsewhere.
     ///
     /// # Errors
     /// As [`FacetMasks::record`], and those of `seen`.
-    pub fn record_seen(&self, rec: &mut Recorder, casters: &CasterBuffers, seen: Option<WriteSeen>) -> Result<()> {
+    pub fn record_seen(&self, rec: &mut Recorder, casters: &CasterBuffers, seen: Seen) -> Result<()> {
         let m = &self.memory;
         let frame = m.frames[0].raw();
         let triangles = casters.triangles.raw();
@@ -259,9 +258,10 @@ impl FacetMasks {
         geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
         let (in_camera, in_light) = (geometry.in_camera(casters), geometry.in_light(casters));
         match (&self.every_surface, seen) {
-            (None, None) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
-            (None, Some(write)) => write(rec, frame)?,
-            (Some(camera), _) => {
+            (None, Seen::Centres(write)) => write(rec, frame)?,
+            (None, _) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
+            (Some(camera), seen) => {
+                let given = if let Seen::Samples(given) = seen { Some(given) } else { None };
                 rec.clear(geometry.id_keys.raw());
                 let positions = casters.positions.raw();
                 camera.record(
@@ -273,6 +273,7 @@ impl FacetMasks {
                     &m.facets,
                     &geometry.id_keys,
                     &m.status,
+                    given,
                 )?;
             }
         }
@@ -328,6 +329,15 @@ impl FacetMasks {
             self.record_band(rec, casters, in_light, band)?;
         }
         self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
+    }
+
+    /// Records the stage `camera_visibility` alone, for what takes its place to look at; after `triangle_setup`, as in what
+    /// [`FacetMasks::record_seen`] is given.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_camera(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
+        self.memory.geometry.record_camera(rec, &self.with.geometry, self.memory.frames[0].raw(), casters)
     }
 
     /// Exclusive scan of `items` into `offsets`, whose last two words take the sum and the overflow flag.
@@ -395,5 +405,15 @@ impl FacetMasks {
     }
 }
 
-/// Records what writes the triangle at every pixel centre.
-pub type WriteSeen<'a> = &'a dyn Fn(&mut Recorder, &wgpu::Buffer) -> Result<()>;
+/// Where it is known from what pixels show.
+#[derive(Clone, Copy, Default)]
+pub enum Seen<'a> {
+    /// Found among the triangles.
+    #[default]
+    Found,
+    /// With one facet a pixel: records what writes [`FacetMasks::id_keys`] in place of the stage `camera_visibility`. It is
+    /// given the frame.
+    Centres(&'a dyn Fn(&mut Recorder, &wgpu::Buffer) -> Result<()>),
+    /// With a facet for every surface: a G-buffer of several samples a pixel. The frames must have [`Frame::BEYOND`] set.
+    Samples(&'a SampleIds<'a>),
+}

@@ -31,13 +31,35 @@ impl Prepared {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<CasterBuffers> {
+        self.upload_with_room(device, queue, 0)
+    }
+
+    /// As [`Prepared::upload`], with room for `room` triangles with vertices of their own behind those of the mesh.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn upload_with_room(&self, device: &wgpu::Device, queue: &wgpu::Queue, room: usize) -> Result<CasterBuffers> {
+        let (positions, triangles) = surfaces(device, queue, &self.mesh, room)?;
         Ok(CasterBuffers {
-            positions: Buffer::from_slice(device, queue, "casters.positions", &self.mesh.positions)?,
-            triangles: Buffer::from_slice(device, queue, "casters.triangles", &self.mesh.triangles)?,
+            positions,
+            triangles,
             edges: Buffer::from_slice(device, queue, "casters.edges", &self.edges)?,
             closed: self.closed,
         })
     }
+}
+
+/// Positions and triangles of a mesh, uploaded.
+type Surfaces = (Buffer<[f32; 3]>, Buffer<[u32; 3]>);
+
+/// Uploads positions and triangles, with room behind them for `room` triangles with vertices of their own.
+///
+/// # Errors
+/// As [`Buffer::storage`].
+pub fn surfaces(device: &wgpu::Device, queue: &wgpu::Queue, mesh: &Mesh, room: usize) -> Result<Surfaces> {
+    let positions = Buffer::with_room(device, queue, "casters.positions", &mesh.positions, 3 * room)?;
+    let triangles = Buffer::with_room(device, queue, "casters.triangles", &mesh.triangles, room)?;
+    Ok((positions, triangles))
 }
 
 /// A mesh on the GPU.

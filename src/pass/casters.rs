@@ -19,9 +19,16 @@ pub struct CasterSet {
 }
 
 impl CasterSet {
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
+    /// With room behind the casters for `room` triangles of surfaces that are none.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        casters: &Casters,
+        given: Mesh,
+        room: usize,
+    ) -> Result<Self> {
         let prepared = Prepared::new(&given);
-        let buffers = prepared.upload(device, queue)?;
+        let buffers = prepared.upload_with_room(device, queue, room)?;
         let mut numbers = vec![0; prepared.given.len()];
         for (number, &triangle) in (0..).zip(&prepared.given) {
             numbers[triangle as usize] = number;

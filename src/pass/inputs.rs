@@ -1,5 +1,7 @@
 //! What an application hands to the pass, and the checks of it.
 
+use super::GBuffer;
+use super::textures::check_texture;
 use crate::scene::{Camera, Light};
 use crate::stages::caster_positions::Vertices;
 use crate::{Error, Result};
@@ -43,36 +45,6 @@ pub struct Moved<'a> {
     pub bounds: [[f32; 3]; 2],
 }
 
-/// What the application knows of the surfaces that its pixels show.
-#[derive(Clone, Copy, Debug, Default)]
-#[non_exhaustive]
-pub enum GBuffer<'a> {
-    /// Nothing: the pass finds the nearest triangle of the casters, at each pixel centre or for each sample.
-    #[default]
-    None,
-    /// The triangle at each pixel centre. One facet a pixel, as without a G-buffer: for the same triangles the same bits.
-    TriangleIds(TriangleTexture<'a>),
-}
-
-/// A texture of triangle numbers.
-#[derive(Clone, Copy, Debug)]
-pub struct TriangleTexture<'a> {
-    /// Format `R32Uint`, usage `TEXTURE_BINDING`, two-dimensional, one sample, the size of the image. Its first level and
-    /// layer are read.
-    pub texture: &'a wgpu::Texture,
-    /// The number of the first triangle; the others follow in the order in which they were given to the pass.
-    pub first: u32,
-    /// What stands for no triangle: visibility 1 there.
-    pub none: u32,
-}
-
-impl<'a> TriangleTexture<'a> {
-    /// Triangles counted from 0; `u32::MAX` where there is none.
-    pub fn new(texture: &'a wgpu::Texture) -> Self {
-        Self { texture, first: 0, none: u32::MAX }
-    }
-}
-
 /// What one frame is computed from.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
@@ -108,7 +80,7 @@ impl Target<'_> {
     pub(super) fn check(&self, size: [u32; 2], lit_bytes: u64) -> Result<()> {
         if let Some(texture) = self.visibility {
             use wgpu::{TextureFormat, TextureUsages};
-            check_texture("visibility", texture, TextureFormat::R32Float, TextureUsages::STORAGE_BINDING, size)?;
+            check_texture("visibility", texture, &[TextureFormat::R32Float], TextureUsages::STORAGE_BINDING, size)?;
         }
         let Some(lit) = self.lit else { return Ok(()) };
         if !lit.usage().contains(wgpu::BufferUsages::COPY_DST) {
@@ -119,43 +91,4 @@ impl Target<'_> {
         }
         Ok(())
     }
-}
-
-/// Checks that the first level and layer of a texture can be used.
-pub(super) fn check_texture(
-    what: &str,
-    texture: &wgpu::Texture,
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-    [width, height]: [u32; 2],
-) -> Result<()> {
-    let wrong = |text: String| Err(Error::Config(format!("{what} texture: {text}")));
-    if texture.format() != format {
-        return wrong(format!("format {:?}, {format:?} is needed", texture.format()));
-    }
-    if (texture.width(), texture.height()) != (width, height) {
-        return wrong(format!("{}x{} texels, the image has {width}x{height}", texture.width(), texture.height()));
-    }
-    if texture.dimension() != wgpu::TextureDimension::D2 || texture.sample_count() != 1 {
-        return wrong(format!(
-            "dimension {:?} and {} samples, D2 and 1 are needed",
-            texture.dimension(),
-            texture.sample_count()
-        ));
-    }
-    if !texture.usage().contains(usage) {
-        return wrong(format!("its usage {:?} lacks {usage:?}", texture.usage()));
-    }
-    Ok(())
-}
-
-/// The first level and layer of a texture.
-pub(super) fn first_level(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        label: Some("shadow_pass"),
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        mip_level_count: Some(1),
-        array_layer_count: Some(1),
-        ..Default::default()
-    })
 }

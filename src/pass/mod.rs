@@ -5,11 +5,16 @@
 //!   encoder: it never submits, waits or reads back. [`ShadowPass::status`] says afterwards how each frame came out.
 //! - **Surfaces seen.** Without a G-buffer the pass finds them among the casters. With a texture of triangle numbers
 //!   ([`GBuffer::TriangleIds`]) the stage `camera_visibility` is left out. Both give the same bits for the same triangles.
-//!   Depth and position textures are not taken.
-//! - **Error.** With [`FacetMode::One`] the triangle at the centre stands for the whole pixel, found or given: pixels that show
+//!   With depths or positions ([`GBuffer::Surfaces`]), normals and triangle numbers if there are any, a pixel may also show what is
+//!   no caster, such as a terrain that only receives: it gets a plane of its own. With triangle numbers of several samples a
+//!   pixel ([`GBuffer::SampleIds`]) the search for every surface is left out.
+//! - **Error.** With [`FacetMode::One`] the surface at the centre stands for the whole pixel, found or given: pixels that show
 //!   several surfaces differ from scene truth: 0.4 to 14 % of all pixels of the scenes in `data/reports/truth.md` by more than one
 //!   sample of 32.
-//!   [`FacetMode::All`] has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample.
+//!   [`FacetMode::All`] has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample, and of
+//!   one with several it misses what none of them shows: `data/reports/gbuffer.md` has figures.
+//! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
+//!   fitted to all casters, as each may shadow something, and a light among them is refused.
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
@@ -17,27 +22,32 @@
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
 mod casters;
+mod gbuffer;
 mod inputs;
+mod seen;
 mod status;
+mod textures;
 
 pub use crate::stages::caster_positions::Vertices;
-pub use inputs::{Casters, GBuffer, Inputs, Moved, Target, TriangleTexture};
+pub use gbuffer::{DepthTerms, GBuffer, Place, SampleTexture, SurfaceTextures, TriangleTexture};
+pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder, Timer};
 use crate::light_view::LightView;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines, Strip};
+use crate::methods::prepared::surfaces;
 use crate::methods::render::{Budget, Counts};
 use crate::methods::{FacetMode, Settings, growth};
 use crate::scene::Light;
 use crate::stages::caster_positions::CasterPositions;
-use crate::stages::triangle_ids::{Params, TriangleIds};
 use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
 use casters::{CasterSet, checked_mesh};
 use futures::executor::block_on;
 use glam::{DVec3, Vec3};
+use seen::Seen;
 use status::{FAULT_WORDS, Finished, InFlight, Label};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -53,14 +63,17 @@ pub struct PassConfig<'a> {
     pub budget: Budget,
     /// Let the lists grow by themselves; without it, [`ShadowPass::grow`] does.
     pub grow: bool,
+    /// Make room for surfaces that receive shadows and cast none, which [`GBuffer::Surfaces`] needs: 52 bytes a pixel, 36 of
+    /// them behind the casters' positions in one binding.
+    pub receivers: bool,
     /// Take the time of each stage, where the device has [`wgpu::Features::TIMESTAMP_QUERY`].
     pub timing: bool,
 }
 
 impl<'a> PassConfig<'a> {
-    /// Default budget, lists that grow, no times.
+    /// Default budget, lists that grow, no room for receivers that are no casters, no times.
     pub fn new(settings: Settings, casters: Casters<'a>) -> Self {
-        Self { settings, casters, budget: Budget::default(), grow: true, timing: false }
+        Self { settings, casters, budget: Budget::default(), grow: true, receivers: false, timing: false }
     }
 }
 
@@ -73,7 +86,8 @@ pub struct ShadowPass {
     grows: bool,
     pipelines: Arc<Pipelines>,
     gather: CasterPositions,
-    ids: TriangleIds,
+    seen: Seen,
+    receivers: bool,
     store: VisibilityTexture,
     casters: CasterSet,
     method: FacetMasks,
@@ -82,7 +96,7 @@ pub struct ShadowPass {
     in_flight: InFlight,
     known: VecDeque<FrameStatus>,
     wanted: Option<Capacities>,
-    view: Option<(Light, LightView)>,
+    view: Option<(Light, bool, LightView)>,
     frame: u64,
     generation: u64,
 }
@@ -119,10 +133,11 @@ impl ShadowPass {
         let mesh = checked_mesh(&config.casters)?;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let made = (|| {
-            let pipelines = Arc::new(Pipelines::new(device, &settings));
-            let casters = CasterSet::new(device, queue, &config.casters, mesh)?;
+            let (pipelines, pixels) = (Arc::new(Pipelines::new(device, &settings)), settings.pixels());
+            let casters = CasterSet::new(device, queue, &config.casters, mesh, room(config.receivers, &settings))?;
             let first = growth::first_for(&settings, config.budget, casters.buffers.triangles.len());
             let method = FacetMasks::new(device, queue, pipelines.clone(), &casters.buffers, &settings, first)?;
+            let seen = Seen::new(device, &settings, config.receivers.then_some(pixels))?;
             Ok(Self {
                 device: device.clone(),
                 queue: queue.clone(),
@@ -131,7 +146,8 @@ impl ShadowPass {
                 grows: config.grow,
                 pipelines,
                 gather: CasterPositions::new(device),
-                ids: TriangleIds::new(device),
+                seen,
+                receivers: config.receivers,
                 store: VisibilityTexture::new(device),
                 casters,
                 method,
@@ -156,7 +172,7 @@ impl ShadowPass {
     /// # Errors
     /// As [`ShadowPass::new`]; the pass is then as before.
     pub fn set_casters(&mut self, casters: &Casters) -> Result<()> {
-        let set = CasterSet::new(&self.device, &self.queue, casters, checked_mesh(casters)?)?;
+        let set = self.caster_set(casters)?;
         self.rebuild(self.settings.clone(), Some(set))
     }
 
@@ -170,12 +186,26 @@ impl ShadowPass {
         self.rebuild(settings, None)
     }
 
+    fn caster_set(&self, casters: &Casters) -> Result<CasterSet> {
+        let room = room(self.receivers, &self.settings);
+        CasterSet::new(&self.device, &self.queue, casters, checked_mesh(casters)?, room)
+    }
+
     fn rebuild(&mut self, settings: Settings, casters: Option<CasterSet>) -> Result<()> {
         let buffers = casters.as_ref().map_or(&self.casters.buffers, |c| &c.buffers);
         let first = growth::first_for(&settings, self.budget, buffers.triangles.len());
         let pipelines = self.pipelines.clone();
+        let resized = settings.size != self.settings.size && self.receivers;
+        let (device, queue) = (&self.device, &self.queue);
+        let keys = self.seen.resized(device, settings.pixels())?;
+        let mesh = &self.casters.mesh;
+        let moved = resized.then(|| surfaces(device, queue, mesh, settings.pixels())).transpose()?;
         self.method = FacetMasks::new(&self.device, &self.queue, pipelines, buffers, &settings, first)?;
         self.settings = settings;
+        self.seen.take(keys);
+        if let Some(surfaces) = moved {
+            (self.casters.buffers.positions, self.casters.buffers.triangles) = surfaces;
+        }
         if let Some(casters) = casters {
             self.casters = casters;
         }
@@ -203,10 +233,13 @@ impl ShadowPass {
         if self.grows {
             self.grow()?;
         }
-        let frames = {
+        let mut frames = {
             let strip = Strip::whole(self.settings.size);
             self.method.frames_for(&self.casters.buffers, inputs.camera, inputs.light, &view, bounds, strip)?
         };
+        if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
+            frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
+        }
         encoder.push_debug_group("shadow_pass");
         let recorded = self.record_checked(encoder, inputs, target, &frames);
         encoder.pop_debug_group();
@@ -241,19 +274,9 @@ impl ShadowPass {
             let stage = &mut rec.stage("caster_positions");
             self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
         }
-        let take = |rec: &mut Recorder, frame: &wgpu::Buffer| {
-            let GBuffer::TriangleIds(given) = inputs.gbuffer else { return Ok(()) };
-            let view = inputs::first_level(given.texture);
-            let counted = Params { first: given.first, none: given.none };
-            let stage = &mut rec.stage("triangle_ids");
-            self.ids.record(stage, frame, &view, counted, &casters.numbers, method.id_keys(), faults)
-        };
-        match inputs.gbuffer {
-            GBuffer::None => method.record(rec, &casters.buffers)?,
-            GBuffer::TriangleIds(_) => method.record_seen(rec, &casters.buffers, Some(&take))?,
-        }
+        self.seen.record(rec, &inputs.gbuffer, self.settings.samples.offsets(), method, casters, faults)?;
         if let Some(texture) = target.visibility {
-            let view = inputs::first_level(texture);
+            let view = textures::first_level(texture);
             let frame = method.frames()[0].raw();
             self.store.record(&mut rec.stage("visibility_texture"), frame, method.visibility(), &view)?;
         }
@@ -280,16 +303,23 @@ impl ShadowPass {
     }
 
     fn check_gbuffer(&self, gbuffer: &GBuffer) -> Result<()> {
-        let GBuffer::TriangleIds(given) = gbuffer else { return Ok(()) };
-        if self.settings.facets == FacetMode::All {
-            return Err(Error::Config(
-                "a G-buffer of one sample shows one surface a pixel; with a facet for every surface the pass finds them"
-                    .to_owned(),
-            ));
+        let refuse = |text: &str| Err(Error::Config(text.to_owned()));
+        let size = self.settings.size;
+        match gbuffer {
+            GBuffer::None => Ok(()),
+            GBuffer::SampleIds(_) if self.settings.facets == FacetMode::One => refuse(
+                "a G-buffer of several samples shows several surfaces a pixel; they need a facet for every surface",
+            ),
+            GBuffer::SampleIds(given) => given.check(size, self.settings.samples.offsets()),
+            _ if self.settings.facets == FacetMode::All => refuse(
+                "a G-buffer of one sample shows one surface a pixel; with a facet for every surface the pass finds them",
+            ),
+            GBuffer::TriangleIds(given) => given.check(size),
+            GBuffer::Surfaces(_) if !self.receivers => {
+                refuse("surfaces in a G-buffer need a pass that was made with room for receivers")
+            }
+            GBuffer::Surfaces(given) => given.check(size),
         }
-        use wgpu::{TextureFormat, TextureUsages};
-        let (format, usage) = (TextureFormat::R32Uint, TextureUsages::TEXTURE_BINDING);
-        inputs::check_texture("triangle id", given.texture, format, usage, self.settings.size)
     }
 
     /// The box of the casters.
@@ -312,14 +342,17 @@ impl ShadowPass {
     /// The light's view of the casters; that of static ones is kept while the light is.
     fn view_for(&mut self, inputs: &Inputs, bounds: (DVec3, DVec3)) -> Result<LightView> {
         let (light, map) = (inputs.light, self.settings.map);
+        // What shadows no caster may shadow what is none.
+        let all = matches!(inputs.gbuffer, GBuffer::Surfaces(_));
         let view = match (&self.view, inputs.moved) {
             (_, Some(_)) => LightView::around(bounds, light, map)?,
-            (Some((of, view)), None) if of == light => *view,
+            (Some((of, of_all, view)), None) if (of, *of_all) == (light, all) => *view,
+            (_, None) if all => LightView::fit_all(&self.casters.mesh, light, map)?,
             (_, None) => LightView::fit(&self.casters.mesh, light, map)?,
         };
         view.check()?;
         if inputs.moved.is_none() {
-            self.view = Some((*light, view));
+            self.view = Some((*light, all, view));
         }
         Ok(view)
     }
@@ -432,6 +465,11 @@ fn settled(wanted: &Settings) -> Settings {
     Settings { cull_back: false, settle: wanted.settle && proved, ..wanted.clone() }
 }
 
+/// Triangles of surfaces that are no casters.
+fn room(receivers: bool, settings: &Settings) -> usize {
+    if receivers { settings.pixels() } else { 0 }
+}
+
 fn check_limits(have: &wgpu::Limits) -> Result<()> {
     let need = ShadowPass::required_limits();
     let pairs = [
@@ -441,7 +479,7 @@ fn check_limits(have: &wgpu::Limits) -> Result<()> {
             have.max_storage_buffers_per_shader_stage,
         ),
         ("storage textures a stage", 1, have.max_storage_textures_per_shader_stage),
-        ("sampled textures a stage", 1, have.max_sampled_textures_per_shader_stage),
+        ("sampled textures a stage", 3, have.max_sampled_textures_per_shader_stage),
         (
             "invocations a workgroup",
             need.max_compute_invocations_per_workgroup,

@@ -4,7 +4,7 @@
 use crate::gpu::{Buffer, StageTime, Timer};
 use crate::methods::facet_masks::Capacities;
 use crate::methods::render::{Counts, ListUse};
-use crate::stages::{caster_positions, triangle_ids};
+use crate::stages::{caster_positions, pixel_receivers, triangle_ids};
 use crate::{Error, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -18,6 +18,9 @@ pub struct Faults {
     pub parted: u32,
     /// Texels that name no triangle; they count as seeing nothing.
     pub unknown_triangles: u32,
+    /// Texels of depth, position or normal that are not finite, lie behind the eye, or more than 10^9 times as far away as the
+    /// casters, or have no direction; they count as seeing nothing.
+    pub unusable_surfaces: u32,
 }
 
 /// Words of the counters of [`Faults`].
@@ -29,6 +32,7 @@ impl Faults {
             outside: words[caster_positions::FAULT_OUTSIDE as usize],
             parted: words[caster_positions::FAULT_PARTED as usize],
             unknown_triangles: words[triangle_ids::FAULT_UNKNOWN as usize],
+            unusable_surfaces: words[pixel_receivers::FAULT_UNUSABLE as usize],
         }
     }
 }

@@ -28,8 +28,12 @@ pub enum State {
 pub struct Outline {
     /// Corners in texels, in order around.
     pub corners: Vec<DVec2>,
+    /// Least depth from the light of what is in front of it.
+    pub nearest: f64,
     /// Largest depth from the light.
     pub farthest: f64,
+    /// Largest divisor.
+    pub ahead: f64,
     /// All of it lies in front of the light.
     pub in_front: bool,
     /// Every ray of the pixel meets the plane in front of the limit.
@@ -82,6 +86,8 @@ pub struct Surroundings<'a> {
     pub splits: &'a [Split],
     /// Sample offsets inside a pixel, `[0, 1)²`.
     pub samples: &'a [[f32; 2]],
+    /// Triangles from this number on cast nothing: the splits are proved of others.
+    pub casters: u32,
 }
 
 /// Classifies the facets `(pixel, triangle)`. Rectangles reach out by `margin`; nothing is settled without `settle`.
@@ -139,15 +145,32 @@ fn one(
     let ray = pixel_ray(view, pixel, DVec2::ZERO);
     let depth = facet.plane.w / normal.dot(ray);
     let far_corner = corners.map(|p| p.dot(view.rays.forward)).into_iter().fold(f64::MIN, f64::max);
-    facet.outline = outline(view, pixel, facet.plane, far_corner.max(depth) * 4.0);
+    let limit = far_corner.max(depth) * 4.0;
+    facet.outline = outline(view, pixel, facet.plane, limit);
     facet.open |= facet.outline.open;
     if !facet.outline.whole || facet.outline.open {
         keep_own_triangle(view, around.samples, corners, &mut facet);
     }
     let size = view.map.map_size;
+    let receives = triangle.is_some_and(|t| t >= around.casters);
+    let (low, high) = bounds(&facet.outline.corners);
+    let reach = if receives { reach_beyond(view, pixel, facet.plane, limit) } else { 1.0 };
+    let texels = margin.texels * reach;
+    if receives {
+        facet.outline.nearest -= margin.depth * (reach + 1.0);
+        facet.outline.farthest += margin.depth * reach;
+    }
+    if receives && view.map.perspective {
+        // Nearer to the light than any caster.
+        let ahead = facet.outline.ahead - view.map.clear;
+        facet.open |= ahead.abs() < 1e-3 * view.map.clear.abs();
+        if ahead < 0.0 {
+            facet.state = State::Lit;
+            return facet;
+        }
+    }
     let rect = if facet.outline.in_front {
-        let (low, high) = bounds(&facet.outline.corners);
-        cells_touched(low - margin.texels, high + margin.texels, [size; 2])
+        cells_touched(low - texels, high + texels, [size; 2])
     } else {
         Some([0, 0, size - 1, size - 1])
     };
@@ -157,7 +180,12 @@ fn one(
     };
     facet.state = State::Undecided;
     if settle && facet.outline.in_front && rect_sum(sat, size as usize, rect.map(|v| v as usize)) == 0 {
-        settle_unmarked(view, around.splits, ray * depth, &mut facet);
+        if receives {
+            let inside = low.min_element() >= texels && high.max_element() <= f64::from(size) - texels;
+            behind_splits(around.splits, size, rect, inside, &mut facet);
+        } else {
+            settle_unmarked(view, around.splits, ray * depth, &mut facet);
+        }
     }
     if facet.state == State::Undecided {
         facet.rect = Some(rect);
@@ -195,6 +223,39 @@ fn settle_unmarked(view: &View, splits: &[Split], point: DVec3, facet: &mut Face
     };
 }
 
+/// Most texels of which the splits are looked at.
+const MOST_SPLITS: u32 = 256;
+
+/// The state of a facet that is no caster's, none of whose texels is marked: lit where none of them has a caster, shadowed
+/// where it lies behind the split of each.
+fn behind_splits(splits: &[Split], size: u32, [x0, y0, x1, y1]: [u32; 4], inside: bool, facet: &mut Facet) {
+    if (x1 - x0 + 1) * (y1 - y0 + 1) > MOST_SPLITS {
+        return;
+    }
+    let rows = (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| (y * size + x) as usize));
+    let all: Vec<Split> = rows.map(|t| splits[t]).collect();
+    let nearest = facet.outline.nearest;
+    if all.iter().all(|s| matches!(s, Split::Uncovered)) {
+        facet.state = State::Lit;
+    } else if inside && all.iter().all(|s| matches!(s, Split::At(split) if *split < nearest)) {
+        facet.state = State::Shadowed;
+    }
+    facet.open |=
+        all.iter().any(|s| matches!(s, Split::At(split) if (split - nearest).abs() < 1e-3 * (1.0 + nearest.abs())));
+}
+
+/// How many times farther than the unit cube, to which margins belong, a facet reaches within its pixel; at least 1.
+fn reach_beyond(view: &View, pixel: u32, plane: DVec4, limit: f64) -> f64 {
+    let offsets = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| DVec2::new(x, y) * PIXEL_REACH);
+    let reach = |offset: DVec2| {
+        let ray = pixel_ray(view, pixel, offset);
+        let over = plane.truncate().dot(ray);
+        let depth = if over < 0.0 { (plane.w / over).min(limit) } else { limit };
+        depth * ray.abs().max_element()
+    };
+    offsets.into_iter().map(reach).fold(1.0, f64::max)
+}
+
 fn keep_own_triangle(view: &View, samples: &[[f32; 2]], [a, b, c]: [DVec3; 3], facet: &mut Facet) {
     let edges = [a.cross(b), b.cross(c), c.cross(a)];
     let slopes = edges.map(|e| e.dot(view.rays.step_x).hypot(e.dot(view.rays.step_y)));
@@ -221,20 +282,31 @@ pub fn pixel_ray(view: &View, pixel: u32, offset: DVec2) -> DVec3 {
 /// The pixel's footprint on `plane` as the light sees it, cut off where view depth exceeds `limit`.
 pub fn outline(view: &View, pixel: u32, plane: DVec4, limit: f64) -> Outline {
     let normal = plane.truncate();
-    let mut out = Outline { farthest: f64::MIN, in_front: true, whole: true, ..Outline::default() };
+    let mut out = Outline {
+        nearest: f64::MAX,
+        farthest: f64::MIN,
+        ahead: f64::MIN,
+        in_front: true,
+        whole: true,
+        ..Outline::default()
+    };
     let offsets = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| DVec2::new(x, y) * PIXEL_REACH);
     let rays = offsets.map(|o| pixel_ray(view, pixel, o));
     // A ray meets the plane nearer than the limit where this is not positive.
     let over = |ray: DVec3| normal.dot(ray) - plane.w / limit;
-    let mut add = |point: DVec3| match view.on_map(point) {
-        Some(at) => {
-            out.corners.push(DVec2::new(at.x, at.y));
-            out.farthest = out.farthest.max(at.z);
-            out.open |= view.map.perspective && at.w < view.map.near * 1.0001;
-        }
-        None => {
-            out.in_front = false;
-            out.open |= view.map.w.dot(point.extend(1.0)) > view.map.near * 0.9999;
+    let mut add = |point: DVec3| {
+        out.ahead = out.ahead.max(view.map.w.dot(point.extend(1.0)));
+        match view.on_map(point) {
+            Some(at) => {
+                out.nearest = out.nearest.min(at.z);
+                out.corners.push(DVec2::new(at.x, at.y));
+                out.farthest = out.farthest.max(at.z);
+                out.open |= view.map.perspective && at.w < view.map.near * 1.0001;
+            }
+            None => {
+                out.in_front = false;
+                out.open |= view.map.w.dot(point.extend(1.0)) > view.map.near * 0.9999;
+            }
         }
     };
     let (mut whole, mut open) = (true, false);

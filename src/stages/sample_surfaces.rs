@@ -112,6 +112,10 @@ pub struct Mesh<'a> {
     pub positions: &'a wgpu::Buffer,
 }
 
+/// Records what samples see that lie in no listed triangle: of so many complex pixels from the first on, into the keys of
+/// their samples ([`ComplexPixels::keys`]), with a workgroup for each [`WORKGROUP`] pixels.
+pub type Fill<'a> = &'a dyn Fn(&mut Stage, [u32; 2], &Buffer<u32>, Groups) -> Result<()>;
+
 impl SampleSurfaces {
     /// Builds the pipelines for masks of `words` words; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
@@ -147,6 +151,28 @@ impl SampleSurfaces {
         facets: &Facets,
         id_keys: &Buffer<u32>,
     ) -> Result<()> {
+        self.record_filled(stage, frame, mesh, lists, complex, args, rounds, scratch, facets, id_keys, None)
+    }
+
+    /// As [`SampleSurfaces::record`]; `fill` may give samples that lie in no listed triangle what they see.
+    ///
+    /// # Errors
+    /// As [`SampleSurfaces::record`], and those of `fill`.
+    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
+    pub fn record_filled(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        mesh: Mesh,
+        lists: &PixelLists,
+        complex: &ComplexPixels,
+        args: (&wgpu::Buffer, u64),
+        rounds: u32,
+        scratch: &prefix_scan::Scratch,
+        facets: &Facets,
+        id_keys: &Buffer<u32>,
+        fill: Option<Fill>,
+    ) -> Result<()> {
         let pixels = lists.counts.len();
         // As many workgroups as there are complex pixels; with several bands, as a band may hold.
         let groups = || match complex.keys.len() {
@@ -170,6 +196,9 @@ impl SampleSurfaces {
                     ("rivals_found", complex.rivals.raw()),
                 ];
                 stage.run(&self.nearest, &buffers, groups())?;
+            }
+            if let Some(fill) = fill {
+                fill(stage, [band.first_slot, band.slots], keys, groups())?;
             }
             let step = self.uniforms.get(stage.device, &band);
             let buffers = [

@@ -95,6 +95,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], got: &Got) -> [usize; 3]
             marked: &[true; MAP * MAP],
             splits: &[Split::Marked; MAP * MAP],
             samples: world.samples.offsets(),
+            casters: u32::MAX,
         };
         classify(&world.view, &around, listed, margin, false)
     };

@@ -45,7 +45,8 @@ fn within(inner: Option<[u32; 4]>, outer: Option<[u32; 4]>) -> bool {
 
 /// What is wrong with each facet, and how many were open to rounding.
 fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits: &[Split], got: &Got) -> Vec<String> {
-    let around = Surroundings { triangles: &world.triangles, marked, splits, samples: world.samples.offsets() };
+    let (casters, samples) = (world.frame.triangle_count, world.samples.offsets());
+    let around = Surroundings { triangles: &world.triangles, marked, splits, samples, casters };
     let m = world.margin();
     let by = |times: f64| classify(&world.view, &around, listed, m.times(times), world.frame.flags & 8 == 0);
     let (exact, wide) = (by(0.0), by(2.0));
@@ -197,6 +198,37 @@ fn random_seeded() {
     }
 }
 
+/// Triangles behind those of the casters, in maps of all kinds: settled by every texel of their rectangles, or by lying nearer
+/// to the light than any caster.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_only_receives() {
+    let mut random = Random::new(13);
+    let mut states = [0; 5];
+    for round in 0..24 {
+        let mut world = world(gpu(), round, &mut random);
+        let all = world.frame.triangle_count;
+        world.frame.triangle_count = if round % 3 == 0 { 0 } else { random.below(all) };
+        if round % 4 == 3 {
+            // As if the casters lay farther from the light.
+            world.view.map.clear = world.view.map.near * 4.0 * unit(&mut random);
+            world.frame.eye_low[3] = world.view.map.clear as f32;
+        }
+        let listed = if round % 2 == 0 { world.seen() } else { world.anything(400, &mut random) };
+        check(&world, &listed, [0, 1, 10][random.below(3) as usize], &mut random);
+        let texels = (world.view.map.map_size as usize).pow(2);
+        // One sheet, or none, over all of the map.
+        for split in [Split::At(0.0), Split::At(0.4), Split::At(2.0), Split::Uncovered] {
+            let (marked, splits) = (vec![false; texels], vec![split; texels]);
+            let got = read(gpu(), &world.classify(&listed, &marked, &splits));
+            let found = faults(&world, &listed, &marked, &splits, &got);
+            assert!(found.is_empty(), "{}: {}", found.len(), found[..found.len().min(5)].join("\n"));
+            got.facets.iter().for_each(|f| states[f.state as usize] += 1);
+        }
+    }
+    assert!(states.iter().skip(1).all(|&n| n > 500), "{states:?}");
+}
+
 /// Light along a facet, behind the eye, in a triangle's plane; slivers; a floor up to the horizon.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
@@ -250,8 +282,13 @@ fn sides_are_exact() {
         let listed: Vec<_> = (0..300u32).map(|t| (random.below(24 * 18), Some(t))).collect();
         let (marked, splits) = any_map(&world, 10, &mut random);
         let got = read(gpu(), &world.classify(&listed, &marked, &splits));
-        let around =
-            Surroundings { triangles: &world.triangles, marked: &marked, splits: &splits, samples: &[[0.5, 0.5]] };
+        let around = Surroundings {
+            triangles: &world.triangles,
+            marked: &marked,
+            splits: &splits,
+            samples: &[[0.5, 0.5]],
+            casters: u32::MAX,
+        };
         let wanted = classify(&world.view, &around, &listed, world.margin(), true);
         for (k, facet) in wanted.iter().enumerate() {
             let Some([a, b, c]) = world.triangles[k].corners else { continue };
@@ -326,6 +363,7 @@ fn detects_corruption() {
         marked: &marked,
         splits: &splits,
         samples: world.samples.offsets(),
+        casters: world.frame.triangle_count,
     };
     let wanted: Vec<reference::Facet> = classify(&world.view, &around, &seen, Margin::default(), true);
     let k = wanted.iter().position(|f| f.state == State::Undecided && !f.open).expect("an undecided facet");

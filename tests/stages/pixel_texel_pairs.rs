@@ -36,6 +36,7 @@ fn facets(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> (Face
         marked: &marked,
         splits: &splits,
         samples: world.samples.offsets(),
+        casters: world.frame.triangle_count,
     };
     (world.classify(listed, &marked, &splits), classify(&world.view, &around, listed, margin, true))
 }
@@ -65,7 +66,8 @@ fn check(world: &World, stage: &PixelTexelPairs, listed: &[(u32, Option<u32>)], 
     let size = world.view.map.map_size;
     let (on_gpu, exact) = facets(world, listed, Margin::default());
     let (_, wide) = facets(world, listed, world.margin().times(2.0));
-    let skip = world.frame.flags & (2 | 8) == 0;
+    // Of what casts nothing, no texel is skipped.
+    let skip = world.frame.flags & (2 | 8) == 0 && world.frame.triangle_count != 0;
     let states = on_gpu.list.read(world.gpu).expect("readback");
     // Facets whose state is open to rounding, or differs by the margin, are not compared.
     let clear = |f: usize| {
@@ -143,6 +145,21 @@ fn random_seeded() {
         found += check(&world, stage(), &listed, &splits);
     }
     assert!(found > 5_000, "{found} pairs");
+}
+
+/// Facets of what casts nothing lie anywhere between two layers: no texel is skipped before its split.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_only_receives() {
+    let mut random = Random::new(26);
+    let mut found = 0;
+    for kind in 0..16 {
+        let mut world = world(gpu(), kind, &mut random);
+        (world.frame.triangle_count, world.frame.flags) = (0, world.frame.flags & !(2 | 8));
+        let splits = any_splits(&world, &mut random);
+        found += check(&world, stage(), &world.seen(), &splits);
+    }
+    assert!(found > 2_000, "{found} pairs");
 }
 
 /// A floor seen at a grazing angle, up to the horizon, and a light that grazes it.

@@ -1,0 +1,51 @@
+//! A plane seen as depth, without normals and triangle numbers, over no casters.
+
+use crate::harness::{Case, texture};
+use subpixel_shadows::Result;
+use subpixel_shadows::frame::Frame;
+use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::stages::pixel_receivers::{Params, PixelReceivers, Surfaces, Textures};
+use subpixel_shadows::wgpu::{TextureFormat, TextureUsages};
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let usage = TextureUsages::TEXTURE_BINDING;
+    let Some((place, image_size)) = texture(gpu, size, TextureFormat::R32Float, usage) else { return Ok(Vec::new()) };
+    let Some((ids, _)) = texture(gpu, 1, TextureFormat::R32Uint, usage) else { return Ok(Vec::new()) };
+    let pixels = (image_size[0] * image_size[1]) as usize;
+    let per_pixel = 1.0 / image_size[0] as f32;
+    let frame = Buffer::uniform(device, "bench.frame", 1)?;
+    frame.write(
+        queue,
+        &[Frame {
+            image_size,
+            eye: [0.0, 0.0, 0.0, 1.0],
+            ray_corner: [-0.5, -0.5, 1.0, 0.0],
+            ray_x: [per_pixel, 0.0, 0.0, 0.0],
+            ray_y: [0.0, per_pixel, 0.0, 0.0],
+            forward: [0.0, 0.0, 1.0, 0.001],
+            ..Frame::default()
+        }],
+    );
+    let numbers = Buffer::from_slice(device, queue, "bench.numbers", &[0u32])?;
+    let triangles = Buffer::with_room(device, queue, "bench.triangles", &[], pixels)?;
+    let positions = Buffer::with_room(device, queue, "bench.positions", &[], 3 * pixels)?;
+    let id_keys = Buffer::storage(device, "bench.id_keys", pixels)?;
+    let keys = Buffer::storage(device, "bench.keys", pixels)?;
+    let faults = Buffer::storage(device, "bench.faults", 4)?;
+    let stage = PixelReceivers::new(device);
+    // The texture holds 0, which is a depth of 1.
+    let params = Params { depth: [1.0, -1.0, 1.0, 0.0], nothing: 1.0, tolerance: 1e-4, ..Params::default() };
+    Ok(vec![Case {
+        name: "pixel_receivers".to_owned(),
+        size: pixels,
+        bytes: pixels * 60,
+        atomics: 0,
+        flops: pixels * 150,
+        record: Box::new(move |s| {
+            let textures = Textures { place: &place, normals: &place, ids: &ids };
+            let surfaces = Surfaces { numbers: &numbers, triangles: &triangles, positions: &positions };
+            stage.record(s, frame.raw(), params, textures, surfaces, &id_keys, &keys, &faults)
+        }),
+    }])
+}

@@ -1,0 +1,167 @@
+// gbuffer_triangles: lists, pixel by pixel, the triangles that an application's G-buffer of several samples a pixel shows, in
+// place of pixel_triangles. The samples are layers of a texture (`count_layers` ...) or those of a multisampled one
+// (`count_samples` ...); a texel is a triangle as the application counts them, its high half in the second channel if there is
+// one.
+// `count` writes `pixel_counts` (different triangles), and marks in `complex_flags` the pixels that show several, or one and
+// something else; `facet_counts` is 1 where all samples show one triangle, else 0. It keeps the longest list of a marked pixel
+// in `status`, and counts into `faults` the samples that name no triangle, which count as none. `emit` writes the triangles to
+// `pixel_list` at `pixel_offsets`, in the order of their first samples, never beyond the capacity.
+// `fill` gives each sample of a complex pixel that lies in none of its triangles what the nearest sample of the G-buffer shows.
+
+//@import frame
+//@import dispatch
+
+const WORKGROUP = 64u;
+const STATUS_LONGEST = 25u;
+const FAULT_UNKNOWN = 2u;
+const MOST = 128u;
+
+struct Params {
+    count: u32,       // samples of the G-buffer
+    first: u32,       // number of the application's first triangle
+    none: u32,        // its number for no triangle
+    first_slot: u32,  // of the band of complex pixels
+    slots: u32,       // of the band at most
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+    nearest: array<vec4<u32>, 32>,  // of each of the pixel's samples the nearest of the G-buffer
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> params: Params;
+@group(0) @binding(2) var layers: texture_2d_array<u32>;
+@group(0) @binding(3) var multisampled: texture_multisampled_2d<u32>;
+@group(0) @binding(4) var<storage, read> numbers: array<u32>;
+@group(0) @binding(5) var<storage, read_write> pixel_counts: array<u32>;
+@group(0) @binding(6) var<storage, read_write> complex_flags: array<u32>;
+@group(0) @binding(7) var<storage, read_write> facet_counts: array<u32>;
+@group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> faults: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read> pixel_offsets: array<u32>;
+@group(0) @binding(11) var<storage, read_write> pixel_list: array<u32>;
+@group(0) @binding(12) var<storage, read> complex_pixels: array<u32>;
+@group(0) @binding(13) var<storage, read> complex_total: array<u32>;
+@group(0) @binding(14) var<storage, read_write> sample_keys: array<u32>;
+
+var<private> shown: array<u32, MOST>;  // the different triangles of a pixel
+var<private> different: u32;
+var<private> misses: u32;
+var<private> unknown: u32;
+
+fn triangle_of(texel: vec4<u32>) -> u32 {
+    let id = texel.x | (texel.y << 16u);
+    if id == params.none { return NO_TRIANGLE; }
+    let given = id - params.first;
+    if id >= params.first && given < frame.triangle_count { return numbers[given]; }
+    unknown += 1u;
+    return NO_TRIANGLE;
+}
+
+fn note(t: u32) {
+    if t == NO_TRIANGLE { misses += 1u; }
+    var known = t == NO_TRIANGLE;
+    for (var n = 0u; n < different && !known; n++) { known = shown[n] == t; }
+    if known { return; }
+    shown[different] = t;
+    different += 1u;
+}
+
+fn place_of(pixel: u32) -> vec2<u32> {
+    return vec2(pixel % frame.image_size.x, pixel / frame.image_size.x);
+}
+
+fn look_at_layers(pixel: u32) {
+    let at = place_of(pixel);
+    for (var s = 0u; s < min(params.count, MOST); s++) { note(triangle_of(textureLoad(layers, at, s, 0))); }
+}
+
+fn look_at_samples(pixel: u32) {
+    let at = place_of(pixel);
+    for (var s = 0u; s < min(params.count, MOST); s++) { note(triangle_of(textureLoad(multisampled, at, s))); }
+}
+
+fn write_counts(pixel: u32) {
+    let single = different == 1u && misses == 0u;
+    let many = different != 0u && !single;
+    pixel_counts[pixel] = different;
+    complex_flags[pixel] = select(0u, 1u, many);
+    facet_counts[pixel] = select(0u, 1u, single);
+    if many && atomicLoad(&status[STATUS_LONGEST]) < different { atomicMax(&status[STATUS_LONGEST], different); }
+    if unknown != 0u { atomicAdd(&faults[FAULT_UNKNOWN], unknown); }
+}
+
+fn write_list(pixel: u32) {
+    let first = pixel_offsets[pixel];
+    for (var n = 0u; n < different && first + n < frame.pixel_triangle_capacity; n++) { pixel_list[first + n] = shown[n]; }
+}
+
+fn is_outside(pixel: u32) -> bool {
+    return pixel >= frame.image_size.x * frame.image_size.y;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn count_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if is_outside(pixel) { return; }
+    look_at_layers(pixel);
+    write_counts(pixel);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn count_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if is_outside(pixel) { return; }
+    look_at_samples(pixel);
+    write_counts(pixel);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if is_outside(pixel) { return; }
+    look_at_layers(pixel);
+    write_list(pixel);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn emit_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if is_outside(pixel) { return; }
+    look_at_samples(pixel);
+    write_list(pixel);
+}
+
+// The complex pixel of a slot of the band; NO_TRIANGLE beyond the last.
+fn complex_pixel(slot: u32) -> u32 {
+    let all = min(complex_total[0], frame.complex_capacity);
+    if slot >= min(all - min(all, params.first_slot), params.slots) { return NO_TRIANGLE; }
+    return complex_pixels[params.first_slot + slot];
+}
+
+fn nearest_to(k: u32) -> u32 {
+    return params.nearest[k >> 2u][k & 3u];
+}
+
+// What lies in none of the pixel's triangles has key 0 (sample_surfaces).
+@compute @workgroup_size(WORKGROUP)
+fn fill_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
+    let pixel = complex_pixel(slot);
+    if pixel == NO_TRIANGLE { return; }
+    for (var k = 0u; k < frame.sample_count; k++) {
+        let at = k * params.slots + slot;
+        if sample_keys[at] == 0u { sample_keys[at] = ~triangle_of(textureLoad(layers, place_of(pixel), nearest_to(k), 0)); }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn fill_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
+    let pixel = complex_pixel(slot);
+    if pixel == NO_TRIANGLE { return; }
+    for (var k = 0u; k < frame.sample_count; k++) {
+        let at = k * params.slots + slot;
+        if sample_keys[at] == 0u { sample_keys[at] = ~triangle_of(textureLoad(multisampled, place_of(pixel), nearest_to(k))); }
+    }
+}

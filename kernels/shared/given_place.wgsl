@@ -1,0 +1,45 @@
+// The surface at a pixel by an application's texture of depths or positions. Needs `frame`, `facing`, `finite`, the texture
+// `place` and the uniform `params`.
+
+const FARTHEST = 1e9;  // times the casters' distance: beyond it squares of squares leave f32
+
+const NOTHING = 0u;
+const SURFACE = 1u;
+const FAULT = 2u;
+
+struct Place {
+    point: vec3<f32>,  // relative to the eye, scaled
+    world: vec3<f32>,
+    depth: f32,        // view depth, scaled
+    what: u32,
+}
+
+fn ray_of(at: vec2<i32>) -> vec3<f32> {
+    let v = vec2<f32>(at) + 0.5;
+    return frame.ray_corner.xyz + v.x * frame.ray_x.xyz + (v.y + f32(frame.first_row)) * frame.ray_y.xyz;
+}
+
+fn place_at(at: vec2<i32>) -> Place {
+    var p: Place;
+    if any(at < vec2(0)) || any(at >= vec2<i32>(frame.image_size)) { return p; }
+    let texel = textureLoad(place, at, 0);
+    p.what = FAULT;
+    if (params.given & GIVEN_POSITIONS) != 0u {
+        if texel.w == 0.0 { p.what = NOTHING; }
+        if p.what == NOTHING || !all_finite(texel.xyz) || !is_finite(texel.w) { return p; }
+        p.world = texel.xyz;
+        p.point = ((p.world - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
+        p.depth = dot(p.point, frame.forward.xyz);
+    } else {
+        if texel.x == params.nothing { p.what = NOTHING; }
+        let under = texel.x * params.depth.z - params.depth.x;
+        if p.what == NOTHING || !is_finite(texel.x) || under == 0.0 { return p; }
+        let depth = (params.depth.y - texel.x * params.depth.w) / under;
+        p.depth = depth * frame.eye.w;
+        let away = ray_of(at) * depth;
+        p.point = away * frame.eye.w;
+        p.world = frame.eye.xyz + (frame.eye_low.xyz + away);
+    }
+    if is_finite(p.depth) && p.depth > 0.0 && largest(p.point) < FARTHEST { p.what = SURFACE; }
+    return p;
+}

@@ -1,0 +1,178 @@
+//! Recording what an application's G-buffer says of the surfaces seen.
+
+use super::casters::CasterSet;
+use super::gbuffer::{GBuffer, Place, SampleTexture, SurfaceTextures, TriangleTexture};
+use super::textures::{all_layers, first_level};
+use crate::Result;
+use crate::gpu::{Buffer, Recorder};
+use crate::methods::every_surface::SampleIds;
+use crate::methods::facet_masks::{self, FacetMasks};
+use crate::methods::{FacetMode, Settings};
+use crate::stages::PrefixScan;
+use crate::stages::gbuffer_triangles::{GbufferTriangles, Given, Texture};
+use crate::stages::pixel_receivers::{
+    GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, Params, PixelReceivers, Surfaces, Textures,
+};
+use crate::stages::triangle_ids::{self, TriangleIds};
+
+/// The pipelines, and memory for an image.
+pub struct Seen {
+    ids: TriangleIds,
+    receivers: Option<Receivers>,
+    /// With a facet for every surface.
+    samples: Option<GbufferTriangles>,
+}
+
+struct Receivers {
+    stage: PixelReceivers,
+    /// Complement of each pixel's triangle.
+    keys: Buffer<u32>,
+    /// Bound where no triangle numbers are given.
+    no_ids: wgpu::TextureView,
+}
+
+impl Seen {
+    /// `receivers`: pixels of which surfaces that are no casters are told apart, if the pass has room for them.
+    pub fn new(device: &wgpu::Device, settings: &Settings, receivers: Option<usize>) -> Result<Self> {
+        let receivers = receivers.map(|pixels| Receivers::new(device, pixels)).transpose()?;
+        let every = settings.facets == FacetMode::All;
+        let samples = every.then(|| GbufferTriangles::new(device, &PrefixScan::new(device)));
+        Ok(Self { ids: TriangleIds::new(device), receivers, samples })
+    }
+
+    /// Memory for an image of another size.
+    pub fn resized(&self, device: &wgpu::Device, pixels: usize) -> Result<Option<Buffer<u32>>> {
+        self.receivers.as_ref().map(|_| keys(device, pixels)).transpose()
+    }
+
+    /// Uses that memory from now on.
+    pub fn take(&mut self, keys: Option<Buffer<u32>>) {
+        if let (Some(receivers), Some(keys)) = (&mut self.receivers, keys) {
+            receivers.keys = keys;
+        }
+    }
+
+    /// Records the method with what the G-buffer says.
+    pub fn record(
+        &self,
+        rec: &mut Recorder,
+        gbuffer: &GBuffer,
+        ours: &[[f32; 2]],
+        method: &FacetMasks,
+        casters: &CasterSet,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        let buffers = &casters.buffers;
+        match (gbuffer, &self.receivers) {
+            (GBuffer::TriangleIds(given), _) => {
+                let ids = |rec: &mut Recorder, frame: &wgpu::Buffer| {
+                    self.record_ids(rec, frame, *given, method, casters, faults)
+                };
+                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&ids))
+            }
+            (GBuffer::Surfaces(given), Some(receivers)) => {
+                let surfaces = |rec: &mut Recorder, frame: &wgpu::Buffer| {
+                    if given.ids.is_none() {
+                        method.record_camera(rec, buffers)?;
+                    }
+                    receivers.record(rec, frame, given, method, casters, faults)
+                };
+                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&surfaces))
+            }
+            (GBuffer::SampleIds(given), _) => self.record_samples(rec, given, ours, method, casters, faults),
+            _ => method.record(rec, buffers),
+        }
+    }
+
+    fn record_samples(
+        &self,
+        rec: &mut Recorder,
+        given: &SampleTexture,
+        ours: &[[f32; 2]],
+        method: &FacetMasks,
+        casters: &CasterSet,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        let Some(stage) = &self.samples else { return method.record(rec, &casters.buffers) };
+        let multisampled = given.is_multisampled();
+        let view = if multisampled { first_level(given.texture) } else { all_layers(given.texture) };
+        let texture = if multisampled { Texture::Samples(&view) } else { Texture::Layers(&view) };
+        let given = Given { texture, params: given.params(ours)?, numbers: &casters.numbers };
+        let samples = SampleIds { stage, given, faults };
+        method.record_seen(rec, &casters.buffers, facet_masks::Seen::Samples(&samples))
+    }
+
+    fn record_ids(
+        &self,
+        rec: &mut Recorder,
+        frame: &wgpu::Buffer,
+        given: TriangleTexture,
+        method: &FacetMasks,
+        casters: &CasterSet,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        let view = first_level(given.texture);
+        let counted = triangle_ids::Params { first: given.first, none: given.none };
+        let stage = &mut rec.stage("triangle_ids");
+        self.ids.record(stage, frame, &view, counted, &casters.numbers, method.id_keys(), faults)
+    }
+}
+
+impl Receivers {
+    fn new(device: &wgpu::Device, pixels: usize) -> Result<Self> {
+        let no_ids = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("pixel_receivers.no_ids"),
+            size: wgpu::Extent3d::default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::R32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        Ok(Self { stage: PixelReceivers::new(device), keys: keys(device, pixels)?, no_ids: first_level(&no_ids) })
+    }
+
+    fn record(
+        &self,
+        rec: &mut Recorder,
+        frame: &wgpu::Buffer,
+        given: &SurfaceTextures,
+        method: &FacetMasks,
+        casters: &CasterSet,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        let (place, mut params) = match given.place {
+            Place::Depth { texture, terms, nothing } => {
+                (first_level(texture), Params { depth: terms.words(), nothing, ..Params::default() })
+            }
+            Place::Position(texture) => (first_level(texture), Params { given: GIVEN_POSITIONS, ..Params::default() }),
+        };
+        params.tolerance = given.tolerance;
+        let normals = given.normals.map(first_level);
+        params.given |= if normals.is_some() { GIVEN_NORMALS } else { 0 };
+        let ids = given.ids.map(|ids| first_level(ids.texture));
+        if let Some(ids) = given.ids {
+            (params.first, params.none) = (ids.first, ids.none);
+            params.given |= GIVEN_IDS;
+        }
+        let textures = Textures {
+            place: &place,
+            normals: normals.as_ref().unwrap_or(&place),
+            ids: ids.as_ref().unwrap_or(&self.no_ids),
+        };
+        let buffers = &casters.buffers;
+        let surfaces =
+            Surfaces { numbers: &casters.numbers, triangles: &buffers.triangles, positions: &buffers.positions };
+        {
+            let (seen, stage) = (method.id_keys(), &mut rec.stage("pixel_receivers"));
+            self.stage.record(stage, frame, params, textures, surfaces, seen, &self.keys, faults)?;
+        }
+        rec.copy(self.keys.raw(), method.id_keys().raw(), self.keys.len() as u64 * 4);
+        Ok(())
+    }
+}
+
+fn keys(device: &wgpu::Device, pixels: usize) -> Result<Buffer<u32>> {
+    Buffer::storage(device, "pixel_receivers.keys", pixels)
+}

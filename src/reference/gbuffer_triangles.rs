@@ -1,0 +1,87 @@
+//! Definition of reading a G-buffer of several samples a pixel.
+
+/// What a pixel's samples show.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Pixel {
+    /// The different triangles, in the order of their first samples.
+    pub triangles: Vec<u32>,
+    /// All samples show the same triangle.
+    pub single: bool,
+}
+
+impl Pixel {
+    /// Whether its samples must be looked at one by one.
+    pub fn complex(&self) -> bool {
+        !self.triangles.is_empty() && !self.single
+    }
+}
+
+/// What a texel says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// No triangle.
+    Nothing,
+    /// A number of no triangle.
+    Unknown,
+    /// This triangle of the casters.
+    Triangle(u32),
+}
+
+/// What a texel says, of an application that counts from `first` and writes `none` for no triangle.
+pub fn shown(id: u32, first: u32, none: u32, numbers: &[u32]) -> Shown {
+    if id == none {
+        return Shown::Nothing;
+    }
+    let named = id.checked_sub(first).and_then(|n| numbers.get(n as usize));
+    named.map_or(Shown::Unknown, |&t| Shown::Triangle(t))
+}
+
+/// What each pixel shows, and how many samples name no triangle. `layers` has the texels of each sample.
+pub fn pixels(layers: &[Vec<u32>], first: u32, none: u32, numbers: &[u32]) -> (Vec<Pixel>, u32) {
+    let count = layers.first().map_or(0, Vec::len);
+    let mut unknown = 0;
+    let mut pixels = vec![Pixel { single: true, ..Pixel::default() }; count];
+    for (texel, pixel) in layers.iter().flat_map(|layer| layer.iter().zip(0..)) {
+        let shown = shown(*texel, first, none, numbers);
+        unknown += u32::from(shown == Shown::Unknown);
+        let pixel: &mut Pixel = &mut pixels[pixel as usize];
+        match shown {
+            Shown::Triangle(t) if !pixel.triangles.contains(&t) => pixel.triangles.push(t),
+            Shown::Triangle(_) => {}
+            _ => pixel.single = false,
+        }
+    }
+    pixels.iter_mut().for_each(|p| p.single &= p.triangles.len() == 1);
+    (pixels, unknown)
+}
+
+/// Of each of `ours` the nearest of `theirs`, of equally near ones the first.
+pub fn nearest(ours: &[[f32; 2]], theirs: &[[f32; 2]]) -> Vec<usize> {
+    let distance = |a: &[f32; 2], b: &[f32; 2]| (f64::from(a[0] - b[0])).hypot(f64::from(a[1] - b[1]));
+    let of = |a| {
+        let mut best = 0;
+        (1..theirs.len()).for_each(|k| {
+            if distance(a, &theirs[k]) < distance(a, &theirs[best]) {
+                best = k;
+            }
+        });
+        best
+    };
+    ours.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_triangle_everywhere_is_single() {
+        let layers = [vec![5, 5, 9, 9, 5], vec![5, 6, 9, 5, 77]];
+        let (got, unknown) = pixels(&layers, 5, 9, &[3, 1]);
+        let triangles: Vec<_> = got.iter().map(|p| p.triangles.clone()).collect();
+        assert_eq!(triangles, [vec![3], vec![3, 1], vec![], vec![3], vec![3]]);
+        assert_eq!(got.iter().map(Pixel::complex).collect::<Vec<_>>(), [false, true, false, true, true]);
+        assert!(got[0].single && !got[2].single && unknown == 1);
+        assert_eq!(nearest(&[[0.4, 0.5], [0.9, 0.9]], &[[0.5, 0.5], [0.3, 0.5], [0.99, 0.9]]), [0, 2]);
+    }
+}

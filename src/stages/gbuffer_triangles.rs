@@ -1,0 +1,205 @@
+//! The triangles that an application's G-buffer of several samples a pixel shows: lists as [`super::pixel_triangles`] makes.
+//!
+//! - **Reads** a texture of triangle numbers, a layer or a sample of the texture for each sample of the G-buffer, and the
+//!   casters' number of each of the application's triangles.
+//! - **Writes** `list` (the different triangles of each pixel), `offsets`, `complex_flags` (1 where samples show several
+//!   triangles, or one and something else) and `facet_counts` (1 where all show one triangle). Counts into `faults` the samples
+//!   that name no triangle ([`FAULT_UNKNOWN`]); they count as none. [`GbufferTriangles::record_fill`] gives each sample of a
+//!   complex pixel that lies in none of its triangles what the nearest sample of the G-buffer shows, if anything.
+//! - **Guarantee.** Same inputs, same bits. Nothing is written beyond the capacity.
+//! - **Error.** A surface that no sample of the G-buffer shows is missing.
+//! - **Cost.** Two dispatches over pixels that read every sample, and a scan; a pixel that shows `n` triangles compares up to
+//!   `n` times the number of samples.
+
+use super::pixel_triangles::PixelLists;
+use super::{Count, PrefixScan, prefix_scan};
+use crate::gpu::kernels::gbuffer_triangles as kernel;
+pub use crate::gpu::kernels::gbuffer_triangles::{FAULT_UNKNOWN, MOST, WORKGROUP};
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::{Error, Result, shared_struct};
+
+shared_struct! {
+    /// How an application counts samples and triangles.
+    "gbuffer_triangles" => pub struct Params {
+        /// Samples of the G-buffer.
+        pub count: u32,
+        /// The number of its first triangle.
+        pub first: u32,
+        /// What stands for no triangle.
+        pub none: u32,
+        /// First complex pixel of a band.
+        pub first_slot: u32,
+        /// Complex pixels of a band at most.
+        pub slots: u32,
+        /// Unused.
+        pub pad_0: u32,
+        /// Unused.
+        pub pad_1: u32,
+        /// Unused.
+        pub pad_2: u32,
+        /// Of each sample of the picture the nearest of the G-buffer.
+        pub nearest: [[u32; 4]; 32],
+    }
+}
+
+impl Params {
+    /// Of a G-buffer with samples at `theirs`, for a picture with samples at `ours` (both offsets in the pixel).
+    ///
+    /// # Errors
+    /// [`Error::Config`] if there are none or more than [`MOST`] of either, or one of `theirs` is not in `[0, 1)`.
+    pub fn new(ours: &[[f32; 2]], theirs: &[[f32; 2]], first: u32, none: u32) -> Result<Self> {
+        for (whose, count) in [("the picture", ours.len()), ("the G-buffer", theirs.len())] {
+            if count == 0 || count > MOST as usize {
+                return Err(Error::Config(format!("{count} samples a pixel in {whose}; 1 to {MOST} are possible")));
+            }
+        }
+        if let Some((k, p)) = theirs.iter().enumerate().find(|(_, p)| !p.iter().all(|v| (0.0..1.0).contains(v))) {
+            return Err(Error::Config(format!(
+                "sample {k} of the G-buffer is at ({}, {}), not in its pixel, [0, 1)",
+                p[0], p[1]
+            )));
+        }
+        let mut nearest = [[0; 4]; 32];
+        for (k, &at) in ours.iter().enumerate() {
+            nearest[k / 4][k % 4] = nearest_of(at, theirs);
+        }
+        Ok(Self { count: theirs.len() as u32, first, none, nearest, ..Self::default() })
+    }
+}
+
+/// The nearest of some places, of equally near ones the first.
+fn nearest_of(at: [f32; 2], places: &[[f32; 2]]) -> u32 {
+    let distance = |p: &[f32; 2]| (0..2).map(|k| (f64::from(p[k]) - f64::from(at[k])).powi(2)).sum::<f64>();
+    let all = (0..).zip(places);
+    all.min_by(|(_, p), (_, q)| distance(p).total_cmp(&distance(q))).map_or(0, |(k, _)| k)
+}
+
+/// Triangle numbers of several samples.
+#[derive(Clone, Copy, Debug)]
+pub enum Texture<'a> {
+    /// A view of dimension `D2Array`, a layer a sample.
+    Layers(&'a wgpu::TextureView),
+    /// A multisampled view.
+    Samples(&'a wgpu::TextureView),
+}
+
+/// An application's G-buffer and what its numbers mean.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a> {
+    /// Triangle numbers, the size of the image.
+    pub texture: Texture<'a>,
+    /// How they are counted.
+    pub params: Params,
+    /// The casters' number of each triangle of the application.
+    pub numbers: &'a Buffer<u32>,
+}
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct GbufferTriangles {
+    layers: Programs,
+    samples: Programs,
+    scan: PrefixScan,
+    uniforms: Uniforms,
+}
+
+#[derive(Debug)]
+struct Programs {
+    count: Program,
+    emit: Program,
+    fill: Program,
+}
+
+impl GbufferTriangles {
+    /// Builds the pipelines; `scan` is shared.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
+        let programs = |count, emit, fill| Programs {
+            count: Program::new(device, count, &[]),
+            emit: Program::new(device, emit, &[]),
+            fill: Program::new(device, fill, &[]),
+        };
+        Self {
+            layers: programs(kernel::ENTRY_COUNT_LAYERS, kernel::ENTRY_EMIT_LAYERS, kernel::ENTRY_FILL_LAYERS),
+            samples: programs(kernel::ENTRY_COUNT_SAMPLES, kernel::ENTRY_EMIT_SAMPLES, kernel::ENTRY_FILL_SAMPLES),
+            scan: scan.clone(),
+            uniforms: Uniforms::default(),
+        }
+    }
+
+    fn with<'a>(&self, texture: Texture<'a>) -> (&Programs, &'static str, wgpu::BindingResource<'a>) {
+        match texture {
+            Texture::Layers(view) => (&self.layers, "layers", wgpu::BindingResource::TextureView(view)),
+            Texture::Samples(view) => (&self.samples, "multisampled", wgpu::BindingResource::TextureView(view)),
+        }
+    }
+
+    /// Records the lists of all pixels.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if a buffer is too small for the image.
+    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        given: &Given,
+        lists: &PixelLists,
+        scratch: &prefix_scan::Scratch,
+        status: &Buffer<u32>,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        super::holds("gbuffer_triangles", "faults", faults.len(), FAULT_UNKNOWN as usize + 1)?;
+        let pixels = lists.counts.len();
+        let (programs, name, texture) = self.with(given.texture);
+        let params = self.uniforms.get(stage.device, &given.params);
+        let resources = [
+            ("frame", frame.as_entire_binding()),
+            ("params", params.as_entire_binding()),
+            (name, texture),
+            ("numbers", given.numbers.raw().as_entire_binding()),
+            ("pixel_counts", lists.counts.raw().as_entire_binding()),
+            ("complex_flags", lists.complex_flags.raw().as_entire_binding()),
+            ("facet_counts", lists.facet_counts.raw().as_entire_binding()),
+            ("status", status.raw().as_entire_binding()),
+            ("faults", faults.raw().as_entire_binding()),
+            ("pixel_offsets", lists.offsets.raw().as_entire_binding()),
+            ("pixel_list", lists.list.raw().as_entire_binding()),
+        ];
+        stage.run_resources(&programs.count, &resources, Groups::Items(pixels as u64))?;
+        let total = (&lists.offsets, pixels);
+        self.scan.record(stage, &lists.counts, &lists.offsets, total, scratch, Count::Exactly(pixels))?;
+        stage.run_resources(&programs.emit, &resources, Groups::Items(pixels as u64))
+    }
+
+    /// Records, for `slots` complex pixels from `first_slot` on, what samples see that lie in none of their triangles. `total`:
+    /// how many complex pixels there are; `groups`: a workgroup for each
+    /// [`WORKGROUP`] of the band.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
+    pub fn record_fill(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        given: &Given,
+        [first_slot, slots]: [u32; 2],
+        pixels: &Buffer<u32>,
+        total: &Buffer<u32>,
+        keys: &Buffer<u32>,
+        groups: Groups,
+    ) -> Result<()> {
+        let (programs, name, texture) = self.with(given.texture);
+        let params = self.uniforms.get(stage.device, &Params { first_slot, slots, ..given.params });
+        let resources = [
+            ("frame", frame.as_entire_binding()),
+            ("params", params.as_entire_binding()),
+            (name, texture),
+            ("numbers", given.numbers.raw().as_entire_binding()),
+            ("complex_pixels", pixels.raw().as_entire_binding()),
+            ("complex_total", total.raw().as_entire_binding()),
+            ("sample_keys", keys.raw().as_entire_binding()),
+        ];
+        stage.run_resources(&programs.fill, &resources, groups)
+    }
+}

@@ -1,0 +1,121 @@
+//! What each pixel shows, from an application's depth or position texture: casters, and surfaces that cast nothing.
+//!
+//! - **Reads** a texture of depths or world positions, if given world normals and triangle numbers, and the casters' triangle at
+//!   each pixel centre (`camera_visibility`; not looked at where numbers are given).
+//! - **Writes** `keys`: complement of each pixel's triangle, 0 where there is none. Of a pixel that shows no caster it is number
+//!   `triangle_count + pixel`, whose three vertices, from `vertex_count + 3 * pixel` on, the stage writes around the pixel's
+//!   surface: on the plane of its normal, as far from it as its coordinates are large, so that rounding turns it by less than
+//!   2^-20. Without normals the plane is that of the nearest pixels in its row and column that show no caster, at most 4
+//!   away, of two the one whose depth differs less. Counts into `faults` texels that name no triangle ([`FAULT_UNKNOWN`]) and those that are no place or
+//!   normal ([`FAULT_UNUSABLE`]); both count as none.
+//! - **Guarantee.** Same inputs, same bits.
+//! - **Cost.** One dispatch over pixels: without numbers up to nine triangles are looked at, without normals five texels or more; 52
+//!   bytes a pixel are written.
+
+use crate::Result;
+use crate::gpu::kernels::pixel_receivers as kernel;
+pub use crate::gpu::kernels::pixel_receivers::{
+    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS,
+};
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::shared_struct;
+
+shared_struct! {
+    /// What an application's textures hold.
+    "pixel_receivers" => pub struct Params {
+        /// At view depth `z`, world units, the texture holds `([0] * z + [1]) / ([2] * z + [3])`.
+        pub depth: [f32; 4],
+        /// The depth that stands for no surface.
+        pub nothing: f32,
+        /// How far from a caster's plane its surface may be said to be, in view depths.
+        pub tolerance: f32,
+        /// [`GIVEN_POSITIONS`], [`GIVEN_NORMALS`], [`GIVEN_IDS`].
+        pub given: u32,
+        /// The number of the application's first triangle.
+        pub first: u32,
+        /// Its number for no triangle of the casters.
+        pub none: u32,
+        /// Unused.
+        pub pad_0: u32,
+        /// Unused.
+        pub pad_1: u32,
+        /// Unused.
+        pub pad_2: u32,
+    }
+}
+
+/// Texture views, all of the size of the image; what `given` does not name is bound but not read.
+#[derive(Clone, Copy, Debug)]
+pub struct Textures<'a> {
+    /// Depth (`Depth32Float`, `R32Float`) or positions (`Rgba32Float`).
+    pub place: &'a wgpu::TextureView,
+    /// Normals (`Rgba16Float`, `Rgba32Float`).
+    pub normals: &'a wgpu::TextureView,
+    /// Triangle numbers (`R32Uint`).
+    pub ids: &'a wgpu::TextureView,
+}
+
+/// The casters, with room for a triangle and three vertices a pixel behind them.
+#[derive(Clone, Copy, Debug)]
+pub struct Surfaces<'a> {
+    /// The casters' number of each triangle of the application.
+    pub numbers: &'a Buffer<u32>,
+    /// Vertex indices.
+    pub triangles: &'a Buffer<[u32; 3]>,
+    /// Positions, world units.
+    pub positions: &'a Buffer<[f32; 3]>,
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct PixelReceivers {
+    take: Program,
+    uniforms: Uniforms,
+}
+
+impl PixelReceivers {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { take: Program::new(device, kernel::ENTRY_TAKE, &[]), uniforms: Uniforms::default() }
+    }
+
+    /// Records the stage for as many pixels as `keys` holds.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if `faults` or `id_keys` is too short, or there is no room behind the casters.
+    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        params: Params,
+        textures: Textures,
+        surfaces: Surfaces,
+        id_keys: &Buffer<u32>,
+        keys: &Buffer<u32>,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        let pixels = keys.len();
+        let room = |bytes: u64, element: usize, len: usize| (bytes as usize / element).saturating_sub(len);
+        let (triangles, positions) = (surfaces.triangles, surfaces.positions);
+        super::holds("pixel_receivers", "faults", faults.len(), FAULT_UNUSABLE as usize + 1)?;
+        super::holds("pixel_receivers", "id_keys", id_keys.len(), pixels)?;
+        super::holds("pixel_receivers", "triangles", room(triangles.bytes(), 12, triangles.len()), pixels)?;
+        super::holds("pixel_receivers", "positions", room(positions.bytes(), 12, positions.len()), 3 * pixels)?;
+        let params = self.uniforms.get(stage.device, &params);
+        let resources = [
+            ("frame", frame.as_entire_binding()),
+            ("params", params.as_entire_binding()),
+            ("place", wgpu::BindingResource::TextureView(textures.place)),
+            ("normals", wgpu::BindingResource::TextureView(textures.normals)),
+            ("ids", wgpu::BindingResource::TextureView(textures.ids)),
+            ("numbers", surfaces.numbers.raw().as_entire_binding()),
+            ("id_keys", id_keys.raw().as_entire_binding()),
+            ("triangles", triangles.raw().as_entire_binding()),
+            ("positions", positions.raw().as_entire_binding()),
+            ("keys", keys.raw().as_entire_binding()),
+            ("faults", faults.raw().as_entire_binding()),
+        ];
+        stage.run_resources(&self.take, &resources, Groups::Items(pixels as u64))
+    }
+}

@@ -1,0 +1,435 @@
+//! Lists of triangles out of G-buffers of several samples a pixel: layers of a texture, and a multisampled one.
+
+use crate::support::shadow::{folding_gpu, samples, uniform};
+use crate::support::{POISON, Random, difference, gpu, padded, poisoned, read_padded, run, sizes_around, upload};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use subpixel_shadows::frame::Frame;
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
+use subpixel_shadows::reference::gbuffer_triangles::{Shown, nearest, pixels, shown};
+use subpixel_shadows::stages::PrefixScan;
+use subpixel_shadows::stages::gbuffer_triangles::{FAULT_UNKNOWN, GbufferTriangles, Given, Params, Texture};
+use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
+use subpixel_shadows::wgpu;
+
+/// A G-buffer.
+#[derive(Clone)]
+struct Case {
+    size: [u32; 2],
+    layers: Vec<Vec<u32>>,
+    places: Vec<[f32; 2]>,
+    numbers: Vec<u32>,
+    first: u32,
+    none: u32,
+    /// Samples a pixel of the picture.
+    ours: u32,
+    /// Triangles that the lists can hold, if not as many as there are.
+    room: Option<usize>,
+}
+
+impl Case {
+    /// Pixels that show one to a few of `count` triangles, or nothing; one sample in `unknown` names none, if that is not 0.
+    fn new(size: [u32; 2], samples: usize, ours: u32, count: u32, unknown: u32, random: &mut Random) -> Self {
+        let (first, none) = (random.below(3) * 100, u32::MAX);
+        let pixels = (size[0] * size[1]) as usize;
+        let mut layers = vec![vec![none; pixels]; samples];
+        for pixel in 0..pixels {
+            let shown: Vec<u32> = (0..1 + random.below(5)).map(|_| random.below(count + 1)).collect();
+            for layer in &mut layers {
+                let t = shown[random.below(shown.len() as u32) as usize];
+                layer[pixel] = if t == count { none } else { first + t };
+                if unknown != 0 && random.below(unknown) == 0 {
+                    layer[pixel] = first + count + random.below(9);
+                }
+            }
+        }
+        let place = |_| [random.below(256), random.below(256)].map(|v| v as f32 / 256.0);
+        let places = (0..samples).map(place).collect();
+        Self { size, layers, places, numbers: (0..count).rev().collect(), first, none, ours, room: None }
+    }
+
+    fn pixels(&self) -> usize {
+        (self.size[0] * self.size[1]) as usize
+    }
+
+    fn texture(&self, gpu: &Gpu) -> wgpu::Texture {
+        let [width, height] = self.size;
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: self.layers.len() as u32 };
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("test.texture"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::R32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) };
+        gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&self.layers.concat()), layout, size);
+        texture
+    }
+}
+
+/// All that was written, with padding: counts, flags, facets, offsets, list; samples' triangles; longest and unknown.
+#[derive(Clone, Debug, PartialEq)]
+struct Got {
+    counts: Vec<u32>,
+    flags: Vec<u32>,
+    facets: Vec<u32>,
+    offsets: Vec<u32>,
+    list: Vec<u32>,
+    seen: Vec<u32>,
+    longest: u32,
+    unknown: u32,
+}
+
+/// Every third complex pixel is a slot, in two bands of unequal length.
+fn slots(flags: &[u32]) -> Vec<u32> {
+    (0..).zip(flags).filter(|(_, f)| **f != 0).map(|(p, _)| p).collect()
+}
+
+/// Samples that lie in a triangle before: every third.
+fn before(at: usize) -> u32 {
+    if at.is_multiple_of(3) { 77 + at as u32 } else { u32::MAX }
+}
+
+fn stage(gpu: &'static Gpu) -> &'static GbufferTriangles {
+    static MADE: Mutex<BTreeMap<bool, &'static GbufferTriangles>> = Mutex::new(BTreeMap::new());
+    let key = std::ptr::eq(gpu, self::gpu());
+    let make = || &*Box::leak(Box::new(GbufferTriangles::new(&gpu.device, &PrefixScan::new(&gpu.device))));
+    MADE.lock().expect("no test panicked here").entry(key).or_insert_with(make)
+}
+
+fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
+    let (device, pixels, ours) = (&gpu.device, case.pixels(), samples(case.ours));
+    let words = ours.words();
+    let (wanted, _) = wanted_pixels(case);
+    let needed: usize = wanted.iter().map(|p| p.triangles.len()).sum();
+    let room = case.room.unwrap_or(needed);
+    let lists = PixelLists::new(device, pixels, 1).expect("memory");
+    let lists = PixelLists {
+        counts: poisoned(gpu, pixels),
+        offsets: poisoned(gpu, pixels + 2),
+        list: poisoned(gpu, room),
+        complex_flags: poisoned(gpu, pixels),
+        facet_counts: poisoned(gpu, pixels),
+        ..lists
+    };
+    let status = upload(gpu, &[0u32; 32]);
+    let faults = upload(gpu, &[5u32, 6, 0, 0]);
+    let complex: Vec<u32> = slots(&wanted.iter().map(|p| u32::from(p.complex())).collect::<Vec<_>>());
+    let (complex_pixels, total) = (upload(gpu, &complex), upload(gpu, &[complex.len() as u32, 0]));
+    let frame = Frame {
+        image_size: case.size,
+        triangle_count: case.numbers.len() as u32,
+        sample_count: case.ours,
+        pixel_triangle_capacity: room as u32,
+        complex_capacity: complex.len() as u32,
+        ..Frame::default()
+    };
+    let (frame, numbers) = (uniform(gpu, &frame), upload(gpu, &case.numbers));
+    let scratch = PrefixScan::scratch(device, pixels).expect("memory");
+    let params = Params::new(ours.offsets(), &case.places, case.first, case.none).expect("parameters");
+    let given = Given { texture, params, numbers: &numbers };
+    let stage = stage(gpu);
+    run(gpu, |s| stage.record(s, frame.raw(), &given, &lists, &scratch, &status, &faults));
+    // Two bands, the second of which has room for more than there are.
+    let first = complex.len() / 3;
+    let mut seen = Vec::new();
+    for (from, slots) in [(0, first), (first, complex.len() - first + 3)] {
+        // Complements, sample by sample.
+        let wide = 32 * words as usize;
+        let key = |at: usize| !before((at % slots.max(1) + from) * wide + at / slots.max(1));
+        let keys = upload(gpu, &(0..slots * wide).map(key).collect::<Vec<_>>());
+        run(gpu, |s| {
+            let groups = Groups::Items(slots as u64 + 2);
+            stage.record_fill(
+                s,
+                frame.raw(),
+                &given,
+                [from as u32, slots as u32],
+                &complex_pixels,
+                &total,
+                &keys,
+                groups,
+            )
+        });
+        let keys = keys.read(gpu).expect("readback");
+        seen.extend((0..slots * wide).map(|at| !keys[at % wide * slots + at / wide]));
+    }
+    let read = |b: &Buffer<u32>| read_padded(gpu, b);
+    Got {
+        counts: read(&lists.counts),
+        flags: read(&lists.complex_flags),
+        facets: read(&lists.facet_counts),
+        offsets: lists.offsets.read(gpu).expect("readback"),
+        list: read(&lists.list),
+        seen,
+        longest: status.read(gpu).expect("readback")[PixelTriangles::STATUS_LONGEST],
+        unknown: faults.read(gpu).expect("readback")[FAULT_UNKNOWN as usize],
+    }
+}
+
+fn wanted_pixels(case: &Case) -> (Vec<subpixel_shadows::reference::gbuffer_triangles::Pixel>, u32) {
+    pixels(&case.layers, case.first, case.none, &case.numbers)
+}
+
+fn wanted(case: &Case) -> Got {
+    let (pixels, unknown) = wanted_pixels(case);
+    let pad = |mut words: Vec<u32>| {
+        words.resize(padded(words.len()), POISON);
+        words
+    };
+    let counts: Vec<u32> = pixels.iter().map(|p| p.triangles.len() as u32).collect();
+    let flags: Vec<u32> = pixels.iter().map(|p| u32::from(p.complex())).collect();
+    let mut offsets = vec![0];
+    counts.iter().for_each(|c| offsets.push(offsets[offsets.len() - 1] + c));
+    offsets.push(0);
+    let mut list: Vec<u32> = pixels.iter().flat_map(|p| p.triangles.clone()).collect();
+    list.truncate(case.room.unwrap_or(list.len()));
+    let (complex, ours) = (slots(&flags), samples(case.ours));
+    let (words, near) = (ours.words() as usize, nearest(ours.offsets(), &case.places));
+    let sees = |at: usize| {
+        let (slot, k) = (at / (32 * words), at % (32 * words));
+        let before = before(at);
+        if before != u32::MAX || k >= case.ours as usize || slot >= complex.len() {
+            return before;
+        }
+        let id = case.layers[near[k]][complex[slot] as usize];
+        if let Shown::Triangle(t) = shown(id, case.first, case.none, &case.numbers) { t } else { u32::MAX }
+    };
+    let longest = pixels.iter().filter(|p| p.complex()).map(|p| p.triangles.len() as u32).max().unwrap_or(0);
+    Got {
+        facets: pad(pixels.iter().map(|p| u32::from(p.single)).collect()),
+        seen: (0..(complex.len() + 3) * 32 * words).map(sees).collect(),
+        counts: pad(counts),
+        flags: pad(flags),
+        list: pad(list),
+        offsets,
+        longest,
+        unknown,
+    }
+}
+
+#[track_caller]
+fn check(gpu: &'static Gpu, case: &Case) -> Got {
+    let texture = case.texture(gpu);
+    let view = texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    });
+    let got = ask(gpu, case, Texture::Layers(&view));
+    assert_same(&got, &wanted(case));
+    got
+}
+
+#[track_caller]
+fn assert_same(got: &Got, want: &Got) {
+    for (what, got, want) in [
+        ("counts", &got.counts, &want.counts),
+        ("flags", &got.flags, &want.flags),
+        ("facets", &got.facets, &want.facets),
+        ("offsets", &got.offsets, &want.offsets),
+        ("list", &got.list, &want.list),
+        ("samples", &got.seen, &want.seen),
+        ("longest and unknown", &vec![got.longest, got.unknown], &vec![want.longest, want.unknown]),
+    ] {
+        assert_eq!(difference(got, want), None, "{what}");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    let got = check(gpu(), &Case::new([5, 3], 4, 32, 0, 0, &mut Random::new(1)));
+    assert!(got.counts[..15].iter().all(|&c| c == 0));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    for samples in [1, 2, 4] {
+        check(gpu(), &Case::new([1, 1], samples, 8, 1, 0, &mut Random::new(samples as u64)));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    for pixels in sizes_around(64) {
+        check(gpu(), &Case::new([pixels as u32, 1], 3, 16, 40, 0, &mut Random::new(pixels as u64)));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    let mut random = Random::new(2);
+    for (samples, ours) in [(1, 32), (4, 32), (8, 128), (32, 64), (128, 1), (128, 128), (5, 16)] {
+        for size in [[31, 23], [3, 100]] {
+            check(gpu(), &Case::new(size, samples, ours, 300, 0, &mut random));
+            check(gpu(), &Case::new(size, samples, ours, 300, 50, &mut random));
+        }
+    }
+}
+
+/// As many triangles in a pixel as samples; only unknown ones; samples at one place.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    let mut case = Case::new([9, 2], 128, 128, 200, 0, &mut Random::new(3));
+    let first = case.first;
+    case.layers.iter_mut().zip(0..).for_each(|(layer, s)| layer.fill(first + s));
+    assert_eq!(check(gpu(), &case).longest, 128);
+    case.layers.iter_mut().for_each(|layer| layer.fill(first + 200));
+    assert_eq!(check(gpu(), &case).unknown, 128 * 18);
+    let mut case = Case::new([9, 2], 6, 32, 3, 0, &mut Random::new(4));
+    case.places.fill([0.5; 2]);
+    check(gpu(), &case);
+    for bad in [[1.0, 0.5], [-0.1, 0.5], [f32::NAN, 0.5], [0.5, f32::INFINITY]] {
+        assert!(Params::new(&[[0.5; 2]], &[[0.5; 2], bad], 0, 1).is_err(), "{bad:?}");
+    }
+    assert!(Params::new(&[[0.5; 2]], &[], 0, 1).is_err() && Params::new(&[[0.5; 2]], &[[0.5; 2]; 129], 0, 1).is_err());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let mut case = Case::new([20, 13], 4, 32, 50, 0, &mut Random::new(5));
+    let needed = wanted(&case).offsets[case.pixels()] as usize;
+    for room in [needed - 1, needed / 2, 1] {
+        case.room = Some(room);
+        assert_eq!(check(gpu(), &case).offsets[case.pixels()] as usize, needed);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    // Nine workgroups of pixels in three rows, and as many of complex ones, of which there are six.
+    let mut case = Case::new([24, 24], 4, 32, 50, 0, &mut Random::new(6));
+    let complex = slots(&wanted(&case).flags[..576]);
+    let first = case.layers[0].clone();
+    for layer in &mut case.layers {
+        (0..576).filter(|p| !complex[..6].contains(p)).for_each(|p| layer[p as usize] = first[p as usize]);
+    }
+    assert!(check(folding_gpu(), &case) == check(gpu(), &case), "the fold changes the result");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let case = Case::new([20, 13], 4, 32, 50, 40, &mut Random::new(7));
+    let got = check(gpu(), &case);
+    let mut other = case.clone();
+    other.layers[2].rotate_left(1);
+    assert!(got != wanted(&other), "another layer passes");
+    let mut other = case.clone();
+    other.places.rotate_left(1);
+    assert!(got.seen != wanted(&other).seen, "samples at other places pass");
+    let mut off = got.clone();
+    off.list[7] ^= 1;
+    assert!(off != wanted(&case) && difference(&off.list, &wanted(&case).list).is_some());
+}
+
+/// A texture of four samples and two channels, written sample by sample as hardware would, gives what layers give.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn multisampled() {
+    for (format, count) in [(wgpu::TextureFormat::Rg16Uint, 100_000), (wgpu::TextureFormat::R16Uint, 300)] {
+        let mut case = Case::new([37, 21], 4, 32, count, 60, &mut Random::new(8));
+        if format == wgpu::TextureFormat::R16Uint {
+            let old = std::mem::replace(&mut case.none, 0xffff);
+            case.layers.iter_mut().flatten().filter(|id| **id == old).for_each(|id| *id = 0xffff);
+        }
+        let texture = multisampled_texture(gpu(), &case, format);
+        let view = texture.create_view(&Default::default());
+        assert_same(&ask(gpu(), &case, Texture::Samples(&view)), &wanted(&case));
+        let mut other = case.clone();
+        other.layers.rotate_left(1);
+        assert!(ask(gpu(), &case, Texture::Samples(&view)) != wanted(&other), "samples in another order pass");
+    }
+}
+
+const COPY: &str = "
+@group(0) @binding(0) var layers: texture_2d_array<u32>;
+override SAMPLE: u32 = 0u;
+@vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
+    return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+@fragment fn copy(@builtin(position) at: vec4<f32>) -> @location(0) vec2<u32> {
+    let id = textureLoad(layers, vec2<u32>(at.xy), SAMPLE, 0).x;
+    return vec2(id & 0xffffu, id >> 16u);
+}";
+
+fn multisampled_texture(gpu: &Gpu, case: &Case, format: wgpu::TextureFormat) -> wgpu::Texture {
+    let device = &gpu.device;
+    let layers = case.texture(gpu);
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("test.multisampled"),
+        size: wgpu::Extent3d { width: case.size[0], height: case.size[1], depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 4,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(COPY.into()),
+    });
+    let mut encoder = gpu.encoder();
+    for sample in 0..4u32 {
+        let constants = [("SAMPLE", f64::from(sample))];
+        let with = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: None,
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("corner"),
+                compilation_options: with.clone(),
+                buffers: &[],
+            },
+            primitive: Default::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState { count: 4, mask: 1 << sample, alpha_to_coverage_enabled: false },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("copy"),
+                compilation_options: with,
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let from = layers.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&from) }],
+        });
+        let to = texture.create_view(&Default::default());
+        let load = if sample == 0 { wgpu::LoadOp::Clear(wgpu::Color::BLACK) } else { wgpu::LoadOp::Load };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &to,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+    gpu.submit_and_wait(encoder).expect("the samples are written");
+    texture
+}
