@@ -2,7 +2,6 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Settings};
 use subpixel_shadows::methods::render::Budget;
@@ -10,6 +9,7 @@ use subpixel_shadows::methods::{MethodName, RayTracedSettings, ShadowMapSettings
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
+use subpixel_shadows::{Error, Result};
 
 /// Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
 #[derive(Debug, Parser)]
@@ -113,6 +113,9 @@ pub struct Options {
     /// Also compute facet truth and scene truth, and print the error
     #[arg(long)]
     pub truth: bool,
+    /// Also write classes.png (what was known of each pixel) and light-view.png (the map), as far as the method has them
+    #[arg(long)]
+    pub looks: bool,
     /// Run every stage, also those the plan would leave out, and settle no pixel early
     #[arg(long)]
     pub force_all: bool,
@@ -369,6 +372,10 @@ impl Options {
             ..Settings::new(self.size, self.map, samples)
         };
         settings.check()?;
+        if self.looks && self.method.keeps() == [false; 2] {
+            let name = self.method.name();
+            return Err(Error::Config(format!("--looks: {name} has neither classes of pixels nor a light-view map")));
+        }
         Ok(settings)
     }
 

@@ -2,6 +2,7 @@
 //! 24 bytes a texel, and no list beyond that of the uncertain pixels.
 
 use super::fixed::{FixedMethod, Inputs};
+use super::looks::Looks;
 use super::render::Counts;
 use super::settings::{Settings, SpsmEncoding};
 use crate::Result;
@@ -99,5 +100,9 @@ impl FixedMethod for Spsm {
             shadowed_facets: of(Class::Shadowed),
             ..Counts::default()
         })
+    }
+
+    fn looks(&self, gpu: &Gpu) -> Result<Option<Looks>> {
+        Looks::of_spsm(gpu, self).map(Some)
     }
 }
