@@ -83,6 +83,10 @@ pub struct Options {
     /// How spsm packs a triangle into a texel: the paper's code, or edge lines
     #[arg(long, value_enum, default_value_t, value_name = "CODE")]
     pub encoding: Encoding,
+    /// Texels that spsm searches around a sample's: near (3 x 3), wide (5 x 5), or along (3 x 3, and two more to either side
+    /// along the shadow's border)
+    #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
+    pub search: Search,
     /// Rays of ray-traced: from all pixels, or from those that are not proved lit or shadowed
     #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
     pub rays: Rays,
@@ -268,6 +272,15 @@ pub enum Encoding {
     Lines,
 }
 
+/// Where `spsm` searches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Search {
+    #[default]
+    Near,
+    Wide,
+    Along,
+}
+
 /// Which samples `ray-traced` follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Rays {
@@ -354,6 +367,11 @@ impl Options {
             Encoding::Paper => SpsmEncoding::Paper,
             Encoding::Lines => SpsmEncoding::Lines,
         };
+        let [radius, stretch] = match self.search {
+            Search::Near => [1, 0],
+            Search::Wide => [2, 0],
+            Search::Along => [1, 2],
+        };
         let settings = Settings {
             facets: self.facets.into(),
             validity: self.validity == Switch::On,
@@ -366,7 +384,7 @@ impl Options {
                 PairsBy::Grouped => PairVariant::Grouped,
                 PairsBy::Sorted => PairVariant::Sorted,
             },
-            spsm: SpsmSettings { encoding, ..SpsmSettings::default() },
+            spsm: SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() },
             ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
             ..Settings::new(self.size, self.map, samples)

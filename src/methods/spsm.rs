@@ -39,6 +39,7 @@ impl Spsm {
             },
             words,
             radius: settings.spsm.radius,
+            stretch: settings.spsm.stretch,
             bias: settings.spsm.bias,
         };
         Ok(Self {
