@@ -107,8 +107,9 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
 // Samples of `group`, all in one texel, that are in shadow.
 fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: vec4<u32>) -> vec4<u32> {
     if !before_place(sheet_at(texel), r, at, middle_of(texel)) { return vec4(0u); }
-    var mask = 0u;
-    for (var k = 0; k < 9; k++) {
+    var mask = 16u;     // the texel itself
+    for (var n = 0; n < 8; n++) {
+        let k = n + select(0, 1, n >= 4);
         let here = texel + vec2(k % 3 - 1, k / 3 - 1);
         if before_place(sheet_at(here), r, at, middle_of(here)) { mask |= 1u << u32(k); }
     }
@@ -133,7 +134,7 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
         if k >= SQUARE * SQUARE { continue; }
         let inner = max(abs(step.x), abs(step.y)) <= 1;
         if inner && (pattern.z & (1u << u32(max(3 * step.y + step.x + 4, 0)))) == 0u { continue; }
-        if !inner && !before_place(s, r, at, middle_of(here)) { continue; }
+        if RADIUS > 1 && !inner && !before_place(s, r, at, middle_of(here)) { continue; }
         let offset = middle_of(here) - centre;
         let gap = s.depth - receiver_around(r, at, middle_of(here));
         for (var e = 0u; e < 3u; e++) {
