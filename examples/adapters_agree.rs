@@ -113,7 +113,7 @@ fn check_that_faults_are_seen(frame: &Frame, truth: &FacetTruth) -> Result<()> {
 }
 
 fn main() -> Result<ExitCode> {
-    let arguments = Arguments::read()?;
+    let arguments = Arguments::of(std::env::args().skip(1))?;
     let gpus: Vec<Gpu> = Gpu::adapters().iter().map(|a| Gpu::from_adapter(a, None)).collect::<Result<_>>()?;
     let given = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let [w, h] = arguments.size;

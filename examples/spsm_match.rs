@@ -1,5 +1,8 @@
 //! Pixel match of `spsm` and `shadow-map` against scene truth at the samples of each pixel, 1280 × 720, as a table:
-//! `cargo run --release --example spsm_match -- [--samples N] [--map N] … [--ground] [--pictures DIR] [SCENE …]`
+//! `cargo run --release --example spsm_match -- [--samples N] [--map N] … [--ground] [--time] [--pictures DIR] [SCENE …]`
+//!
+//! `+ 1` and `+ 2` are the texels that are searched beyond the square along the border's tangents (section 6.4). With `--time`
+//! a last column holds GPU milliseconds of the query, the least of five frames.
 
 use std::path::Path;
 use subpixel_shadows::gpu::Gpu;
@@ -12,18 +15,23 @@ use subpixel_shadows::truth::{SceneTruth, Tracer};
 use subpixel_shadows::{Error, Result};
 
 const SIZE: [u32; 2] = [1280, 720];
+/// The stages that ask the map.
+const QUERY: [&str; 3] = ["spsm_classify", "spsm_recover", "shadow_map"];
 
-/// What is compared: label, method, encoding, radius of the search.
-const VARIANTS: [(&str, MethodName, SpsmEncoding, u32); 4] = [
-    ("shadow-map", MethodName::ShadowMap, SpsmEncoding::Lines, 1),
-    ("spsm paper", MethodName::Spsm, SpsmEncoding::Paper, 1),
-    ("spsm lines", MethodName::Spsm, SpsmEncoding::Lines, 1),
-    ("spsm lines 5x5", MethodName::Spsm, SpsmEncoding::Lines, 2),
+/// What is compared: label, method, encoding, radius of the search and texels beyond along the border's tangents.
+const VARIANTS: [(&str, MethodName, SpsmEncoding, [u32; 2]); 6] = [
+    ("shadow-map", MethodName::ShadowMap, SpsmEncoding::Lines, [1, 0]),
+    ("spsm paper", MethodName::Spsm, SpsmEncoding::Paper, [1, 0]),
+    ("spsm lines", MethodName::Spsm, SpsmEncoding::Lines, [1, 0]),
+    ("spsm lines 5x5", MethodName::Spsm, SpsmEncoding::Lines, [2, 0]),
+    ("spsm lines 3x3 + 1", MethodName::Spsm, SpsmEncoding::Lines, [1, 1]),
+    ("spsm lines 3x3 + 2", MethodName::Spsm, SpsmEncoding::Lines, [1, 2]),
 ];
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let (mut scenes, mut maps, mut samples, mut pictures, mut ground) = (Vec::new(), Vec::new(), 1, None, false);
+    let mut time = false;
     let number = |text: Option<String>| {
         let text = text.unwrap_or_default();
         text.parse::<u32>().map_err(|e| Error::Config(format!("'{text}': {e}")))
@@ -34,6 +42,7 @@ fn main() -> Result<()> {
             "--samples" => samples = number(arguments.next())?,
             "--map" => maps.push(number(arguments.next())?),
             "--ground" => ground = true,
+            "--time" => time = true,
             _ => scenes.push(argument),
         }
     }
@@ -45,8 +54,12 @@ fn main() -> Result<()> {
     }
     let gpu = Gpu::open(None)?;
     println!("adapter: {}, {} x {} pixels, samples a pixel: {samples}\n", gpu.adapter.name, SIZE[0], SIZE[1]);
-    println!("| scene | map | method | match | wrong | too dark | too light | fewer wrong | uncertain | RMSE |");
-    println!("|---|---|---|---|---|---|---|---|---|---|");
+    let more = if time { [" query, ms |", "---|"] } else { [""; 2] };
+    println!(
+        "| scene | map | method | match | wrong | too dark | too light | fewer wrong | uncertain | RMSE |{}",
+        more[0]
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|{}", more[1]);
     for name in &scenes {
         let scene = Scene::open(name, &SceneOptions { ground, ..SceneOptions::default() })?;
         let prepared = Prepared::new(&scene.mesh);
@@ -56,11 +69,17 @@ fn main() -> Result<()> {
         let wanted = truth.visibility();
         for &map in &maps {
             let mut baseline = 0;
-            for (label, method, encoding, radius) in VARIANTS {
+            for (label, method, encoding, [radius, stretch]) in VARIANTS {
                 let mut settings = Settings::new(SIZE, map, samples.clone());
-                settings.spsm = SpsmSettings { encoding, radius, ..SpsmSettings::default() };
+                settings.spsm = SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() };
                 let mut renderer = AnyRenderer::new(&gpu, &prepared, method, &settings, Budget::default())?;
                 let got = renderer.render(&scene.camera, &scene.light)?;
+                let mut least = f64::INFINITY;
+                for _ in 0..if time { 5 } else { 0 } {
+                    let stages = renderer.render(&scene.camera, &scene.light)?.stages;
+                    let query = stages.iter().filter(|s| QUERY.contains(&s.name));
+                    least = least.min(query.map(|s| s.gpu_ms).sum());
+                }
                 let near = 1.0 / samples.count() as f32 - 1e-6;
                 let (mut dark, mut light, mut square) = (0u32, 0u32, 0.0);
                 for (g, w) in got.visibility.iter().zip(&wanted) {
@@ -73,11 +92,12 @@ fn main() -> Result<()> {
                     baseline = wrong;
                 }
                 println!(
-                    "| {name} | {map} | {label} | {:.3} % | {wrong} | {dark} | {light} | {:.1} x | {:.2} % | {:.4} |",
+                    "| {name} | {map} | {label} | {:.3} % | {wrong} | {dark} | {light} | {:.1} x | {:.2} % | {:.4} |{}",
                     100.0 * (1.0 - f64::from(wrong) / pixels),
                     f64::from(baseline) / f64::from(wrong.max(1)),
                     100.0 * got.counts.silhouette_pixels as f64 / pixels,
                     (square / pixels).sqrt(),
+                    if time { format!(" {least:.1} |") } else { String::new() },
                 );
                 if let Some(folder) = &pictures {
                     let file = |what: &str| {

@@ -36,7 +36,7 @@ fn spot(light: &Light, (low, high): (DVec3, DVec3)) -> Light {
 }
 
 fn main() -> Result<()> {
-    let arguments = Arguments::read()?;
+    let arguments = Arguments::of(std::env::args().skip(1))?;
     let gpu = Gpu::open(None)?;
     let [w, h] = arguments.size;
     let samples = Samples::new(Pattern::default(), arguments.samples.unwrap_or(32))?;

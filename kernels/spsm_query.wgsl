@@ -13,11 +13,14 @@
 //@import spsm_sheet
 //@import receiver
 //@import spsm_border
+//@import spsm_search
 
 override ENCODING: u32 = 1u;
 override WORDS: u32 = 1u;
 override RADIUS: i32 = 1;     // texels searched around a sample's own
+override STRETCH: i32 = 0;    // and beyond these along the border's tangents, to either side
 override BIAS: f32 = 1e-5;
+override SQUARE: i32 = 2 * RADIUS + 1;
 const WORKGROUP = 64u;
 const CLASS_EMPTY = 0u;
 const CLASS_DARK = 1u;
@@ -104,8 +107,9 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
 // Samples of `group`, all in one texel, that are in shadow.
 fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: vec4<u32>) -> vec4<u32> {
     if !before_place(sheet_at(texel), r, at, middle_of(texel)) { return vec4(0u); }
-    var mask = 0u;
-    for (var k = 0; k < 9; k++) {
+    var mask = 16u;     // the texel itself
+    for (var n = 0; n < 8; n++) {
+        let k = n + select(0, 1, n >= 4);
         let here = texel + vec2(k % 3 - 1, k / 3 - 1);
         if before_place(sheet_at(here), r, at, middle_of(here)) { mask |= 1u << u32(k); }
     }
@@ -113,31 +117,33 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
     var dark = vec4(0u);
     let centre = middle_of(texel);
     piece_count = 0u;
-    for (var y = -RADIUS; y <= RADIUS; y++) {
-        for (var x = -RADIUS; x <= RADIUS; x++) {
-            let here = texel + vec2(x, y);
-            let s = sheet_at(here);
-            if !s.held { continue; }
-            for (var w = 0u; w < WORDS; w++) {
-                for (var left = group[w] & ~dark[w]; left != 0u; left &= left - 1u) {
-                    let place = sample_place(r, pixel, 32u * w + firstTrailingBit(left));
-                    let hit = shadows(s, vec3(place.xy - middle_of(here), place.z), r);
-                    dark[w] |= select(0u, left & (0u - left), hit);
-                }
+    let all = SQUARE * SQUARE + 2 * STRETCH * i32(pattern.y);
+    for (var k = 0; k < all; k++) {
+        let step = step_of(k, pattern);
+        let here = texel + step;
+        let s = sheet_at(here);
+        if !s.held { continue; }
+        for (var w = 0u; w < WORDS; w++) {
+            for (var left = group[w] & ~dark[w]; left != 0u; left &= left - 1u) {
+                let place = sample_place(r, pixel, 32u * w + firstTrailingBit(left));
+                let hit = shadows(s, vec3(place.xy - middle_of(here), place.z), r);
+                dark[w] |= select(0u, left & (0u - left), hit);
             }
-            let inner = max(abs(x), abs(y)) <= 1;
-            if inner && (pattern.z & (1u << u32(max(3 * y + x + 4, 0)))) == 0u { continue; }
-            if !inner && !before_place(s, r, at, middle_of(here)) { continue; }
-            let offset = middle_of(here) - centre;
-            let gap = s.depth - receiver_around(r, at, middle_of(here));
-            for (var e = 0u; e < 3u; e++) {
-                let piece = piece_of(s, e, -offset, 1.5);
-                // An edge behind the receiver throws no shadow on it.
-                let nearer = dot(gap, vec3(0.5 * (piece.start + piece.end), 1.0)) < 0.0;
-                if piece.some && nearer {
-                    pieces[piece_count] = vec4(piece.start + offset, piece.end + offset);
-                    piece_count++;
-                }
+        }
+        // Along the tangents triangles are only tested: linking their edges too makes the border too wide.
+        if k >= SQUARE * SQUARE { continue; }
+        let inner = max(abs(step.x), abs(step.y)) <= 1;
+        if inner && (pattern.z & (1u << u32(max(3 * step.y + step.x + 4, 0)))) == 0u { continue; }
+        if RADIUS > 1 && !inner && !before_place(s, r, at, middle_of(here)) { continue; }
+        let offset = middle_of(here) - centre;
+        let gap = s.depth - receiver_around(r, at, middle_of(here));
+        for (var e = 0u; e < 3u; e++) {
+            let piece = piece_of(s, e, -offset, 1.5);
+            // An edge behind the receiver throws no shadow on it.
+            let nearer = dot(gap, vec3(0.5 * (piece.start + piece.end), 1.0)) < 0.0;
+            if piece.some && nearer {
+                pieces[piece_count] = vec4(piece.start + offset, piece.end + offset);
+                piece_count++;
             }
         }
     }
@@ -148,9 +154,7 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
             let place = sample_place(r, pixel, 32u * w + firstTrailingBit(left)).xy - centre;
             var open = false;
             for (var n = 0u; n < pattern.y; n++) {
-                let code = pattern.x >> (8u * n);
-                let out = normalize(vec2(f32(code & 15u), f32((code >> 4u) & 15u)) - 8.0);
-                open = open || beyond_border(place, out);
+                open = open || beyond_border(place, normalize(vec2<f32>(towards_lit(pattern, n))));
             }
             dark[w] |= select(left & (0u - left), 0u, open);
         }

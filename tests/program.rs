@@ -4,6 +4,7 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use subpixel_shadows::report::looks::CLASS_COLOURS;
 
 /// A folder of its own for each test, gone afterwards.
 struct Folder(PathBuf);
@@ -227,6 +228,9 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         (&["plane", "--map", "9000"], &["9000", "8192"]),
         (&["plane", "--method", "pcf", "--kernel", "4"], &["4 x 4"]),
         (&["plane", "--method", "spsm", "--engine", "cpu"], &["spsm"]),
+        (&["plane", "--engine", "cpu", "--looks"], &["--looks", "CPU"]),
+        (&["plane", "--method", "ray-traced", "--looks"], &["--looks", "ray-traced"]),
+        (&["plane", "--method", "supersampled", "--looks"], &["--looks", "supersampled"]),
         (&["plane", "--out", &taken], &["taken"]),
     ];
     for (args, parts) in cases {
@@ -352,6 +356,94 @@ mod with_a_gpu {
             assert!(text.contains(stage) && !text.contains("visibility_masks"), "{text}");
             render(&out, &[&empty, "--method", method]);
             assert!(time(&frame(&out)).is_some_and(|s| !s["left_out"].is_null()), "an empty scene needs no {stage}");
+        }
+    }
+
+    /// Pixels of each colour of classes.png, in the order of the classes.
+    fn class_counts(image: &image::RgbImage) -> [u64; 5] {
+        let mut counts = [0; 5];
+        for pixel in image.pixels() {
+            let class = CLASS_COLOURS.iter().position(|c| c.2 == pixel.0).expect("a colour of the key");
+            counts[class] += 1;
+        }
+        counts
+    }
+
+    /// How the classes of pixels fit what `frame.json` counts; with one facet a pixel they are the same numbers.
+    fn fault_of_classes(counts: [u64; 5], f: &Value, all: bool) -> Option<String> {
+        let names = ["empty_facets", "dark_facets", "lit_facets", "shadowed_facets", "silhouette_pixels"];
+        let listed = names.map(|n| f["counts"][n].as_u64().expect("a count"));
+        let pixels = 64 * 48;
+        let fits = match all {
+            false => counts == listed,
+            // A pixel's facets are counted one by one: at least one stands for its class.
+            true => (0..5).all(|k| counts[k] <= listed[k]) && listed.iter().sum::<u64>() >= pixels,
+        };
+        (!fits || counts.iter().sum::<u64>() != pixels).then(|| format!("{counts:?}, {listed:?}"))
+    }
+
+    /// `--looks` adds pictures of what was known, in the colours of the key.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn looks_show_what_was_counted() {
+        let folder = Folder::new("looks");
+        // A roof over a floor, and a sail that shows its dark side; sky around them.
+        let roofed = folder.path("roofed.obj");
+        let [a, b, c, d] = [[-1.5, 1.0, -1.5], [1.5, 1.0, -1.5], [1.5, 1.0, 1.5], [-1.5, 1.0, 1.5]];
+        let sail = [[2.0, 0.1, 1.0], [3.0, 0.1, 1.0], [2.5, 1.5, 1.0]];
+        let floor = [[-6.0, 0.0, -4.0], [6.0, 0.0, -4.0], [0.0, 0.0, 6.0]];
+        write_obj(&roofed, &[&floor[..], &[a, b, c, a, c, d], &sail].concat());
+        let view = ["--camera", "eye=0,3,8;target=0,0.5,0;fov=50", "--light", "directional=-0.4,1,-1"];
+        let size = ["--size", "64x48", "--map", "64"];
+        for (method, facets, classes) in
+            [("facet-masks", "one", true), ("facet-masks", "all", true), ("spsm", "one", true), ("pcf", "one", false)]
+        {
+            let out = folder.path(&format!("{method}-{facets}"));
+            let args = [&[&roofed, "--method", method, "--facets", facets, "--looks"], &view[..], &size].concat();
+            let text = stdout(&render(&out, &args));
+            let wrote = text.lines().find(|l| l.starts_with("wrote ")).expect("what was written");
+            assert_eq!(wrote.contains("classes.png"), classes, "{text}");
+            assert!(wrote.contains("light-view.png"), "{text}");
+            let map = image::open(Path::new(&out).join("light-view.png")).expect("light-view.png").into_rgb8();
+            assert_eq!([map.width(), map.height()], [64, 64]);
+            // The roof is nearest, the floor beneath it farther.
+            let bright = |p: &image::Rgb<u8>| p.0.into_iter().max().unwrap_or_default();
+            let [near, far] = [map.pixels().map(bright).max(), map.pixels().map(bright).min()];
+            assert!(near > Some(200) && far < Some(150), "{method}: {near:?} and {far:?}");
+            if !classes {
+                assert!(text.contains("no classes.png: pcf"), "{text}");
+                assert!(!names(&out).contains(&"classes.png".to_owned()));
+                continue;
+            }
+            assert!(text.contains("green shadowed, red undecided"), "{text}");
+            let image = image::open(Path::new(&out).join("classes.png")).expect("classes.png").into_rgb8();
+            let (counts, f, all) = (class_counts(&image), frame(&out), facets == "all");
+            assert_eq!(fault_of_classes(counts, &f, all), None, "{method} {facets}");
+            assert!(counts[1..].iter().all(|&n| n > 0), "{method} {facets}: {counts:?}");
+            // One pixel in another class, and no pixel of a class that is there in plenty.
+            let [mut off, mut gone] = [counts; 2];
+            (off[2], off[3]) = (off[2] + 1, off[3].saturating_sub(2));
+            assert!(fault_of_classes(off, &f, all).is_some(), "{method} {facets}: {counts:?}");
+            gone[4] = 0;
+            assert!(fault_of_classes(gone, &f, all).is_some(), "{method} {facets}");
+            // A dark pixel has no light, a lit one some, and of one facet all of it; not so one row off. Where the centre sees
+            // nothing the picture says 1 whatever the samples see.
+            let visible = exr(&out, "visibility.exr").2;
+            let wrong = |visible: &[[f32; 2]]| {
+                let pixel = |(p, [v, seen]): (&image::Rgb<u8>, &[f32; 2])| {
+                    *seen == 1.0
+                        && match CLASS_COLOURS.iter().position(|c| c.2 == p.0) {
+                            Some(0) => true,
+                            Some(1) => *v != 0.0,
+                            Some(2) => *v == 0.0 || (!all && *v != 1.0),
+                            Some(3) => *v == 1.0 || (!all && *v != 0.0),
+                            _ => false,
+                        }
+                };
+                image.pixels().zip(visible).map(pixel).filter(|w| *w).count()
+            };
+            assert_eq!(wrong(&visible), 0, "{method} {facets}");
+            assert!(wrong(&[&visible[64..], &visible[..64]].concat()) > 0, "{method} {facets}");
         }
     }
 

@@ -27,7 +27,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     samples.write(queue, &sample_words(&Samples::new(Default::default(), 32)?));
     let count = setup.id_keys.len();
     let pixels = SpsmPixels::new(device, queue, count, 1)?;
-    let options = Options { encoding: 1, words: 1, radius: 1, bias: 1e-5 };
+    let options = Options { encoding: 1, words: 1, radius: 1, stretch: 0, bias: 1e-5 };
     let stage = SpsmQuery::new(device, &PrefixScan::new(device), options);
     Ok(vec![Case {
         name: "spsm_query".to_owned(),

@@ -14,9 +14,9 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    pub fn read() -> Result<Self> {
+    /// Reads them from the words after the program's name.
+    pub fn of(mut words: impl Iterator<Item = String>) -> Result<Self> {
         let mut found = Self { size: [800, 600], samples: None, map: 512, ground: false, scenes: Vec::new() };
-        let mut words = std::env::args().skip(1);
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or_else(|| Error::Config(format!("{word} needs a value")));
             let number = |text: &str| text.parse::<u32>().map_err(|e| Error::Config(format!("'{text}': {e}")));

@@ -12,21 +12,26 @@ fn bias_of(r: Receiver) -> f32 {
 // Whether the texel's triangle lies before the receiver anywhere in the texel: before its plane, and not behind all of its
 // triangle, which ends where the plane goes on.
 fn before(s: Sheet, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
+    return before_by(s, outline_of(s), r, at, centre);
+}
+
+fn before_by(s: Sheet, o: Outline, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
     if !s.held { return false; }
     let most = -bias_of(r);
-    return least_gap(s, receiver_around(r, at, centre)) < most && least_gap(s, vec3(0.0, 0.0, r.far)) < most;
+    return least_gap(s, o, receiver_around(r, at, centre)) < most && least_gap(s, o, vec3(0.0, 0.0, r.far)) < most;
 }
 
 // Likewise for one place: besides, the triangle's plane at the place, or all of the triangle in the texel, lies before it. Where
 // a surface is hollow each of two neighbours lies before the other's plane, and neither shadows the other.
 fn before_place(s: Sheet, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
-    if !before(s, r, at, centre) { return false; }
+    let outline = outline_of(s);
+    if !before_by(s, outline, r, at, centre) { return false; }
     let there = at.xy - centre;
     let limit = at.z - bias_of(r);
     if dot(s.depth, vec3(there, 1.0)) + doubt_at(s, there) < limit { return true; }
     var turned = s;
     turned.depth = -s.depth;
-    return -least_gap(turned, vec3(0.0)) + 2.0 * doubt_at(s, vec2(0.5)) < limit;
+    return -least_gap(turned, outline, vec3(0.0)) + 2.0 * doubt_at(s, vec2(0.5)) < limit;
 }
 
 // Algorithm 1, for a place relative to the sheet's texel.

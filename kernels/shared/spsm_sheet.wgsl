@@ -59,20 +59,39 @@ fn piece_of(s: Sheet, k: u32, middle: vec2<f32>, reach: f32) -> Piece {
     return Piece(start + range.x * along, start + range.y * along, range.x <= range.y);
 }
 
+// What of a sheet's edges lies in its texel: both ends each. Nothing where the triangle holds the whole texel: no edge is asked
+// for there.
+struct Outline { ends: array<vec4<f32>, 3>, some: vec3<bool> }
+
+fn outline_of(s: Sheet) -> Outline {
+    var o: Outline;
+    let corner = vec3(0.5, -0.5, 0.0);
+    let whole = inside_by(s, corner.xx) >= 0.0 && inside_by(s, corner.xy) >= 0.0 && inside_by(s, corner.yx) >= 0.0
+        && inside_by(s, corner.yy) >= 0.0;
+    if whole { return o; }
+    for (var k = 0u; k < 3u; k++) {
+        let piece = piece_of(s, k, vec2(0.0), 0.5);
+        o.ends[k] = vec4(piece.start, piece.end);
+        o.some[k] = piece.some;
+    }
+    return o;
+}
+
 // Least depth of the sheet over its texel less that of the receiver (per x, per y, at the centre), each place taken where the
 // triangle lies in the texel (Lecocq 2013, figure 9): at the texel's corner where the triangle holds it, else on an edge.
 // Where nothing of the triangle is in the texel, as coded, the corner nearest to it decides. Doubt included.
-fn least_gap(s: Sheet, receiver: vec3<f32>) -> f32 {
+fn least_gap(s: Sheet, outline: Outline, receiver: vec3<f32>) -> f32 {
+    var o = outline;
     let gap = s.depth - receiver;
     let corner = vec2(select(0.5, -0.5, gap.x > 0.0), select(0.5, -0.5, gap.y > 0.0));
     let at_corner = dot(gap, vec3(corner, 1.0)) + doubt_at(s, corner) + step_doubt(gap.xy);
     if inside_by(s, corner) >= 0.0 { return at_corner; }
     var least = 3.0e38;
     for (var k = 0u; k < 3u; k++) {
-        let piece = piece_of(s, k, vec2(0.0), 0.5);
-        if piece.some {
-            least = min(least, dot(gap, vec3(piece.start, 1.0)) + doubt_at(s, piece.start) + step_doubt(gap.xy));
-            least = min(least, dot(gap, vec3(piece.end, 1.0)) + doubt_at(s, piece.end) + step_doubt(gap.xy));
+        let ends = o.ends[k];
+        if o.some[k] {
+            least = min(least, dot(gap, vec3(ends.xy, 1.0)) + doubt_at(s, ends.xy) + step_doubt(gap.xy));
+            least = min(least, dot(gap, vec3(ends.zw, 1.0)) + doubt_at(s, ends.zw) + step_doubt(gap.xy));
         }
     }
     if least < 1.0e38 { return least; }

@@ -2,7 +2,6 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-use subpixel_shadows::Result;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Settings};
 use subpixel_shadows::methods::render::Budget;
@@ -10,6 +9,7 @@ use subpixel_shadows::methods::{MethodName, RayTracedSettings, ShadowMapSettings
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
+use subpixel_shadows::{Error, Result};
 
 /// Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
 #[derive(Debug, Parser)]
@@ -83,6 +83,10 @@ pub struct Options {
     /// How spsm packs a triangle into a texel: the paper's code, or edge lines
     #[arg(long, value_enum, default_value_t, value_name = "CODE")]
     pub encoding: Encoding,
+    /// Texels that spsm searches around a sample's: near (3 x 3), wide (5 x 5), or along (3 x 3, and two more to either side
+    /// along the shadow's border)
+    #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
+    pub search: Search,
     /// Rays of ray-traced: from all pixels, or from those that are not proved lit or shadowed
     #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
     pub rays: Rays,
@@ -113,6 +117,9 @@ pub struct Options {
     /// Also compute facet truth and scene truth, and print the error
     #[arg(long)]
     pub truth: bool,
+    /// Also write classes.png (what was known of each pixel) and light-view.png (the map), as far as the method has them
+    #[arg(long)]
+    pub looks: bool,
     /// Run every stage, also those the plan would leave out, and settle no pixel early
     #[arg(long)]
     pub force_all: bool,
@@ -265,6 +272,15 @@ pub enum Encoding {
     Lines,
 }
 
+/// Where `spsm` searches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Search {
+    #[default]
+    Near,
+    Wide,
+    Along,
+}
+
 /// Which samples `ray-traced` follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Rays {
@@ -351,6 +367,11 @@ impl Options {
             Encoding::Paper => SpsmEncoding::Paper,
             Encoding::Lines => SpsmEncoding::Lines,
         };
+        let [radius, stretch] = match self.search {
+            Search::Near => [1, 0],
+            Search::Wide => [2, 0],
+            Search::Along => [1, 2],
+        };
         let settings = Settings {
             facets: self.facets.into(),
             validity: self.validity == Switch::On,
@@ -363,12 +384,16 @@ impl Options {
                 PairsBy::Grouped => PairVariant::Grouped,
                 PairsBy::Sorted => PairVariant::Sorted,
             },
-            spsm: SpsmSettings { encoding, ..SpsmSettings::default() },
+            spsm: SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() },
             ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
             ..Settings::new(self.size, self.map, samples)
         };
         settings.check()?;
+        if self.looks && self.method.keeps() == [false; 2] {
+            let name = self.method.name();
+            return Err(Error::Config(format!("--looks: {name} has neither classes of pixels nor a light-view map")));
+        }
         Ok(settings)
     }
 

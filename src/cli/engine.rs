@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::facet_masks::FacetMode;
 use subpixel_shadows::methods::render::{Counts, Output, Renderer};
-use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, unshadowed};
+use subpixel_shadows::methods::{AnyRenderer, Looks, MethodName, PixelClass, Prepared, unshadowed};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::scene::Scene;
@@ -19,10 +19,11 @@ pub enum Engine {
     Cpu,
 }
 
-/// A frame, and its facets where the engine keeps them and they were asked for.
+/// A frame; its facets where the engine keeps them, and what there is to look at, if they were asked for.
 pub struct Rendered {
     pub output: Output,
     pub facets: Option<FacetSet>,
+    pub looks: Option<Looks>,
 }
 
 impl Engine {
@@ -87,28 +88,42 @@ impl Engine {
     ) -> Result<Rendered> {
         let settings = &plan.settings;
         let words = settings.samples.words();
-        let read = |gpu, facets| options.truth.then(|| FacetSet::read(gpu, facets, words)).transpose();
+        let [classes, _] = options.method.keeps();
         match (plan.extent, self) {
-            (Extent::Nothing, _) => Ok(Rendered {
-                output: unshadowed::nothing_seen(settings),
-                facets: Some(FacetSet { words, ..FacetSet::default() }),
-            }),
+            (Extent::Nothing, _) => {
+                let looks = Looks { classes: vec![PixelClass::Empty; settings.pixels()], map: None };
+                Ok(Rendered {
+                    output: unshadowed::nothing_seen(settings),
+                    facets: Some(FacetSet { words, ..FacetSet::default() }),
+                    looks: (options.looks && classes).then_some(looks),
+                })
+            }
             (Extent::Facing, Self::Gpu(gpu)) => {
                 let (output, facets) = unshadowed::render(gpu, prepared, settings, &scene.camera, &scene.light)?;
-                Ok(Rendered { output, facets: read(gpu, &facets)? })
+                let looks = || Looks::of_unshadowed(gpu, &facets, settings.pixels());
+                let looks = (options.looks && classes).then(looks).transpose()?;
+                let facets = options.truth.then(|| FacetSet::read(gpu, &facets, words)).transpose()?;
+                Ok(Rendered { output, facets, looks })
             }
             (Extent::Everything, Self::Gpu(gpu)) if options.method != MethodName::FacetMasks => {
                 let mut renderer = AnyRenderer::new(gpu, prepared, options.method, settings, options.budget())?;
-                Ok(Rendered { output: renderer.render(&scene.camera, &scene.light)?, facets: None })
+                let (output, looks) = if options.looks {
+                    renderer.render_and_look(&scene.camera, &scene.light)?
+                } else {
+                    (renderer.render(&scene.camera, &scene.light)?, None)
+                };
+                Ok(Rendered { output, facets: None, looks })
             }
             (Extent::Everything, Self::Gpu(gpu)) => {
                 let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
-                let mut facets = None;
+                let (mut facets, mut looks) = (None, options.looks.then(Looks::default));
+                let width = settings.size[0];
                 let output = renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
                     if rows.first == 0 {
                         facets = options.truth.then(FacetSet::default);
                     }
-                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, method.facets(), words, settings.size[0], rows))
+                    looks.as_mut().map_or(Ok(()), |looks| looks.add_rows(gpu, method, width, rows))?;
+                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, method.facets(), words, width, rows))
                 })?;
                 if renderer.strips() > 1 {
                     console.note(&format!(
@@ -116,7 +131,7 @@ impl Engine {
                         renderer.strips()
                     ));
                 }
-                Ok(Rendered { output, facets })
+                Ok(Rendered { output, facets, looks })
             }
             (_, Self::Cpu) if options.method != MethodName::FacetMasks => {
                 let name = options.method.name();
@@ -124,7 +139,7 @@ impl Engine {
             }
             (_, Self::Cpu) => {
                 let output = on_the_cpu(plan, scene, prepared, console)?;
-                Ok(Rendered { output, facets: None })
+                Ok(Rendered { output, facets: None, looks: None })
             }
         }
     }

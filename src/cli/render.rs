@@ -8,16 +8,17 @@ use super::progress::Console;
 use super::table::{Report, grouped, percent};
 use std::path::PathBuf;
 use std::time::Instant;
-use subpixel_shadows::Result;
-use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::{MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::report::frame_json::{AdapterReport, ErrorReport, Sources};
+use subpixel_shadows::report::looks::{CLASS_COLOURS, write_classes, write_map};
 use subpixel_shadows::report::shaded::Shading;
 use subpixel_shadows::report::{
     FacetErrors, FrameReport, TracedScene, shade, write_difference, write_exr, write_png_grey, write_png_rgb,
 };
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::truth::{Tracer, TruthImage};
+use subpixel_shadows::{Error, Result};
 
 /// Renders, writes the files, prints the table.
 pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
@@ -29,6 +30,9 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let prepared = Prepared::new(&scene.mesh);
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let engine = Engine::open(options, console)?;
+    if options.looks && engine.no_stages().is_some() {
+        return Err(Error::Config("--looks: the CPU engine has neither classes of pixels nor a map".to_owned()));
+    }
     let rendered = engine.render(options, &plan, &scene, &prepared, console)?;
     let truth = options.truth.then(|| compare(&rendered, &plan, &scene, &prepared, console)).transpose()?;
     let error = truth.as_ref().map(|(error, _)| *error);
@@ -60,6 +64,9 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     }
     if let Some(error) = &error {
         errors(&mut report, error, n, w);
+    }
+    if options.looks {
+        looks(&mut report, options, &rendered);
     }
     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     report.text(&format!("\nwrote {}", names.join(", ")));
@@ -124,6 +131,14 @@ fn write(
         let values = truth.visibility();
         write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
         write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
+    }
+    if let Some(looks) = &rendered.looks {
+        if !looks.classes.is_empty() {
+            write_classes(&out.file("classes.png"), w, h, &looks.classes)?;
+        }
+        if let Some(map) = &looks.map {
+            write_map(&out.file("light-view.png"), map)?;
+        }
     }
     frame.write(&out.file("frame.json"))?;
     out.finish()
@@ -192,6 +207,26 @@ fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
         }
         report.table(&rows, &[1, 2, 3]);
     }
+}
+
+/// What the colours of the pictures mean, and which picture there is not.
+fn looks(report: &mut Report, options: &Options, rendered: &Rendered) {
+    let looks = rendered.looks.as_ref();
+    let key = CLASS_COLOURS.map(|(class, colour, _)| format!("{colour} {}", format!("{class:?}").to_lowercase()));
+    let map = match options.method {
+        MethodName::FacetMasks => "the nearer the brighter, orange where marked, dark blue without a caster",
+        MethodName::Spsm => "a hue for each closest triangle, the nearer the brighter, dark blue without a caster",
+        _ => "the nearer the brighter, dark blue without a caster",
+    };
+    let name = options.method.name();
+    report.text(&match looks.filter(|l| !l.classes.is_empty()) {
+        Some(_) => format!("\nclasses.png: {}", key.join(", ")),
+        None => format!("\nno classes.png: {name} keeps no classes of pixels"),
+    });
+    report.text(&match looks.and_then(|l| l.map.as_ref()) {
+        Some(_) => format!("light-view.png: {map}"),
+        None => "no light-view.png: no map was made, the plan left it out (--force-all makes it)".to_owned(),
+    });
 }
 
 fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {

@@ -1,6 +1,8 @@
 //! Any of the methods behind one door, as the program and the report take them.
 
+use super::facet_masks::FacetMasks;
 use super::fixed::FixedRenderer;
+use super::looks::Looks;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::render::{Budget, Output, Renderer};
@@ -45,6 +47,15 @@ impl MethodName {
             Self::Pcf => "pcf",
             Self::RayTraced => "ray-traced",
             Self::Supersampled => "supersampled",
+        }
+    }
+
+    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`Looks`]).
+    pub fn keeps(self) -> [bool; 2] {
+        match self {
+            Self::FacetMasks | Self::Spsm => [true, true],
+            Self::ShadowMap | Self::Pcf => [false, true],
+            Self::RayTraced | Self::Supersampled => [false, false],
         }
     }
 }
@@ -113,5 +124,26 @@ impl<'a> AnyRenderer<'a> {
             Self::RayTraced(renderer) => renderer.render(camera, light),
             Self::Supersampled(renderer) => renderer.render(camera, light),
         }
+    }
+
+    /// As [`AnyRenderer::render`], and what there is to look at besides the picture; `None` where the method keeps neither
+    /// classes nor a map.
+    ///
+    /// # Errors
+    /// As [`AnyRenderer::render`].
+    pub fn render_and_look(&mut self, camera: &Camera, light: &Light) -> Result<(Output, Option<Looks>)> {
+        if let Self::FacetMasks(renderer) = self {
+            let (gpu, width, mut looks) = (renderer.gpu(), renderer.settings().size[0], Looks::default());
+            let look = &mut |method: &FacetMasks, rows| looks.add_rows(gpu, method, width, rows);
+            let output = renderer.render_and(camera, light, look)?;
+            return Ok((output, Some(looks)));
+        }
+        let output = self.render(camera, light)?;
+        let looks = match self {
+            Self::Spsm(renderer) => renderer.looks()?,
+            Self::ShadowMapping(renderer) => renderer.looks()?,
+            Self::FacetMasks(_) | Self::RayTraced(_) | Self::Supersampled(_) => None,
+        };
+        Ok((output, looks))
     }
 }

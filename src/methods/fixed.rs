@@ -1,6 +1,7 @@
 //! Computing a frame of a method whose memory the settings alone decide: no list can overflow, so one run is the frame.
 
 use super::geometry::{Geometry, GeometryPipelines};
+use super::looks::Looks;
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
 use super::settings::Settings;
@@ -50,6 +51,14 @@ pub trait FixedMethod {
     /// # Errors
     /// [`crate::Error::Gpu`].
     fn counts(&self, gpu: &Gpu) -> Result<Counts>;
+
+    /// Reads back what there is to look at; `None` where the method keeps neither classes nor a map.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`].
+    fn looks(&self, _: &Gpu) -> Result<Option<Looks>> {
+        Ok(None)
+    }
 }
 
 /// A method set up for one mesh and one setting, to be rendered again and again.
@@ -150,6 +159,14 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
             wall_ms,
             dispatches,
         })
+    }
+
+    /// What there is to look at of the last frame, see [`FixedMethod::looks`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`].
+    pub fn looks(&self) -> Result<Option<Looks>> {
+        self.method.looks(self.gpu)
     }
 
     /// The method, for looking at its buffers.

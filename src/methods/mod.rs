@@ -7,6 +7,7 @@ pub mod facet_masks;
 pub mod fixed;
 pub mod geometry;
 pub mod growth;
+pub mod looks;
 pub mod prepared;
 pub mod ray_traced;
 pub mod render;
@@ -20,6 +21,7 @@ pub mod unshadowed;
 
 pub use any::{AnyRenderer, MethodName};
 pub use facet_masks::FacetMasks;
+pub use looks::{Looks, MapLook, PixelClass};
 pub use prepared::Prepared;
 pub use settings::{
     FacetMode, PairVariant, RayTracedSettings, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings,

@@ -258,6 +258,16 @@ impl<'a> Renderer<'a> {
         &self.method
     }
 
+    /// Where it runs.
+    pub fn gpu(&self) -> &'a Gpu {
+        self.gpu
+    }
+
+    /// What it is made for.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
     /// Strips of rows in which the image is rendered.
     pub fn strips(&self) -> u32 {
         self.strips.count()

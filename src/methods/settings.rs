@@ -49,11 +49,14 @@ pub struct SpsmSettings {
     pub bias: f32,
     /// Texels around the sample's own that are searched: 1 for 3 × 3 as in the paper, 2 for 5 × 5 (section 6.4).
     pub radius: u32,
+    /// Texels beyond these that are searched along the border's tangents, to either side, 0 to 2: the anisotropic kernel of
+    /// section 6.4, beside a radius of 1.
+    pub stretch: u32,
 }
 
 impl Default for SpsmSettings {
     fn default() -> Self {
-        Self { encoding: SpsmEncoding::Lines, exponent: 5, bias: 1e-5, radius: 1 }
+        Self { encoding: SpsmEncoding::Lines, exponent: 5, bias: 1e-5, radius: 1, stretch: 0 }
     }
 }
 
@@ -71,6 +74,12 @@ impl SpsmSettings {
         }
         if !matches!(self.radius, 1 | 2) {
             return Err(Error::Config(format!("spsm: search radius {}; 1 and 2 are possible", self.radius)));
+        }
+        if self.stretch > if self.radius == 1 { 2 } else { 0 } {
+            let Self { radius, stretch, .. } = *self;
+            return Err(Error::Config(format!(
+                "spsm: {stretch} texels along the tangent beside a search radius of {radius}; up to 2 beside 1 are possible"
+            )));
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 //! Memory is fixed: 4 bytes a texel. Triangles that reach behind a point light cast nothing.
 
 use super::fixed::{FixedMethod, Inputs};
+use super::looks::Looks;
 use super::render::Counts;
 use super::settings::Settings;
 use crate::Result;
@@ -36,6 +37,11 @@ impl ShadowMapping {
             visibility: Buffer::storage(device, "shadow_map.visibility", settings.pixels())?,
         })
     }
+
+    /// The map: nearest depths alone.
+    pub fn map(&self) -> &Layers {
+        &self.map
+    }
 }
 
 impl FixedMethod for ShadowMapping {
@@ -67,5 +73,9 @@ impl FixedMethod for ShadowMapping {
 
     fn counts(&self, _: &Gpu) -> Result<Counts> {
         Ok(Counts { facets: self.visibility.len() as u64, ..Counts::default() })
+    }
+
+    fn looks(&self, gpu: &Gpu) -> Result<Option<Looks>> {
+        Looks::of_shadow_map(gpu, self).map(Some)
     }
 }

@@ -2,6 +2,7 @@
 //! 24 bytes a texel, and no list beyond that of the uncertain pixels.
 
 use super::fixed::{FixedMethod, Inputs};
+use super::looks::Looks;
 use super::render::Counts;
 use super::settings::{Settings, SpsmEncoding};
 use crate::Result;
@@ -38,6 +39,7 @@ impl Spsm {
             },
             words,
             radius: settings.spsm.radius,
+            stretch: settings.spsm.stretch,
             bias: settings.spsm.bias,
         };
         Ok(Self {
@@ -99,5 +101,9 @@ impl FixedMethod for Spsm {
             shadowed_facets: of(Class::Shadowed),
             ..Counts::default()
         })
+    }
+
+    fn looks(&self, gpu: &Gpu) -> Result<Option<Looks>> {
+        Looks::of_spsm(gpu, self).map(Some)
     }
 }

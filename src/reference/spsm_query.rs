@@ -13,6 +13,8 @@ pub struct Query<'a> {
     pub coding: &'a Coding,
     /// Texels searched around a place's own.
     pub radius: i32,
+    /// And beyond these along the border's tangents, to either side.
+    pub stretch: i32,
     /// Depth by which a caster must lie before a receiver, rounding of depths included.
     pub bias: f64,
     /// Rounding of places, texels.
@@ -126,6 +128,17 @@ impl Query<'_> {
         (-r..=r).flat_map(move |dy| (-r..=r).map(move |dx| [x + dx, y + dy]))
     }
 
+    /// Texels beyond the square along the tangent of each border, given as directions towards the light.
+    fn along(&self, [x, y]: [i32; 2], towards_lit: &[[i32; 2]]) -> impl Iterator<Item = [i32; 2]> {
+        let (near, far) = (self.radius + 1, self.radius + self.stretch);
+        let ways = move |out: [i32; 2]| (near..=far).flat_map(move |n| [(n, out), (-n, out)]);
+        towards_lit.iter().copied().flat_map(ways).map(move |(n, out)| {
+            let size = f64::from(out[0].abs().max(out[1].abs()));
+            let rounded = |c: i32| (f64::from(n * c) / size + 0.5).floor() as i32;
+            [x + rounded(-out[1]), y + rounded(out[0])]
+        })
+    }
+
     /// Whether a place (texel x, y, depth) on a receiver of this slope, whose triangle ends at depth `far`, is in shadow.
     /// All places of a pixel in one texel share the border that is found for the `first` of them.
     pub fn shadowed(&self, at: DVec3, first: DVec3, slope: DVec2, far: f64) -> bool {
@@ -141,15 +154,13 @@ impl Query<'_> {
                 s.inside(p) >= 0.0 && at.z > s.depth_at(p) + bias
             })
         };
-        if self.around(texel).any(hit) {
-            return true;
-        }
         let offsets = (0..9).map(|k| [k % 3 - 1, k / 3 - 1]);
         let mask = offsets.enumerate().fold(0, |mask, (k, [x, y])| {
             mask | u32::from(self.before_place([texel[0] + x, texel[1] + y], first, slope, far)) << k
         });
         let pattern = Pattern::of(mask);
-        if pattern.covered {
+        let towards = &pattern.towards_lit[..pattern.count as usize];
+        if pattern.covered || self.around(texel).chain(self.along(texel, towards)).any(hit) {
             return true;
         }
         let mut pieces: Vec<[DVec2; 2]> = Vec::new();
@@ -173,7 +184,6 @@ impl Query<'_> {
             }
         }
         let place = at.truncate() - middle(texel);
-        let towards = &pattern.towards_lit[..pattern.count as usize];
         let open = |d: &[i32; 2]| beyond(&pieces, place, DVec2::new(f64::from(d[0]), f64::from(d[1])).normalize());
         !towards.is_empty() && !towards.iter().any(open)
     }

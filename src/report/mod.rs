@@ -4,6 +4,7 @@ pub mod comparison;
 pub mod facet_errors;
 pub mod flip;
 pub mod frame_json;
+pub mod looks;
 pub mod metrics;
 pub mod picture;
 pub mod scene_errors;

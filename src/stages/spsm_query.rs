@@ -39,6 +39,8 @@ pub struct Options {
     pub words: u32,
     /// Texels searched around a sample's own.
     pub radius: u32,
+    /// Texels searched beyond these along the border's tangents, to either side; up to 2, and only with a radius of 1.
+    pub stretch: u32,
     /// Depth by which a caster must lie before a receiver.
     pub bias: f32,
 }
@@ -119,6 +121,7 @@ impl SpsmQuery {
             ("ENCODING", f64::from(options.encoding)),
             ("WORDS", f64::from(options.words)),
             ("RADIUS", f64::from(options.radius)),
+            ("STRETCH", f64::from(options.stretch)),
             ("BIAS", f64::from(options.bias)),
         ];
         Self {

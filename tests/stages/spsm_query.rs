@@ -1,6 +1,7 @@
 //! Shadows from the sub-pixel shadow map, sample by sample against the definition in `f64` on the same records. A sample whose
 //! answer is another a little to the side, or at a little more or less depth, may be given either way.
 
+use crate::support::geometry::ball;
 use crate::support::shadow::{
     World, add_triangle, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform,
 };
@@ -17,9 +18,14 @@ use subpixel_shadows::truth::{SceneTruth, Tracer};
 
 const BIAS: f32 = 1e-5;
 
+/// Texels searched around a place's own, and beyond these along the border's tangents.
+type Search = [u32; 2];
+const NEAR: Search = [1, 0];
+const SEARCHES: [Search; 4] = [NEAR, [2, 0], [1, 1], [1, 2]];
+
 struct Ran {
     made: Made,
-    radius: u32,
+    search: Search,
     classes: Vec<u32>,
     visibility: Vec<f32>,
     lit: Vec<u32>,
@@ -27,7 +33,7 @@ struct Ran {
     seen: Vec<Option<u32>>,
 }
 
-fn ask(world: &World, lines: bool, radius: u32) -> Ran {
+fn ask(world: &World, lines: bool, search: Search) -> Ran {
     let gpu = world.gpu;
     let made = Made::new(world, lines);
     let pixels = (world.view.image[0] * world.view.image[1]) as usize;
@@ -40,7 +46,8 @@ fn ask(world: &World, lines: bool, radius: u32) -> Ran {
     let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
     let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
     let points = world.points();
-    let options = Options { encoding: u32::from(lines), words: words as u32, radius, bias: BIAS };
+    let options =
+        Options { encoding: u32::from(lines), words: words as u32, radius: search[0], stretch: search[1], bias: BIAS };
     let query = SpsmQuery::new(&gpu.device, &PrefixScan::new(&gpu.device), options);
     let (frame, offsets) = (uniform(gpu, &world.frame), world.sample_offsets());
     let from =
@@ -52,7 +59,7 @@ fn ask(world: &World, lines: bool, radius: u32) -> Ran {
     let mut list = out.list.read(gpu).expect("readback");
     list.truncate(list[pixels] as usize);
     Ran {
-        radius,
+        search,
         classes: out.classes(gpu).expect("readback"),
         visibility: out.visibility.read(gpu).expect("readback"),
         lit: out.lit.read(gpu).expect("readback"),
@@ -90,7 +97,8 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
     let query = |bias: f64| Query {
         records: &ran.made.records,
         coding: &ran.made.coding,
-        radius: ran.radius as i32,
+        radius: ran.search[0] as i32,
+        stretch: ran.search[1] as i32,
         bias: f64::from(BIAS) + depth + bias,
         noise: place,
     };
@@ -184,11 +192,11 @@ fn above() -> Light {
 }
 
 #[track_caller]
-fn check(world: &World, lines: bool, radius: u32) -> Ran {
-    let ran = ask(world, lines, radius);
+fn check(world: &World, lines: bool, search: Search) -> Ran {
+    let ran = ask(world, lines, search);
     match fault(world, &ran) {
         Ok([compared, open]) => assert!(open * 4 <= compared + 40, "{open} of {compared} samples are left open"),
-        Err(text) => panic!("lines {lines}, radius {radius}, {:?}: {text}", world.light),
+        Err(text) => panic!("lines {lines}, search {search:?}, {:?}: {text}", world.light),
     }
     ran
 }
@@ -196,7 +204,7 @@ fn check(world: &World, lines: bool, radius: u32) -> Ran {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn empty() {
-    let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 8, 8), true, 1);
+    let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 8, 8), true, NEAR);
     assert!(ran.visibility.iter().all(|&v| v == 1.0) && ran.list.is_empty());
 }
 
@@ -205,12 +213,12 @@ fn empty() {
 fn one() {
     // A floor, and a floor under a roof.
     let floor = sheet(1, 2.0, |_, _| 0.0, |p| p);
-    let ran = check(&world(gpu(), &floor, above(), [16, 12], 32, 32), true, 1);
+    let ran = check(&world(gpu(), &floor, above(), [16, 12], 32, 32), true, NEAR);
     assert!(ran.classes.contains(&(Class::Lit as u32)) && !ran.classes.contains(&(Class::Shadowed as u32)));
     let mut roofed = floor.clone();
     add_triangle(&mut roofed, [[-1.0, 0.8, -1.0], [1.0, 0.8, -1.0], [0.0, 0.8, 1.0]]);
     for lines in [false, true] {
-        let ran = check(&world(gpu(), &roofed, above(), [96, 72], 64, 32), lines, 1);
+        let ran = check(&world(gpu(), &roofed, above(), [96, 72], 64, 32), lines, NEAR);
         let classes = [Class::Lit, Class::Shadowed, Class::Uncertain];
         assert!(classes.iter().all(|&c| ran.classes.contains(&(c as u32))), "every class is there");
         assert!(ran.visibility.iter().any(|&v| v > 0.0 && v < 1.0), "no edge is smooth");
@@ -222,7 +230,7 @@ fn one() {
 fn every_size_around_workgroup() {
     let mesh = random_scene(1, &mut Random::new(31));
     for pixels in sizes_around(64) {
-        check(&world(gpu(), &mesh, above(), [pixels as u32, 1], 40, 8), true, 1);
+        check(&world(gpu(), &mesh, above(), [pixels as u32, 1], 40, 8), true, NEAR);
     }
 }
 
@@ -237,7 +245,7 @@ fn random_seeded() {
             check(
                 &world(gpu(), &mesh, light, [40, 30], [64, 150][k / 2], count),
                 k % 2 == 1,
-                1 + (k as u32 + kind) % 2,
+                SEARCHES[(k + kind as usize) % 4],
             );
         }
     }
@@ -254,7 +262,7 @@ fn degenerate() {
         let camera = camera(DVec3::new(-3.0, 4.0, 1.0), DVec3::ZERO, 40.0);
         let world = World::new(gpu(), &mesh, camera, light, [60, 45], 128, samples(8));
         for lines in [false, true] {
-            let ran = ask(&world, lines, 1);
+            let ran = ask(&world, lines, NEAR);
             let dark = ran.visibility.iter().filter(|v| **v < 1.0).count();
             assert_eq!(dark, 0, "lines {lines}, {degrees} degrees: {dark} pixels of acne");
             assert!(ran.seen.iter().any(Option::is_some));
@@ -262,7 +270,22 @@ fn degenerate() {
     }
     // A sheet edge-on to the light.
     let mesh = sheet(3, 1.0, |_, _| 0.0, |p| DVec3::new(p.x, p.z, 0.1));
-    check(&world(gpu(), &mesh, Light::Directional { direction: [0.0, 1.0, 0.0] }, [20, 15], 40, 8), true, 1);
+    check(&world(gpu(), &mesh, Light::Directional { direction: [0.0, 1.0, 0.0] }, [20, 15], 40, 8), true, NEAR);
+}
+
+/// What is searched beyond the 3 x 3 texels, in a larger square or along the border's tangents, changes the answer.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn searches_along_the_border() {
+    // Triangles smaller than a texel, over a floor: the square misses some at the border.
+    let mut mesh = sheet(1, 2.0, |_, _| 0.0, |p| p);
+    ball(&mut mesh, DVec3::new(0.0, 0.9, 0.0), 0.6, 40, 30);
+    let world = world(gpu(), &mesh, above(), [80, 60], 48, 32);
+    for search in &SEARCHES[1..] {
+        let ran = check(&world, true, *search);
+        let judged = fault(&world, &Ran { search: NEAR, ..ran });
+        assert!(judged.is_err(), "{search:?} is no other than {NEAR:?}: {judged:?}");
+    }
 }
 
 /// A ground far behind all casters lies beyond the range of depths: it shadows nothing, and takes shadows as any other.
@@ -279,7 +302,7 @@ fn ground_behind_all_casters() {
         let truth = SceneTruth::new(&tracer, &world.camera, &light, &world.samples, 60, 45).expect("a truth");
         let truth = truth.image(None).visibility();
         for lines in [false, true] {
-            let ran = ask(&world, lines, 1);
+            let ran = ask(&world, lines, NEAR);
             let off = ran.visibility.iter().zip(&truth).map(|(a, b)| f64::from(a - b).abs()).sum::<f64>();
             let dark = truth.iter().map(|v| 1.0 - f64::from(*v)).sum::<f64>();
             assert!(dark > 20.0, "no shadow to see at {distance}: {dark}");
@@ -293,7 +316,7 @@ fn ground_behind_all_casters() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn overflow_by_one() {
     let mesh = random_scene(1, &mut Random::new(51));
-    let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), true, 1);
+    let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), true, NEAR);
     assert_eq!(ran.classes.len(), 65_537);
     assert!(!ran.classes.contains(&POISON) && !ran.lit.contains(&POISON));
 }
@@ -303,7 +326,7 @@ fn overflow_by_one() {
 fn two_d_dispatch() {
     let mesh = random_scene(1, &mut Random::new(61));
     // Nine workgroups in three rows.
-    let of = |gpu| ask(&world(gpu, &mesh, above(), [24, 24], 24, 8), true, 1);
+    let of = |gpu| ask(&world(gpu, &mesh, above(), [24, 24], 24, 8), true, NEAR);
     let (a, b) = (of(folding_gpu()), of(gpu()));
     assert!(a.lit == b.lit && a.classes == b.classes && a.list == b.list, "the fold changes the result");
 }
@@ -313,11 +336,11 @@ fn two_d_dispatch() {
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));
     let world = world(gpu(), &mesh, above(), [48, 36], 64, 32);
-    let ran = check(&world, true, 1);
-    let again = ask(&world, true, 1);
+    let ran = check(&world, true, NEAR);
+    let again = ask(&world, true, NEAR);
     assert!(ran.lit == again.lit && ran.visibility == again.visibility, "another result in a second run");
     let spoilt = |spoil: &dyn Fn(&mut Ran)| {
-        let mut off = ask(&world, true, 1);
+        let mut off = ask(&world, true, NEAR);
         spoil(&mut off);
         fault(&world, &off).is_err()
     };

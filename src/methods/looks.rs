@@ -1,0 +1,166 @@
+//! What a method knew of each pixel and of each texel of its light view, read back to be looked at.
+
+use super::facet_masks::FacetMasks;
+use super::shadow_map::ShadowMapping;
+use super::spsm::Spsm;
+use super::strips::Rows;
+use crate::Result;
+use crate::gpu::Gpu;
+use crate::stages::facet_classify::{Facets, State};
+use crate::stages::light_layers::Layers;
+use crate::stages::spsm_map::depth_of_key;
+use crate::stages::spsm_query::Class;
+
+/// What was known of a pixel before its samples were looked at, rising with what it asks of the method.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PixelClass {
+    /// It sees nothing.
+    #[default]
+    Empty,
+    /// What it sees faces away from the light.
+    Dark,
+    /// Settled: nothing lies before it.
+    Lit,
+    /// Settled: covered.
+    Shadowed,
+    /// Evaluated or recovered, sample by sample.
+    Undecided,
+}
+
+impl PixelClass {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Empty, Self::Dark, Self::Lit, Self::Shadowed, Self::Undecided];
+
+    fn of_state(state: u32) -> Self {
+        const STATES: [State; 5] = State::ALL;
+        let at = STATES.iter().position(|s| *s as u32 == state);
+        at.map_or(Self::Undecided, |k| Self::ALL[k])
+    }
+
+    fn of_class(class: u32) -> Self {
+        const CLASSES: [Class; 5] = [Class::Empty, Class::Dark, Class::Lit, Class::Shadowed, Class::Uncertain];
+        let at = CLASSES.iter().position(|c| *c as u32 == class);
+        at.map_or(Self::Undecided, |k| Self::ALL[k])
+    }
+}
+
+/// A light-view map, texel by texel, row by row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapLook {
+    /// Texels a side.
+    pub size: u32,
+    /// Depth of the nearest caster: at the texel's centre, with `spsm` its least over the texel; not a number where there is
+    /// none. Depth 1 is the extent of the casters along the light.
+    pub depths: Vec<f32>,
+    /// The triangle of the prepared mesh that the texel holds, `u32::MAX` for none (`spsm`); else empty.
+    pub triangles: Vec<u32>,
+    /// Whether the texel is marked: silhouettes, or layers that are not certain (`facet-masks`); else empty.
+    pub marks: Vec<bool>,
+}
+
+/// What a frame leaves to be looked at.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Looks {
+    /// Class of each pixel, row by row from the top; empty where the method has no classes.
+    pub classes: Vec<PixelClass>,
+    /// The map, where one was made.
+    pub map: Option<MapLook>,
+}
+
+impl Looks {
+    /// The classes of a frame of `pixels` pixels in which nothing casts a shadow, without a map.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device fails.
+    pub fn of_unshadowed(gpu: &Gpu, facets: &Facets, pixels: usize) -> Result<Self> {
+        let mut classes = vec![PixelClass::Empty; pixels];
+        most_demanding(&mut classes, facets.list.read(gpu)?.iter().map(|f| (f.pixel as usize, f.state)));
+        // Without casters what is not settled is lit as well.
+        classes.iter_mut().filter(|c| **c == PixelClass::Undecided).for_each(|c| *c = PixelClass::Lit);
+        Ok(Self { classes, map: None })
+    }
+
+    /// Adds the strip of rows of an image `width` pixels wide that `method` rendered last; the class of a pixel is that of its
+    /// most demanding facet. Row 0 begins anew.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device fails.
+    pub fn add_rows(&mut self, gpu: &Gpu, method: &FacetMasks, width: u32, rows: Rows) -> Result<()> {
+        if rows.first == 0 {
+            *self = Self { classes: Vec::new(), map: Some(MapLook::of_layers(gpu, method.layers())?) };
+        }
+        let [known, pixels] = [(rows.known * width) as usize, method.visibility().len()];
+        let mut strip = vec![PixelClass::Empty; pixels];
+        most_demanding(&mut strip, method.facets().list.read(gpu)?.iter().map(|f| (f.pixel as usize, f.state)));
+        self.classes.extend_from_slice(&strip[known.min(pixels)..]);
+        Ok(())
+    }
+
+    pub(super) fn of_spsm(gpu: &Gpu, method: &Spsm) -> Result<Self> {
+        let texels = method.texels();
+        let triangles: Vec<u32> = texels.id_keys.read(gpu)?.into_iter().map(|key| !key).collect();
+        let depths = texels.depth_keys.read(gpu)?.into_iter();
+        let map = MapLook {
+            size: side(triangles.len()),
+            depths: depths.map(|key| if key == 0 { f32::NAN } else { depth_of_key(key) }).collect(),
+            triangles,
+            marks: Vec::new(),
+        };
+        let classes = method.pixels().classes(gpu)?.into_iter().map(PixelClass::of_class).collect();
+        Ok(Self { classes, map: Some(map) })
+    }
+
+    pub(super) fn of_shadow_map(gpu: &Gpu, method: &ShadowMapping) -> Result<Self> {
+        Ok(Self { classes: Vec::new(), map: Some(MapLook::nearest(gpu, method.map())?) })
+    }
+}
+
+impl MapLook {
+    fn nearest(gpu: &Gpu, layers: &Layers) -> Result<Self> {
+        let keys = layers.nearest_keys.read(gpu)?;
+        let depths = keys.iter().map(|&key| if key == 0 { f32::NAN } else { f32::from_bits(!key) }).collect();
+        Ok(Self { size: side(keys.len()), depths, ..Self::default() })
+    }
+
+    fn of_layers(gpu: &Gpu, layers: &Layers) -> Result<Self> {
+        let mut look = Self::nearest(gpu, layers)?;
+        let (words, size) = (layers.mask.read(gpu)?, look.size as usize);
+        let row = size.div_ceil(32);
+        let marked = |texel: usize| words[texel / size * row + texel % size / 32] >> (texel % size % 32) & 1 == 1;
+        look.marks = (0..size * size).map(marked).collect();
+        Ok(look)
+    }
+}
+
+/// Raises the class of each pixel to that of its facets, given as pixel and [`State`].
+fn most_demanding(classes: &mut [PixelClass], facets: impl Iterator<Item = (usize, u32)>) {
+    for (pixel, state) in facets {
+        // Places of the list that hold no facet are empty.
+        if let (true, Some(class)) = (state != State::Empty as u32, classes.get_mut(pixel)) {
+            *class = (*class).max(PixelClass::of_state(state));
+        }
+    }
+}
+
+fn side(texels: usize) -> u32 {
+    texels.isqrt() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_has_the_class_of_its_most_demanding_facet() {
+        let of = |facets: &[(usize, State)]| {
+            let mut classes = vec![PixelClass::Empty; 3];
+            most_demanding(&mut classes, facets.iter().map(|&(p, s)| (p, s as u32)));
+            classes
+        };
+        let facets = [(0, State::Lit), (2, State::Dark), (0, State::Undecided), (0, State::Dark), (2, State::Lit)];
+        assert_eq!(of(&facets), [PixelClass::Undecided, PixelClass::Empty, PixelClass::Lit]);
+        assert_ne!(of(&facets[..2]), of(&facets));
+        // Places that hold no facet name any pixel.
+        assert_eq!(of(&[(1, State::Empty), (7, State::Lit)]), [PixelClass::Empty; 3]);
+    }
+}
