@@ -43,9 +43,9 @@ fn view_of(i: vec3<u32>, centre: vec3<f32>) -> View {
     let b = points[i.y].xyz;
     let c = points[i.z].xyz;
     let normal = cross(b - a, c - a);
-    // Rounding of the normal, of the corners themselves, and of the products with a ray of the pixel.
+    // Rounding of the normal and of its products with a corner and with a ray, here and in `eye_depth`; corners are exact.
     let reach = max(largest(a), max(largest(b), largest(c)));
-    let doubt = 2e-6 * largest(b - a) * largest(c - a) + 6e-7 * reach * (largest(b - a) + largest(c - a));
+    let doubt = 3e-6 * largest(b - a) * largest(c - a);
     let distance = dot(normal, a);
     let over = sign(distance) * vec3(dot(normal, centre), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
     let over_doubt = vec3(2.0 * doubt * largest(centre), 0.0, 0.0);
