@@ -22,7 +22,7 @@ use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
 type Layers = (Vec<[f32; 2]>, Vec<Vec<u32>>);
 
 fn main() -> Result<()> {
-    let arguments = Arguments::read()?;
+    let arguments = Arguments::of(std::env::args().skip(1))?;
     let gpu = Gpu::open(None)?;
     let [w, h] = arguments.size;
     let given = std::env::args().skip(1).collect::<Vec<_>>().join(" ");

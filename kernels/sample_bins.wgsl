@@ -7,7 +7,8 @@
 // decides that with 46 bits. Samples without room there are marked in the place of the invalid mask, and `refine_all` tests them
 // again. Texels of more than CROWD samples are left to `occlude_crowds`, a workgroup a block, so that no invocation looks at more
 // than 65,535 samples. Whoever reads invalid masks has to make them afterwards. The model and its predicates are those of
-// shadow_rays. Behind the texels in `texel_ends`: doubts; crowded texels.
+// shadow_rays. The facets of a band are those listed from `frame.first_facet` on; a band without any costs nothing worth naming.
+// Behind the texels in `texel_ends`: doubts; crowded texels; then the facets of the band.
 // A sample whose point is not before the light, or outside its view, has no caster before it.
 
 //@import frame
@@ -40,6 +41,8 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 @group(0) @binding(8) var<storage, read_write> bins: array<vec4<u32>>; // a point, `label`; doubts: which sample, triangle
 @group(0) @binding(9) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(10) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(11) var<storage, read> listed: array<u32>;       // undecided facets
+@group(0) @binding(12) var<storage, read> listed_total: array<u32>;
 
 //@import shadow_lines
 //@import shadow_lines_46
@@ -66,8 +69,9 @@ fn bin(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups:
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let slot = index / frame.sample_count;
     let k = index % frame.sample_count;
-    let f = frame.first_facet + slot;
-    if slot >= frame.facet_count || facets[f].state != STATE_UNDECIDED { return; }
+    if slot >= frame.facet_count || frame.first_facet + slot >= listed_total[0] { return; }
+    let f = listed[frame.first_facet + slot];
+    if k == 0u { atomicStore(&texel_ends[facet_place(slot)], f); }
     if ((atomicLoad(&masks[3u * WORDS * f + (k >> 5u)]) >> (k & 31u)) & 1u) == 0u { return; }
     let r = ray_of_sample(ground_of(f), k);
     let at = in_light_view(r.at);
@@ -83,8 +87,14 @@ fn bin(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups:
     }
 }
 
+// How many blocks there are to look at in this run: none where no sample is.
+fn blocks_if(needed: bool) -> u32 {
+    let samples_in_band = atomicLoad(&texel_ends[frame.map_size * frame.map_size - 1u]);
+    return select(0u, work_offsets[frame.triangle_count], needed && samples_in_band != 0u);
+}
+
+// Workgroups go through the blocks in steps of their number, so that a run with nothing to do is over at once.
 fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
-    if item >= work_offsets[frame.triangle_count] { return; }
     let t = owner_of(item, frame.triangle_count);
     let block = block_of(light_rects[t], item - work_offsets[t]);
     let c = caster_of(t);
@@ -104,41 +114,54 @@ fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
     }
 }
 
+fn is_crowded() -> bool {
+    return atomicLoad(&texel_ends[frame.map_size * frame.map_size + 1u]) != 0u;
+}
+
+fn is_overfull() -> bool {
+    return atomicLoad(&texel_ends[frame.map_size * frame.map_size]) > doubts().y;
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn occlude(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let index = flat_invocation(group, groups, WORKGROUP, local);
-    raster(index / LANES, index % LANES, false, false);
+    let blocks = blocks_if(true);
+    let together = WORKGROUP / LANES;
+    for (var item = flat_group(group, groups) * together + local / LANES; item < blocks; item += groups.x * groups.y * together) {
+        raster(item, local % LANES, false, false);
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn occlude_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    if atomicLoad(&texel_ends[frame.map_size * frame.map_size + 1u]) == 0u { return; }
-    raster(flat_group(group, groups), local, false, true);
+    let blocks = blocks_if(is_crowded());
+    for (var item = flat_group(group, groups); item < blocks; item += groups.x * groups.y) { raster(item, local, false, true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let n = flat_invocation(group, groups, WORKGROUP, local);
     let room = doubts();
-    if n >= min(atomicLoad(&texel_ends[frame.map_size * frame.map_size]), room.y) { return; }
-    let doubt = bins[room.x + n];
-    let index = doubt.x;
-    let f = frame.first_facet + index / frame.sample_count;
-    let k = index % frame.sample_count;
-    if is_set(f, 1u, k) { return; }
-    if blocks_46(ground_of(f), offset_of(k), doubt.y) == BLOCKED { mark(f, 1u, k); }
+    let count = min(atomicLoad(&texel_ends[frame.map_size * frame.map_size]), room.y);
+    for (var n = flat_invocation(group, groups, WORKGROUP, local); n < count; n += groups.x * groups.y * WORKGROUP) {
+        let doubt = bins[room.x + n];
+        let index = doubt.x;
+        let f = facet_of(index);
+        let k = index % frame.sample_count;
+        if is_set(f, 1u, k) { continue; }
+        if blocks_46(ground_of(f), offset_of(k), doubt.y) == BLOCKED { mark(f, 1u, k); }
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    if atomicLoad(&texel_ends[frame.map_size * frame.map_size]) <= doubts().y { return; }
-    let index = flat_invocation(group, groups, WORKGROUP, local);
-    raster(index / LANES, index % LANES, true, false);
+    let blocks = blocks_if(is_overfull());
+    let together = WORKGROUP / LANES;
+    for (var item = flat_group(group, groups) * together + local / LANES; item < blocks; item += groups.x * groups.y * together) {
+        raster(item, local % LANES, true, false);
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let last = frame.map_size * frame.map_size;
-    if atomicLoad(&texel_ends[last]) <= doubts().y || atomicLoad(&texel_ends[last + 1u]) == 0u { return; }
-    raster(flat_group(group, groups), local, true, true);
+    let blocks = blocks_if(is_overfull() && is_crowded());
+    for (var item = flat_group(group, groups); item < blocks; item += groups.x * groups.y) { raster(item, local, true, true); }
 }

@@ -14,7 +14,7 @@ struct Setting {
     bins: Bins,
     args: Buffer<u32>,
     shadow: Rc<Shadow>,
-    /// In the middle of the image, where samples are.
+    /// The first, which samples fill.
     band: usize,
 }
 
@@ -35,7 +35,7 @@ fn setting(gpu: &Gpu, shadow: &Rc<Shadow>) -> Result<Setting> {
     let groups = |per: u64| recorder::fold((shadow.setup.in_light.items as u64).div_ceil(per));
     args.write(queue, &[groups(8), groups(1)].concat());
     let stage = SampleBins::new(device, &PrefixScan::new(device), 1);
-    let band = bins.frames.len() / 2;
+    let band = 0;
     Ok(Setting { stage, bins, args, shadow: shadow.clone(), band })
 }
 
@@ -47,6 +47,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut encoder = gpu.encoder();
     let mut rec = Recorder::new(&gpu.device, &mut encoder, None);
     let Setting { stage, bins, band, .. } = &occlude;
+    for of in [&count, &occlude] {
+        stage.record_list(&mut rec.stage("setup"), &of.shadow.facets, &of.bins)?;
+    }
     rec.clear(bins.texel_ends.raw());
     stage.record_bin(&mut rec.stage("setup"), 0, *band, occlude.scene(), bins)?;
     rec.copy_words(bins.texel_offsets.raw(), 0, bins.texel_ends.raw(), 0, texels as u64);

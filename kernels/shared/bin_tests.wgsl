@@ -8,6 +8,15 @@ fn mark(f: u32, part: u32, k: u32) {
     atomicOr(&masks[3u * WORDS * f + part * WORDS + (k >> 5u)], 1u << (k & 31u));
 }
 
+// Where the facets of the band stand, and that of a sample of the band.
+fn facet_place(slot: u32) -> u32 {
+    return frame.map_size * frame.map_size + 2u + slot;
+}
+
+fn facet_of(index: u32) -> u32 {
+    return atomicLoad(&texel_ends[facet_place(index / frame.sample_count)]);
+}
+
 // The first place of doubts in `bins`, and how many there are: one for four samples.
 fn doubts() -> vec2<u32> {
     let room = arrayLength(&bins) / 5u;
@@ -16,7 +25,7 @@ fn doubts() -> vec2<u32> {
 
 // Tests caster `t` against one sample of a texel that it may block.
 fn test(index: u32, t: u32, exact: bool) {
-    let f = frame.first_facet + index / frame.sample_count;
+    let f = facet_of(index);
     let k = index % frame.sample_count;
     if is_set(f, 1u, k) || (exact && !is_set(f, 2u, k)) { return; }
     let g = ground_of(f);

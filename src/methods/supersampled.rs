@@ -15,12 +15,10 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
-use crate::stages::camera_visibility::Blocks;
-use crate::stages::dispatch_args::Requests;
+use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::sample_bins::{self, Bins, SampleBins};
 use crate::stages::shadow_rays::{Rays, ShadowRays, Step};
-use crate::stages::{DispatchArgs, PrefixScan};
 
 /// The method for one mesh, image, map and setting.
 #[derive(Debug)]
@@ -28,9 +26,6 @@ pub struct Supersampled {
     settled: Settled,
     test: SampleBins,
     bins: Bins,
-    fold: DispatchArgs,
-    requests: Requests,
-    args: Buffer<u32>,
     cut: ShadowRays,
     cut_work: Rays,
 }
@@ -44,14 +39,10 @@ impl Supersampled {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let (count, pixels) = (settings.samples.count(), settings.pixels());
         let scan = PrefixScan::new(device);
-        let requests = SampleBins::requests(casters.triangles.len())?;
         Ok(Self {
             settled: Settled::new(gpu, &scan, prepared, casters, settings, false)?,
             test: SampleBins::new(device, &scan, settings.samples.words()),
             bins: Bins::new(device, settings.map as usize, pixels, count)?,
-            fold: DispatchArgs::new(device),
-            requests: DispatchArgs::requests(device, queue, &requests)?,
-            args: Buffer::indirect(device, "supersampled.args", 6)?,
             cut: ShadowRays::new(device, &scan, settings.samples.words()),
             cut_work: Rays::with_doubts(device, queue, pixels, count, 0)?,
         })
@@ -73,17 +64,16 @@ impl FixedMethod for Supersampled {
     fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
         let (casters, facets, samples) = (inputs.casters, self.settled.facets(), inputs.samples);
         let positions = casters.positions.raw();
-        let in_light = inputs.geometry.in_light(casters);
-        let blocks = Blocks { args: (self.args.raw(), 0), ..in_light };
+        let blocks = inputs.geometry.in_light(casters);
         rec.clear_words(self.cut_work.work.raw(), 0, 4);
         self.settled.record_facets(rec, inputs)?;
-        self.fold.record(&mut rec.stage("sample_bins"), blocks.offsets, &self.requests, &self.args)?;
         let binned = sample_bins::Scene { samples, blocks, positions, facets };
+        self.test.record_list(&mut rec.stage("sample_bins"), facets, &self.bins)?;
         let (ends, starts) = (&self.bins.texel_ends, &self.bins.texel_offsets);
         for band in 0..self.bins.frames.len() {
             rec.clear(ends.raw());
             self.test.record_bin(&mut rec.stage("sample_bins"), 0, band, binned, &self.bins)?;
-            rec.copy_words(starts.raw(), 0, ends.raw(), 0, ends.len() as u64 - 2);
+            rec.copy_words(starts.raw(), 0, ends.raw(), 0, starts.len() as u64 - 2);
             self.test.record_bin(&mut rec.stage("sample_bins"), 1, band, binned, &self.bins)?;
             self.test.record_occlude(&mut rec.stage("sample_tests"), band, binned, &self.bins)?;
             self.test.record_refine(&mut rec.stage("sample_tests_refine"), band, binned, &self.bins)?;

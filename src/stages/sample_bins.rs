@@ -7,15 +7,17 @@
 //!   edge is decided as in exact arithmetic. There is no bias, and the size of the map changes the time alone. Casters that
 //!   the light's map cannot hold, behind a point light or beside its view, cast nothing.
 //! - **Capacity.** One place a sample of a band, and a quarter as many for doubts; facets are taken in bands of at most 2^21
-//!   samples. With less room for doubts the masks are the same; to make them takes longer.
-//! - **Cost.** For each band two dispatches over its samples, one indirect one over the casters' blocks, and one over doubts; 20
+//!   samples, of which those beyond the last undecided facet do nothing. With less room for doubts the masks are the same; to make them takes longer.
+//! - **Cost.** For each band two dispatches over its samples, one over the casters' blocks, one over doubts, and three that
+//!   rarely find something to do; 20
 //!   bytes a sample.
 //! - **Source.** Aila and Laine, *Alias-Free Shadow Maps*, EGSR 2004; Johnson, Lee, Burns, Mark, *The Irregular Z-Buffer*, ACM
 //!   TOG 2005; Sintorn, Eisemann, Assarsson, *Sample Based Visibility for Soft Shadows using Alias-free Shadow Maps*, EGSR 2008.
 
 use super::camera_visibility::{Blocks, Pass};
+use super::compact::{self, Compact, Flags};
 use super::facet_classify::Facets;
-use super::{Count, PrefixScan, dispatch_args, holds, prefix_scan};
+use super::{Count, PrefixScan, holds, prefix_scan};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::sample_bins as kernel;
@@ -30,6 +32,7 @@ pub struct SampleBins {
     refine_all: Program,
     occlude_crowds: Program,
     refine_crowds: Program,
+    compact: Compact,
     scan: PrefixScan,
     uniforms: Uniforms,
 }
@@ -39,16 +42,26 @@ pub struct SampleBins {
 pub struct Bins {
     /// Point of each sample relative to the eye, and which it is; then doubts.
     pub list: Buffer<[u32; 4]>,
-    /// Samples of each texel, then where they end; and how many doubts and crowded texels there are.
+    /// Undecided facets, rising.
+    pub listed: Buffer<u32>,
+    /// How many there are, and 0.
+    pub total: Buffer<u32>,
+    /// Samples of each texel, then where they end; how many doubts and crowded texels there are; the facets of the band.
     pub texel_ends: Buffer<u32>,
     /// First sample of each texel, the end, and 0.
     pub texel_offsets: Buffer<u32>,
     scratch: prefix_scan::Scratch,
+    compact_scratch: compact::Scratch,
     /// Facets of a band; the last may have fewer.
     pub facets: usize,
     /// The frame of each band.
     pub frames: Vec<Buffer<Frame>>,
 }
+
+/// Workgroups of a run; they go through all there is in steps of their number.
+const GROUPS: u64 = 2048;
+/// The same of a run that is rarely needed.
+const FEW_GROUPS: u64 = 256;
 
 impl Bins {
     /// Memory for `facets` facets of `samples` samples in as many bands as it takes, and a map of `size` texels a side.
@@ -68,15 +81,18 @@ impl Bins {
         let frames = (0..facets.div_ceil(band)).map(|_| Buffer::uniform(device, "sample_bins.frame", 1));
         Ok(Self {
             list: Buffer::storage(device, "sample_bins.list", 5 * (band * samples as usize).div_ceil(4))?,
-            texel_ends: Buffer::storage(device, "sample_bins.texel_ends", size * size + 2)?,
+            listed: Buffer::storage(device, "sample_bins.listed", facets)?,
+            total: Buffer::storage(device, "sample_bins.total", 2)?,
+            texel_ends: Buffer::storage(device, "sample_bins.texel_ends", size * size + 2 + band)?,
             texel_offsets: Buffer::storage(device, "sample_bins.texel_offsets", size * size + 2)?,
             scratch: PrefixScan::scratch(device, size * size)?,
+            compact_scratch: Compact::scratch(device, facets)?,
             facets: band,
             frames: frames.collect::<Result<_>>()?,
         })
     }
 
-    /// Writes the frame of each band; `frame.facets_total` facets in all.
+    /// Writes the frame of each band: which of the listed facets it takes, of `frame.facets_total` at most.
     pub fn prepare(&self, queue: &wgpu::Queue, frame: &Frame) {
         for (band, buffer) in self.frames.iter().enumerate() {
             let first = ((band * self.facets) as u32).min(frame.facets_total);
@@ -110,12 +126,23 @@ impl SampleBins {
             refine_all: program(kernel::ENTRY_REFINE_ALL),
             occlude_crowds: program(kernel::ENTRY_OCCLUDE_CROWDS),
             refine_crowds: program(kernel::ENTRY_REFINE_CROWDS),
+            compact: Compact::new(device, scan),
             scan: scan.clone(),
             uniforms: Uniforms::default(),
         }
     }
 
-    /// Records the bins of one band. `texel_ends` must be 0 before run 0, which counts, and begin with `texel_offsets` before
+    /// Records the list of undecided facets, from which bands are taken. There must be as many facets as `bins` is made for.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if there are more.
+    pub fn record_list(&self, stage: &mut Stage, facets: &Facets, bins: &Bins) -> Result<()> {
+        holds("sample_bins", "listed", bins.listed.len(), facets.list.len())?;
+        let (flags, count) = (Flags::Words(&facets.items), Count::Exactly(facets.list.len()));
+        self.compact.record(stage, flags, None, &bins.listed, (&bins.total, 0), &bins.compact_scratch, count)
+    }
+
+    /// Records the bins of one band of the listed facets. `texel_ends` must be 0 before run 0, which counts, and begin with `texel_offsets` before
     /// run 1, which fills.
     ///
     /// # Errors
@@ -126,18 +153,19 @@ impl SampleBins {
             return Ok(());
         }
         let (counts, offsets) = (&bins.texel_ends, &bins.texel_offsets);
-        let count = counts.len() - 2;
+        let count = offsets.len() - 2;
         self.scan.record(stage, counts, offsets, (offsets, count), &bins.scratch, Count::Exactly(count))
     }
 
-    /// Records the tests of one band in single precision. The arguments of the blocks are those of [`SampleBins::requests`].
+    /// Records the tests of one band in single precision.
     ///
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_occlude(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        let (args, at) = scene.blocks.args;
-        self.run(stage, &self.occlude, 0, band, scene, bins, Groups::Indirect(args, at))?;
-        self.run(stage, &self.occlude_crowds, 0, band, scene, bins, Groups::Indirect(args, at + 3))
+        let groups = strides(stage, GROUPS);
+        self.run(stage, &self.occlude, 0, band, scene, bins, groups)?;
+        let groups = strides(stage, FEW_GROUPS);
+        self.run(stage, &self.occlude_crowds, 0, band, scene, bins, groups)
     }
 
     /// Records the tests that single precision left open.
@@ -145,22 +173,12 @@ impl SampleBins {
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_refine(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        self.run(stage, &self.refine, 0, band, scene, bins, Groups::Items(bins.list.len() as u64 / 5))?;
-        let (args, at) = scene.blocks.args;
-        self.run(stage, &self.refine_all, 0, band, scene, bins, Groups::Indirect(args, at))?;
-        self.run(stage, &self.refine_crowds, 0, band, scene, bins, Groups::Indirect(args, at + 3))
-    }
-
-    /// What folds the number of blocks, which is word `count_word` of a buffer, into arguments: eight blocks a workgroup, and
-    /// one.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn requests(count_word: usize) -> Result<[dispatch_args::Request; 2]> {
-        let most = dispatch_args::Request::MAX_LIMIT;
-        let together = kernel::WORKGROUP / kernel::LANES;
-        let of = |per, at| dispatch_args::Request::new(count_word, per, most, at);
-        Ok([of(together, 0)?, of(1, 3)?])
+        let groups = strides(stage, GROUPS);
+        self.run(stage, &self.refine, 0, band, scene, bins, groups)?;
+        let groups = strides(stage, FEW_GROUPS);
+        self.run(stage, &self.refine_all, 0, band, scene, bins, groups)?;
+        let groups = strides(stage, FEW_GROUPS);
+        self.run(stage, &self.refine_crowds, 0, band, scene, bins, groups)
     }
 
     #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
@@ -189,7 +207,15 @@ impl SampleBins {
             ("bins", bins.list.raw()),
             ("light_rects", blocks.rects.raw()),
             ("work_offsets", blocks.offsets.raw()),
+            ("listed", bins.listed.raw()),
+            ("listed_total", bins.total.raw()),
         ];
         stage.run(program, &buffers, groups)
     }
+}
+
+/// So many workgroups, or as many as the device runs.
+fn strides(stage: &Stage, groups: u64) -> Groups<'static> {
+    let most = u64::from(stage.device.limits().max_compute_workgroups_per_dimension);
+    Groups::Workgroups(groups.min(most * most))
 }

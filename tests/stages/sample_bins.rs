@@ -58,17 +58,21 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
     let scene = Scene { samples: patterns.raw(), blocks, positions: world.casters.positions.raw(), facets: &facets };
     let stage = stage(gpu, world.words());
     let (mut binned, mut doubts) = (Vec::new(), 0);
+    run(gpu, |s| stage.record_list(s, &facets, &bins));
+    let undecided = bins.listed.read(gpu).expect("readback");
     for band in 0..bins.frames.len() {
-        bins.texel_ends.write(&gpu.queue, &vec![0; size * size + 2]);
+        bins.texel_ends.write(&gpu.queue, &vec![0; bins.texel_ends.len()]);
         run(gpu, |s| stage.record_bin(s, 0, band, scene, &bins));
         let starts = bins.texel_offsets.read(gpu).expect("readback");
         bins.texel_ends.write(&gpu.queue, &starts[..size * size]);
         run(gpu, |s| stage.record_bin(s, 1, band, scene, &bins));
         let places = bins.list.read(gpu).expect("readback");
-        let first = (band * bins.facets) as u32;
+        let first = band * bins.facets;
         for texel in 0..size * size {
             let within = &places[starts[texel] as usize..starts[texel + 1] as usize];
-            binned.extend(within.iter().map(|p| (texel as u32, first + (p[3] & 0x3f_ffff) / count)));
+            binned.extend(
+                within.iter().map(|p| (texel as u32, undecided[first + ((p[3] & 0x3f_ffff) / count) as usize])),
+            );
         }
         run(gpu, |s| stage.record_occlude(s, band, scene, &bins));
         doubts += bins.texel_ends.read(gpu).expect("readback")[size * size];
