@@ -10,7 +10,8 @@
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
 // There is no depth bias: the split depth was proved (front_layer) to lie between two sheets.
 // A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle. With
-// FLAG_CLAMP all facets have only such samples, but for FLAG_BEYOND: their rectangles are cut to their triangles.
+// FLAG_CLAMP all facets have only such samples, but for FLAG_BEYOND: their rectangles are cut to their triangles. A merged facet
+// (STATE_MERGED) has samples of other triangles in its plane, and is followed as far as those reach.
 
 //@import frame
 //@import dispatch
@@ -97,8 +98,11 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
     // One facet is followed well beyond its own triangle, but not to the horizon.
     let clamped = (frame.flags & FLAG_CLAMP) != 0u;
-    let cut = clamped && (frame.flags & FLAG_BEYOND) == 0u;
-    let limit = max(far_corner, depth) * select(4.0, 1.0001, cut);
+    let merged = facets[f].state == STATE_MERGED;
+    let near = clamped && (frame.flags & FLAG_BEYOND) == 0u;
+    let cut = near && !merged;
+    let reached = max(far_corner, select(0.0, facets[f].limit, merged));
+    let limit = max(reached, depth) * select(4.0, 1.0001, near);
     let span = select(vec2(0u), span_of_samples(f), clamped);
     var outline = facet_box(pixel, part_of(span), plane, limit);
     if cut {

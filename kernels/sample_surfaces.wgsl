@@ -1,13 +1,15 @@
-// sample_surfaces: which surface each sample sees, and the facets made of that: one for every triangle that samples of the
-// pixel see, with the mask of those samples.
+// sample_surfaces: which surface each sample sees, and the facets made of that: one for every surface that samples of the
+// pixel see, with the mask of those samples. With MERGE neighbouring triangles of one plane are one surface (`surfaces`).
 // `nearest` runs an invocation for each complex pixel over ROUND_LENGTH triangles of its list, from round `step.round` on,
 // and keeps for each sample of word `step.word` the nearest, of equally near ones the lowest (`sample_keys`, complement; 0
 // for none). Where another surface almost touches it (`rivals_found`: triangles, then a mask a word), `settle_rivals` decides
 // with 46 bits.
-// `group_samples` counts the triangles that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
-// `pixel_facets`, in the order of their first samples. `emit_single` lists the facets of single pixels, and makes what
-// lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the complement of the
-// triangle at the pixel centre, which is sample 0; it must be 0 before.
+// `name_surfaces` writes the surfaces of samples to `named_keys`, as `sample_keys` has their triangles, and behind them how far
+// off the triangles of larger surfaces reach; without MERGE the triangles themselves are `group_keys`.
+// `group_samples` counts the surfaces that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
+// `pixel_facets`, in the order of their first samples, each with that of its triangles that most samples see. `emit_single`
+// lists the facets of single pixels, and makes what lies beyond the last facet empty. Nothing is written beyond the
+// capacities. `id_keys` takes the complement of the triangle at the pixel centre, which is sample 0; it must be 0 before.
 // What all samples see may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_keys` and
 // `rivals_found` are those of a band, sample by sample: neighbouring invocations find theirs side by side.
 
@@ -31,6 +33,7 @@ struct Step {
 }
 
 override WORDS: u32 = 1u;
+override MERGE: u32 = 0u;
 const WORKGROUP = 64u;
 const ROUND_LENGTH = 512u;
 
@@ -52,6 +55,12 @@ const ROUND_LENGTH = 512u;
 @group(0) @binding(14) var<storage, read_write> facets: array<Facet>;
 @group(0) @binding(15) var<storage, read_write> masks: array<u32>;  // coverage, occluded, invalid: WORDS words each
 @group(0) @binding(16) var<storage, read_write> id_keys: array<u32>;
+@group(0) @binding(18) var<storage, read> surfaces: array<u32>;  // of each triangle, the lowest of its surface; SEVERAL: of more than one
+@group(0) @binding(19) var<storage, read_write> named_keys: array<u32>;
+@group(0) @binding(20) var<storage, read> seen_keys: array<u32>;   // as `sample_keys`
+@group(0) @binding(21) var<storage, read> group_keys: array<u32>;  // as `named_keys`
+
+const SEVERAL = 0x80000000u;
 
 // Complex pixels of the band.
 fn slot_count() -> u32 {
@@ -111,14 +120,59 @@ fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
     }
 }
 
-// The samples of a complex pixel that see what `key` says.
+// View depth of the farthest corner.
+fn far_corner(t: u32) -> f32 {
+    let i = corners_of(t);
+    return max(dot(points[i.x].xyz, frame.forward.xyz), max(dot(points[i.y].xyz, frame.forward.xyz), dot(points[i.z].xyz, frame.forward.xyz)));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn name_surfaces(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
+    if slot >= slot_count() { return; }
+    var several = 0u;
+    var at = slot;
+    for (var k = 0u; k < 32u * WORDS; k++) {
+        let key = sample_keys[at];
+        var name = 0u;
+        if key != 0u { name = surfaces[~key]; several |= name; name = ~(name & ~SEVERAL); }
+        named_keys[at] = name;
+        at += step.slots;
+    }
+    if (several & SEVERAL) == 0u { return; }
+    var far = 0.0;
+    var last = 0u;
+    for (var k = 0u; k < 32u * WORDS; k++) {
+        let key = sample_keys[place(slot, k)];
+        if key != last && key != 0u { far = max(far, far_corner(~key)); }
+        last = key;
+    }
+    named_keys[place(slot, 32u * WORDS)] = bitcast<u32>(far);
+}
+
+// The samples of a complex pixel whose surface is named `key`.
+fn samples_of(slot: u32, key: u32) -> vec4<u32> {
+    var found = vec4(0u);
+    for (var w = 0u; w < WORDS; w++) {
+        var bits = 0u;
+        var at = place(slot, 32u * w);
+        for (var k = 0u; k < 32u; k++) {
+            bits |= select(0u, 1u << k, group_keys[at] == key);
+            at += step.slots;
+        }
+        found[w] = bits;
+    }
+    return found;
+}
+
+// Those that see the triangle `key`.
 fn samples_that_see(slot: u32, key: u32) -> vec4<u32> {
     var found = vec4(0u);
     for (var w = 0u; w < WORDS; w++) {
         var bits = 0u;
         var at = place(slot, 32u * w);
         for (var k = 0u; k < 32u; k++) {
-            bits |= select(0u, 1u << k, sample_keys[at] == key);
+            bits |= select(0u, 1u << k, seen_keys[at] == key);
             at += step.slots;
         }
         found[w] = bits;
@@ -132,13 +186,18 @@ fn lowest_sample(mask: vec4<u32>) -> u32 {
     return 32u * w + firstTrailingBit(mask[w]);
 }
 
+fn size_of(mask: vec4<u32>) -> u32 {
+    let n = countOneBits(mask);
+    return n.x + n.y + n.z + n.w;
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     var count = 0u;
     for (var left = samples_left(slot); any(left != vec4(0u)); count++) {
-        left &= ~samples_that_see(slot, sample_keys[place(slot, lowest_sample(left))]);
+        left &= ~samples_of(slot, group_keys[place(slot, lowest_sample(left))]);
     }
     facet_counts[complex_pixel(slot)] = count;
 }
@@ -148,23 +207,42 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     let pixel = complex_pixel(slot);
-    id_keys[pixel] = sample_keys[place(slot, 0u)];
+    id_keys[pixel] = seen_keys[place(slot, 0u)];
     var f = pixel_facets[pixel];
     for (var left = samples_left(slot); any(left != vec4(0u)) && f < frame.facets_total; f++) {
-        let k = lowest_sample(left);
-        let key = sample_keys[place(slot, k)];
-        let mask = samples_that_see(slot, key);
+        var k = lowest_sample(left);
+        let mask = samples_of(slot, group_keys[place(slot, k)]);
         left &= ~mask;
+        if MERGE != 0u {
+            facets[f].state = STATE_EMPTY;
+            let own = most_seen(slot, mask);
+            if any(own != mask) {
+                k = lowest_sample(own);
+                facets[f].state = STATE_MERGED;
+                facets[f].limit = bitcast<f32>(group_keys[place(slot, 32u * WORDS)]);
+            }
+        }
         facets[f].pixel = pixel;
-        facets[f].triangle = ~key;
+        facets[f].triangle = ~seen_keys[place(slot, k)];
         facets[f].origin = sample_offset(k);
         for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * f + w] = mask[w]; }
     }
 }
 
+// Of some samples those that see one triangle, the one that most of them see; of several, that of the first sample.
+fn most_seen(slot: u32, mask: vec4<u32>) -> vec4<u32> {
+    var most = vec4(0u);
+    for (var left = mask; any(left != vec4(0u)); ) {
+        let some = samples_that_see(slot, seen_keys[place(slot, lowest_sample(left))]);
+        left &= ~some;
+        if size_of(some) > size_of(most) { most = some; }
+    }
+    return most;
+}
+
 // The samples of a complex pixel that see a surface.
 fn samples_left(slot: u32) -> vec4<u32> {
-    let none = samples_that_see(slot, 0u);
+    let none = samples_of(slot, 0u);
     var left = vec4(0u);
     for (var w = 0u; w < WORDS; w++) { left[w] = ~none[w]; }
     return left;

@@ -96,6 +96,7 @@ const PROOF: [&str; 4] = ["light_layers", "silhouette_mask", "front_layer", "sum
 
 /// Parts of stages that a setting or the scene may make needless.
 const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that see another surface than the centre");
+const MERGE: (&str, &str) = ("sample_surfaces.merge", "takes neighbouring triangles of one plane as one surface");
 const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
 const BACK_FACING: (&str, &str) = ("triangle_setup.back_facing", "casters that face away from the light");
 const PERSPECTIVE: (&str, &str) = ("vertex_project.divide", "perspective divide of the light view");
@@ -167,6 +168,9 @@ impl Plan {
             .flatten();
         settings.cull_back = culled.is_some();
         part(BACK_FACING, culled);
+        if wanted.facets == FacetMode::All {
+            part(MERGE, (!prepared.merges()).then(|| "no two neighbouring triangles lie in one plane".to_owned()));
+        }
         part(PERSPECTIVE, light.is_directional().then(|| "directional light: its view is affine".to_owned()));
         Ok(Self { extent, steps, settings })
     }
@@ -403,6 +407,10 @@ mod tests {
         assert!(names.contains(&"pixel_triangles") && names.contains(&"sample_surfaces"), "{names:?}");
         assert!(!names.contains(&"camera_visibility"), "{names:?}");
         assert!(!plan.settings.validity && plan.settings.settle, "coverage replaces validity");
+        assert_eq!(reason(&plan, MERGE.0), None);
+        let curved = Prepared::new(&body());
+        let plan = Plan::of(&curved, &scene.camera, &scene.light, &wanted, false).unwrap();
+        assert!(reason(&plan, MERGE.0).unwrap().contains("one plane"), "{plan:?}");
     }
 
     #[test]

@@ -620,7 +620,9 @@ fn bad_surfaces_are_refused() {
 /// What each of a picture's samples sees, by the full search: a layer of triangle numbers for each sample.
 fn sample_layers(scene: &Scene, samples: &Samples) -> Vec<Vec<u32>> {
     use subpixel_shadows::methods::render::{Budget, Renderer};
-    let prepared = Prepared::new(&scene.mesh);
+    let mut prepared = Prepared::new(&scene.mesh);
+    // Every triangle a surface of its own, so that facets say which one each sample sees.
+    prepared.surfaces = (0..prepared.surfaces.len() as u32).collect();
     let settings = Settings { samples: samples.clone(), ..settings(FacetMode::All, 32) };
     let mut renderer = Renderer::new(gpu(), &prepared, &settings, Budget::default()).expect("a renderer");
     renderer.render(&scene.camera, &scene.light).expect("a frame");

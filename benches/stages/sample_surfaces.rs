@@ -59,7 +59,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: listed * (32 * 45 + 250),
         record: Box::new(move |s| {
             let (triangles, points) = (setup.casters.triangles.raw(), &setup.points);
-            let mesh = Mesh { samples: samples.raw(), triangles, points, positions: setup.casters.positions.raw() };
+            let positions = setup.casters.positions.raw();
+            let mesh = Mesh { samples: samples.raw(), triangles, points, positions, surfaces: None };
             let per_pixel = (args.raw(), 0);
             stage.record(s, setup.frame.raw(), mesh, &lists, &complex, per_pixel, 1, &scratch, &facets, &id_keys)
         }),

@@ -23,6 +23,7 @@ const STATE_DARK = 1u;       // faces away from the light
 const STATE_LIT = 2u;        // settled: nothing between it and the light
 const STATE_SHADOWED = 3u;   // settled: one sheet covers all of it
 const STATE_UNDECIDED = 4u;  // to be evaluated
+const STATE_MERGED = 5u;     // before facets are classified: of several triangles, which reach no farther than `limit`
 
 const PIXEL_REACH = 0.50390625;  // half a pixel and 1/256: samples lie well inside the outline
 

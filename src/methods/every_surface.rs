@@ -41,7 +41,7 @@ pub struct EverySurface {
 }
 
 impl EverySurface {
-    /// Builds the pipelines and the memory.
+    /// Builds the pipelines and the memory; with `merge` the triangles of one surface make one facet.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
@@ -49,6 +49,7 @@ impl EverySurface {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         scan: &PrefixScan,
+        merge: bool,
         settings: &Settings,
         capacities: Capacities,
     ) -> Result<Self> {
@@ -58,7 +59,11 @@ impl EverySurface {
         Ok(Self {
             triangles: PixelTriangles::new(device, scan),
             compact: Compact::new(device, scan),
-            surfaces: SampleSurfaces::new(device, scan, words),
+            surfaces: if merge {
+                SampleSurfaces::merging(device, scan, words)
+            } else {
+                SampleSurfaces::new(device, scan, words)
+            },
             fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
             lists: PixelLists::new(device, pixels, c.pixel_triangles)?,
             complex: ComplexPixels::new(device, c.complex_pixels, words as usize)?,
@@ -100,6 +105,7 @@ impl EverySurface {
         samples: &wgpu::Buffer,
         in_camera: Blocks,
         positions: &wgpu::Buffer,
+        merged_by: Option<&Buffer<u32>>,
         facets: &Facets,
         id_keys: &Buffer<u32>,
         status_words: &Buffer<u32>,
@@ -125,7 +131,13 @@ impl EverySurface {
             let buffers =
                 [("counts", complex.total.raw()), ("requests", self.request.raw()), ("args", self.args.raw())];
             stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
-            let mesh = Mesh { samples, triangles: in_camera.triangles, points: in_camera.points, positions };
+            let mesh = Mesh {
+                samples,
+                triangles: in_camera.triangles,
+                points: in_camera.points,
+                positions,
+                surfaces: merged_by,
+            };
             let (args, scratch) = ((self.args.raw(), 0), &self.scan_scratch);
             let (listed, total) = (&complex.pixels, &complex.total);
             let fill = given.map(|of| {

@@ -133,7 +133,14 @@ impl FacetMasks {
         }
         let every_surface = match settings.facets {
             FacetMode::One => None,
-            FacetMode::All => Some(EverySurface::new(device, queue, &pipelines.scan, settings, capacities)?),
+            FacetMode::All => Some(EverySurface::new(
+                device,
+                queue,
+                &pipelines.scan,
+                casters.surfaces.is_some(),
+                settings,
+                capacities,
+            )?),
         };
         let memory = Memory::new(device, queue, casters, settings, &pipelines.summed_area, capacities)?;
         Ok(Self { settings: settings.clone(), with: pipelines, every_surface, memory, capacities })
@@ -270,6 +277,7 @@ impl FacetMasks {
                     m.samples.raw(),
                     in_camera,
                     positions,
+                    casters.surfaces.as_ref(),
                     &m.facets,
                     &geometry.id_keys,
                     &m.status,

@@ -4,6 +4,7 @@ use crate::Result;
 use crate::gpu::Buffer;
 use crate::scene::Mesh;
 use crate::scene::adjacency::{Adjacency, Edge};
+use crate::stages::sample_surfaces::SEVERAL;
 
 /// A mesh in canonical order with its edges.
 #[derive(Clone, Debug)]
@@ -16,6 +17,8 @@ pub struct Prepared {
     pub edges: Vec<Edge>,
     /// Whether every edge joins two consistently wound triangles and every part is turned outward.
     pub closed: bool,
+    /// Of each triangle the lowest of its surface: of those that hang together by edges and lie in one plane, exactly.
+    pub surfaces: Vec<u32>,
 }
 
 impl Prepared {
@@ -23,7 +26,12 @@ impl Prepared {
     pub fn new(mesh: &Mesh) -> Self {
         let (mesh, given) = mesh.canonical();
         let adjacency = Adjacency::of(&mesh);
-        Self { mesh, given, edges: adjacency.edges, closed: adjacency.closed }
+        Self { mesh, given, edges: adjacency.edges, closed: adjacency.closed, surfaces: adjacency.surfaces }
+    }
+
+    /// Whether any two triangles are one surface.
+    pub fn merges(&self) -> bool {
+        (0..).zip(&self.surfaces).any(|(t, &surface)| t != surface)
     }
 
     /// Uploads it.
@@ -45,8 +53,22 @@ impl Prepared {
             triangles,
             edges: Buffer::from_slice(device, queue, "casters.edges", &self.edges)?,
             closed: self.closed,
+            surfaces: self
+                .merges()
+                .then(|| Buffer::from_slice(device, queue, "casters.surfaces", &marked(&self.surfaces)))
+                .transpose()?,
         })
     }
+}
+
+/// Surfaces of triangles, those of more than one marked.
+fn marked(surfaces: &[u32]) -> Vec<u32> {
+    let mut marked = surfaces.to_vec();
+    for (t, &surface) in surfaces.iter().enumerate().filter(|(t, s)| *t as u32 != **s) {
+        marked[t] |= SEVERAL;
+        marked[surface as usize] |= SEVERAL;
+    }
+    marked
 }
 
 /// Positions and triangles of a mesh, uploaded.
@@ -73,4 +95,6 @@ pub struct CasterBuffers {
     pub edges: Buffer<Edge>,
     /// Whether the mesh is closed.
     pub closed: bool,
+    /// Of each triangle the lowest of its surface, with [`SEVERAL`] where that has more than one; none if all have one.
+    pub surfaces: Option<Buffer<u32>>,
 }

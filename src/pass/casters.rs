@@ -28,7 +28,10 @@ impl CasterSet {
         room: usize,
     ) -> Result<Self> {
         let prepared = Prepared::new(&given);
-        let buffers = prepared.upload_with_room(device, queue, room)?;
+        let mut buffers = prepared.upload_with_room(device, queue, room)?;
+        if matches!(casters, Casters::Moving { .. }) {
+            buffers.surfaces = None; // what lies in one plane at rest may not in motion
+        }
         let mut numbers = vec![0; prepared.given.len()];
         for (number, &triangle) in (0..).zip(&prepared.given) {
             numbers[triangle as usize] = number;

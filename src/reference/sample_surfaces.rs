@@ -60,9 +60,33 @@ pub fn surfaces(samples: &[Option<u32>]) -> Vec<Surface> {
     out
 }
 
+/// The same with the triangles of one surface (`surface_of` each triangle) taken together: each has the triangle that most of
+/// its samples see, of several the one of the first sample.
+pub fn merged(samples: &[Option<u32>], surface_of: &[u32]) -> Vec<Surface> {
+    let named: Vec<_> = samples.iter().map(|seen| seen.map(|t| surface_of[t as usize])).collect();
+    let triangles = surfaces(samples);
+    let of = |(surface, mask): Surface| {
+        let parts = triangles.iter().filter(|(t, _)| surface_of[*t as usize] == surface);
+        // The last of the greatest is kept: turned around, that is the first.
+        let most = parts.rev().max_by_key(|(_, part)| part.count_ones());
+        (most.map_or(surface, |(t, _)| *t), mask)
+    };
+    surfaces(&named).into_iter().map(of).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::surfaces;
+    use super::{merged, surfaces};
+
+    #[test]
+    fn a_surface_has_the_triangle_that_most_of_its_samples_see() {
+        let surface_of = [0, 1, 1, 1, 0];
+        let seen = [Some(2), Some(0), Some(3), Some(3), None, Some(4), Some(2), Some(1)];
+        assert_eq!(merged(&seen, &surface_of), [(2, 0b1100_1101), (0, 0b10_0010)], "2 comes before 3, 0 before 4");
+        assert_eq!(merged(&seen[1..], &surface_of), [(0, 0b1_0001), (3, 0b110_0110)]);
+        let alone = [0, 1, 2, 3, 4];
+        assert_eq!(merged(&seen, &alone), surfaces(&seen));
+    }
 
     #[test]
     fn surfaces_come_in_the_order_of_their_first_samples() {

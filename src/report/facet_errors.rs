@@ -2,12 +2,12 @@
 
 use crate::Result;
 use crate::gpu::Gpu;
-use crate::methods::facet_masks::Settings;
+use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::strips::Rows;
 use crate::scene::{Camera, Light, PixelRays};
 use crate::stages::facet_classify::{Facet, Facets, State};
 use crate::truth::facet_truth::FacetResult;
-use crate::truth::{FacetInput, FacetTruth, Progress, Tracer, bits, full_mask, join_mask};
+use crate::truth::{FacetInput, FacetTruth, Progress, SceneTruth, Tracer, bits, full_mask, join_mask};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -67,6 +67,9 @@ impl FacetSet {
 /// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared, for occlusion
 /// and for validity; where ours leave none that is valid and open, evaluation may have ended there, and what is asked is
 /// whether truth leaves one. Of one that is dark, all.
+///
+/// With a facet for every surface the band is around the edges of what is seen, too: a wrong sample whose answer in scene
+/// truth is another within 1/256 pixel ([`SceneTruth::ambiguous_mask`]) lies in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FacetErrors {
     /// Samples compared.
@@ -127,6 +130,10 @@ impl FacetErrors {
             width: w,
             offsets: settings.samples.offsets().iter().map(|o| DVec2::new(f64::from(o[0]), f64::from(o[1]))).collect(),
             validity,
+            surfaces: match settings.facets {
+                FacetMode::One => None,
+                FacetMode::All => Some(SceneTruth::new(tracer, camera, light, &settings.samples, w, h)?),
+            },
         };
         Ok(asked
             .par_iter()
@@ -159,6 +166,8 @@ struct View<'a> {
     width: u32,
     offsets: Vec<DVec2>,
     validity: bool,
+    /// With a facet for every surface: which samples are near the edge of one.
+    surfaces: Option<SceneTruth<'a>>,
 }
 
 impl View<'_> {
@@ -181,6 +190,10 @@ impl View<'_> {
         };
         let (doubt, compared) = if closed { (doubt | doubt_valid, met) } else { (doubt, asked) };
         let wrong = (ours ^ occluded) & asked;
+        let doubt = match &self.surfaces {
+            Some(scene) if wrong & !doubt != 0 => doubt | join_mask(scene.ambiguous_mask(facet.pixel)),
+            _ => doubt,
+        };
         let outside = count(wrong & !doubt);
         e.facet_samples = count(compared);
         let mut ambiguous = doubt & compared;

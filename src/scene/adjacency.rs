@@ -1,5 +1,6 @@
 //! Which triangles meet at which edge, and which edges are always silhouettes.
 
+use super::coplanar::{Joining, root};
 use super::mesh::Mesh;
 use super::weld::weld;
 use bytemuck::{Pod, Zeroable};
@@ -42,6 +43,8 @@ pub struct Adjacency {
     pub inconsistent: u32,
     /// Number of triangles left out because two of their corners coincide.
     pub collapsed: u32,
+    /// Of each triangle the lowest of its surface: of those that hang together by edges and lie in one plane, exactly.
+    pub surfaces: Vec<u32>,
 }
 
 /// One side of one triangle, in the bucket of the edge's lower end.
@@ -73,13 +76,16 @@ impl Adjacency {
         let mut adjacency = Self::default();
         let (starts, mut sides) = sides(mesh, &welded.place, welded.positions.len(), &mut adjacency.collapsed);
         adjacency.edges.reserve_exact(sides.len() / 2);
+        let mut joining = Joining::new(mesh);
         for bucket in starts.windows(2) {
             let bucket = &mut sides[bucket[0] as usize..bucket[1] as usize];
             bucket.sort_unstable();
             for group in bucket.chunk_by(|a, b| a.high == b.high) {
                 adjacency.push(mesh, group);
+                joining.meet(group.iter().map(|side| side.triangle()));
             }
         }
+        adjacency.surfaces = joining.surfaces();
         adjacency.closed = !adjacency.edges.is_empty()
             && adjacency.silhouettes_from_everywhere() == 0
             && every_part_is_outward(mesh, &adjacency.edges);
@@ -172,15 +178,6 @@ fn every_part_is_outward(mesh: &Mesh, edges: &[Edge]) -> bool {
         a == b || b == c || c == a
     };
     (0..mesh.triangles.len()).all(|t| parent[t] as usize != t || volumes[t][0] > 1e-12 * volumes[t][1] || is_line(t))
-}
-
-/// The root of `t`, halving the path to it.
-fn root(parent: &mut [u32], mut t: u32) -> u32 {
-    while parent[t as usize] != t {
-        parent[t as usize] = parent[parent[t as usize] as usize];
-        t = parent[t as usize];
-    }
-    t
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 pub mod adjacency;
 pub mod builtin;
 pub mod camera;
+mod coplanar;
 pub mod light;
 pub mod load;
 pub mod mesh;

@@ -4,7 +4,7 @@
 //! - **Writes** facets (pixel, triangle, origin), their coverage masks, `pixel_facets`, and `id_keys` (complement of the
 //!   triangle at each pixel centre; must be 0 before).
 //! - **Guarantee.** Each sample that sees a surface lies in exactly one facet: that of the nearest triangle, of equally near
-//!   ones the lowest. Edges belong to both sides, and around a vertex all edges agree on where the sample is. Bit-equal from
+//!   ones the lowest; with [`SampleSurfaces::merging`] that of the nearest triangle's surface. Edges belong to both sides, and around a vertex all edges agree on where the sample is. Bit-equal from
 //!   run to run. Nothing is written beyond the capacities.
 //! - **Capacity.** [`ROUND_LENGTH`] triangles of a pixel a dispatch; longer lists take more rounds.
 //!   Samples of more complex pixels than one binding holds are taken in bands, one after the other.
@@ -17,9 +17,9 @@ use super::pixel_triangles::PixelLists;
 use super::{Count, PrefixScan, prefix_scan};
 use crate::gpu::kernels::sample_surfaces as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
-use crate::{Result, shared_struct};
+use crate::{Error, Result, shared_struct};
 
-pub use kernel::{ROUND_LENGTH, WORKGROUP};
+pub use kernel::{ROUND_LENGTH, SEVERAL, WORKGROUP};
 
 shared_struct! {
     /// What a dispatch takes of the complex pixels.
@@ -40,6 +40,7 @@ shared_struct! {
 pub struct SampleSurfaces {
     nearest: Program,
     rivals: Program,
+    name: Option<Program>,
     group: Program,
     emit: Program,
     emit_single: Program,
@@ -110,6 +111,8 @@ pub struct Mesh<'a> {
     pub points: &'a Buffer<[f32; 4]>,
     /// Positions, world units, three words a vertex.
     pub positions: &'a wgpu::Buffer,
+    /// Of each triangle the lowest of its surface, with [`SEVERAL`] where that has more than one; read if surfaces merge.
+    pub surfaces: Option<&'a Buffer<u32>>,
 }
 
 /// Records what samples see that lie in no listed triangle: of so many complex pixels from the first on, into the keys of
@@ -117,12 +120,22 @@ pub struct Mesh<'a> {
 pub type Fill<'a> = &'a dyn Fn(&mut Stage, [u32; 2], &Buffer<u32>, Groups) -> Result<()>;
 
 impl SampleSurfaces {
-    /// Builds the pipelines for masks of `words` words; `scan` is shared.
+    /// Builds the pipelines for masks of `words` words; `scan` is shared. Every triangle is a surface of its own.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
-        let constants = [("WORDS", f64::from(words))];
+        Self::with(device, scan, words, false)
+    }
+
+    /// As [`SampleSurfaces::new`]; triangles of one surface ([`Mesh::surfaces`]) make one facet.
+    pub fn merging(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
+        Self::with(device, scan, words, true)
+    }
+
+    fn with(device: &wgpu::Device, scan: &PrefixScan, words: u32, merge: bool) -> Self {
+        let constants = [("WORDS", f64::from(words)), ("MERGE", f64::from(u8::from(merge)))];
         Self {
             nearest: Program::new(device, kernel::ENTRY_NEAREST, &constants),
             rivals: Program::new(device, kernel::ENTRY_SETTLE_RIVALS, &constants),
+            name: merge.then(|| Program::new(device, kernel::ENTRY_NAME_SURFACES, &constants)),
             group: Program::new(device, kernel::ENTRY_GROUP_SAMPLES, &constants),
             emit: Program::new(device, kernel::ENTRY_EMIT, &constants),
             emit_single: Program::new(device, kernel::ENTRY_EMIT_SINGLE, &constants),
@@ -136,7 +149,7 @@ impl SampleSurfaces {
     /// pixels.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] if a buffer is too small for the image.
+    /// [`crate::Error::Config`] if a buffer is too small for the image, or there are no surfaces to merge by.
     #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
     pub fn record(
         &self,
@@ -213,12 +226,13 @@ impl SampleSurfaces {
                 ("rivals_found", complex.rivals.raw()),
             ];
             stage.run(&self.rivals, &buffers, groups())?;
+            self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
             let buffers = [
                 ("frame", frame),
                 ("step", &step),
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
-                ("sample_keys", keys.raw()),
+                ("group_keys", self.group_keys(complex, keys)),
                 ("facet_counts", lists.facet_counts.raw()),
             ];
             stage.run(&self.group, &buffers, groups())?;
@@ -238,13 +252,18 @@ impl SampleSurfaces {
         stage.run(&self.emit_single, &buffers, Groups::Items(pixels.max(facets.list.len()) as u64))?;
         for (band, keys) in complex.bands() {
             let step = self.uniforms.get(stage.device, &band);
+            if complex.keys.len() > 1 {
+                // Those of other bands were written over.
+                self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
+            }
             let buffers = [
                 ("frame", frame),
                 ("samples", mesh.samples),
                 ("step", &step),
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
-                ("sample_keys", keys.raw()),
+                ("seen_keys", keys.raw()),
+                ("group_keys", self.group_keys(complex, keys)),
                 ("pixel_facets", facets.pixel_facets.raw()),
                 ("facets", facets.list.raw()),
                 ("masks", facets.masks.raw()),
@@ -253,5 +272,38 @@ impl SampleSurfaces {
             stage.run(&self.emit, &buffers, groups())?;
         }
         Ok(())
+    }
+    /// Records what the surfaces of a band's samples are, where they are merged.
+    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
+    fn record_names(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        step: &wgpu::Buffer,
+        mesh: Mesh,
+        complex: &ComplexPixels,
+        keys: &Buffer<u32>,
+        groups: Groups,
+    ) -> Result<()> {
+        let Some(name) = &self.name else { return Ok(()) };
+        let Some(surfaces) = mesh.surfaces else {
+            return Err(Error::Config("sample_surfaces: no surfaces to merge by".to_owned()));
+        };
+        let buffers = [
+            ("frame", frame),
+            ("step", step),
+            ("triangles", mesh.triangles),
+            ("points", mesh.points.raw()),
+            ("complex_total", complex.total.raw()),
+            ("sample_keys", keys.raw()),
+            ("surfaces", surfaces.raw()),
+            ("named_keys", complex.rivals.raw()),
+        ];
+        stage.run(name, &buffers, groups)
+    }
+
+    /// What samples are grouped by.
+    fn group_keys<'a>(&self, complex: &'a ComplexPixels, keys: &'a Buffer<u32>) -> &'a wgpu::Buffer {
+        if self.name.is_some() { complex.rivals.raw() } else { keys.raw() }
     }
 }

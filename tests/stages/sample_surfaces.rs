@@ -2,14 +2,14 @@
 //! wherever no edge is within 1/256 pixel and no two depths are too near to tell; none missed where one surely covers.
 
 use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
-use crate::support::surfaces::{Found, find, find_in_bands, find_within, pattern, square};
+use crate::support::surfaces::{Found, find, find_in_bands, find_merged, find_within, pattern, square};
 use crate::support::{gpu, sizes_around, small_gpu};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::camera_visibility::Doubt;
-use subpixel_shadows::reference::sample_surfaces::{Sample, see, surfaces};
+use subpixel_shadows::reference::sample_surfaces::{Sample, merged, see, surfaces};
 use subpixel_shadows::samples::Samples;
-use subpixel_shadows::scene::Mesh;
+use subpixel_shadows::scene::{Mesh, builtin};
 use subpixel_shadows::stages::sample_surfaces::ROUND_LENGTH;
 use subpixel_shadows::truth::{AMBIGUITY, SceneTruth, Tracer, join_mask};
 
@@ -240,6 +240,85 @@ fn bands_do_not_matter() {
             assert!(found == whole, "bands of {band} of {complex} pixels change the result");
         }
     }
+}
+
+/// Where what merging makes departs from what it should make of what the samples see, else how many facets are of several
+/// triangles.
+fn compare_merged(case: &Case, alone: &Found, found: &Found, samples: &Samples) -> Result<usize, String> {
+    let view = case.view();
+    let mesh = &case.prepared.mesh;
+    let depth = |t: u32| {
+        let depths = mesh.corners(t as usize).map(|p| (p - view.eye).dot(view.rays.forward));
+        depths.into_iter().fold(0.0, f64::max) * view.scale
+    };
+    let (mut facet, mut several) = (0, 0);
+    for pixel in 0..alone.surfaces.len() {
+        let seen = alone.samples(pixel, samples.count())?;
+        let wanted = merged(&seen, &case.prepared.surfaces);
+        if found.surfaces[pixel] != wanted {
+            return Err(format!("pixel {pixel}: {:?}, {wanted:?}", found.surfaces[pixel]));
+        }
+        for (t, mask) in wanted {
+            let own = seen.iter().enumerate().filter(|(_, s)| **s == Some(t)).fold(0u128, |m, (k, _)| m | 1 << k);
+            let at = samples.offsets()[own.trailing_zeros() as usize].map(|o| o - 0.5);
+            if found.origins[facet] != at {
+                return Err(format!("facet {facet} at {:?}, {at:?}", found.origins[facet]));
+            }
+            if found.reach[facet].is_some() != (own != mask) {
+                return Err(format!("facet {facet}: {:?}", found.reach[facet]));
+            }
+            if let Some(reach) = found.reach[facet] {
+                several += 1;
+                let far = seen.iter().flatten().map(|&t| depth(t)).fold(0.0, f64::max);
+                if !((f64::from(reach) - far).abs() <= 1e-5 * far) {
+                    return Err(format!("facet {facet} reaches {reach}, {far}"));
+                }
+            }
+            facet += 1;
+        }
+    }
+    Ok(several)
+}
+
+/// Neighbouring triangles of one plane make one facet, in one band of complex pixels and in several.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one_plane_is_one_facet() {
+    let boxes = ["cage", "windmill"].map(|name| builtin(name).expect("a scene"));
+    let mut cases: Vec<Case> = [1, 7, 31].map(|n| Case::new(&square(n), light(0), [33, 29], 8)).into();
+    cases.extend(boxes.iter().map(|scene| {
+        let mut case = Case::new(&scene.mesh, light(0), [45, 37], 8);
+        (case.camera, case.image) = (scene.camera, [25, 19]);
+        case
+    }));
+    for (n, case) in cases.iter().enumerate() {
+        let samples = pattern([8, 128, 32, 32, 64][n]);
+        let alone = find(gpu(), case, &samples);
+        let room = alone.needed.map(|n| n + 8);
+        let rounds = alone.longest.div_ceil(ROUND_LENGTH).max(1);
+        let found = find_merged(gpu(), case, &samples, room, rounds, usize::MAX);
+        let several = compare_merged(case, &alone, &found, &samples).unwrap_or_else(|text| panic!("case {n}: {text}"));
+        assert!(several > 8, "case {n}: {several} facets of several triangles");
+        assert!(found.needed[2] < alone.needed[2] && found.id_keys == alone.id_keys, "case {n}");
+        assert!(n > 2 || found.surfaces.iter().all(|s| s.len() <= 1), "one square, one facet");
+        let half = found.needed[1] / 2 + 1;
+        assert!(find_merged(gpu(), case, &samples, room, rounds, half) == found, "case {n}: two bands");
+    }
+    // The comparison sees what is not merged, another triangle, another reach.
+    let samples = pattern(32);
+    let alone = find(gpu(), &cases[3], &samples);
+    let found = find_merged(gpu(), &cases[3], &samples, alone.needed, 8, usize::MAX);
+    let facet = found.reach.iter().position(Option::is_some).expect("a facet of several triangles");
+    let broken = |change: &dyn Fn(&mut Found)| {
+        let mut found = found.clone();
+        change(&mut found);
+        compare_merged(&cases[3], &alone, &found, &samples).is_err()
+    };
+    assert!(!broken(&|_| {}));
+    assert!(broken(&|f| *f = alone.clone()), "nothing is merged");
+    assert!(broken(&|f| f.reach[facet] = None), "not marked");
+    assert!(broken(&|f| f.reach[facet] = f.reach[facet].map(|r| 0.999 * r)), "a shorter reach");
+    assert!(broken(&|f| f.origins[facet][0] += 0.25), "another origin");
 }
 
 /// Needs are counted in full, and nothing is written past the end (see `find_within`).

@@ -3,12 +3,13 @@
 use super::geometry::Case;
 use super::{POISON, poisoned, read_padded, run, upload};
 use subpixel_shadows::frame::{Frame, sample_words};
+use subpixel_shadows::gpu::kernels::sample_surfaces::STATE_MERGED;
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels, recorder::fold_within};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Mesh as Scene;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::compact::{Compact, Flags};
-use subpixel_shadows::stages::facet_classify::Facets;
+use subpixel_shadows::stages::facet_classify::{Facet, Facets};
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
 use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, ROUND_LENGTH, SampleSurfaces, WORKGROUP};
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
@@ -35,6 +36,8 @@ pub struct Found {
     /// Offset of the sample that each facet is placed at, facet by facet.
     pub origins: Vec<[f32; 2]>,
     pub id_keys: Vec<u32>,
+    /// Of facets of several triangles how far off those reach at most, facet by facet.
+    pub reach: Vec<Option<f32>>,
 }
 
 impl Found {
@@ -92,6 +95,15 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds
 
 /// The same in bands of at most `band` complex pixels.
 pub fn find_in_bands(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, band: usize) -> Found {
+    find_by(gpu, case, samples, room, rounds, band, false)
+}
+
+/// The same with one facet for the triangles of a surface.
+pub fn find_merged(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, band: usize) -> Found {
+    find_by(gpu, case, samples, room, rounds, band, true)
+}
+
+fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, band: usize, merge: bool) -> Found {
     let device = &gpu.device;
     let words = samples.words();
     let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
@@ -151,13 +163,16 @@ pub fn find_in_bands(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, roun
     run(gpu, |s| compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels)));
     let found = complex.total.read(gpu).expect("readback")[0].min(room[1] as u32);
     cover(&args[1], [found.div_ceil(WORKGROUP), 0]);
+    let casters = case.prepared.upload(device, &gpu.queue).expect(memory);
     let mesh = Mesh {
         samples: offsets_of_samples.raw(),
         triangles: triangles.raw(),
         points: &points,
         positions: positions.raw(),
+        surfaces: casters.surfaces.as_ref(),
     };
-    let stage = SampleSurfaces::new(device, &scan, words);
+    let build = if merge { SampleSurfaces::merging } else { SampleSurfaces::new };
+    let stage = build(device, &scan, words);
     let per_pixel = (args[1].raw(), 0);
     run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, rounds, &scratch, &facets, &id_keys));
 
@@ -192,8 +207,10 @@ pub fn find_in_bands(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, roun
         within(&pixel_facets, pixel, room[2]).map(facet).collect()
     };
     assert!(made[pixel_facets[pixels].min(room[2])..].iter().all(|f| f.triangle == u32::MAX), "a facet too many");
+    let reach = |f: &Facet| (f.state == STATE_MERGED).then_some(f.limit);
     Found {
         image: case.image,
+        reach: made[..pixel_facets[pixels].min(room[2])].iter().map(reach).collect(),
         needed,
         longest: status.read(gpu).expect(readback)[PixelTriangles::STATUS_LONGEST],
         lists: (0..pixels).map(listed).collect(),
