@@ -169,7 +169,7 @@ impl Plan {
         settings.cull_back = culled.is_some();
         part(BACK_FACING, culled);
         if wanted.facets == FacetMode::All {
-            part(MERGE, (!prepared.merges()).then(|| "no two neighbouring triangles lie in one plane".to_owned()));
+            part(MERGE, (!prepared.merges()).then(|| "no two neighbouring triangles are coplanar".to_owned()));
         }
         part(PERSPECTIVE, light.is_directional().then(|| "directional light: its view is affine".to_owned()));
         Ok(Self { extent, steps, settings })
@@ -410,7 +410,7 @@ mod tests {
         assert_eq!(reason(&plan, MERGE.0), None);
         let curved = Prepared::new(&body());
         let plan = Plan::of(&curved, &scene.camera, &scene.light, &wanted, false).unwrap();
-        assert!(reason(&plan, MERGE.0).unwrap().contains("one plane"), "{plan:?}");
+        assert!(reason(&plan, MERGE.0).unwrap().contains("coplanar"), "{plan:?}");
     }
 
     #[test]

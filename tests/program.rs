@@ -311,6 +311,32 @@ fn an_empty_scene_is_fully_lit_without_an_adapter() {
 mod with_a_gpu {
     use super::*;
 
+    /// Each pixel takes one way, and so does each facet.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn explain_counts_the_ways_of_pixels() {
+        for facets in ["one", "all"] {
+            let text = stdout(&run(&["explain", "spheres", "--size", "64x48", "--map", "64", "--facets", facets]));
+            let count = |way: &str| -> u64 {
+                let line = text.lines().find(|l| l.starts_with(way)).unwrap_or_else(|| panic!("{way}: {text}"));
+                let digits: String = line[way.len()..].trim_start().chars().take_while(|c| *c != ' ').collect();
+                digits.replace(',', "").parse().expect("a number")
+            };
+            let ways: &[&str] = match facets {
+                "one" => &["pixels with one facet"],
+                _ => &["pixels proved to show one surface", "pixels that may show several"],
+            };
+            let shown: u64 = ways.iter().map(|way| count(way)).sum();
+            assert_eq!(shown + count("pixels that see nothing"), 64 * 48, "{text}");
+            assert!(ways.iter().all(|way| count(way) > 0), "{text}");
+            let facets = ["turned from the light", "proved lit", "proved in shadow", "left undecided"];
+            let made: u64 = facets.iter().map(|way| count(&format!("facets {way}"))).sum();
+            assert!(made >= shown, "{made} facets of {shown} pixels");
+        }
+        let text = stdout(&run(&["explain", "spheres", "--engine", "cpu"]));
+        assert!(text.contains("counted on an adapter"), "{text}");
+    }
+
     #[test]
     #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
     fn all_files_are_written_and_keep_the_contract() {

@@ -1,12 +1,16 @@
-//! `explain`: the plan of a scene.
+//! `explain`: the plan of a scene, and which way its pixels take.
 
 use super::args::Options;
-use super::table::{Report, grouped};
+use super::engine::Engine;
+use super::progress::Console;
+use super::table::{Report, grouped, percent};
 use subpixel_shadows::Result;
-use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::render::Counts;
+use subpixel_shadows::methods::{FacetMode, MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
 
-/// Prints what would run and what would be left out, and why. Runs nothing.
+/// Prints what would run and what would be left out, and why. Of `facet-masks` on an adapter it renders a frame, writes none
+/// of it, and prints how many pixels took which way.
 pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let settings = options.settings()?;
     let scene = options.open(scene)?;
@@ -26,7 +30,48 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     report.table(&rows, &[]);
     report.text("\nStages also run on lists that may turn out empty; `render` prints what they ran on.");
     report.print();
+    if options.method == MethodName::FacetMasks {
+        let console = Console::new(options.quiet);
+        let engine = Engine::open(options, console)?;
+        let mut report = Report::default();
+        if engine.no_stages().is_some() {
+            report.text("\nWhich way pixels take is counted on an adapter.");
+        } else {
+            let counts = engine.render(options, &plan, &scene, &prepared, console)?.output.counts;
+            ways(&mut report, &counts, &plan);
+        }
+        report.print();
+    }
     Ok(())
+}
+
+/// How many pixels and facets took which way.
+fn ways(report: &mut Report, c: &Counts, plan: &Plan) {
+    let pixels = plan.settings.pixels() as u64;
+    let facets = c.facets.saturating_sub(c.empty_facets);
+    let mut rows = Vec::new();
+    let mut row = |way: &str, n: u64, whole: u64, what: &str| {
+        rows.push(vec![way.to_owned(), grouped(n), percent(n, whole), what.to_owned()]);
+    };
+    let shown = pixels.saturating_sub(c.empty_facets);
+    row("pixels that see nothing", c.empty_facets, pixels, "no facet");
+    if plan.settings.facets == FacetMode::All {
+        let proved = shown.saturating_sub(c.complex_pixels);
+        row("pixels proved to show one surface", proved, pixels, "one facet, no sample looked at");
+        row(
+            "pixels that may show several",
+            c.complex_pixels,
+            pixels,
+            "each sample looked at, a facet for each surface",
+        );
+    } else {
+        row("pixels with one facet", shown, pixels, "for all they show: that of the centre");
+    }
+    row("facets turned from the light", c.dark_facets, facets, "dark");
+    row("facets proved lit", c.lit_facets, facets, "no pairs");
+    row("facets proved in shadow", c.shadowed_facets, facets, "no pairs");
+    row("facets left undecided", c.silhouette_pixels, facets, "pairs, evaluated against casters");
+    report.table(&rows, &[1, 2]);
 }
 
 /// Triangles, vertices, edges, closed or open.

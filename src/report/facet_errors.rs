@@ -63,8 +63,8 @@ impl FacetSet {
 
 /// A frame against facet truth: numeric error alone. Counts are of samples.
 ///
-/// Of a facet that was settled as lit or shadowed the samples on its own triangle are compared: there its plane is a real
-/// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared, for occlusion
+/// Of a facet that was settled as lit or shadowed the samples on its own triangle (with a facet for every surface: all it covers)
+/// are compared: there its plane is a real surface, which is what the proof is about. Of one that was evaluated all covered samples are compared, for occlusion
 /// and for validity; where ours leave none that is valid and open, evaluation may have ended there, and what is asked is
 /// whether truth leaves one. Of one that is dark, all.
 ///
@@ -174,6 +174,8 @@ impl View<'_> {
     fn compare(&self, facet: &FacetInput, state: u32, masks: [u128; 3], truth: &FacetResult) -> FacetErrors {
         let coverage = join_mask(facet.coverage);
         let (met, own) = self.met_and_own(facet, coverage);
+        // With a facet for every surface all samples that it covers are on that surface.
+        let own = if self.surfaces.is_some() { met } else { own };
         let occluded = join_mask(truth.occluded);
         let (doubt, doubt_valid) = (join_mask(truth.ambiguous_occluded), join_mask(truth.ambiguous_valid));
         let count = |mask: u128| u64::from(mask.count_ones());
