@@ -1,7 +1,9 @@
 //! Light or camera moved in small steps: error against truth of each frame, and flicker, as a table and a plot a scene:
-//! `cargo run --release --example temporal -- [--plots FOLDER] [--size WxH] [--samples N] [--map N] [--ground] [SCENE …]`
+//! `cargo run --release --example temporal -- [--plots FOLDER] [--pictures FOLDER] [--frames N] [--size WxH] [--samples N]
+//! [--map N] [--ground] [SCENE …]`
 //!
-//! 64 frames each. The light is turned, in each step by an angle that moves a shadow by a tenth of a texel where it falls half
+//! 64 frames each, or as many as are asked for. With `--pictures` one picture a scene of where `shadow-map` (above) and `spsm`
+//! flicker while the light moves: the mean of |change of ours - change of truth| of each pixel, white at 1/16. The light is turned, in each step by an angle that moves a shadow by a tenth of a texel where it falls half
 //! the light view's width behind its caster (0.2 / map). The camera is moved to the right, in each step by a tenth of a pixel
 //! at its target. Truth is scene truth at the same samples.
 
@@ -17,12 +19,12 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::methods::{AnyRenderer, FacetMode, MethodName, Prepared, Settings};
 use subpixel_shadows::report::comparison::plots::{Axis, Plot, Series};
+use subpixel_shadows::report::write_png_grey;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Scene, SceneOptions};
 use subpixel_shadows::truth::{SceneTruth, Tracer};
 use subpixel_shadows::{Error, Result};
 
-const FRAMES: u32 = 64;
 const VARIANTS: [(&str, MethodName, FacetMode); 4] = [
     ("shadow-map", MethodName::ShadowMap, FacetMode::One),
     ("spsm", MethodName::Spsm, FacetMode::One),
@@ -60,6 +62,7 @@ struct Course {
     flicker: Vec<f64>,
     still: Vec<f64>,
     last: Vec<f32>,
+    sums: Vec<f32>,
 }
 
 impl Course {
@@ -72,9 +75,13 @@ impl Course {
         self.errors.push(mean(off().map(f64::abs).sum()));
         if !self.last.is_empty() {
             let (mut all, mut still) = (0.0, 0u32);
-            for (((v, t), v0), t0) in visibility.iter().zip(truth).zip(&self.last).zip(before) {
+            self.sums.resize(truth.len(), 0.0);
+            for ((((v, t), v0), t0), sum) in
+                visibility.iter().zip(truth).zip(&self.last).zip(before).zip(&mut self.sums)
+            {
                 let change = f64::from((v - v0) - (t - t0)).abs();
                 all += change;
+                *sum += change as f32;
                 still += u32::from(t == t0 && v != v0);
             }
             self.flicker.push(mean(all));
@@ -95,11 +102,13 @@ fn most(values: &[f64]) -> f64 {
 fn main() -> Result<()> {
     let mut words: Vec<String> = std::env::args().skip(1).collect();
     let given = words.join(" ");
-    let mut plots = None;
-    if let Some(at) = words.iter().position(|w| w == "--plots") {
-        plots = words.get(at + 1).map(PathBuf::from);
-        words.drain(at..(at + 2).min(words.len()));
-    }
+    let mut take = |name: &str| {
+        let at = words.iter().position(|w| w == name)?;
+        words.drain(at..(at + 2).min(words.len())).nth(1)
+    };
+    let (plots, pictures) = (take("--plots").map(PathBuf::from), take("--pictures").map(PathBuf::from));
+    let frames = take("--frames").map_or(Ok(64), |n| n.parse::<u32>());
+    let frames = frames.map_err(|e| Error::Config(format!("--frames: {e}")))?;
     let arguments = Arguments::of(words.into_iter())?;
     let (size, map) = (arguments.size, arguments.map);
     let samples = Samples::new(Pattern::default(), arguments.samples.unwrap_or(8))?;
@@ -124,7 +133,7 @@ fn main() -> Result<()> {
             }
             let mut courses: [Course; 4] = Default::default();
             let (mut before, mut change) = (Vec::new(), Vec::new());
-            for k in 0..FRAMES {
+            for k in 0..frames {
                 let (camera, light) = match moved {
                     "light" => (scene.camera, turned(&scene.light, map, k)?),
                     _ => (beside(&scene.camera, size[1], k), scene.light),
@@ -153,6 +162,12 @@ fn main() -> Result<()> {
                 let point = |(k, v): (usize, &f64)| (k as f64 + 1.0, *v, String::new());
                 let points = course.flicker.iter().enumerate().map(point).collect();
                 series.push(Series { name: format!("{label}, {moved}"), points, joined: true, guide: false });
+            }
+            if let Some(folder) = pictures.as_ref().filter(|_| moved == "light") {
+                let steps = frames.saturating_sub(1).max(1) as f32;
+                let both = courses[..2].iter().flat_map(|c| c.sums.iter().map(|s| 16.0 * s / steps));
+                let both: Vec<f32> = both.collect();
+                write_png_grey(&folder.join(format!("flicker-{}.png", scene.name)), size[0], 2 * size[1], &both)?;
             }
             println!("| {name} | {moved} | truth's own change | | | | {:.5} | {:.5} | |", mean(&change), most(&change));
             let _ = std::io::stdout().flush();

@@ -1,6 +1,8 @@
 // spsm_map: the sub-pixel shadow map (Lecocq 2013, sections 3.2 and 3.3): of each texel the closest triangle that touches it.
-// `raster` runs twice over the casters' 8 x 8 blocks of texels: pass 0 finds the least depth that any triangle's plane has
-// over the texel (conservative), pass 1 the lowest triangle index at that depth. `encode` writes the record of each texel.
+// `raster` finds over the casters' 8 x 8 blocks of texels the least depth that any triangle's plane has over each texel
+// (conservative), and lists in `won` each block in which its triangle was nearest when it came, with the texels where it was.
+// `choose` goes through that list alone and finds the lowest triangle index at the least depth. Where the list was too short,
+// which `divide` sees, `raster` runs once more over all blocks in its place. `encode` writes the record of each texel.
 // A triangle that is not wholly in front of the light is left out.
 
 //@import frame
@@ -13,6 +15,7 @@
 //@import spsm_record
 
 override ENCODING: u32 = 1u;
+override SPLIT: u32 = 1u;
 const WORKGROUP = 64u;
 const LIFT = 2.0;   // times its own range of depths by which a triangle may count as nearer than it is
 
@@ -27,6 +30,8 @@ const LIFT = 2.0;   // times its own range of depths by which a triangle may cou
 @group(0) @binding(8) var<storage, read_write> id_keys: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> upper_records: array<vec4<u32>>;
 @group(0) @binding(10) var<storage, read_write> lower_records: array<vec4<u32>>;
+@group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;              // triangle, block, texels of it
+@group(0) @binding(12) var<storage, read_write> won_counts: array<atomic<u32>, 4>;  // blocks won, to be chosen from, run again
 
 // Least depth of the plane over the texel as a key that falls with it, whatever its sign. The plane of a triangle that is
 // almost edge-on is nearest: it is at the border of what it belongs to, and the texel shall hold the border. LIFT keeps what
@@ -47,6 +52,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let shape = cover_triangle_by(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
     if !shape.in_front { return; }
+    var bits = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         let row = f32(y) + 0.5;
         var cut = span_of(block.low.x, block.high.x);
@@ -60,17 +66,61 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             let key = key_at(shape, centre);
             let texel = y * frame.map_size + x;
             if step.index == 0u {
-                if atomicLoad(&depth_keys[texel]) < key { atomicMax(&depth_keys[texel], key); }
+                let held = atomicLoad(&depth_keys[texel]);
+                if held < key { atomicMax(&depth_keys[texel], key); }
+                // Another of the same depth may have a lower index.
+                if held <= key { bits |= texel_bit(x, y); }
             } else if atomicLoad(&depth_keys[texel]) == key {
                 atomicMax(&id_keys[texel], ~t);
             }
         }
     }
+    if any(bits != vec2(0u)) {
+        let slot = atomicAdd(&won_counts[0], 1u);
+        if slot < arrayLength(&won) {
+            won[slot] = vec4(t, (block.low.x >> BLOCK_SHIFT) | ((block.low.y >> BLOCK_SHIFT) << 16u), bits);
+        }
+    }
+}
+
+// A texel of a block as one of 64 bits.
+fn texel_bit(x: u32, y: u32) -> vec2<u32> {
+    let bit = 1u << (8u * (y & 3u) + (x & 7u));
+    return select(vec2(bit, 0u), vec2(0u, bit), (y & 4u) != 0u);
+}
+
+// What is left to do: the won blocks if all are listed, else all blocks.
+@compute @workgroup_size(1)
+fn divide() {
+    let blocks = atomicLoad(&won_counts[0]);
+    let listed = blocks <= arrayLength(&won);
+    atomicStore(&won_counts[1], select(0u, blocks, listed));
+    atomicStore(&won_counts[2], select(work_offsets[frame.triangle_count], 0u, listed));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn choose(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= atomicLoad(&won_counts[1]) { return; }
+    let block = won[item];
+    let t = block.x;
+    let corner = vec2(block.y & 0xffffu, block.y >> 16u) << vec2(BLOCK_SHIFT);
+    let shape = cover_triangle_by(
+        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
+    var left = block.zw;
+    while any(left != vec2(0u)) {
+        let low = left.x != 0u;
+        let bit = firstTrailingBit(select(left.y, left.x, low));
+        left = select(vec2(0u, left.y & (left.y - 1u)), vec2(left.x & (left.x - 1u), left.y), low);
+        let at = corner + vec2(bit & 7u, (bit >> 3u) + select(4u, 0u, low));
+        let texel = at.y * frame.map_size + at.x;
+        if atomicLoad(&depth_keys[texel]) == key_at(shape, vec2<f32>(at) + 0.5) { atomicMax(&id_keys[texel], ~t); }
+    }
 }
 
 fn store(texel: u32, record: vec4<u32>) {
     let upper = frame.map_size * upper_rows();
-    if texel < upper { upper_records[texel] = record; } else { lower_records[texel - upper] = record; }
+    if SPLIT == 0u || texel < upper { upper_records[texel] = record; } else { lower_records[texel - upper] = record; }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -87,7 +137,7 @@ fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
-    let centre = vec2(f32(texel % frame.map_size), f32(texel / frame.map_size)) + 0.5;
+    let centre = vec2<f32>(divided(texel, frame.map_size).yx) + 0.5;
     let shift = vec3(centre, 0.0);
     let corners = Corners(map_points[i.x].xyz - shift, map_points[i.y].xyz - shift, map_points[i.z].xyz - shift);
     store(texel, encode_record(corners, centre));

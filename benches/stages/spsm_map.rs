@@ -10,9 +10,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut cases = Vec::new();
     for (encoding, name) in ["paper", "lines"].into_iter().enumerate() {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
-        let stage = SpsmMap::new(&gpu.device, encoding as u32);
         let side = (setup.layers.splits.len() as f64).sqrt() as usize;
         let texels = SpsmTexels::new(&gpu.device, &gpu.queue, side, 5)?;
+        let stage = SpsmMap::new(&gpu.device, encoding as u32, &texels);
         cases.push(Case {
             name: format!("spsm_map {name}"),
             size: setup.casters.triangles.len(),

@@ -16,7 +16,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let side = (setup.layers.splits.len() as f64).sqrt() as usize;
     let texels = SpsmTexels::new(device, queue, side, 5)?;
     let mut encoder = gpu.encoder();
-    SpsmMap::new(device, 1).record(
+    SpsmMap::new(device, 1, &texels).record(
         &mut Recorder::new(device, &mut encoder, None).stage("setup"),
         setup.frame.raw(),
         setup.lit(),
@@ -27,8 +27,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     samples.write(queue, &sample_words(&Samples::new(Default::default(), 32)?));
     let count = setup.id_keys.len();
     let pixels = SpsmPixels::new(device, queue, count, 1)?;
-    let options = Options { encoding: 1, words: 1, radius: 1, stretch: 0, bias: 1e-5 };
-    let stage = SpsmQuery::new(device, &PrefixScan::new(device), options);
+    let options = Options { encoding: 1, words: 1, many: true, radius: 1, stretch: 0, bias: 1e-5 };
+    let stage = SpsmQuery::new(device, &PrefixScan::new(device), options, &texels);
     Ok(vec![Case {
         name: "spsm_query".to_owned(),
         size: setup.casters.triangles.len(),

@@ -1,6 +1,8 @@
 // What a pixel shows to methods of one receiver a pixel: the plane of the triangle at its centre, and its place in the light
 // view. Needs `frame`, and the arrays `id_keys`, `triangles`, `points` and `samples`.
 
+//@import divide
+
 const SEEN_NONE = 0u;
 const SEEN_DARK = 1u;   // faces away from the light, or is edge-on to it
 const SEEN_OPEN = 2u;
@@ -71,8 +73,9 @@ fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
 }
 
 fn ray_of(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
-    let x = f32(pixel % frame.image_size.x) + 0.5;
-    let y = f32(frame.first_row + pixel / frame.image_size.x) + 0.5;
+    let at = divided(pixel, frame.image_size.x);
+    let x = f32(at.y) + 0.5;
+    let y = f32(frame.first_row + at.x) + 0.5;
     let middle = frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
     return middle + offset.x * frame.ray_x.xyz + offset.y * frame.ray_y.xyz;
 }

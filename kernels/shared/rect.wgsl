@@ -1,6 +1,8 @@
 // Rectangles of texels or pixels, both corners included, packed as x | y << 16. Work items are the 8 x 8 blocks, aligned
 // to multiples of 8, that a rectangle touches.
 
+//@import divide
+
 const BLOCK = 8u;
 const BLOCK_SHIFT = 3u;
 
@@ -44,6 +46,6 @@ fn block_of(p: vec2<u32>, index: u32) -> Rect {
     let r = unpack_rect(p);
     let first = r.low >> vec2(BLOCK_SHIFT);
     let across = (r.high.x >> BLOCK_SHIFT) - first.x + 1u;
-    let corner = (first + vec2(index % across, index / across)) << vec2(BLOCK_SHIFT);
+    let corner = (first + divided(index, across).yx) << vec2(BLOCK_SHIFT);
     return Rect(max(r.low, corner), min(r.high, corner + BLOCK - 1u));
 }

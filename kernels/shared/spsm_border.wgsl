@@ -9,26 +9,56 @@ fn bias_of(r: Receiver) -> f32 {
     return BIAS + depth_noise() + (abs(r.slope.x) + abs(r.slope.y)) * place_noise();
 }
 
-// Whether the texel's triangle lies before the receiver anywhere in the texel: before its plane, and not behind all of its
-// triangle, which ends where the plane goes on.
-fn before(s: Sheet, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
-    return before_by(s, outline_of(s), r, at, centre);
+// Between what values least_gap lies, whatever of the texel the triangle takes: the plane over the whole texel, a little more
+// than what rounding makes of it.
+fn gap_bounds(s: Sheet, receiver: vec3<f32>) -> vec2<f32> {
+    let gap = s.depth - receiver;
+    let tilt = abs(gap.x) + abs(gap.y);
+    let reach = 0.50001 * tilt + 1e-6 * (abs(s.depth.z) + abs(receiver.z));
+    let middle = gap.z + s.doubt.z + edge_doubt() * tilt;
+    return vec2(middle - reach, middle + reach + 0.50001 * (s.doubt.x + s.doubt.y));
 }
 
-fn before_by(s: Sheet, o: Outline, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
-    if !s.held { return false; }
+const BEHIND = 0u;
+const BEFORE = 1u;
+const EITHER = 2u;
+
+// Whether the texel's triangle lies before the receiver anywhere in the texel, as far as its plane alone tells.
+fn before_by_plane(s: Sheet, around: vec3<f32>, far: f32, most: f32) -> u32 {
+    let here = gap_bounds(s, around);
+    let there = gap_bounds(s, vec3(0.0, 0.0, far));
+    if !s.held || here.x >= most || there.x >= most { return BEHIND; }
+    return select(EITHER, BEFORE, here.y < most && there.y < most);
+}
+
+// Likewise, by its outline in the texel: before the receiver's plane, and not behind all of its triangle, which ends where the
+// plane goes on.
+fn before_by(s: Sheet, o: Outline, around: vec3<f32>, far: f32, most: f32) -> bool {
+    return least_gap(s, o, around) < most && least_gap(s, o, vec3(0.0, 0.0, far)) < most;
+}
+
+fn before(s: Sheet, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
+    let around = receiver_around(r, at, centre);
     let most = -bias_of(r);
-    return least_gap(s, o, receiver_around(r, at, centre)) < most && least_gap(s, o, vec3(0.0, 0.0, r.far)) < most;
+    let told = before_by_plane(s, around, r.far, most);
+    if told != EITHER { return told == BEFORE; }
+    return before_by(s, outline_of(s), around, r.far, most);
 }
 
 // Likewise for one place: besides, the triangle's plane at the place, or all of the triangle in the texel, lies before it. Where
 // a surface is hollow each of two neighbours lies before the other's plane, and neither shadows the other.
 fn before_place(s: Sheet, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
-    let outline = outline_of(s);
-    if !before_by(s, outline, r, at, centre) { return false; }
+    let around = receiver_around(r, at, centre);
+    let most = -bias_of(r);
+    let told = before_by_plane(s, around, r.far, most);
+    if told == BEHIND { return false; }
     let there = at.xy - centre;
     let limit = at.z - bias_of(r);
-    if dot(s.depth, vec3(there, 1.0)) + doubt_at(s, there) < limit { return true; }
+    let plane_before = dot(s.depth, vec3(there, 1.0)) + doubt_at(s, there) < limit;
+    if told == BEFORE && plane_before { return true; }
+    let outline = outline_of(s);
+    if told == EITHER && !before_by(s, outline, around, r.far, most) { return false; }
+    if plane_before { return true; }
     var turned = s;
     turned.depth = -s.depth;
     return -least_gap(turned, outline, vec3(0.0)) + 2.0 * doubt_at(s, vec2(0.5)) < limit;

@@ -1,9 +1,10 @@
 // The 128-bit record of a texel of `spsm`, and the sheet it stands for: the triangle's three edges and its plane, around
 // the texel's centre, in texels. Needs `frame`, the uniform `slopes` (threshold above each code, value, bound) and the
-// override ENCODING.
+// overrides ENCODING and SPLIT.
 //   ENCODING 0 (Lecocq 2013, section 3.3): x | y << 16 of each vertex over the map; depth << 16 | slope y << 8 | slope x.
 //   ENCODING 1: per edge direction << 20 | distance << 8 | a byte of depth; slope y << 16 | slope x.
-// The upper and the lower half of the map are arrays of their own: at 4096 x 4096 each is as large as a binding may be.
+// SPLIT 1: the upper and the lower half of the map are arrays of their own; at 4096 x 4096 each is as large as a binding may
+// be. SPLIT 0: the upper array holds all of it.
 // A record whose last word is EMPTY_WORD holds nothing: no slope has that code.
 
 const EMPTY_WORD = 0xffffffffu;

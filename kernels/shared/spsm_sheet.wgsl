@@ -5,7 +5,7 @@ fn sheet_at(texel: vec2<i32>) -> Sheet {
     let at = u32(texel.y) * frame.map_size + u32(texel.x);
     let upper = upper_rows() * frame.map_size;
     var record: vec4<u32>;
-    if at < upper { record = upper_records[at]; } else { record = lower_records[at - upper]; }
+    if SPLIT == 0u || at < upper { record = upper_records[at]; } else { record = lower_records[at - upper]; }
     return decode_record(record, middle_of(texel));
 }
 
@@ -39,13 +39,11 @@ fn cut_range(range: vec2<f32>, start: vec2<f32>, along: vec2<f32>, edge: vec3<f3
     return vec2(range.x, min(range.y, at));
 }
 
-// Edge k of a sheet inside the square of half side `reach` around `middle`: its two ends, if anything of it is there. The sheet
-// lies on the side (d.y, -d.x) of the way d from start to end.
+// Edge e of a sheet, whose other two are f and g, inside the square of half side `reach` around `middle`: its two ends, if
+// anything of it is there. The sheet lies on the side (d.y, -d.x) of the way d from start to end.
 struct Piece { start: vec2<f32>, end: vec2<f32>, some: bool }
 
-fn piece_of(s: Sheet, k: u32, middle: vec2<f32>, reach: f32) -> Piece {
-    var edges = s.edges;
-    let e = edges[k];
+fn piece_of(e: vec3<f32>, f: vec3<f32>, g: vec3<f32>, middle: vec2<f32>, reach: f32) -> Piece {
     let size = dot(e.xy, e.xy);
     let start = middle - e.xy * (dot(e, vec3(middle, 1.0)) / size);
     let along = vec2(-e.y, e.x);
@@ -54,51 +52,47 @@ fn piece_of(s: Sheet, k: u32, middle: vec2<f32>, reach: f32) -> Piece {
     range = cut_range(range, start, along, vec3(-1.0, 0.0, reach + middle.x));
     range = cut_range(range, start, along, vec3(0.0, 1.0, reach - middle.y));
     range = cut_range(range, start, along, vec3(0.0, -1.0, reach + middle.y));
-    range = cut_range(range, start, along, edges[(k + 1u) % 3u]);
-    range = cut_range(range, start, along, edges[(k + 2u) % 3u]);
+    range = cut_range(range, start, along, f);
+    range = cut_range(range, start, along, g);
     return Piece(start + range.x * along, start + range.y * along, range.x <= range.y);
 }
 
 // What of a sheet's edges lies in its texel: both ends each. Nothing where the triangle holds the whole texel: no edge is asked
 // for there.
-struct Outline { ends: array<vec4<f32>, 3>, some: vec3<bool> }
+struct Outline { a: Piece, b: Piece, c: Piece }
 
 fn outline_of(s: Sheet) -> Outline {
-    var o: Outline;
     let corner = vec3(0.5, -0.5, 0.0);
     let whole = inside_by(s, corner.xx) >= 0.0 && inside_by(s, corner.xy) >= 0.0 && inside_by(s, corner.yx) >= 0.0
         && inside_by(s, corner.yy) >= 0.0;
-    if whole { return o; }
-    for (var k = 0u; k < 3u; k++) {
-        let piece = piece_of(s, k, vec2(0.0), 0.5);
-        o.ends[k] = vec4(piece.start, piece.end);
-        o.some[k] = piece.some;
-    }
-    return o;
+    if whole { return Outline(); }
+    let a = piece_of(s.edges[0], s.edges[1], s.edges[2], vec2(0.0), 0.5);
+    let b = piece_of(s.edges[1], s.edges[2], s.edges[0], vec2(0.0), 0.5);
+    let c = piece_of(s.edges[2], s.edges[0], s.edges[1], vec2(0.0), 0.5);
+    return Outline(a, b, c);
+}
+
+fn gap_at(s: Sheet, gap: vec3<f32>, at: vec2<f32>) -> f32 {
+    return dot(gap, vec3(at, 1.0)) + doubt_at(s, at) + step_doubt(gap.xy);
+}
+
+fn least_at_ends(s: Sheet, gap: vec3<f32>, p: Piece) -> f32 {
+    return select(3.0e38, min(gap_at(s, gap, p.start), gap_at(s, gap, p.end)), p.some);
 }
 
 // Least depth of the sheet over its texel less that of the receiver (per x, per y, at the centre), each place taken where the
 // triangle lies in the texel (Lecocq 2013, figure 9): at the texel's corner where the triangle holds it, else on an edge.
 // Where nothing of the triangle is in the texel, as coded, the corner nearest to it decides. Doubt included.
-fn least_gap(s: Sheet, outline: Outline, receiver: vec3<f32>) -> f32 {
-    var o = outline;
+fn least_gap(s: Sheet, o: Outline, receiver: vec3<f32>) -> f32 {
     let gap = s.depth - receiver;
     let corner = vec2(select(0.5, -0.5, gap.x > 0.0), select(0.5, -0.5, gap.y > 0.0));
-    let at_corner = dot(gap, vec3(corner, 1.0)) + doubt_at(s, corner) + step_doubt(gap.xy);
-    if inside_by(s, corner) >= 0.0 { return at_corner; }
-    var least = 3.0e38;
-    for (var k = 0u; k < 3u; k++) {
-        let ends = o.ends[k];
-        if o.some[k] {
-            least = min(least, dot(gap, vec3(ends.xy, 1.0)) + doubt_at(s, ends.xy) + step_doubt(gap.xy));
-            least = min(least, dot(gap, vec3(ends.zw, 1.0)) + doubt_at(s, ends.zw) + step_doubt(gap.xy));
-        }
-    }
+    if inside_by(s, corner) >= 0.0 { return gap_at(s, gap, corner); }
+    let least = min(least_at_ends(s, gap, o.a), min(least_at_ends(s, gap, o.b), least_at_ends(s, gap, o.c)));
     if least < 1.0e38 { return least; }
     var at = corner;
     for (var k = 0u; k < 4u; k++) {
         let other = vec2(select(-0.5, 0.5, (k & 1u) == 1u), select(-0.5, 0.5, k >= 2u));
         if inside_by(s, other) > inside_by(s, at) { at = other; }
     }
-    return dot(gap, vec3(at, 1.0)) + doubt_at(s, at) + step_doubt(gap.xy);
+    return gap_at(s, gap, at);
 }

@@ -275,9 +275,9 @@ pub enum Encoding {
 /// Where `spsm` searches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Search {
-    #[default]
     Near,
     Wide,
+    #[default]
     Along,
 }
 

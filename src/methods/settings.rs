@@ -56,7 +56,7 @@ pub struct SpsmSettings {
 
 impl Default for SpsmSettings {
     fn default() -> Self {
-        Self { encoding: SpsmEncoding::Lines, exponent: 5, bias: 1e-5, radius: 1, stretch: 0 }
+        Self { encoding: SpsmEncoding::Lines, exponent: 5, bias: 1e-5, radius: 1, stretch: 2 }
     }
 }
 

@@ -38,14 +38,16 @@ impl Spsm {
                 SpsmEncoding::Lines => 1,
             },
             words,
+            many: settings.samples.count() > 1,
             radius: settings.spsm.radius,
             stretch: settings.spsm.stretch,
             bias: settings.spsm.bias,
         };
+        let texels = SpsmTexels::new(device, queue, settings.map as usize, settings.spsm.exponent)?;
         Ok(Self {
-            map: SpsmMap::new(device, options.encoding),
-            query: SpsmQuery::new(device, &PrefixScan::new(device), options),
-            texels: SpsmTexels::new(device, queue, settings.map as usize, settings.spsm.exponent)?,
+            map: SpsmMap::new(device, options.encoding, &texels),
+            query: SpsmQuery::new(device, &PrefixScan::new(device), options, &texels),
+            texels,
             pixels: SpsmPixels::new(device, queue, settings.pixels(), words as usize)?,
         })
     }
@@ -70,6 +72,7 @@ impl FixedMethod for Spsm {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.texels.depth_keys.raw());
         rec.clear(self.texels.id_keys.raw());
+        rec.clear(self.texels.won_counts.raw());
         self.map.record(&mut rec.stage("spsm_map"), frame, geometry.in_light(inputs.casters), &self.texels)?;
         let seen = Seen {
             samples: inputs.samples,

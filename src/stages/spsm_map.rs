@@ -3,12 +3,14 @@
 //! - **Reads** triangles, light-view vertices, their texel rectangles and the scan of the rectangles' 8 × 8 blocks.
 //! - **Writes** `depth_keys` ([`depth_of_key`] of the least depth of any triangle's plane over the texel, at most twice the
 //!   triangle's own range of depths before its nearest corner; 0 where there is none), `id_keys` (complement of the
-//!   triangle), which must be 0 before, and the records.
+//!   triangle), which must be 0 before as must `won_counts`, and the records.
 //! - **Guarantee.** Bit-equal from run to run: the least conservative depth, and of equal depths the lowest index. No caster
 //!   over a texel lies before the depth of its key. Triangles that are not wholly in front of the light are left out.
-//! - **Cost.** Two indirect dispatches over blocks, one over texels; 24 bytes a texel.
+//! - **Cost.** One indirect dispatch over blocks, one over those of them in which a triangle was nearest when it came, one over
+//!   texels; where more blocks win than are listed, one more over all. 24 bytes a texel, 16 a listed block.
 
 use super::camera_visibility::{Blocks, Pass};
+use super::{DispatchArgs, dispatch_args};
 use crate::Result;
 use crate::gpu::kernels::spsm_map as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
@@ -25,7 +27,10 @@ pub fn depth_of_key(key: u32) -> f32 {
 #[derive(Debug)]
 pub struct SpsmMap {
     raster: Program,
+    divide: Program,
+    choose: Program,
     encode: Program,
+    fold: DispatchArgs,
     uniforms: Uniforms,
 }
 
@@ -36,8 +41,14 @@ pub struct SpsmTexels {
     pub depth_keys: Buffer<u32>,
     /// Complement of its triangle; 0 where there is none.
     pub id_keys: Buffer<u32>,
-    /// Records of the upper and the lower half of the map, which a binding cannot hold together at 4096 × 4096.
+    /// Records: all in the first, or those of the upper and the lower half of the map, which a binding cannot hold together
+    /// at 4096 × 4096.
     pub records: [Buffer<[u32; 4]>; 2],
+    /// Blocks that were won, those to be chosen from, those to be run again.
+    pub won_counts: Buffer<u32>,
+    won: Buffer<[u32; 4]>,
+    requests: dispatch_args::Requests,
+    args: Buffer<u32>,
     /// Table of the slope code.
     pub slopes: Buffer<[f32; 4]>,
 }
@@ -48,27 +59,60 @@ impl SpsmTexels {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: usize, exponent: u32) -> Result<Self> {
+        Self::listing(device, queue, size, exponent, (size * size).min(Self::MOST_LISTED))
+    }
+
+    /// Likewise, with space for a list of `blocks` blocks; how many it holds changes what the map costs, not what is in it.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn listing(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        size: usize,
+        exponent: u32,
+        blocks: usize,
+    ) -> Result<Self> {
         let slopes = Buffer::uniform(device, "spsm_map.slopes", 256)?;
         slopes.write(queue, &SlopeCode::new(exponent).words());
+        let binding = device.limits().max_storage_buffer_binding_size;
+        let rows = if (size * size * 16) as u64 <= binding { size } else { size.div_ceil(2) };
+        let request = |count, limit, at| dispatch_args::Request::new(count, kernel::WORKGROUP, limit, at);
+        let requests = [request(1, blocks, 0)?, request(2, dispatch_args::Request::MAX_LIMIT, 3)?];
         Ok(Self {
             depth_keys: Buffer::storage(device, "spsm_map.depth_keys", size * size)?,
             id_keys: Buffer::storage(device, "spsm_map.id_keys", size * size)?,
             records: [
-                Buffer::storage(device, "spsm_map.upper_records", size.div_ceil(2) * size)?,
-                Buffer::storage(device, "spsm_map.lower_records", size / 2 * size)?,
+                Buffer::storage(device, "spsm_map.upper_records", rows * size)?,
+                Buffer::storage(device, "spsm_map.lower_records", (size - rows) * size)?,
             ],
+            won_counts: Buffer::storage(device, "spsm_map.won_counts", 4)?,
+            won: Buffer::storage(device, "spsm_map.won", blocks)?,
+            requests: DispatchArgs::requests(device, queue, &requests)?,
+            args: Buffer::indirect(device, "spsm_map.args", 6)?,
             slopes,
         })
+    }
+
+    /// Most blocks that are listed: 32 MiB.
+    const MOST_LISTED: usize = 1 << 21;
+
+    /// Whether the records are in two halves.
+    pub fn is_split(&self) -> bool {
+        self.records[0].len() < self.depth_keys.len()
     }
 }
 
 impl SpsmMap {
-    /// Builds the pipelines; `encoding` is 0 for the paper's, 1 for edge lines.
-    pub fn new(device: &wgpu::Device, encoding: u32) -> Self {
-        let constants = [("ENCODING", f64::from(encoding))];
+    /// Builds the pipelines to fill `texels`; `encoding` is 0 for the paper's, 1 for edge lines.
+    pub fn new(device: &wgpu::Device, encoding: u32, texels: &SpsmTexels) -> Self {
+        let constants = [("ENCODING", f64::from(encoding)), ("SPLIT", f64::from(u32::from(texels.is_split())))];
         Self {
             raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            divide: Program::new(device, kernel::ENTRY_DIVIDE, &[]),
+            choose: Program::new(device, kernel::ENTRY_CHOOSE, &[]),
             encode: Program::new(device, kernel::ENTRY_ENCODE, &constants),
+            fold: DispatchArgs::new(device),
             uniforms: Uniforms::default(),
         }
     }
@@ -78,29 +122,49 @@ impl SpsmMap {
     /// # Errors
     /// None that input can cause.
     pub fn record(&self, stage: &mut Stage, frame: &wgpu::Buffer, blocks: Blocks, texels: &SpsmTexels) -> Result<()> {
-        for index in 0..2 {
-            let pass = self.uniforms.get(stage.device, &Pass { index });
-            let buffers = [
-                ("frame", frame),
-                ("step", &pass),
-                ("triangles", blocks.triangles),
-                ("map_points", blocks.points.raw()),
-                ("light_rects", blocks.rects.raw()),
-                ("work_offsets", blocks.offsets.raw()),
-                ("depth_keys", texels.depth_keys.raw()),
-                ("id_keys", texels.id_keys.raw()),
-            ];
-            stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
-        }
+        self.raster(stage, frame, blocks, texels, 0, (blocks.args.0, blocks.args.1))?;
         let buffers = [
             ("frame", frame),
-            ("slopes", texels.slopes.raw()),
             ("triangles", blocks.triangles),
             ("map_points", blocks.points.raw()),
+            ("work_offsets", blocks.offsets.raw()),
+            ("depth_keys", texels.depth_keys.raw()),
             ("id_keys", texels.id_keys.raw()),
+            ("slopes", texels.slopes.raw()),
             ("upper_records", texels.records[0].raw()),
             ("lower_records", texels.records[1].raw()),
+            ("won", texels.won.raw()),
+            ("won_counts", texels.won_counts.raw()),
         ];
+        stage.run(&self.divide, &buffers, Groups::Workgroups(1))?;
+        self.fold.record(stage, &texels.won_counts, &texels.requests, &texels.args)?;
+        stage.run(&self.choose, &buffers, Groups::Indirect(texels.args.raw(), 0))?;
+        self.raster(stage, frame, blocks, texels, 1, (texels.args.raw(), 3))?;
         stage.run(&self.encode, &buffers, Groups::Items(texels.id_keys.len() as u64))
+    }
+
+    fn raster(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        blocks: Blocks,
+        texels: &SpsmTexels,
+        index: u32,
+        args: (&wgpu::Buffer, u64),
+    ) -> Result<()> {
+        let pass = self.uniforms.get(stage.device, &Pass { index });
+        let buffers = [
+            ("frame", frame),
+            ("step", &pass),
+            ("triangles", blocks.triangles),
+            ("map_points", blocks.points.raw()),
+            ("light_rects", blocks.rects.raw()),
+            ("work_offsets", blocks.offsets.raw()),
+            ("depth_keys", texels.depth_keys.raw()),
+            ("id_keys", texels.id_keys.raw()),
+            ("won", texels.won.raw()),
+            ("won_counts", texels.won_counts.raw()),
+        ];
+        stage.run(&self.raster, &buffers, Groups::Indirect(args.0, args.1))
     }
 }

@@ -4,7 +4,8 @@
 //! - **Writes** `visibility` (lit share of the samples; 1 where the pixel sees nothing), `lit` (mask of the lit samples),
 //!   `marks` ([`Class`]) and the list of uncertain pixels.
 //! - **Guarantee.** Bit-equal from run to run. A pixel is settled as a whole or every sample of it is judged by itself.
-//! - **Cost.** One dispatch over pixels; a compaction; one over the uncertain pixels, which alone search and recover.
+//! - **Cost.** One dispatch over pixels; a compaction; one over the pixels that have a closest triangle's plane before them; a
+//!   compaction; one over pixels that writes what the classes say; one over the uncertain pixels, which alone recover.
 
 use super::compact::{self, Compact, Flags};
 use super::spsm_map::SpsmTexels;
@@ -24,7 +25,7 @@ pub enum Class {
     Dark = kernel::CLASS_DARK,
     /// No closest triangle lies before it.
     Lit = kernel::CLASS_LIT,
-    /// One triangle covers it.
+    /// One triangle covers it, or all nine around it lie before it.
     Shadowed = kernel::CLASS_SHADOWED,
     /// To be recovered, sample by sample.
     Uncertain = kernel::CLASS_UNCERTAIN,
@@ -37,6 +38,8 @@ pub struct Options {
     pub encoding: u32,
     /// Words of a mask.
     pub words: u32,
+    /// Whether a pixel has more samples than the one at its centre.
+    pub many: bool,
     /// Texels searched around a sample's own.
     pub radius: u32,
     /// Texels searched beyond these along the border's tangents, to either side; up to 2, and only with a radius of 1.
@@ -49,6 +52,8 @@ pub struct Options {
 #[derive(Debug)]
 pub struct SpsmQuery {
     classify: Program,
+    settle: Program,
+    paint: Program,
     recover: Program,
     compact: Compact,
     fold: DispatchArgs,
@@ -78,8 +83,10 @@ pub struct SpsmPixels {
     pub marks: Buffer<u32>,
     /// The uncertain pixels, rising, with space for all; then how many, and 0.
     pub list: Buffer<u32>,
+    asked: Buffer<u32>,
     patterns: Buffer<[u32; 4]>,
     requests: dispatch_args::Requests,
+    asked_args: Buffer<u32>,
     args: Buffer<u32>,
     scratch: compact::Scratch,
 }
@@ -106,8 +113,10 @@ impl SpsmPixels {
             lit: Buffer::storage(device, "spsm_query.lit", pixels * words)?,
             marks: Buffer::storage(device, "spsm_query.marks", 2 * pixels)?,
             list: Buffer::storage(device, "spsm_query.list", pixels + 2)?,
+            asked: Buffer::storage(device, "spsm_query.asked", pixels + 2)?,
             patterns,
             requests: DispatchArgs::requests(device, queue, &[request])?,
+            asked_args: Buffer::indirect(device, "spsm_query.asked_args", 3)?,
             args: Buffer::indirect(device, "spsm_query.args", 3)?,
             scratch: Compact::scratch(device, pixels)?,
         })
@@ -115,17 +124,21 @@ impl SpsmPixels {
 }
 
 impl SpsmQuery {
-    /// Builds the pipelines; `scan` is shared.
-    pub fn new(device: &wgpu::Device, scan: &PrefixScan, options: Options) -> Self {
+    /// Builds the pipelines that ask `texels`; `scan` is shared.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan, options: Options, texels: &SpsmTexels) -> Self {
         let constants = [
             ("ENCODING", f64::from(options.encoding)),
+            ("SPLIT", f64::from(u32::from(texels.is_split()))),
             ("WORDS", f64::from(options.words)),
+            ("MANY", f64::from(u32::from(options.many))),
             ("RADIUS", f64::from(options.radius)),
             ("STRETCH", f64::from(options.stretch)),
             ("BIAS", f64::from(options.bias)),
         ];
         Self {
             classify: Program::new(device, kernel::ENTRY_CLASSIFY, &constants),
+            settle: Program::new(device, kernel::ENTRY_SETTLE, &constants),
+            paint: Program::new(device, kernel::ENTRY_PAINT, &constants),
             recover: Program::new(device, kernel::ENTRY_RECOVER, &constants),
             compact: Compact::new(device, scan),
             fold: DispatchArgs::new(device),
@@ -145,10 +158,17 @@ impl SpsmQuery {
         pixels: &SpsmPixels,
     ) -> Result<()> {
         let count = pixels.visibility.len();
-        stage.run(&self.classify, &Self::buffers(frame, seen, texels, pixels), Groups::Items(count as u64))?;
-        let (flags, total) = (Flags::Words(&pixels.marks), (&pixels.list, count));
-        self.compact.record(stage, flags, None, &pixels.list, total, &pixels.scratch, Count::Exactly(count))?;
-        self.fold.record(stage, &pixels.list, &pixels.requests, &pixels.args)
+        let all = || Groups::Items(count as u64);
+        stage.run(&self.classify, &Self::buffers(frame, seen, texels, pixels, &pixels.asked), all())?;
+        let flags = || Flags::Words(&pixels.marks);
+        let SpsmPixels { asked, list, scratch, .. } = pixels;
+        self.compact.record(stage, flags(), None, asked, (asked, count), scratch, Count::Exactly(count))?;
+        self.fold.record(stage, asked, &pixels.requests, &pixels.asked_args)?;
+        let buffers = Self::buffers(frame, seen, texels, pixels, asked);
+        stage.run(&self.settle, &buffers, Groups::Indirect(pixels.asked_args.raw(), 0))?;
+        self.compact.record(stage, flags(), Some(asked), list, (list, count), scratch, Count::At(asked, count))?;
+        self.fold.record(stage, list, &pixels.requests, &pixels.args)?;
+        stage.run(&self.paint, &buffers, all())
     }
 
     /// Records the recovery of the uncertain pixels.
@@ -163,7 +183,7 @@ impl SpsmQuery {
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) -> Result<()> {
-        let buffers = Self::buffers(frame, seen, texels, pixels);
+        let buffers = Self::buffers(frame, seen, texels, pixels, &pixels.list);
         stage.run(&self.recover, &buffers, Groups::Indirect(pixels.args.raw(), 0))
     }
 
@@ -172,6 +192,7 @@ impl SpsmQuery {
         seen: Seen<'a>,
         texels: &'a SpsmTexels,
         pixels: &'a SpsmPixels,
+        kept: &'a Buffer<u32>,
     ) -> [(&'static str, &'a wgpu::Buffer); 13] {
         [
             ("frame", frame),
@@ -186,7 +207,7 @@ impl SpsmQuery {
             ("visibility", pixels.visibility.raw()),
             ("lit", pixels.lit.raw()),
             ("marks", pixels.marks.raw()),
-            ("kept", pixels.list.raw()),
+            ("kept", kept.raw()),
         ]
     }
 }

@@ -15,6 +15,7 @@ use subpixel_shadows::reference::triangle_setup::Triangle;
 use subpixel_shadows::reference::view::Flat;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::spsm_code::SlopeCode;
+use subpixel_shadows::stages::spsm_map::SpsmTexels;
 
 fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32) -> World {
     let camera = camera(DVec3::new(0.5, 2.0, 5.0), DVec3::ZERO, 40.0);
@@ -185,11 +186,35 @@ fn overflow_by_one() {
     assert_eq!(fault(&world, &made), None);
 }
 
+/// How many won blocks are listed, none to all, changes nothing of the map.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn list_of_won_blocks_too_short() {
+    // Every triangle twice: each texel has a tie to break.
+    let mesh = doubled(random_scene(1, &mut Random::new(14)));
+    let world = world(gpu(), &mesh, above(), 64);
+    let with = |blocks| {
+        let texels = SpsmTexels::listing(&gpu().device, &gpu().queue, 64, 5, blocks).expect("memory");
+        let made = Made::in_memory(&world, true, texels);
+        let counts = made.texels.won_counts.read(gpu()).expect("readback");
+        (made, counts)
+    };
+    let (whole, counts) = with(1 << 16);
+    let won = counts[0];
+    assert!(won > 64 && counts[1] == won && counts[2] == 0, "{counts:?}");
+    assert_eq!(fault(&world, &whole), None);
+    for blocks in [1, 63, won as usize / 2] {
+        let (made, counts) = with(blocks);
+        assert!(counts[1] == 0 && counts[2] > 0, "{blocks} listed: {counts:?}");
+        assert!(made.id_keys == whole.id_keys && made.records == whole.records, "{blocks} listed: another map");
+    }
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
-    let mesh = random_scene(2, &mut Random::new(8));
-    // Nine workgroups in three rows.
+    // Nine workgroups of texels in three rows; the lists of blocks fit in one.
+    let mesh = soup(40, 0.4, &mut Random::new(8));
     let [a, b] = check(folding_gpu(), &mesh, above(), 24);
     let [c, d] = check(gpu(), &mesh, above(), 24);
     assert!(a.records == c.records && b.records == d.records, "the fold changes the result");
@@ -220,6 +245,54 @@ fn detects_corruption() {
         if let Some(bare) = bare {
             assert!(spoilt(&|m| m.id_keys[bare] = u32::MAX));
         }
+    }
+}
+
+const DIVIDE: &str = concat!(
+    "@group(0) @binding(0) var<storage, read> inputs: array<vec2<u32>>;
+@group(0) @binding(1) var<storage, read_write> outputs: array<vec2<u32>>;
+",
+    include_str!("../../kernels/shared/divide.wgsl"),
+    "
+@compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < arrayLength(&inputs) { outputs[id.x] = divided(inputs[id.x].x, inputs[id.x].y); }
+}
+"
+);
+
+/// Rows and places in them, divided through floats, are those of integers.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn division_is_exact() {
+    const WORK: Entry = Entry {
+        kernel: "test",
+        name: "work",
+        source: DIVIDE,
+        workgroup: [64, 1, 1],
+        bindings: &[
+            Binding { index: 0, name: "inputs", access: Access::Read },
+            Binding { index: 1, name: "outputs", access: Access::ReadWrite },
+        ],
+    };
+    let mut random = Random::new(9);
+    let mut inputs = Vec::new();
+    for by in (1..300).chain([640, 1023, 1280, 4096, 8191, 16_384, 65_535, (1 << 30) - 1]) {
+        let most = u64::from(by) * ((1 << 22) - 1) + u64::from(by) - 1;
+        let most = most.min(u64::from(u32::MAX)) as u32;
+        for k in 0..200 {
+            let row = if k < 100 { random.word() % (most / by + 1) } else { (most / by).saturating_sub(k - 100) };
+            // Both ends of a row, and anywhere.
+            inputs.extend([[row * by, by], [(row * by).saturating_sub(1), by], [random.word() % most.max(1), by]]);
+        }
+        inputs.push([most, by]);
+    }
+    let input = upload(gpu(), &inputs);
+    let output = Buffer::<[u32; 2]>::storage(&gpu().device, "test.output", inputs.len()).expect("memory");
+    let program = Program::new(&gpu().device, WORK, &[]);
+    let buffers = [("inputs", input.raw()), ("outputs", output.raw())];
+    run(gpu(), |s| s.run(&program, &buffers, Groups::Items(inputs.len() as u64)));
+    for (&[index, by], got) in inputs.iter().zip(output.read(gpu()).expect("readback")) {
+        assert_eq!(got, [index / by, index % by], "{index} by {by}");
     }
 }
 

@@ -29,9 +29,14 @@ pub fn noise(world: &World) -> [f64; 2] {
 impl Made {
     /// The map of a scene.
     pub fn new(world: &World, lines: bool) -> Self {
+        let size = world.view.map.map_size as usize;
+        Self::in_memory(world, lines, SpsmTexels::new(&world.gpu.device, &world.gpu.queue, size, 5).expect("memory"))
+    }
+
+    /// Likewise, in memory of one's own.
+    pub fn in_memory(world: &World, lines: bool, texels: SpsmTexels) -> Self {
         let gpu = world.gpu;
         let size = world.view.map.map_size;
-        let texels = SpsmTexels::new(&gpu.device, &gpu.queue, size as usize, 5).expect("memory");
         let (offsets, args, total) = world.items(&world.facts.light_items.read(gpu).expect("readback"));
         let frame = uniform(gpu, &world.frame);
         let blocks = Blocks {
@@ -44,7 +49,7 @@ impl Made {
         for half in &texels.records {
             half.write(&gpu.queue, &vec![[POISON; 4]; half.len()]);
         }
-        let stage = SpsmMap::new(&gpu.device, u32::from(lines));
+        let stage = SpsmMap::new(&gpu.device, u32::from(lines), &texels);
         run(gpu, |s| stage.record(s, frame.raw(), blocks, &texels));
         assert!(total > 0 || texels.id_keys.read(gpu).expect("readback").iter().all(|&k| k == 0));
         Self {

@@ -1,0 +1,163 @@
+//! What must not change a bit of a picture of `spsm`, `shadow-map` and `pcf`: repetition, order of the mesh, duplicates, scale.
+
+use std::sync::OnceLock;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::render::{Budget, Output};
+use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, Settings, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Light, Mesh, Scene, builtin};
+
+const SCENES: [&str; 2] = ["windmill", "plane"];
+
+fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
+}
+
+fn scene(name: &str) -> Scene {
+    builtin(name).expect("a built-in scene")
+}
+
+fn settings(size: [u32; 2], samples: u32) -> Settings {
+    Settings::new(size, 96, Samples::new(Pattern::LowDiscrepancy, samples).expect("a number of samples"))
+}
+
+/// The methods, in every encoding and search, with one sample and with several.
+fn variants() -> Vec<(String, MethodName, Settings)> {
+    use SpsmEncoding::{Lines, Paper};
+    let spsm = [(Lines, 1, 2, 32), (Lines, 2, 0, 1), (Paper, 1, 0, 8)].map(|(encoding, radius, stretch, samples)| {
+        let spsm = SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() };
+        let label = format!("spsm {encoding:?} {radius} {stretch}, {samples} samples");
+        (label, MethodName::Spsm, Settings { spsm, ..settings([72, 54], samples) })
+    });
+    let compared = [(MethodName::ShadowMap, 1), (MethodName::Pcf, 8)]
+        .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
+    spsm.into_iter().chain(compared).collect()
+}
+
+fn render(scene: &Scene, method: MethodName, settings: &Settings) -> Output {
+    let prepared = Prepared::new(&scene.mesh);
+    let mut renderer = AnyRenderer::new(gpu(), &prepared, method, settings, Budget::default()).expect("a renderer");
+    renderer.render(&scene.camera, &scene.light).expect("a frame")
+}
+
+/// Where two pictures differ, to the bit.
+fn difference(a: &Output, b: &Output) -> Option<String> {
+    let words = |o: &Output| o.visibility.iter().map(|v| v.to_bits()).chain(o.lit.iter().copied()).collect::<Vec<_>>();
+    let (a, b) = (words(a), words(b));
+    if a.len() != b.len() {
+        return Some(format!("{} and {} words", a.len(), b.len()));
+    }
+    let off = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+    (off > 0).then(|| format!("{off} of {} words differ", a.len()))
+}
+
+/// Renders every scene in every variant as it is and as `change` makes it, and names all that differ.
+fn unchanged_by(what: &str, change: impl Fn(&Scene) -> Scene) {
+    let mut failures = Vec::new();
+    for name in SCENES {
+        let plain = scene(name);
+        let other = change(&plain);
+        for (label, method, settings) in variants() {
+            let first = render(&plain, method, &settings);
+            assert!(name == "plane" || first.visibility.iter().any(|v| *v < 1.0), "{name}, {label}: no shadow");
+            let mut second = render(&other, method, &settings);
+            failures.extend(difference(&first, &second).map(|d| format!("{name}, {label}, {what}: {d}")));
+            second.visibility[7] += 1.0;
+            assert!(difference(&first, &second).is_some(), "{name}, {label}: a spoilt picture passes");
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// The same triangles in another order, of other vertex numbers, each begun at another corner.
+fn disordered(mesh: &Mesh) -> Mesh {
+    let mut state = 5u64;
+    let mut below = |n: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % n as u64) as usize
+    };
+    let mut out = mesh.clone();
+    let mut place: Vec<usize> = (0..mesh.positions.len()).collect();
+    (1..place.len()).rev().for_each(|i| place.swap(i, below(i + 1)));
+    for (from, &to) in place.iter().enumerate() {
+        out.positions[to] = mesh.positions[from];
+    }
+    for triangle in &mut out.triangles {
+        *triangle = triangle.map(|v| place[v as usize] as u32);
+        triangle.rotate_left(below(3));
+    }
+    (1..out.triangles.len()).rev().for_each(|i| out.triangles.swap(i, below(i + 1)));
+    out
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn frames_repeat() {
+    let plain = scene("windmill");
+    let prepared = Prepared::new(&plain.mesh);
+    for (label, method, settings) in variants() {
+        let mut renderer =
+            AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default()).expect("a renderer");
+        let mut frame = || renderer.render(&plain.camera, &plain.light).expect("a frame");
+        let first = frame();
+        for n in 1..20 {
+            assert_eq!(difference(&first, &frame()), None, "{label}, frame {n}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn order_does_not_matter() {
+    unchanged_by("in another order", |scene| Scene { mesh: disordered(&scene.mesh), ..scene.clone() });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn duplicates_do_not_matter() {
+    unchanged_by("doubled", |scene| {
+        let mut other = scene.clone();
+        other.mesh.triangles.extend(scene.mesh.triangles.iter().copied());
+        other
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn scale_does_not_matter() {
+    unchanged_by("scaled", |scene| {
+        let mut other = scene.clone();
+        let scale = |p: &mut [f32; 3]| p.iter_mut().for_each(|c| *c *= 0.125);
+        other.mesh.positions.iter_mut().for_each(scale);
+        scale(&mut other.camera.eye);
+        scale(&mut other.camera.target);
+        other.camera.near *= 0.125;
+        other.camera.far *= 0.125;
+        match &mut other.light {
+            Light::Directional { .. } => {}
+            Light::Point { position } => scale(position),
+            Light::Spot { position, target, .. } => [position, target].into_iter().for_each(scale),
+        }
+        other
+    });
+}
+
+/// Images and maps of one cell and of a few, and a scene without anything in it.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn small_and_empty() {
+    let plain = scene("spheres");
+    let bare = Scene { mesh: Mesh::default(), ..plain.clone() };
+    for (label, method, settings) in variants() {
+        for (size, map) in [([1, 1], 1), ([3, 5], 2), ([65, 1], 7)] {
+            let settings = Settings { size, map, ..settings.clone() };
+            let (first, second) = (render(&plain, method, &settings), render(&plain, method, &settings));
+            assert_eq!(first.visibility.len(), (size[0] * size[1]) as usize);
+            assert_eq!(difference(&first, &second), None, "{label}, {size:?}");
+            assert!(first.visibility.iter().all(|v| (0.0..=1.0).contains(v)), "{label}, {size:?}");
+            let empty = render(&bare, method, &settings);
+            assert!(empty.visibility.iter().all(|v| *v == 1.0), "{label}, {size:?}: an empty scene is lit");
+        }
+    }
+}
