@@ -8,6 +8,8 @@
 //   Facets of triangles behind the casters' (shared/only_receiver) are LIT too where they lie nearer to the light than any
 //   caster, and settled by the splits of all texels of a small rectangle;
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
+// `begin` empties the list of unsure facets; `classify` puts those on it of whose triangle single precision does not tell which
+// side light or eye are on, and `classify_unsure` classifies them with 46 bits: vector machines pay for code that no lane takes.
 // There is no depth bias: the split depth was proved (front_layer) to lie between two sheets.
 // A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle. With
 // FLAG_CLAMP all facets have only such samples, but for FLAG_BEYOND: their rectangles are cut to their triangles. A merged facet
@@ -26,7 +28,10 @@
 //@import summed_area
 
 override WORDS: u32 = 1u;
+override CLAMPED: u32 = 2u;    // 0: FLAG_CLAMP is never set, 1: always, 2: as the frame says
+override RECEIVERS: u32 = 1u;  // 0: there are no triangles behind the casters'
 const WORKGROUP = 64u;
+const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure facets
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
@@ -39,6 +44,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(8) var<storage, read_write> masks: array<u32>;   // coverage, occluded, invalid: WORDS words each
 @group(0) @binding(9) var<storage, read_write> facet_items: array<u32>;
 @group(0) @binding(10) var<storage, read_write> pixel_facets: array<u32>;  // first facet of each pixel, and the end
+
+@group(0) @binding(11) var<storage, read_write> unsure: array<atomic<u32>>;  // how many, and the facets
 
 //@import facet_samples
 
@@ -61,33 +68,85 @@ fn settle(f: u32, state: u32) {
     facet_items[f] = 0u;
 }
 
+@compute @workgroup_size(1)
+fn begin() {
+    atomicStore(&unsure[0], 0u);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let f = flat_invocation(group, groups, WORKGROUP, local);
     if f >= frame.facets_total { return; }
-    let t = facets[f].triangle;
     for (var w = WORDS; w < 3u * WORDS; w++) { masks[3u * WORDS * f + w] = 0u; }
-    if t == NO_TRIANGLE {
+    if facets[f].triangle == NO_TRIANGLE {
         settle(f, STATE_EMPTY);
         return;
     }
-    let pixel = facets[f].pixel;
-    let given = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
-    var i = given;
+    let shape = shape_of(facets[f].triangle);
+    let turns = turns_in_single(shape.a, shape.ab, shape.ac);
+    if any(turns == vec2(0.0)) {
+        atomicStore(&unsure[1u + atomicAdd(&unsure[0], 1u)], f);
+        return;
+    }
+    place(f, shape, turns);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn classify_unsure(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let count = atomicLoad(&unsure[0]);
+    for (var k = flat_invocation(group, groups, WORKGROUP, local); k < count; k += WORKGROUP * UNSURE_GROUPS) {
+        let f = atomicLoad(&unsure[1u + k]);
+        let shape = shape_of(facets[f].triangle);
+        place(f, shape, turns_of(shape.i, shape.a, shape.ab, shape.ac));
+    }
+}
+
+// A triangle's vertices by rising index, and their edges from the first.
+struct Shape {
+    given: vec3<u32>,
+    i: vec3<u32>,
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+    ab: vec3<f32>,
+    ac: vec3<f32>,
+}
+
+fn shape_of(t: u32) -> Shape {
+    var s: Shape;
+    s.given = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    var i = s.given;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
-    let a = point_of(i.x);
-    let b = point_of(i.y);
-    let c = point_of(i.z);
-    let ab = edge_of(i.x, i.y);
-    let ac = edge_of(i.x, i.z);
-    let spread = cross(ab, ac);
-    let turns = turns_of(i, a, ab, ac);
+    s.i = i;
+    s.a = point_of(i.x);
+    s.b = point_of(i.y);
+    s.c = point_of(i.z);
+    s.ab = edge_of(i.x, i.y);
+    s.ac = edge_of(i.x, i.z);
+    return s;
+}
+
+fn is_clamped() -> bool {
+    if CLAMPED == 2u { return (frame.flags & FLAG_CLAMP) != 0u; }
+    return CLAMPED == 1u;
+}
+
+// Finds where a facet of a triangle lies that turns to light and eye as told, and what is known of it.
+fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     if turns.x * turns.y <= 0.0 {
         settle(f, STATE_DARK);
         return;
     }
+    let t = facets[f].triangle;
+    let pixel = facets[f].pixel;
+    let a = shape.a;
+    let b = shape.b;
+    let c = shape.c;
+    let ab = shape.ab;
+    let ac = shape.ac;
+    let spread = cross(ab, ac);
     // A power of two: about 1.
     let normal = turns.x * spread * bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(spread)) & 0x7f800000u));
     // Below 0 where single precision does not see it.
@@ -97,25 +156,26 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let depth = plane.w / dot(normal, ray);
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
     // One facet is followed well beyond its own triangle, but not to the horizon.
-    let clamped = (frame.flags & FLAG_CLAMP) != 0u;
+    let clamped = is_clamped();
     let merged = facets[f].state == STATE_MERGED;
     let near = clamped && (frame.flags & FLAG_BEYOND) == 0u;
     let cut = near && !merged;
     let reached = max(far_corner, select(0.0, facets[f].limit, merged));
     let limit = max(reached, depth) * select(4.0, 1.0001, near);
-    let span = select(vec2(0u), span_of_samples(f), clamped);
+    var span = vec2(0u);
+    if clamped { span = span_of_samples(f); }
     var outline = facet_box(pixel, part_of(span), plane, limit);
     if cut {
         cut_to_triangle(&outline, a, b, c);
     } else if !clamped && !outline.whole {
-        keep_own_triangle(f, given, pixel_ray(pixel));
+        keep_own_triangle(f, shape.given, pixel_ray(pixel));
     }
     var rect = EMPTY_RECT;
     let low = select(vec2(-3.0e38), outline.low, outline.in_front);
     let high = select(vec2(3.0e38), outline.high, outline.in_front);
     var farthest = select(3.0e38, outline.farthest, outline.in_front);
     var margin = frame.map_margin;
-    let receives = only_receives(t);
+    let receives = RECEIVERS != 0u && only_receives(t);
     if receives {
         let reach = reach_beyond(pixel, part_of(span), plane, limit);
         let perspective = (frame.flags & FLAG_PERSPECTIVE) != 0u;

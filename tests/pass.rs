@@ -1,6 +1,6 @@
 //! The pass inside an application's own frame, against the renderer: the same bits, and no frame silently wrong.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::render::{Budget, Counts, Output, Renderer};
@@ -39,8 +39,13 @@ fn pass(settings: Settings, casters: Casters) -> ShadowPass {
 
 /// The renderer's picture; pipelines are made once.
 fn rendered(mesh: &Mesh, camera: &Camera, light: &Light, settings: &Settings) -> (Output, Prepared) {
-    static MADE: OnceLock<Arc<Pipelines>> = OnceLock::new();
-    let pipelines = MADE.get_or_init(|| Arc::new(Pipelines::new(&gpu().device, settings))).clone();
+    static MADE: Mutex<Vec<Arc<Pipelines>>> = Mutex::new(Vec::new());
+    let mut made = MADE.lock().expect("no test panicked while making pipelines");
+    let pipelines = made.iter().find(|p| p.serve(settings)).cloned().unwrap_or_else(|| {
+        made.push(Arc::new(Pipelines::new(&gpu().device, settings)));
+        made[made.len() - 1].clone()
+    });
+    drop(made);
     let prepared = Prepared::new(mesh);
     let output = Renderer::with_pipelines(gpu(), &prepared, settings, Budget::default(), pipelines)
         .and_then(|mut renderer| renderer.render(camera, light))

@@ -1,5 +1,7 @@
 // Facets: what stands for a surface inside one pixel (Pan 2009, section 3.1). Needs `frame`.
 
+//@import divide
+
 struct Facet {
     plane: vec4<f32>,   // dot(xyz, point) = w on it; the light and the eye lie where dot(xyz, point) > w
     pixel: u32,
@@ -42,8 +44,9 @@ fn full_word(word: u32) -> u32 {
 }
 
 fn pixel_ray(pixel: u32) -> vec3<f32> {
-    let x = f32(pixel % frame.image_size.x) + 0.5;
-    let y = f32(frame.first_row + pixel / frame.image_size.x) + 0.5;
+    let place = divided(pixel, frame.image_size.x);
+    let x = f32(place.y) + 0.5;
+    let y = f32(frame.first_row + place.x) + 0.5;
     return frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
 }
 
@@ -75,15 +78,6 @@ fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
     (*out).farthest = max((*out).farthest, uvz.z);
 }
 
-fn box_add_side(out: ptr<function, OutlineBox>, plane: vec4<f32>, limit: f32, ray: vec3<f32>, next: vec3<f32>) {
-    let bound = plane.w / limit;
-    let along = dot(plane.xyz, ray);
-    let over = along - bound;
-    let over_next = dot(plane.xyz, next) - bound;
-    if over <= 0.0 { box_add(out, ray * (plane.w / along)); } else { (*out).whole = false; }
-    if (over <= 0.0) != (over_next <= 0.0) { box_add(out, mix(ray, next, over / (over - over_next)) * limit); }
-}
-
 // Lowest and highest corner of what a facet covers of its pixel, relative to the centre.
 fn part_of(packed: vec2<u32>) -> vec4<f32> {
     if all(packed == vec2(0u)) { return vec4(-PIXEL_REACH, -PIXEL_REACH, PIXEL_REACH, PIXEL_REACH); }
@@ -97,10 +91,32 @@ fn facet_box(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> Outli
     let right = span.z * frame.ray_x.xyz;
     let up = span.y * frame.ray_y.xyz;
     let down = span.w * frame.ray_y.xyz;
-    box_add_side(&out, plane, limit, centre + left + up, centre + right + up);
-    box_add_side(&out, plane, limit, centre + right + up, centre + right + down);
-    box_add_side(&out, plane, limit, centre + right + down, centre + left + down);
-    box_add_side(&out, plane, limit, centre + left + down, centre + left + up);
+    let r0 = centre + left + up;
+    let r1 = centre + right + up;
+    let r2 = centre + right + down;
+    let r3 = centre + left + down;
+    // A ray meets the plane nearer than the limit where `over <= 0`.
+    let bound = plane.w / limit;
+    let along = vec4(dot(plane.xyz, r0), dot(plane.xyz, r1), dot(plane.xyz, r2), dot(plane.xyz, r3));
+    let over = along - bound;
+    let meets = over <= vec4(0.0);
+    if meets.x { box_add(&out, r0 * (plane.w / along.x)); }
+    if meets.y { box_add(&out, r1 * (plane.w / along.y)); }
+    if meets.z { box_add(&out, r2 * (plane.w / along.z)); }
+    if meets.w { box_add(&out, r3 * (plane.w / along.w)); }
+    out.whole = all(meets);
+    // Sides that the limit cuts: few facets have any.
+    let cut = select(vec4(0u), vec4(1u, 2u, 4u, 8u), meets != meets.yzwx);
+    for (var sides = cut.x | cut.y | cut.z | cut.w; sides != 0u; sides &= sides - 1u) {
+        let side = sides & (0u - sides);
+        var ray = r0;
+        var next = r1;
+        var ends = over.xy;
+        if side == 2u { ray = r1; next = r2; ends = over.yz; }
+        if side == 4u { ray = r2; next = r3; ends = over.zw; }
+        if side == 8u { ray = r3; next = r0; ends = over.wx; }
+        box_add(&out, mix(ray, next, ends.x / (ends.x - ends.y)) * limit);
+    }
     return out;
 }
 

@@ -48,9 +48,9 @@ fn full_turn_to_eye(i: vec3<u32>) -> f32 {
     return full_turn_to(i, df3_negate(full_point_of(i.x)));
 }
 
-// Turns to light and eye of a triangle with first vertex `a` and edges `ab` and `ac` from it: in single precision, and with
-// 46 bits where that leaves it open.
-fn turns_of(i: vec3<u32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>) -> vec2<f32> {
+// Turns to light and eye of a triangle with first vertex `a` and edges `ab` and `ac` from it; 0 where single precision does not
+// tell.
+fn turns_in_single(a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>) -> vec2<f32> {
     let spread = cross(ab, ac);
     // Rounding of the products, and of the points.
     let products = 3e-6 * largest(ab) * largest(ac);
@@ -58,8 +58,15 @@ fn turns_of(i: vec3<u32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>) -> vec2<f3
     let to_light_noise = 6e-7 * (largest(frame.light.xyz) + frame.light.w * largest(a));
     let side = dot(spread, to_light);
     let height = dot(spread, a);
-    var turns = vec2(sign(side), -sign(height));
-    if !(abs(side) > products * largest(to_light) + largest(spread) * to_light_noise) { turns.x = full_turn_of(i); }
-    if !(abs(height) > (products + 6e-7 * largest(spread)) * largest(a)) { turns.y = full_turn_to_eye(i); }
+    let sure_side = abs(side) > products * largest(to_light) + largest(spread) * to_light_noise;
+    let sure_height = abs(height) > (products + 6e-7 * largest(spread)) * largest(a);
+    return vec2(select(0.0, sign(side), sure_side), select(0.0, -sign(height), sure_height));
+}
+
+// The same, with 46 bits where single precision leaves it open; 0 where those do, too.
+fn turns_of(i: vec3<u32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>) -> vec2<f32> {
+    var turns = turns_in_single(a, ab, ac);
+    if turns.x == 0.0 { turns.x = full_turn_of(i); }
+    if turns.y == 0.0 { turns.y = full_turn_to_eye(i); }
     return turns;
 }

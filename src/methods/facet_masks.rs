@@ -30,11 +30,12 @@ use memory::{Arg, Memory, frames, requests, unsorted};
 pub use memory::{Capacities, status};
 use std::sync::Arc;
 
-/// The pipelines, which may serve any number of meshes, images and settings with as many mask words and the same variants
-/// of masks and pairs.
+/// The pipelines, which may serve any number of meshes, images and settings with as many mask words, facets alike and the same
+/// variants of masks and pairs.
 #[derive(Debug)]
 pub struct Pipelines {
     words: u32,
+    facets: FacetMode,
     masks_by: MaskVariant,
     pairs_by: PairVariant,
     geometry: GeometryPipelines,
@@ -56,11 +57,22 @@ pub struct Pipelines {
 impl Pipelines {
     /// Builds the pipelines that `settings` need.
     pub fn new(device: &wgpu::Device, settings: &Settings) -> Self {
+        Self::build(device, settings, false)
+    }
+
+    /// As [`Pipelines::new`], for frames with surfaces that are no casters, too.
+    pub fn with_receivers(device: &wgpu::Device, settings: &Settings) -> Self {
+        Self::build(device, settings, true)
+    }
+
+    fn build(device: &wgpu::Device, settings: &Settings, receivers: bool) -> Self {
+        let clamp = settings.facets == FacetMode::All;
         let words = settings.samples.words();
         let scan = PrefixScan::new(device);
         let sorted = settings.pairs == PairVariant::Sorted;
         Self {
             words,
+            facets: settings.facets,
             masks_by: settings.masks,
             pairs_by: settings.pairs,
             geometry: GeometryPipelines::new(device),
@@ -68,7 +80,7 @@ impl Pipelines {
             front: FrontLayer::new(device),
             silhouettes: SilhouetteMask::new(device),
             summed_area: SummedArea::new(device, Texels::Bits),
-            classify: FacetClassify::new(device, words),
+            classify: FacetClassify::specialised(device, words, clamp, receivers),
             pixel_pairs: PixelTexelPairs::new(device),
             triangle_pairs: TriangleTexelPairs::new(device),
             candidates: CandidatePairs::new(device, words),
@@ -82,7 +94,10 @@ impl Pipelines {
 
     /// Whether they serve `settings`.
     pub fn serve(&self, settings: &Settings) -> bool {
-        self.words == settings.samples.words() && self.masks_by == settings.masks && self.pairs_by == settings.pairs
+        self.words == settings.samples.words()
+            && self.facets == settings.facets
+            && self.masks_by == settings.masks
+            && self.pairs_by == settings.pairs
     }
 }
 
@@ -128,7 +143,7 @@ impl FacetMasks {
         settings.check()?;
         if !pipelines.serve(settings) {
             return Err(Error::Config(
-                "the pipelines were made for other numbers of samples, masks or pairs".to_owned(),
+                "the pipelines were made for other numbers of samples or facets, masks or pairs".to_owned(),
             ));
         }
         let every_surface = match settings.facets {

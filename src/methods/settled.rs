@@ -77,7 +77,7 @@ impl Settled {
         let map = if settle { settings.map as usize } else { 1 };
         Ok(Self {
             frame: Buffer::uniform(device, "settled.frame", 1)?,
-            classify: FacetClassify::new(device, words),
+            classify: FacetClassify::specialised(device, words, false, false),
             resolve: Resolve::new(device, words),
             facets: Facets::new(device, pixels, pixels, words as usize)?,
             sat: Buffer::storage(device, "settled.sat", map * map)?,

@@ -133,7 +133,8 @@ impl ShadowPass {
         let mesh = checked_mesh(&config.casters)?;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let made = (|| {
-            let (pipelines, pixels) = (Arc::new(Pipelines::new(device, &settings)), settings.pixels());
+            let build = if config.receivers { Pipelines::with_receivers } else { Pipelines::new };
+            let (pipelines, pixels) = (Arc::new(build(device, &settings)), settings.pixels());
             let casters = CasterSet::new(device, queue, &config.casters, mesh, room(config.receivers, &settings))?;
             let first = growth::first_for(&settings, config.budget, casters.buffers.triangles.len());
             let method = FacetMasks::new(device, queue, pipelines.clone(), &casters.buffers, &settings, first)?;

@@ -75,7 +75,9 @@ impl State {
 #[derive(Debug)]
 pub struct FacetClassify {
     one: Program,
+    begin: Program,
     classify: Program,
+    unsure: Program,
 }
 
 /// Buffers of the facets.
@@ -89,6 +91,8 @@ pub struct Facets {
     pub items: Buffer<u32>,
     /// First facet of each pixel, the end, and a flag: more than 2^32.
     pub pixel_facets: Buffer<u32>,
+    /// How many facets single precision could not place, and which.
+    pub unsure: Buffer<u32>,
 }
 
 impl Facets {
@@ -102,6 +106,7 @@ impl Facets {
             masks: Buffer::storage(device, "facets.masks", count * 3 * words)?,
             items: Buffer::storage(device, "facets.items", count)?,
             pixel_facets: Buffer::storage(device, "facets.pixel_facets", pixels + 2)?,
+            unsure: Buffer::storage(device, "facets.unsure", count + 1)?,
         })
     }
 }
@@ -120,12 +125,28 @@ pub struct Surroundings<'a> {
 }
 
 impl FacetClassify {
-    /// Builds the pipelines for masks of `words` words.
+    /// Builds the pipelines for masks of `words` words, for any frame.
     pub fn new(device: &wgpu::Device, words: u32) -> Self {
-        let constants = [("WORDS", f64::from(words))];
+        Self::build(device, words, 2, true)
+    }
+
+    /// As [`FacetClassify::new`], for frames that set [`Frame::CLAMP`](crate::frame::Frame::CLAMP) as `clamp` says alone, and, without
+    /// `receivers`, have no triangles behind those of the casters: less code to run.
+    pub fn specialised(device: &wgpu::Device, words: u32, clamp: bool, receivers: bool) -> Self {
+        Self::build(device, words, u32::from(clamp), receivers)
+    }
+
+    fn build(device: &wgpu::Device, words: u32, clamped: u32, receivers: bool) -> Self {
+        let constants = [
+            ("WORDS", f64::from(words)),
+            ("CLAMPED", f64::from(clamped)),
+            ("RECEIVERS", f64::from(u8::from(receivers))),
+        ];
         Self {
             one: Program::new(device, kernel::ENTRY_ONE, &constants),
+            begin: Program::new(device, kernel::ENTRY_BEGIN, &constants),
             classify: Program::new(device, kernel::ENTRY_CLASSIFY, &constants),
+            unsure: Program::new(device, kernel::ENTRY_CLASSIFY_UNSURE, &constants),
         }
     }
 
@@ -173,7 +194,10 @@ impl FacetClassify {
             ("facets", facets.list.raw()),
             ("masks", facets.masks.raw()),
             ("facet_items", facets.items.raw()),
+            ("unsure", facets.unsure.raw()),
         ];
-        stage.run(&self.classify, &buffers, Groups::Items(count as u64))
+        stage.run(&self.begin, &[("unsure", facets.unsure.raw())], Groups::Workgroups(1))?;
+        stage.run(&self.classify, &buffers, Groups::Items(count as u64))?;
+        stage.run(&self.unsure, &buffers, Groups::Workgroups(u64::from(kernel::UNSURE_GROUPS)))
     }
 }
