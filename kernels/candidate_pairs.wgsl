@@ -58,30 +58,31 @@ fn effect(t: u32, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest
     let a = map_points[triangles[3u * t]];
     let b = map_points[triangles[3u * t + 1u]];
     let c = map_points[triangles[3u * t + 2u]];
-    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 { return MATTERS; }
     let low = min(min(a.xy, b.xy), c.xy);
     let high = max(max(a.xy, b.xy), c.xy);
-    if any(low > middle + half) || any(high < middle - half) { return NOTHING; }
-    if min(a.z, min(b.z, c.z)) > farthest + frame.depth_margin { return NOTHING; }
+    let apart = any(low > middle + half) || any(high < middle - half);
+    let beyond = min(a.z, min(b.z, c.z)) > farthest + frame.depth_margin;
     let over = vec3(
         dot(slope.xyz, vec3(a.xy, 1.0)) - a.z, dot(slope.xyz, vec3(b.xy, 1.0)) - b.z, dot(slope.xyz, vec3(c.xy, 1.0)) - c.z);
     // Rounding grows with the distance at which the slope is followed.
     let reach = max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     let noise = slope.w + 1e-6 * (abs(slope.x) + abs(slope.y)) * reach;
-    if all(over < vec3(-noise)) { return NOTHING; }
+    let below = all(over < vec3(-noise));
     let ab = b.xy - a.xy;
     let ac = c.xy - a.xy;
     let area = ab.x * ac.y - ab.y * ac.x;
     let size = max(abs(ab.x) + abs(ab.y), abs(ac.x) + abs(ac.y));
-    if abs(area) <= 4e-6 * (reach + size) * size { return MATTERS; }
+    let thin = abs(area) <= 4e-6 * (reach + size) * size;
     let turn = select(-1.0, 1.0, area > 0.0);
     let grown = half + 4e-6 * reach;
     let e0 = reach_of(a.xy, b.xy, turn, middle, grown);
     let e1 = reach_of(b.xy, c.xy, turn, middle, grown);
     let e2 = reach_of(c.xy, a.xy, turn, middle, grown);
-    if min(e0.y, min(e1.y, e2.y)) < 0.0 { return NOTHING; }
-    let covers = min(e0.x, min(e1.x, e2.x)) > 0.0 && all(over > vec3(noise)) && noise < 1e30;
-    return select(MATTERS, COVERS, covers);
+    let outside = min(e0.y, min(e1.y, e2.y)) < 0.0 && !thin;
+    let covers = min(e0.x, min(e1.x, e2.x)) > 0.0 && !thin && all(over > vec3(noise)) && noise < 1e30;
+    let in_front = min(a.w, min(b.w, c.w)) > 0.0;
+    let e = select(select(MATTERS, COVERS, covers), NOTHING, apart || beyond || below || outside);
+    return select(MATTERS, e, in_front);
 }
 
 fn walk(pair: vec2<u32>) -> u32 {
@@ -97,25 +98,32 @@ fn walk(pair: vec2<u32>) -> u32 {
     let half = 0.5 * (facets[f].box_high - facets[f].box_low);
     let slope = facets[f].slope;
     let farthest = facets[f].farthest;
+    // What a triangle does is found without a branch; what follows from it, which few do, in loops of their own: vector
+    // machines pay for code that no lane takes.
     for (var batch = first; batch < end; batch += 32u) {
         var kept = 0u;
+        var covered = false;
         let stop = min(end, batch + 32u);
         for (var n = batch; n < stop; n++) {
             let t = pair_triangles[n];
-            if t == own { continue; }
             let e = effect(t, middle, half, slope, farthest);
-            if e == COVERS {
-                // Every sample is occluded, whatever else there is; the other texels of the facet find it too.
-                for (var w = 0u; w < WORDS; w++) { atomicOr(&masks[3u * WORDS * f + WORDS + w], 0xffffffffu); }
-                return end - first;
-            }
-            if e == MATTERS && !is_listed(f, t) { kept |= 1u << (n - batch); }
+            kept |= select(0u, 1u << (n - batch), e == MATTERS && t != own);
+            covered = covered || (e == COVERS && t != own);
         }
-        if kept == 0u { continue; }
-        var at = atomicAdd(&candidates.tally[TALLY_CANDIDATES], countOneBits(kept));
-        while kept != 0u {
-            if at < frame.candidate_capacity { candidates.list[at] = vec2(f, pair_triangles[batch + firstTrailingBit(kept)]); }
-            kept &= kept - 1u;
+        if covered {
+            // Every sample is occluded, whatever else there is; the other texels of the facet find it too.
+            for (var w = 0u; w < WORDS; w++) { atomicOr(&masks[3u * WORDS * f + WORDS + w], 0xffffffffu); }
+            return end - first;
+        }
+        var fresh = 0u;
+        for (var left = kept; left != 0u; left &= left - 1u) {
+            let bit = left & (0u - left);
+            if !is_listed(f, pair_triangles[batch + firstTrailingBit(left)]) { fresh |= bit; }
+        }
+        if fresh == 0u { continue; }
+        var at = atomicAdd(&candidates.tally[TALLY_CANDIDATES], countOneBits(fresh));
+        for (; fresh != 0u; fresh &= fresh - 1u) {
+            if at < frame.candidate_capacity { candidates.list[at] = vec2(f, pair_triangles[batch + firstTrailingBit(fresh)]); }
             at += 1u;
         }
     }
