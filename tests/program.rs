@@ -137,6 +137,7 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
     for stage in stages {
         assert!(stage["name"].is_string() && stage["gpu_ms"].as_f64().is_some_and(|ms| ms >= 0.0), "{stage}");
         assert!(stage["left_out"].is_null() || stage["left_out"].is_string(), "{stage}");
+        assert!(stage["cpu_ms"].as_f64().is_some_and(|ms| ms == 0.0 || (ms > 0.0 && engine == "cpu")), "{stage}");
     }
     assert!(f["gpu_ms"].is_number() && f["wall_ms"].is_number());
     for key in [
@@ -228,7 +229,6 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         (&["plane", "--map", "9000"], &["9000", "8192"]),
         (&["plane", "--method", "pcf", "--kernel", "4"], &["4 x 4"]),
         (&["plane", "--method", "spsm", "--engine", "cpu"], &["spsm"]),
-        (&["plane", "--engine", "cpu", "--looks"], &["--looks", "CPU"]),
         (&["plane", "--method", "ray-traced", "--looks"], &["--looks", "ray-traced"]),
         (&["plane", "--method", "supersampled", "--looks"], &["--looks", "supersampled"]),
         (&["plane", "--out", &taken], &["taken"]),
@@ -260,9 +260,21 @@ fn the_cpu_engine_works_and_says_so() {
     assert_contract(&out, "cpu", [64, 48], 32);
     let f = frame(&out);
     assert!(f["error"]["scene_rmse"].is_number(), "{}", f["error"]);
+    assert_eq!(f["error"]["facet_wrong_outside_band"], 0, "{}", f["error"]);
+    assert!(f["error"]["facet_samples"].as_u64() > Some(1000), "{}", f["error"]);
     let files = ["difference.png", "frame.json", "shaded.png", "truth.exr", "visibility.exr", "visibility.png"];
     assert_eq!(names(&out), files);
     assert_eq!(exr(&out, "truth.exr").2.len(), 64 * 48);
+    // Every stage has its time, or a reason.
+    for stage in f["stages"].as_array().expect("stages") {
+        let (ran, time) = (stage["left_out"].is_null(), stage["cpu_ms"].as_f64().expect("a time"));
+        assert!(time > 0.0 || (time == 0.0 && !ran), "{stage}");
+        assert_eq!(stage["gpu_ms"], 0.0, "{stage}");
+    }
+    assert!(stdout(&done).contains("CPU ms") && f["counts"]["visibility_evaluations"].as_u64() > Some(0));
+    let done = render(&out, &["plane", "--engine", "cpu", "--facets", "one", "--looks", "--quiet"]);
+    assert!(stdout(&done).contains("classes.png: "), "{}", stdout(&done));
+    assert!(names(&out).contains(&"light-view.png".to_owned()), "{:?}", names(&out));
 }
 
 #[test]

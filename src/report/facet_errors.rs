@@ -2,12 +2,13 @@
 
 use crate::Result;
 use crate::gpu::Gpu;
+use crate::methods::cpu::CpuFacet;
 use crate::methods::facet_masks::Settings;
 use crate::methods::strips::Rows;
 use crate::scene::{Camera, Light, PixelRays};
 use crate::stages::facet_classify::{Facet, Facets, State};
 use crate::truth::facet_truth::FacetResult;
-use crate::truth::{FacetInput, FacetTruth, Progress, Tracer, bits, full_mask, join_mask};
+use crate::truth::{FacetInput, FacetTruth, Progress, Tracer, bits, full_mask, join_mask, split_mask};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -30,6 +31,21 @@ impl FacetSet {
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn read(gpu: &Gpu, facets: &Facets, words: u32) -> Result<Self> {
         Ok(Self { words, facets: facets.list.read(gpu)?, masks: facets.masks.read(gpu)? })
+    }
+
+    /// The facets of a frame of the CPU engine, with masks of `words` words.
+    pub fn of_cpu(facets: &[CpuFacet], words: u32) -> Self {
+        let facet = |f: &CpuFacet| Facet {
+            pixel: f.pixel,
+            triangle: f.triangle,
+            state: f.masks.state as u32,
+            ..Facet::default()
+        };
+        let words_of = |f: &CpuFacet| {
+            let parts = [f.masks.coverage, f.masks.occluded, f.masks.invalid].map(split_mask);
+            parts.into_iter().flat_map(move |part| part.into_iter().take(words as usize))
+        };
+        Self { words, facets: facets.iter().map(facet).collect(), masks: facets.iter().flat_map(words_of).collect() }
     }
 
     /// Adds the facets of a strip of rows of an image `width` pixels wide, those of rows that are known already left out.
@@ -117,7 +133,7 @@ impl FacetErrors {
             .map(|&f| FacetInput {
                 pixel: set.facets[f].pixel,
                 triangle: set.facets[f].triangle,
-                coverage: crate::truth::split_mask(set.masks_of(f)[0] & full_mask(settings.samples.count())),
+                coverage: split_mask(set.masks_of(f)[0] & full_mask(settings.samples.count())),
             })
             .collect();
         let results = truth.judge(&inputs, progress)?;
