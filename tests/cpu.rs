@@ -81,6 +81,25 @@ fn no_sample_is_wrong_against_facet_truth() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Samples that both drop have no answer that could be wrong; all others have.
+#[test]
+fn what_is_dropped_is_not_wrong() {
+    let scene = lit("windmill", false);
+    let prepared = Prepared::new(&scene.mesh);
+    let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+    let settings = settings(FacetMode::One, Pattern::LowDiscrepancy, 32);
+    let frame = render(&prepared, &scene, &settings);
+    let with = |change: &dyn Fn(u128) -> u128| {
+        let mut changed = frame.clone();
+        changed.facets.iter_mut().for_each(|f| f.masks.occluded ^= change(f.masks.invalid) & f.masks.coverage);
+        errors(&changed, &tracer, &scene, &settings).facet_wrong_outside_band
+    };
+    let dropped: u32 = frame.facets.iter().map(|f| (f.masks.invalid & f.masks.coverage).count_ones()).sum();
+    assert!(dropped > 100, "{dropped} samples are dropped");
+    assert_eq!((with(&|_| 0), with(&|invalid| invalid)), (0, 0));
+    assert!(with(&|invalid| !invalid) > 100, "flipped samples that count pass");
+}
+
 /// With a facet for every surface each sample is what a traced ray says, outside the band of either edge.
 #[test]
 fn every_surface_is_what_rays_say() {

@@ -80,8 +80,9 @@ impl FacetSet {
 /// A frame against facet truth: numeric error alone. Counts are of samples.
 ///
 /// Of a facet that was settled as lit or shadowed the samples on its own triangle are compared: there its plane is a real
-/// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared, for occlusion
-/// and for validity; where ours leave none that is valid and open, evaluation may have ended there, and what is asked is
+/// surface, which is what the proof is about. Of one that was evaluated all covered samples are compared, for validity and,
+/// but for those that both drop, for occlusion: a point of the plane that is on no surface may lie beneath the scene, where
+/// the light view holds no caster, and does not count. Where ours leave none that is valid and open, evaluation may have ended there, and what is asked is
 /// whether truth leaves one. Of one that is dark, all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FacetErrors {
@@ -187,15 +188,21 @@ impl View<'_> {
         let mut e = FacetErrors::default();
         // Which samples are compared for occlusion, what ours are, and which count a fault is put to.
         let closed = state == State::Undecided as u32 && self.validity && (masks[1] | masks[2]) & met == met;
+        // What both drop does not count, whether it is in shadow or not.
+        let dropped = if self.validity { masks[2] & !join_mask(truth.valid) } else { 0 };
         let open = join_mask(truth.valid) & !occluded;
         let (asked, ours) = match state {
             s if s == State::Dark as u32 => (met, met),
             s if s == State::Lit as u32 => (own, 0),
             s if s == State::Shadowed as u32 => (own, own),
             _ if closed => (met & open, met),
-            _ => (met, masks[1] & met),
+            _ => (met & !dropped, masks[1] & met),
         };
-        let (doubt, compared) = if closed { (doubt | doubt_valid, met) } else { (doubt, asked) };
+        let (doubt, compared) = match state {
+            s if s != State::Undecided as u32 => (doubt, asked),
+            _ if closed => (doubt | doubt_valid, met),
+            _ => (doubt, met),
+        };
         let wrong = (ours ^ occluded) & asked;
         let outside = count(wrong & !doubt);
         e.facet_samples = count(compared);
