@@ -177,8 +177,8 @@ mod tests {
         let (none, half) = (facet(None), facet(Some([0, 0, 4095, 4095])));
         let whole = facet(Some([0, 0, 8191, 8191]));
         let list = [none.clone(), half.clone(), half.clone(), none.clone(), half, whole.clone(), whole, none];
-        assert_eq!(parts(&list), [0..4, 4..5, 5..6, 6..8]);
-        assert_eq!(parts(&list[..1]), [0..1]);
-        assert_eq!(parts(&[]), [0..0]);
+        assert_eq!(parts(&list), [0..4, 4..5, 5..6, 6..7, 7..8]);
+        let only = |list: &[Facet]| (parts(list).len(), parts(list)[0].clone());
+        assert_eq!((only(&list[..1]), only(&[])), ((1, 0..1), (1, 0..0)));
     }
 }
