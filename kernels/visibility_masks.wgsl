@@ -22,6 +22,7 @@
 override WORDS: u32 = 1u;
 override ANGLES: u32 = 0u;   // size of the lookup table; 0: every sample is tested against every line
 override OFFSETS: u32 = 0u;
+override TWO_STEP: u32 = 0u;  // 1: by two projections (shared/two_step), and nothing is put on the list `doubts`
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -37,6 +38,7 @@ const WORKGROUP = 64u;
 //@import shadow_lines
 //@import shadow_lines_46
 //@import sample_masks
+//@import two_step
 
 // Whether no sample is left that could still be lit: nothing more needs to be known of the facet.
 fn is_dark(f: u32) -> bool {
@@ -83,6 +85,19 @@ fn rising(t: u32) -> vec3<u32> {
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
     return i;
+}
+
+fn project(f: u32, t: u32) {
+    let i = rising(t);
+    let g = ground_of(f);
+    let a = point_of(i.x);
+    let b = point_of(i.y);
+    let c = point_of(i.z);
+    var h = vec3(dot(g.normal, a - g.at), dot(g.normal, b - g.at), dot(g.normal, c - g.at));
+    h = select(h, vec3(0.0), vec3(is_own(i.x, g.own), is_own(i.y, g.own), is_own(i.z, g.own)));
+    if all(h <= vec3(0.0)) { return; }
+    let l = two_step_lines(g, a, b, c, h);
+    apply(f, g, inside(l), l, a, b, c, h);
 }
 
 // False if single precision cannot tell.
@@ -136,6 +151,10 @@ fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     if k >= min(atomicLoad(&candidates.tally[TALLY_CANDIDATES]), frame.candidate_capacity) { return; }
     let pair = candidates.list[k];
     if is_dark(pair.x) { return; }
+    if TWO_STEP != 0u {
+        project(pair.x, pair.y);
+        return;
+    }
     if !settle(pair.x, pair.y) { doubts[atomicAdd(&candidates.tally[TALLY_DOUBTS], 1u)] = k; }
 }
 

@@ -1,12 +1,14 @@
 //! The GPU engine against the CPU engine on small pictures of the built-in scenes.
 
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::facet_masks::Settings;
+use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::methods::{Prepared, cpu};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, builtin};
-use subpixel_shadows::truth::{AMBIGUITY, FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
+use subpixel_shadows::truth::{
+    AMBIGUITY, FacetInput, FacetTruth, SceneTruth, Tracer, full_mask, join_mask, split_mask,
+};
 
 const SCENES: [&str; 8] = ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "bumpy", "plane"];
 const SIZE: [u32; 2] = [96, 72];
@@ -30,7 +32,8 @@ impl Case {
     }
 
     fn cpu(&self, settings: &Settings) -> Output {
-        cpu::render(&self.prepared, settings, &self.scene.camera, &self.scene.light, None).expect("a frame")
+        let request = cpu::Request::default();
+        cpu::render(&self.prepared, settings, &self.scene.camera, &self.scene.light, request).expect("a frame").output
     }
 
     /// Samples of each pixel that count: not ambiguous, not within the band of an edge of the triangle seen at the centre,
@@ -64,6 +67,28 @@ impl Case {
     }
 }
 
+impl Case {
+    /// Samples of each pixel whose answer is the same within the ambiguity band: by traced rays, and on the plane of the
+    /// surface that each sees.
+    fn clear_of_edges(&self, settings: &Settings) -> Vec<u32> {
+        let tracer = Tracer::new(&self.prepared.mesh).expect("a tracer");
+        let (camera, light) = (&self.scene.camera, &self.scene.light);
+        let truth = SceneTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("truth");
+        let planes = FacetTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("truth");
+        let mut clear: Vec<u32> = (0..SIZE[0] * SIZE[1]).map(|p| !truth.ambiguous_mask(p)[0]).collect();
+        let facets = |pixel: u32| {
+            let surfaces = truth.surfaces(pixel).into_iter();
+            surfaces.map(move |(triangle, coverage)| FacetInput { pixel, triangle, coverage })
+        };
+        let facets: Vec<FacetInput> = (0..SIZE[0] * SIZE[1]).flat_map(facets).collect();
+        let judged = planes.without_validity().judge(&facets, None).expect("judged");
+        for (facet, result) in facets.iter().zip(judged) {
+            clear[facet.pixel as usize] &= !result.ambiguous_occluded[0];
+        }
+        clear
+    }
+}
+
 /// Pixels at which two engines see the same triangle, and the samples among `clear` that differ there.
 fn differing(a: &Output, b: &Output, clear: &[u32]) -> (usize, u32) {
     let same = |&p: &usize| a.triangles[p] == b.triangles[p];
@@ -79,7 +104,10 @@ fn compare(own_only: bool, of_gpu: &Settings, of_cpu: &Settings) {
         let prepared = Prepared::new(&scene.mesh);
         let case = Case { scene, prepared, gpu: Gpu::open(None).expect("a GPU") };
         let (gpu, cpu) = (case.gpu(of_gpu), case.cpu(of_cpu));
-        let clear = case.clear(&cpu, of_cpu, own_only);
+        let clear = match of_cpu.facets {
+            FacetMode::One => case.clear(&cpu, of_cpu, own_only),
+            FacetMode::All => case.clear_of_edges(of_cpu),
+        };
         let looked_at: u32 = clear.iter().map(|c| c.count_ones()).sum();
         assert!(looked_at > 10_000, "{name}: only {looked_at} samples to look at");
         let (same, differ) = differing(&gpu, &cpu, &clear);
@@ -116,4 +144,12 @@ fn engines_agree_on_validity() {
 fn engines_agree_on_settled_facets() {
     compare(true, &settings(true, false), &settings(false, false));
     compare(true, &settings(true, false), &settings(true, false));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn engines_agree_on_every_surface() {
+    let all = |settle| Settings { facets: FacetMode::All, ..settings(settle, false) };
+    compare(false, &all(true), &all(true));
+    compare(false, &all(false), &all(true));
 }

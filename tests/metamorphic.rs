@@ -16,10 +16,22 @@ use subpixel_shadows::wgpu::Limits;
 const SCENES: [&str; 9] = ["plane", "spheres", "windmill", "cage", "bicycle", "plant", "knot", "bumpy", "city"];
 const SIZE: [u32; 2] = [80, 60];
 
-/// Three scenes, or all of them with `SUBPIXEL_SHADOWS_ALL_SCENES=1`: most of the time goes into building pipelines.
+/// Three scenes; all of them with `SUBPIXEL_SHADOWS_ALL_SCENES=1`, or those that it names, as in `bumpy,city`: most of the time
+/// goes into building pipelines.
 fn scenes() -> impl Iterator<Item = &'static str> {
-    let all = std::env::var("SUBPIXEL_SHADOWS_ALL_SCENES").is_ok_and(|v| v == "1");
-    SCENES.into_iter().take(if all { SCENES.len() } else { 3 })
+    let asked = std::env::var("SUBPIXEL_SHADOWS_ALL_SCENES").unwrap_or_default();
+    let named = move |name: &str| asked == "1" || asked.split(',').any(|n| n == name);
+    let some = all_scenes();
+    SCENES
+        .into_iter()
+        .enumerate()
+        .filter(move |(k, name)| if some { named(name) } else { *k < 3 })
+        .map(|(_, name)| name)
+}
+
+/// Whether scenes are asked for beyond the first three.
+fn all_scenes() -> bool {
+    std::env::var("SUBPIXEL_SHADOWS_ALL_SCENES").is_ok_and(|v| !v.is_empty())
 }
 
 fn gpu() -> &'static Gpu {
@@ -149,20 +161,27 @@ fn scaled(scene: &Scene, factor: f32) -> Scene {
     out
 }
 
+/// A hundred frames of the first scene and five of the others; of every scene a hundred, with one facet a pixel and with all,
+/// with `SUBPIXEL_SHADOWS_ALL_SCENES=1`.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn frames_repeat() {
     let mut failures = Failures::default();
-    for (k, name) in scenes().enumerate() {
+    let modes = if all_scenes() { vec![FacetMode::One, FacetMode::All] } else { vec![FacetMode::One] };
+    for (k, (name, &facets)) in scenes().flat_map(|name| modes.iter().map(move |m| (name, m))).enumerate() {
         let scene = scene(name);
         let prepared = Prepared::new(&scene.mesh);
-        let mut renderer = Renderer::new(gpu(), &prepared, &settings(true), Budget::default()).expect("a renderer");
+        let settings = Settings { facets, ..settings(true) };
+        let mut renderer = renderer(&prepared, &settings, Budget::default());
         let mut frame = || renderer.render(&scene.camera, &scene.light).expect("a frame");
         let first = frame();
         assert!(first.counts.silhouette_pixels > 0 || name == "plane", "{name}: nothing to evaluate");
-        for n in 1..if k == 0 { 100 } else { 5 } {
-            failures.compare(&format!("{name}, frame {n}"), &first, &frame());
+        let frames = if k == 0 || all_scenes() { 100 } else { 5 };
+        for n in 1..frames {
+            failures.compare(&format!("{name}, {facets:?}, frame {n}"), &first, &frame());
         }
+        let evaluations = first.counts.visibility_evaluations;
+        println!("{name}, {facets:?}: {frames} frames of {evaluations} evaluations");
     }
     failures.report();
 }
@@ -488,6 +507,26 @@ fn nothing_is_lit() {
             assert_eq!(output.counts.pixel_texel_pairs + output.counts.triangle_texel_pairs, 0);
         }
     }
+}
+
+/// The largest map is rendered as any other where the device binds its texels, and else refused with the numbers, after which
+/// the device renders on.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn the_largest_map_is_rendered_or_refused() {
+    let scene = scene("plane");
+    let of = |map| Settings { map, ..settings(false) };
+    let first = render(&scene, &of(64));
+    let texels = u64::from(LightView::LARGEST_MAP).pow(2);
+    let bound = gpu().device.limits().max_storage_buffer_binding_size;
+    match try_render(&scene, &of(LightView::LARGEST_MAP), Budget::default()) {
+        Ok(output) => assert_eq!(difference(&picture(&first), &picture(&output)), None),
+        Err(Error::Memory { needed, limit, .. }) => {
+            assert!(needed >= 4 * texels && needed > limit && limit <= bound, "{needed} {limit} {bound}");
+        }
+        Err(other) => panic!("{other}"),
+    }
+    assert_eq!(difference(&picture(&first), &picture(&render(&scene, &of(64)))), None);
 }
 
 /// Settings that cannot be rendered are refused, and the same device renders the next frame.

@@ -137,6 +137,7 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
     for stage in stages {
         assert!(stage["name"].is_string() && stage["gpu_ms"].as_f64().is_some_and(|ms| ms >= 0.0), "{stage}");
         assert!(stage["left_out"].is_null() || stage["left_out"].is_string(), "{stage}");
+        assert!(stage["cpu_ms"].as_f64().is_some_and(|ms| ms == 0.0 || (ms > 0.0 && engine == "cpu")), "{stage}");
     }
     assert!(f["gpu_ms"].is_number() && f["wall_ms"].is_number());
     for key in [
@@ -228,7 +229,6 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         (&["plane", "--map", "9000"], &["9000", "8192"]),
         (&["plane", "--method", "pcf", "--kernel", "4"], &["4 x 4"]),
         (&["plane", "--method", "spsm", "--engine", "cpu"], &["spsm"]),
-        (&["plane", "--engine", "cpu", "--looks"], &["--looks", "CPU"]),
         (&["plane", "--method", "ray-traced", "--looks"], &["--looks", "ray-traced"]),
         (&["plane", "--method", "supersampled", "--looks"], &["--looks", "supersampled"]),
         (&["plane", "--out", &taken], &["taken"]),
@@ -260,9 +260,21 @@ fn the_cpu_engine_works_and_says_so() {
     assert_contract(&out, "cpu", [64, 48], 32);
     let f = frame(&out);
     assert!(f["error"]["scene_rmse"].is_number(), "{}", f["error"]);
+    assert_eq!(f["error"]["facet_wrong_outside_band"], 0, "{}", f["error"]);
+    assert!(f["error"]["facet_samples"].as_u64() > Some(1000), "{}", f["error"]);
     let files = ["difference.png", "frame.json", "shaded.png", "truth.exr", "visibility.exr", "visibility.png"];
     assert_eq!(names(&out), files);
     assert_eq!(exr(&out, "truth.exr").2.len(), 64 * 48);
+    // Every stage has its time, or a reason.
+    for stage in f["stages"].as_array().expect("stages") {
+        let (ran, time) = (stage["left_out"].is_null(), stage["cpu_ms"].as_f64().expect("a time"));
+        assert!(time > 0.0 || (time == 0.0 && !ran), "{stage}");
+        assert_eq!(stage["gpu_ms"], 0.0, "{stage}");
+    }
+    assert!(stdout(&done).contains("CPU ms") && f["counts"]["visibility_evaluations"].as_u64() > Some(0));
+    let done = render(&out, &["plane", "--engine", "cpu", "--facets", "one", "--looks", "--quiet"]);
+    assert!(stdout(&done).contains("classes.png: "), "{}", stdout(&done));
+    assert!(names(&out).contains(&"light-view.png".to_owned()), "{:?}", names(&out));
 }
 
 #[test]
@@ -294,6 +306,31 @@ fn explain_names_each_stage_and_reason() {
     assert!(!text.contains("one plane"), "{text}");
 }
 
+/// Each pixel takes one way, and so does each facet.
+#[test]
+fn explain_counts_the_ways_of_pixels() {
+    for facets in ["one", "all"] {
+        let text = stdout(&run(&[
+            "explain", "spheres", "--size", "64x48", "--map", "64", "--facets", facets, "--engine", "cpu",
+        ]));
+        let count = |way: &str| -> u64 {
+            let line = text.lines().find(|l| l.starts_with(way)).unwrap_or_else(|| panic!("{way}: {text}"));
+            let digits: String = line[way.len()..].trim_start().chars().take_while(|c| *c != ' ').collect();
+            digits.replace(',', "").parse().expect("a number")
+        };
+        let ways: &[&str] = match facets {
+            "one" => &["pixels with one facet"],
+            _ => &["pixels proved to show one surface", "pixels that may show several"],
+        };
+        let shown: u64 = ways.iter().map(|way| count(way)).sum();
+        assert_eq!(shown + count("pixels that see nothing"), 64 * 48, "{text}");
+        assert!(ways.iter().all(|way| count(way) > 0), "{text}");
+        let facets = ["turned from the light", "proved lit", "proved in shadow", "left undecided"];
+        let made: u64 = facets.iter().map(|way| count(&format!("facets {way}"))).sum();
+        assert!(made >= shown, "{made} facets of {shown} pixels");
+    }
+}
+
 #[test]
 fn an_empty_scene_is_fully_lit_without_an_adapter() {
     let folder = Folder::new("empty");
@@ -310,32 +347,6 @@ fn an_empty_scene_is_fully_lit_without_an_adapter() {
 /// What needs an adapter.
 mod with_a_gpu {
     use super::*;
-
-    /// Each pixel takes one way, and so does each facet.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-    fn explain_counts_the_ways_of_pixels() {
-        for facets in ["one", "all"] {
-            let text = stdout(&run(&["explain", "spheres", "--size", "64x48", "--map", "64", "--facets", facets]));
-            let count = |way: &str| -> u64 {
-                let line = text.lines().find(|l| l.starts_with(way)).unwrap_or_else(|| panic!("{way}: {text}"));
-                let digits: String = line[way.len()..].trim_start().chars().take_while(|c| *c != ' ').collect();
-                digits.replace(',', "").parse().expect("a number")
-            };
-            let ways: &[&str] = match facets {
-                "one" => &["pixels with one facet"],
-                _ => &["pixels proved to show one surface", "pixels that may show several"],
-            };
-            let shown: u64 = ways.iter().map(|way| count(way)).sum();
-            assert_eq!(shown + count("pixels that see nothing"), 64 * 48, "{text}");
-            assert!(ways.iter().all(|way| count(way) > 0), "{text}");
-            let facets = ["turned from the light", "proved lit", "proved in shadow", "left undecided"];
-            let made: u64 = facets.iter().map(|way| count(&format!("facets {way}"))).sum();
-            assert!(made >= shown, "{made} facets of {shown} pixels");
-        }
-        let text = stdout(&run(&["explain", "spheres", "--engine", "cpu"]));
-        assert!(text.contains("counted on an adapter"), "{text}");
-    }
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]

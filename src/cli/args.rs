@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Settings};
 use subpixel_shadows::methods::render::Budget;
-use subpixel_shadows::methods::{MethodName, RayTracedSettings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::methods::{
+    MethodName, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SpsmEncoding, SpsmSettings,
+};
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
@@ -99,6 +101,10 @@ pub struct Options {
     /// How facet-masks brings pairs together by texel: counted and written to their places, or sorted, as in the paper
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub pairs: PairsBy,
+    /// How facet-masks turns shadows into lines of the image: planes through the eye, or the paper's two projections, which
+    /// bound no rounding
+    #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
+    pub projection: Projection,
     /// Where to compute; without an adapter, and if not asked for, the CPU takes over and says so [default: gpu]
     #[arg(long, value_enum)]
     pub engine: Option<EngineName>,
@@ -328,6 +334,13 @@ pub enum PairsBy {
     Sorted,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Projection {
+    #[default]
+    Pencil,
+    TwoStep,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
     Gpu,
@@ -383,6 +396,10 @@ impl Options {
             pairs: match self.pairs {
                 PairsBy::Grouped => PairVariant::Grouped,
                 PairsBy::Sorted => PairVariant::Sorted,
+            },
+            projection: match self.projection {
+                Projection::Pencil => ProjectionVariant::Pencil,
+                Projection::TwoStep => ProjectionVariant::TwoStep,
             },
             spsm: SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() },
             ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },

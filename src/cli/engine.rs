@@ -2,15 +2,13 @@
 
 use super::args::{EngineName, Options};
 use super::progress::Console;
-use rayon::prelude::*;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::facet_masks::FacetMode;
-use subpixel_shadows::methods::render::{Counts, Output, Renderer};
+use subpixel_shadows::methods::cpu::{self, CpuTime};
+use subpixel_shadows::methods::render::{Output, Renderer};
 use subpixel_shadows::methods::{AnyRenderer, Looks, MethodName, PixelClass, Prepared, unshadowed};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::scene::Scene;
-use subpixel_shadows::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, full_mask, join_mask, split_mask};
 use subpixel_shadows::{Error, Result};
 
 /// Where frames are computed.
@@ -24,6 +22,8 @@ pub struct Rendered {
     pub output: Output,
     pub facets: Option<FacetSet>,
     pub looks: Option<Looks>,
+    /// The stages that ran on the CPU; `None` on a GPU.
+    pub cpu_stages: Option<Vec<CpuTime>>,
 }
 
 impl Engine {
@@ -48,14 +48,6 @@ impl Engine {
         match self {
             Self::Gpu(_) => "gpu",
             Self::Cpu => "cpu",
-        }
-    }
-
-    /// Why the engine runs none of the stages, if so.
-    pub fn no_stages(&self) -> Option<&'static str> {
-        match self {
-            Self::Gpu(_) => None,
-            Self::Cpu => Some("CPU engine: each facet is held against the casters directly, in f64"),
         }
     }
 
@@ -96,6 +88,7 @@ impl Engine {
                     output: unshadowed::nothing_seen(settings),
                     facets: Some(FacetSet { words, ..FacetSet::default() }),
                     looks: (options.looks && classes).then_some(looks),
+                    cpu_stages: matches!(self, Self::Cpu).then(Vec::new),
                 })
             }
             (Extent::Facing, Self::Gpu(gpu)) => {
@@ -103,7 +96,7 @@ impl Engine {
                 let looks = || Looks::of_unshadowed(gpu, &facets, settings.pixels());
                 let looks = (options.looks && classes).then(looks).transpose()?;
                 let facets = options.truth.then(|| FacetSet::read(gpu, &facets, words)).transpose()?;
-                Ok(Rendered { output, facets, looks })
+                Ok(Rendered { output, facets, looks, cpu_stages: None })
             }
             (Extent::Everything, Self::Gpu(gpu)) if options.method != MethodName::FacetMasks => {
                 let mut renderer = AnyRenderer::new(gpu, prepared, options.method, settings, options.budget())?;
@@ -112,7 +105,7 @@ impl Engine {
                 } else {
                     (renderer.render(&scene.camera, &scene.light)?, None)
                 };
-                Ok(Rendered { output, facets: None, looks })
+                Ok(Rendered { output, facets: None, looks, cpu_stages: None })
             }
             (Extent::Everything, Self::Gpu(gpu)) => {
                 let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
@@ -131,77 +124,26 @@ impl Engine {
                         renderer.strips()
                     ));
                 }
-                Ok(Rendered { output, facets, looks })
+                Ok(Rendered { output, facets, looks, cpu_stages: None })
             }
             (_, Self::Cpu) if options.method != MethodName::FacetMasks => {
                 let name = options.method.name();
                 Err(Error::Config(format!("method {name} on the CPU engine, which has facet-masks only")))
             }
             (_, Self::Cpu) => {
-                let output = on_the_cpu(plan, scene, prepared, console)?;
-                Ok(Rendered { output, facets: None, looks: None })
+                let task = console.task("CPU engine");
+                let progress = |done, total| task.at(done, total);
+                let request = cpu::Request {
+                    unshadowed: plan.extent == Extent::Facing,
+                    facets: options.truth,
+                    looks: options.looks,
+                    progress: Some(&progress),
+                };
+                let frame = cpu::render(prepared, settings, &scene.camera, &scene.light, request)?;
+                let facets = options.truth.then(|| FacetSet::of_cpu(&frame.facets, words));
+                let cpu_stages = Some(frame.stages);
+                Ok(Rendered { output: frame.output, facets, looks: frame.looks, cpu_stages })
             }
         }
     }
-}
-
-/// The model of the method from its definition in `f64`: one facet with a full mask for the triangle at each centre.
-fn on_the_cpu(plan: &Plan, scene: &Scene, prepared: &Prepared, console: Console) -> Result<Output> {
-    let start = std::time::Instant::now();
-    let settings = &plan.settings;
-    let ([w, h], samples) = (settings.size, &settings.samples);
-    let tracer = Tracer::new(&prepared.mesh)?;
-    let rays = scene.camera.rays(w, h);
-    let near = f64::from(scene.camera.near);
-    let triangles: Vec<u32> = (0..w * h)
-        .into_par_iter()
-        .map(|p| {
-            let r = rays.direction(f64::from(p % w) + 0.5, f64::from(p / w) + 0.5);
-            tracer.closest(rays.eye, r, near).map_or(u32::MAX, |hit| hit.triangle)
-        })
-        .collect();
-    let coverage = split_mask(full_mask(samples.count()));
-    let facets: Vec<FacetInput> = match settings.facets {
-        FacetMode::One => (0..w * h)
-            .zip(&triangles)
-            .filter(|(_, t)| **t != u32::MAX)
-            .map(|(pixel, &triangle)| FacetInput { pixel, triangle, coverage })
-            .collect(),
-        FacetMode::All => {
-            let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, samples, w, h)?;
-            let of = |pixel| {
-                let surfaces = truth.surfaces(pixel).into_iter();
-                surfaces.map(move |(triangle, coverage)| FacetInput { pixel, triangle, coverage })
-            };
-            (0..w * h).into_par_iter().flat_map_iter(of).collect()
-        }
-    };
-    let mut truth = FacetTruth::new(&tracer, &scene.camera, &scene.light, samples, w, h)?;
-    if !settings.validity {
-        truth = truth.without_validity();
-    }
-    let task = console.task("CPU engine");
-    let judged = truth.judge(&facets, Some(&|done, total| task.at(done, total)))?;
-    drop(task);
-    let words = samples.words() as usize;
-    let mut output = unshadowed::nothing_seen(settings);
-    let mut seen_of = vec![(0u32, 0u128); triangles.len()];
-    for (facet, result) in facets.iter().zip(&judged) {
-        let (valid, occluded) = (join_mask(result.valid), join_mask(result.occluded));
-        let (seen, lit) = (valid.count_ones(), valid & !occluded);
-        let p = facet.pixel as usize;
-        let all = &mut seen_of[p];
-        *all = (all.0 + seen, all.1 | lit);
-        if all.0 > 0 {
-            output.visibility[p] = all.1.count_ones() as f32 / all.0 as f32;
-            output.lit[p * words..(p + 1) * words].copy_from_slice(&split_mask(all.1)[..words]);
-        }
-    }
-    let seen = facets.len() as u64;
-    let counts = Counts {
-        silhouette_pixels: seen,
-        empty_facets: triangles.iter().filter(|&&t| t == u32::MAX).count() as u64,
-        ..Counts::default()
-    };
-    Ok(Output { triangles, counts, wall_ms: start.elapsed().as_secs_f64() * 1e3, ..output })
 }

@@ -9,8 +9,8 @@ use subpixel_shadows::methods::render::Counts;
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
 
-/// Prints what would run and what would be left out, and why. Of `facet-masks` on an adapter it renders a frame, writes none
-/// of it, and prints how many pixels took which way.
+/// Prints what would run and what would be left out, and why. Of `facet-masks` it renders a frame, writes none of it, and
+/// prints how many pixels took which way.
 pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let settings = options.settings()?;
     let scene = options.open(scene)?;
@@ -33,13 +33,9 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     if options.method == MethodName::FacetMasks {
         let console = Console::new(options.quiet);
         let engine = Engine::open(options, console)?;
+        let counts = engine.render(options, &plan, &scene, &prepared, console)?.output.counts;
         let mut report = Report::default();
-        if engine.no_stages().is_some() {
-            report.text("\nWhich way pixels take is counted on an adapter.");
-        } else {
-            let counts = engine.render(options, &plan, &scene, &prepared, console)?.output.counts;
-            ways(&mut report, &counts, &plan);
-        }
+        ways(&mut report, &counts, &plan);
         report.print();
     }
     Ok(())

@@ -8,6 +8,7 @@ use super::progress::Console;
 use super::table::{Report, grouped, percent};
 use std::path::PathBuf;
 use std::time::Instant;
+use subpixel_shadows::Result;
 use subpixel_shadows::methods::{MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::report::frame_json::{AdapterReport, ErrorReport, Sources};
@@ -18,7 +19,6 @@ use subpixel_shadows::report::{
 };
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::truth::{Tracer, TruthImage};
-use subpixel_shadows::{Error, Result};
 
 /// Renders, writes the files, prints the table.
 pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
@@ -30,9 +30,6 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let prepared = Prepared::new(&scene.mesh);
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let engine = Engine::open(options, console)?;
-    if options.looks && engine.no_stages().is_some() {
-        return Err(Error::Config("--looks: the CPU engine has neither classes of pixels nor a map".to_owned()));
-    }
     let rendered = engine.render(options, &plan, &scene, &prepared, console)?;
     let truth = options.truth.then(|| compare(&rendered, &plan, &scene, &prepared, console)).transpose()?;
     let error = truth.as_ref().map(|(error, _)| *error);
@@ -46,7 +43,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
         settings: &plan.settings,
         plan: &plan,
         output: &rendered.output,
-        no_stages: engine.no_stages(),
+        cpu_stages: rendered.cpu_stages.as_deref(),
         error,
     });
     let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;
@@ -56,12 +53,8 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let [w, h] = options.size;
     let n = options.samples;
     report.line("frame", &format!("{w} x {h} pixels, {n} samples a pixel, light-view map of {0} x {0}", options.map));
-    if engine.no_stages().is_some() {
-        report.text(&format!("{:.3} ms on the CPU", rendered.output.wall_ms));
-    } else {
-        stages(&mut report, &frame, &plan, &rendered);
-        counts(&mut report, &rendered, u64::from(w) * u64::from(h));
-    }
+    stages(&mut report, &frame, &plan, &rendered);
+    counts(&mut report, &rendered, u64::from(w) * u64::from(h));
     if let Some(error) = &error {
         errors(&mut report, error, n, w);
     }
@@ -147,20 +140,27 @@ fn write(
 /// Stages with their time, and those left out.
 fn stages(report: &mut Report, frame: &FrameReport, plan: &Plan, rendered: &Rendered) {
     let output = &rendered.output;
-    let mut rows = vec![["stage", "GPU ms", ""].map(String::from).to_vec()];
+    let on_cpu = rendered.cpu_stages.is_some();
+    let mut rows = vec![["stage", if on_cpu { "CPU ms" } else { "GPU ms" }, ""].map(String::from).to_vec()];
     for stage in &frame.stages {
         let (time, note) = match stage.left_out {
             Some(reason) => ("-".to_owned(), format!("left out: {reason}")),
+            None if on_cpu => (format!("{:.3}", stage.cpu_ms), idle(stage.name, rendered)),
             None if output.stages.is_empty() => ("-".to_owned(), idle(stage.name, rendered)),
             None => (format!("{:.3}", stage.gpu_ms), idle(stage.name, rendered)),
         };
         rows.push(vec![stage.name.to_owned(), time, note]);
     }
-    rows.push(vec!["all".to_owned(), format!("{:.3}", frame.gpu_ms), String::new()]);
+    let all = if on_cpu { frame.stages.iter().map(|s| s.cpu_ms).sum() } else { frame.gpu_ms };
+    rows.push(vec!["all".to_owned(), format!("{all:.3}"), String::new()]);
     report.table(&rows, &[1]);
     let left_out = plan.left_out().count();
-    let time = format!("{:.3} ms from submission to the end", output.wall_ms);
-    report.text(&format!("{time}, {} dispatches, {left_out} steps left out", output.dispatches));
+    report.text(&if on_cpu {
+        format!("{:.3} ms on the CPU, {left_out} steps left out", output.wall_ms)
+    } else {
+        let time = format!("{:.3} ms from submission to the end", output.wall_ms);
+        format!("{time}, {} dispatches, {left_out} steps left out", output.dispatches)
+    });
 }
 
 /// What a stage that ran had nothing to do on.
@@ -173,7 +173,8 @@ fn idle(stage: &str, rendered: &Rendered) -> String {
         "visibility_masks" => (c.visibility_evaluations, "evaluations"),
         _ => return String::new(),
     };
-    if items.0 == 0 && !rendered.output.stages.is_empty() { format!("ran on 0 {}", items.1) } else { String::new() }
+    let ran = rendered.cpu_stages.is_some() || !rendered.output.stages.is_empty();
+    if items.0 == 0 && ran { format!("ran on 0 {}", items.1) } else { String::new() }
 }
 
 fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {

@@ -6,7 +6,7 @@ mod memory;
 use super::every_surface::{EverySurface, SampleIds};
 use super::geometry::GeometryPipelines;
 use super::prepared::CasterBuffers;
-pub use super::settings::{FacetMode, PairVariant, Settings};
+pub use super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::frame::Frame;
 use crate::gpu::kernels::dispatch_args;
 use crate::gpu::{Buffer, Groups, Program, Recorder};
@@ -31,13 +31,14 @@ pub use memory::{Capacities, status};
 use std::sync::Arc;
 
 /// The pipelines, which may serve any number of meshes, images and settings with as many mask words, facets alike and the same
-/// variants of masks and pairs.
+/// variants of masks, pairs and projection.
 #[derive(Debug)]
 pub struct Pipelines {
     words: u32,
     facets: FacetMode,
     masks_by: MaskVariant,
     pairs_by: PairVariant,
+    lines_by: ProjectionVariant,
     geometry: GeometryPipelines,
     layers: LightLayers,
     front: FrontLayer,
@@ -75,6 +76,7 @@ impl Pipelines {
             facets: settings.facets,
             masks_by: settings.masks,
             pairs_by: settings.pairs,
+            lines_by: settings.projection,
             geometry: GeometryPipelines::new(device),
             layers: LightLayers::new(device),
             front: FrontLayer::new(device),
@@ -84,7 +86,10 @@ impl Pipelines {
             pixel_pairs: PixelTexelPairs::new(device),
             triangle_pairs: TriangleTexelPairs::new(device),
             candidates: CandidatePairs::new(device, words),
-            masks: VisibilityMasks::new(device, words, settings.masks.size()),
+            masks: match settings.projection {
+                ProjectionVariant::Pencil => VisibilityMasks::new(device, words, settings.masks.size()),
+                ProjectionVariant::TwoStep => VisibilityMasks::two_step(device, words, settings.masks.size()),
+            },
             resolve: Resolve::new(device, words),
             sorted: sorted.then(|| SortedPairs::new(device, &scan)),
             scan,
@@ -94,10 +99,8 @@ impl Pipelines {
 
     /// Whether they serve `settings`.
     pub fn serve(&self, settings: &Settings) -> bool {
-        self.words == settings.samples.words()
-            && self.facets == settings.facets
-            && self.masks_by == settings.masks
-            && self.pairs_by == settings.pairs
+        let ours = (self.words, self.facets, self.masks_by, self.pairs_by, self.lines_by);
+        ours == (settings.samples.words(), settings.facets, settings.masks, settings.pairs, settings.projection)
     }
 }
 

@@ -25,6 +25,17 @@ pub enum PairVariant {
     Sorted,
 }
 
+/// How the shadow of a triangle on a facet becomes lines of the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProjectionVariant {
+    /// From planes through the eye, without division; what single precision leaves open, 46 bits decide.
+    #[default]
+    Pencil,
+    /// The triangle onto the facet's plane, then onto the screen, in single precision (Pan 2009, section 3.4). For
+    /// comparison: it bounds no rounding.
+    TwoStep,
+}
+
 /// How a texel of `spsm` packs a triangle into 128 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpsmEncoding {
@@ -148,6 +159,8 @@ pub struct Settings {
     pub masks: MaskVariant,
     /// How pairs are brought together by texel.
     pub pairs: PairVariant,
+    /// How shadows become lines of the image.
+    pub projection: ProjectionVariant,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
     /// Options of `spsm`.
@@ -176,6 +189,7 @@ impl Settings {
             cull_back: false,
             masks: MaskVariant::Exact,
             pairs: PairVariant::Grouped,
+            projection: ProjectionVariant::Pencil,
             settle: true,
             spsm: SpsmSettings::default(),
             shadow_map: ShadowMapSettings::default(),

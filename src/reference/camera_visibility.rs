@@ -64,6 +64,32 @@ impl Shape {
         Self { edges: [edge(b, a), edge(c, b), edge(a, c)], normal, distance: normal.dot(a), corners }
     }
 
+    /// Least and greatest depth of its corners.
+    pub(super) fn depths(&self, view: &View) -> (f64, f64) {
+        let [a, b, c] = self.corners.map(|p| p.dot(view.rays.forward));
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+
+    /// Whether it surely covers no place within half a pixel of an image position, in either direction.
+    pub(super) fn misses(&self, view: &View, at: DVec2) -> bool {
+        let ray = view.rays.direction(at.x, at.y);
+        self.edges.iter().any(|m| {
+            let reach = m.dot(view.rays.step_x).abs() + m.dot(view.rays.step_y).abs();
+            m.dot(ray) < -0.51 * reach
+        })
+    }
+
+    /// As [`Shape::at`] without doubt: its depth, held between `lo` and `hi`, where it covers the place.
+    pub(super) fn depth(&self, view: &View, at: DVec2, (lo, hi): (f64, f64)) -> Option<f64> {
+        let ray = view.rays.direction(at.x, at.y);
+        // NaN is outside.
+        if !self.edges.iter().all(|m| m.dot(ray) >= 0.0) {
+            return None;
+        }
+        let depth = (self.distance / self.normal.dot(ray)).clamp(lo, hi);
+        (depth >= view.near).then_some(depth)
+    }
+
     /// Depth at an image position, its doubt, and whether the triangle surely covers the place; `None` if it surely does
     /// not, or not beyond the near plane.
     pub(super) fn at(&self, view: &View, at: DVec2, doubt: Doubt) -> Option<(f64, f64, bool)> {
@@ -78,9 +104,7 @@ impl Shape {
             sure &= inside > doubt.edge * slope;
         }
         let over = self.normal.dot(ray);
-        let depths = self.corners.map(|p| p.dot(view.rays.forward));
-        let lo = depths[0].min(depths[1]).min(depths[2]);
-        let hi = depths[0].max(depths[1]).max(depths[2]);
+        let (lo, hi) = self.depths(view);
         let depth = (self.distance / over).clamp(lo, hi);
         let tilt = (self.normal.dot(view.rays.step_x).abs() + self.normal.dot(view.rays.step_y).abs()) * doubt.edge;
         let reach = doubt.depth * depth + if over.abs() > tilt { depth * tilt / (over.abs() - tilt) } else { hi - lo };

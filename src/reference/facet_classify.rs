@@ -68,7 +68,9 @@ pub struct Facet {
 }
 
 /// Half a pixel and 1/256: samples lie well inside the outline.
-const PIXEL_REACH: f64 = 0.503_906_25;
+const PIXEL_REACH: f64 = 0.5 + SPARE;
+/// 1/256 pixel.
+const SPARE: f64 = 0.003_906_25;
 /// Half an ulp of 1 in 32 bits.
 const TINY: f64 = 1.0 / (1u64 << 24) as f64;
 /// A facet is edge-on where the determinant of two edges and the direction to light or eye is at most this share of the
@@ -90,7 +92,19 @@ pub struct Surroundings<'a> {
     pub casters: u32,
 }
 
-/// Classifies the facets `(pixel, triangle)`. Rectangles reach out by `margin`; nothing is settled without `settle`.
+/// A facet to be classified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// The pixel.
+    pub pixel: u32,
+    /// The triangle whose plane it is; `None` for a pixel that sees none.
+    pub triangle: Option<u32>,
+    /// The samples that see the triangle, where that is known; `None`: the triangle stands for the whole pixel.
+    pub seen_by: Option<u128>,
+}
+
+/// Classifies the facets `(pixel, triangle)`, each of which stands for its whole pixel. Rectangles reach out by `margin`;
+/// nothing is settled without `settle`.
 pub fn classify(
     view: &View,
     around: &Surroundings,
@@ -98,19 +112,52 @@ pub fn classify(
     margin: Margin,
     settle: bool,
 ) -> Vec<Facet> {
-    let words: Vec<u32> = around.marked.iter().map(|&m| u32::from(m)).collect();
-    let sat = table(&words, view.map.map_size as usize);
-    listed.par_iter().map(|&(pixel, triangle)| one(view, around, &sat, (pixel, triangle), margin, settle)).collect()
+    let parts: Vec<Part> = listed.iter().map(|&(pixel, triangle)| Part { pixel, triangle, seen_by: None }).collect();
+    classify_parts(view, around, &marks_table(around.marked, view.map.map_size), &parts, margin, settle)
 }
 
-fn one(
+/// Counts of marked texels: the summed-area table that classification looks rectangles up in.
+pub fn marks_table(marked: &[bool], size: u32) -> Vec<u32> {
+    let words: Vec<u32> = marked.iter().map(|&m| u32::from(m)).collect();
+    table(&words, size as usize)
+}
+
+/// As [`classify`], by a table of marks that exists already, and also of facets that stand for some samples of their pixel:
+/// these are classified by the part of the pixel that holds the samples, at the point that the first of them sees.
+pub fn classify_parts(
     view: &View,
     around: &Surroundings,
     sat: &[u32],
-    (pixel, triangle): (u32, Option<u32>),
+    parts: &[Part],
     margin: Margin,
     settle: bool,
-) -> Facet {
+) -> Vec<Facet> {
+    parts.par_iter().map(|&part| one(view, around, sat, part, margin, settle)).collect()
+}
+
+/// What of its pixel a facet stands for: a sample, as an offset from the pixel centre, and the box around all, with 1/256
+/// pixel to spare.
+struct Span {
+    origin: DVec2,
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Span {
+    fn new(samples: &[[f32; 2]], seen_by: Option<u128>) -> Self {
+        let whole = DVec2::splat(PIXEL_REACH);
+        let offset = |k: usize| DVec2::new(f64::from(samples[k][0]), f64::from(samples[k][1])) - 0.5;
+        let mut seen = seen_by.into_iter().flat_map(|mask| (0..samples.len()).filter(move |k| mask >> k & 1 == 1));
+        let Some(first) = seen.next() else { return Self { origin: DVec2::ZERO, low: -whole, high: whole } };
+        let origin = offset(first);
+        let (low, high) = seen.fold((origin, origin), |(lo, hi), k| (lo.min(offset(k)), hi.max(offset(k))));
+        Self { origin, low: low - SPARE, high: high + SPARE }
+    }
+}
+
+fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Margin, settle: bool) -> Facet {
+    let Part { pixel, triangle, seen_by } = part;
+    let every = full_mask(around.samples.len() as u32);
     let mut facet = Facet {
         pixel,
         triangle,
@@ -118,7 +165,7 @@ fn one(
         state: State::Empty,
         rect: None,
         outline: Outline::default(),
-        coverage: full_mask(around.samples.len() as u32),
+        coverage: seen_by.map_or(every, |mask| mask & every),
         open_coverage: 0,
         open: false,
         open_side: false,
@@ -142,13 +189,14 @@ fn one(
     let normal = normal * turn;
     facet.plane = normal.extend(normal.dot(a));
     facet.open |= facet.plane.w.abs() <= noise * a.length();
-    let ray = pixel_ray(view, pixel, DVec2::ZERO);
+    let span = Span::new(around.samples, seen_by);
+    let ray = pixel_ray(view, pixel, span.origin);
     let depth = facet.plane.w / normal.dot(ray);
     let far_corner = corners.map(|p| p.dot(view.rays.forward)).into_iter().fold(f64::MIN, f64::max);
     let limit = far_corner.max(depth) * 4.0;
-    facet.outline = outline(view, pixel, facet.plane, limit);
+    facet.outline = outline_of(view, pixel, facet.plane, limit, [span.low, span.high]);
     facet.open |= facet.outline.open;
-    if !facet.outline.whole || facet.outline.open {
+    if seen_by.is_none() && (!facet.outline.whole || facet.outline.open) {
         keep_own_triangle(view, around.samples, corners, &mut facet);
     }
     let size = view.map.map_size;
@@ -281,6 +329,11 @@ pub fn pixel_ray(view: &View, pixel: u32, offset: DVec2) -> DVec3 {
 
 /// The pixel's footprint on `plane` as the light sees it, cut off where view depth exceeds `limit`.
 pub fn outline(view: &View, pixel: u32, plane: DVec4, limit: f64) -> Outline {
+    outline_of(view, pixel, plane, limit, [-1.0, 1.0].map(|side| DVec2::splat(side * PIXEL_REACH)))
+}
+
+/// As [`outline`], of the part of the pixel between two corners, which are offsets from its centre.
+fn outline_of(view: &View, pixel: u32, plane: DVec4, limit: f64, [low, high]: [DVec2; 2]) -> Outline {
     let normal = plane.truncate();
     let mut out = Outline {
         nearest: f64::MAX,
@@ -290,7 +343,7 @@ pub fn outline(view: &View, pixel: u32, plane: DVec4, limit: f64) -> Outline {
         whole: true,
         ..Outline::default()
     };
-    let offsets = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| DVec2::new(x, y) * PIXEL_REACH);
+    let offsets = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
     let rays = offsets.map(|o| pixel_ray(view, pixel, o));
     // A ray meets the plane nearer than the limit where this is not positive.
     let over = |ray: DVec3| normal.dot(ray) - plane.w / limit;

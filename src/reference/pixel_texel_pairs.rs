@@ -4,25 +4,29 @@ use super::facet_classify::{Facet, Outline, State, bounds};
 use super::front_layer::{Margin, Split};
 use super::view::centre;
 use glam::DVec2;
+use rayon::prelude::*;
 
 /// The facets (by their place in the list, rising) that touch each texel of a map of `size` texels a side. A texel without
 /// casters has none; with `skip_front` nor has one whose split depth lies behind the facet by more than the margin.
 pub fn pairs(facets: &[Facet], splits: &[Split], size: u32, margin: Margin, skip_front: bool) -> Vec<Vec<u32>> {
-    let mut texels = vec![Vec::new(); splits.len()];
-    for (f, facet) in facets.iter().enumerate().filter(|(_, f)| f.state == State::Undecided) {
-        let Some([x0, y0, x1, y1]) = facet.rect else { continue };
-        for (x, y) in (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| (x, y))) {
-            let texel = (y * size + x) as usize;
-            let listed = match splits[texel] {
+    let pairs = facets.par_iter().enumerate().flat_map_iter(|(f, facet)| {
+        let rect = facet.rect.filter(|_| facet.state == State::Undecided).unwrap_or([1, 1, 0, 0]);
+        let [x0, y0, x1, y1] = rect;
+        let texels = (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| (x, y)));
+        texels.filter_map(move |(x, y)| {
+            let texel = y * size + x;
+            let listed = match splits[texel as usize] {
                 Split::Uncovered => false,
                 Split::Marked => true,
                 Split::At(split) => !skip_front || facet.outline.farthest + margin.depth >= split,
             };
-            if listed && touches(&facet.outline, centre(x, y), 0.5 + margin.texels) {
-                texels[texel].push(f as u32);
-            }
-        }
-    }
+            let listed = listed && touches(&facet.outline, centre(x, y), 0.5 + margin.texels);
+            listed.then_some((texel, f as u32))
+        })
+    });
+    let listed: Vec<(u32, u32)> = pairs.collect();
+    let mut texels = vec![Vec::new(); splits.len()];
+    listed.into_iter().for_each(|(texel, f)| texels[texel as usize].push(f));
     texels
 }
 

@@ -5,6 +5,7 @@ use super::triangle_setup::Triangle;
 use super::view::View;
 use glam::DVec2;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// What a sample sees: as a pixel centre.
 pub type Sample = Seen;
@@ -47,6 +48,52 @@ pub fn see(view: &View, triangles: &[Triangle], offsets: &[DVec2], doubt: Doubt)
     rows.par_iter().enumerate().flat_map_iter(row).collect()
 }
 
+/// The nearest triangle at each of `offsets` in each pixel of some rows, of equally near ones the lowest: what [`see`] says
+/// without doubt, found without looking at triangles that lie behind all of a pixel or beside it.
+pub fn nearest(view: &View, triangles: &[Triangle], offsets: &[DVec2], rows: Range<u32>) -> Vec<Option<u32>> {
+    let mut lists: Vec<Vec<u32>> = vec![Vec::new(); rows.len()];
+    for (t, triangle) in triangles.iter().enumerate() {
+        let Some((lo, hi)) = triangle.image else { continue };
+        let (first, last) = ((lo.y - 2.0).max(f64::from(rows.start)), (hi.y + 2.0).min(f64::from(rows.end) - 1.0));
+        if first <= last {
+            (first as u32..=last as u32).for_each(|row| lists[(row - rows.start) as usize].push(t as u32));
+        }
+    }
+    let (width, count) = (view.image[0] as usize, offsets.len());
+    let row = |(y, list): (u32, &Vec<u32>)| {
+        let mut kept = vec![(f64::INFINITY, u32::MAX); width * count];
+        // What all samples of a pixel see is nearer than this.
+        let mut farthest = vec![f64::INFINITY; width];
+        for &t in list {
+            let triangle = &triangles[t as usize];
+            let (Some(corners), Some((lo, hi))) = (triangle.corners, triangle.image) else { continue };
+            let (first, last) = ((lo.x - 2.0).max(0.0), (hi.x + 2.0).min(width as f64 - 1.0));
+            if first > last {
+                continue;
+            }
+            let shape = Shape::new(corners);
+            let depths = shape.depths(view);
+            for x in first as usize..=last as usize {
+                let corner = DVec2::new(x as f64, f64::from(y));
+                if depths.0 > farthest[x] || shape.misses(view, corner + 0.5) {
+                    continue;
+                }
+                let samples = &mut kept[x * count..(x + 1) * count];
+                for (best, &offset) in samples.iter_mut().zip(offsets) {
+                    if let Some(depth) = shape.depth(view, corner + offset, depths)
+                        && (depth, t) < *best
+                    {
+                        *best = (depth, t);
+                    }
+                }
+                farthest[x] = samples.iter().fold(0.0, |far, s| s.0.max(far));
+            }
+        }
+        kept.into_iter().map(|(_, t)| (t != u32::MAX).then_some(t)).collect::<Vec<_>>()
+    };
+    rows.into_par_iter().zip(&lists).flat_map_iter(row).collect()
+}
+
 /// The surfaces of one pixel, in the order of their first samples: each sample that sees one lies in exactly one.
 pub fn surfaces(samples: &[Option<u32>]) -> Vec<Surface> {
     let mut out: Vec<Surface> = Vec::new();
@@ -76,7 +123,11 @@ pub fn merged(samples: &[Option<u32>], surface_of: &[u32]) -> Vec<Surface> {
 
 #[cfg(test)]
 mod tests {
-    use super::{merged, surfaces};
+    use super::*;
+    use crate::light_view::LightView;
+    use crate::reference::triangle_setup::setup;
+    use crate::reference::vertex_project::project;
+    use crate::scene::builtin;
 
     #[test]
     fn a_surface_has_the_triangle_that_most_of_its_samples_see() {
@@ -86,6 +137,26 @@ mod tests {
         assert_eq!(merged(&seen[1..], &surface_of), [(0, 0b1_0001), (3, 0b110_0110)]);
         let alone = [0, 1, 2, 3, 4];
         assert_eq!(merged(&seen, &alone), surfaces(&seen));
+    }
+
+    /// What is found without looking at all is what is found by looking at all.
+    #[test]
+    fn the_nearest_is_what_is_seen() {
+        for name in ["windmill", "plane"] {
+            let scene = builtin(name).unwrap();
+            let map = LightView::fit(&scene.mesh, &scene.light, 1).unwrap();
+            let view = View::new(&scene.camera, &scene.light, &map, scene.mesh.bounds().unwrap(), [32, 24], false);
+            let vertices = project(&view, &scene.mesh.positions);
+            let triangles = setup(&view, &vertices, &scene.mesh.triangles);
+            let offsets = [[0.5, 0.5], [0.0, 0.0], [0.99, 0.01], [0.25, 0.75]].map(|[x, y]| DVec2::new(x, y));
+            let all = see(&view, &triangles, &offsets, Doubt { edge: 0.0, depth: 0.0 });
+            let all: Vec<_> = all.into_iter().map(|s| s.triangle).collect();
+            let found: Vec<_> =
+                [0..5, 5..6, 6..24].into_iter().flat_map(|rows| nearest(&view, &triangles, &offsets, rows)).collect();
+            assert!(all == found, "{name}");
+            assert!(all.contains(&None) && all.iter().flatten().count() > 1000, "{name}");
+            assert!(all != nearest(&view, &triangles[1..], &offsets, 0..24), "{name}: other triangles are seen");
+        }
     }
 
     #[test]

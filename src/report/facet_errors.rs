@@ -2,12 +2,13 @@
 
 use crate::Result;
 use crate::gpu::Gpu;
+use crate::methods::cpu::CpuFacet;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::strips::Rows;
 use crate::scene::{Camera, Light, PixelRays};
 use crate::stages::facet_classify::{Facet, Facets, State};
 use crate::truth::facet_truth::FacetResult;
-use crate::truth::{FacetInput, FacetTruth, Progress, SceneTruth, Tracer, bits, full_mask, join_mask};
+use crate::truth::{FacetInput, FacetTruth, Progress, SceneTruth, Tracer, bits, full_mask, join_mask, split_mask};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -30,6 +31,21 @@ impl FacetSet {
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn read(gpu: &Gpu, facets: &Facets, words: u32) -> Result<Self> {
         Ok(Self { words, facets: facets.list.read(gpu)?, masks: facets.masks.read(gpu)? })
+    }
+
+    /// The facets of a frame of the CPU engine, with masks of `words` words.
+    pub fn of_cpu(facets: &[CpuFacet], words: u32) -> Self {
+        let facet = |f: &CpuFacet| Facet {
+            pixel: f.pixel,
+            triangle: f.triangle,
+            state: f.masks.state as u32,
+            ..Facet::default()
+        };
+        let words_of = |f: &CpuFacet| {
+            let parts = [f.masks.coverage, f.masks.occluded, f.masks.invalid].map(split_mask);
+            parts.into_iter().flat_map(move |part| part.into_iter().take(words as usize))
+        };
+        Self { words, facets: facets.iter().map(facet).collect(), masks: facets.iter().flat_map(words_of).collect() }
     }
 
     /// Adds the facets of a strip of rows of an image `width` pixels wide, those of rows that are known already left out.
@@ -64,8 +80,10 @@ impl FacetSet {
 /// A frame against facet truth: numeric error alone. Counts are of samples.
 ///
 /// Of a facet that was settled as lit or shadowed the samples on its own triangle (with a facet for every surface: all it covers)
-/// are compared: there its plane is a real surface, which is what the proof is about. Of one that was evaluated all covered samples are compared, for occlusion
-/// and for validity; where ours leave none that is valid and open, evaluation may have ended there, and what is asked is
+/// are compared: there its plane is a real surface, which is what the proof is about. Of one that was evaluated all covered
+/// samples are compared, for validity and, but for those that both drop, for occlusion: a point of the plane that is on no
+/// surface may lie beneath the scene, where the light view holds no caster, and does not count. Where ours leave none that is
+/// valid and open, evaluation may have ended there, and what is asked is
 /// whether truth leaves one. Of one that is dark, all.
 ///
 /// With a facet for every surface the band is around the edges of what is seen, too: a wrong sample whose answer in scene
@@ -120,7 +138,7 @@ impl FacetErrors {
             .map(|&f| FacetInput {
                 pixel: set.facets[f].pixel,
                 triangle: set.facets[f].triangle,
-                coverage: crate::truth::split_mask(set.masks_of(f)[0] & full_mask(settings.samples.count())),
+                coverage: split_mask(set.masks_of(f)[0] & full_mask(settings.samples.count())),
             })
             .collect();
         let results = truth.judge(&inputs, progress)?;
@@ -182,15 +200,21 @@ impl View<'_> {
         let mut e = FacetErrors::default();
         // Which samples are compared for occlusion, what ours are, and which count a fault is put to.
         let closed = state == State::Undecided as u32 && self.validity && (masks[1] | masks[2]) & met == met;
+        // What both drop does not count, whether it is in shadow or not.
+        let dropped = if self.validity { masks[2] & !join_mask(truth.valid) } else { 0 };
         let open = join_mask(truth.valid) & !occluded;
         let (asked, ours) = match state {
             s if s == State::Dark as u32 => (met, met),
             s if s == State::Lit as u32 => (own, 0),
             s if s == State::Shadowed as u32 => (own, own),
             _ if closed => (met & open, met),
-            _ => (met, masks[1] & met),
+            _ => (met & !dropped, masks[1] & met),
         };
-        let (doubt, compared) = if closed { (doubt | doubt_valid, met) } else { (doubt, asked) };
+        let (doubt, compared) = match state {
+            s if s != State::Undecided as u32 => (doubt, asked),
+            _ if closed => (doubt | doubt_valid, met),
+            _ => (doubt, met),
+        };
         let wrong = (ours ^ occluded) & asked;
         let doubt = match &self.surfaces {
             Some(scene) if wrong & !doubt != 0 => doubt | join_mask(scene.ambiguous_mask(facet.pixel)),

@@ -2,6 +2,7 @@
 
 use super::picture;
 use super::{FacetErrors, SceneErrors};
+use crate::methods::cpu::{self, CpuTime};
 use crate::methods::facet_masks::Settings;
 use crate::methods::prepared::Prepared;
 use crate::methods::render::{Counts, ListUse, Output};
@@ -88,8 +89,10 @@ pub struct MeshReport {
 pub struct StageReport<'a> {
     /// The stage.
     pub name: &'a str,
-    /// GPU time; 0 where it was left out, and where the device has no time stamps.
+    /// GPU time; 0 where it was left out, where the device has no time stamps, and on the CPU engine.
     pub gpu_ms: f64,
+    /// Wall time on the CPU engine, else 0.
+    pub cpu_ms: f64,
     /// Why it was left out.
     pub left_out: Option<&'a str>,
 }
@@ -124,8 +127,8 @@ pub struct Sources<'a> {
     pub plan: &'a Plan,
     /// The frame.
     pub output: &'a Output,
-    /// Why the engine runs none of the stages, where it does not.
-    pub no_stages: Option<&'a str>,
+    /// The stages that ran on the CPU engine; `None` on a GPU.
+    pub cpu_stages: Option<&'a [CpuTime]>,
     /// Its error, where truth was computed.
     pub error: Option<ErrorReport>,
 }
@@ -134,6 +137,8 @@ impl<'a> FrameReport<'a> {
     /// The report of a frame.
     pub fn new(s: Sources<'a>) -> Self {
         let time = |name: &str| s.output.stages.iter().find(|t| t.name == name).map_or(0.0, |t| t.gpu_ms);
+        let cpu_time = |name: &str| s.cpu_stages?.iter().find(|t| t.name == name).map(|t| t.ms);
+        let merged = |name: &str| s.cpu_stages.and_then(|_| cpu::merged(name));
         let stages = s.plan.steps.iter().filter(|step| step.left_out.is_some() || !step.name.contains('.'));
         Self {
             program: ProgramReport { version: env!("CARGO_PKG_VERSION") },
@@ -157,7 +162,8 @@ impl<'a> FrameReport<'a> {
                 .map(|step| StageReport {
                     name: step.name,
                     gpu_ms: time(step.name),
-                    left_out: step.left_out.as_deref().or(s.no_stages),
+                    cpu_ms: cpu_time(step.name).unwrap_or(0.0),
+                    left_out: step.left_out.as_deref().or(merged(step.name)),
                 })
                 .collect(),
             gpu_ms: s.output.stages.iter().map(|t| t.gpu_ms).sum::<f64>().max(0.0),

@@ -37,11 +37,27 @@ pub struct Casters<'a> {
 impl VisibilityMasks {
     /// Builds the pipelines for masks of `words` words, with a lookup table of `angles` by `offsets` masks or, if both are
     /// 0, without.
-    pub fn new(device: &wgpu::Device, words: u32, [angles, offsets]: [u32; 2]) -> Self {
-        let constants = [("WORDS", f64::from(words)), ("ANGLES", f64::from(angles)), ("OFFSETS", f64::from(offsets))];
+    pub fn new(device: &wgpu::Device, words: u32, table: [u32; 2]) -> Self {
+        Self::by(device, words, table, false)
+    }
+
+    /// As [`VisibilityMasks::new`], by the two projections of the paper: from the light onto the facet's plane, then onto the
+    /// screen, in single precision. The guarantee is void: no rounding is bounded and nothing is left to refinement. For
+    /// comparison.
+    pub fn two_step(device: &wgpu::Device, words: u32, table: [u32; 2]) -> Self {
+        Self::by(device, words, table, true)
+    }
+
+    fn by(device: &wgpu::Device, words: u32, [angles, offsets]: [u32; 2], two_step: bool) -> Self {
+        let constants = [
+            ("WORDS", f64::from(words)),
+            ("ANGLES", f64::from(angles)),
+            ("OFFSETS", f64::from(offsets)),
+            ("TWO_STEP", f64::from(u8::from(two_step))),
+        ];
         Self {
             evaluate: Program::new(device, kernel::ENTRY_EVALUATE, &constants),
-            refine: Program::new(device, kernel::ENTRY_REFINE, &constants),
+            refine: Program::new(device, kernel::ENTRY_REFINE, &constants[..3]),
         }
     }
 

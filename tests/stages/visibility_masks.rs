@@ -15,11 +15,15 @@ use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec3, DVec4};
 use subpixel_shadows::gpu::program::{Access, Binding};
 use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program};
+use subpixel_shadows::reference::facet_classify as reference;
+use subpixel_shadows::reference::front_layer::Split;
+use subpixel_shadows::reference::visibility_masks::two_step;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::facet_classify::State;
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, TALLY_WORDS};
 use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
+use subpixel_shadows::truth::AMBIGUITY;
 
 fn stage(gpu: &Gpu, words: usize) -> &'static VisibilityMasks {
     static MADE: Pipelines<VisibilityMasks> = Pipelines::new();
@@ -28,6 +32,10 @@ fn stage(gpu: &Gpu, words: usize) -> &'static VisibilityMasks {
 
 /// Evaluates every facet against every other triangle on the GPU.
 fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
+    evaluate_by(stage(world.gpu, world.words()), world, listed, validity)
+}
+
+fn evaluate_by(stage: &VisibilityMasks, world: &World, listed: &List, validity: bool) -> (Masks, usize) {
     let gpu = world.gpu;
     let facets = classify(world, listed);
     let list = facets.list.read(gpu).expect("readback");
@@ -53,7 +61,6 @@ fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
         triangles: world.casters.triangles.raw(),
         positions: world.casters.positions.raw(),
     };
-    let stage = stage(gpu, world.words());
     if !pairs.is_empty() {
         let args = indirect(gpu, pairs.len() as u32);
         run(gpu, |s| stage.record_evaluate(s, frame.raw(), casters, &facets, &lists, (args.raw(), 0)));
@@ -171,6 +178,68 @@ fn degenerate() {
         let world = world(case, [32, 24], samples(32));
         compare(&world, &world.seen(), true).assert_right(&what);
     }
+}
+
+/// Of a facet's samples those in the shadow of any caster by the definition of the two projections, and those within the
+/// ambiguity band of one of its lines.
+fn by_two_steps(world: &World, facet: &reference::Facet) -> [u128; 2] {
+    let (mut shadowed, mut near) = (0, 0);
+    let Some(own) = facet.triangle else { return [0, 0] };
+    let corners = |t: u32| world.triangles[t as usize].corners;
+    for t in (0..world.triangles.len() as u32).filter(|t| *t != own) {
+        let (Some(own), Some(caster)) = (corners(own), corners(t)) else { continue };
+        let Some((edges, line)) = two_step(&world.view, facet, own, caster) else { continue };
+        for (k, [x, y]) in world.samples.offsets().iter().enumerate() {
+            let at = |l: DVec3| (l.x + l.y * (f64::from(*x) - 0.5) + l.z * (f64::from(*y) - 0.5)) / l.y.hypot(l.z);
+            let inside = edges.into_iter().chain(line).map(at).fold(f64::INFINITY, f64::min);
+            shadowed |= u128::from(inside > 0.0) << k;
+            near |= u128::from(inside.abs() <= AMBIGUITY) << k;
+        }
+    }
+    [shadowed, near]
+}
+
+/// The paper's two projections against their definition in `f64` on benign scenes, and against the truth: what they bound is
+/// the same shadow.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_projections_are_as_defined() {
+    let two_step = VisibilityMasks::two_step(&gpu().device, 1, [0, 0]);
+    let mut random = Random::new(77);
+    let mut cases = vec![boxes_case()];
+    cases.extend((0..6).map(|_| soup_case(30, 0.4, &mut random)));
+    let (mut samples_compared, mut shadowed) = (0, 0);
+    for case in cases {
+        let world = world(case, [32, 24], samples(32));
+        let listed = world.seen();
+        let (got, _) = evaluate_by(&two_step, &world, &listed, false);
+        let texels = (world.view.map.map_size as usize).pow(2);
+        let (marked, splits) = (vec![true; texels], vec![Split::Marked; texels]);
+        let around = reference::Surroundings {
+            triangles: &world.triangles,
+            marked: &marked,
+            splits: &splits,
+            samples: world.samples.offsets(),
+            casters: u32::MAX,
+        };
+        let facets = reference::classify(&world.view, &around, &listed, world.margin(), false);
+        let (mut wrong, mut corrupted) = (0, 0);
+        for (facet, (state, [coverage, occluded, _])) in facets.iter().zip(&got) {
+            if *state != State::Undecided as u32 || facet.open {
+                continue;
+            }
+            let [wanted, near] = by_two_steps(&world, facet);
+            let clear = coverage & !near;
+            wrong += ((occluded ^ wanted) & clear).count_ones();
+            corrupted += ((!occluded ^ wanted) & clear).count_ones();
+            samples_compared += clear.count_ones();
+            shadowed += (wanted & clear).count_ones();
+        }
+        assert_eq!(wrong, 0);
+        assert!(corrupted > 1000, "flipped masks pass");
+        assert_eq!(judge(&world, &listed, &got, false).wrong_occluded, 0, "against the truth");
+    }
+    assert!(samples_compared > 20_000 && shadowed > 500, "{shadowed} of {samples_compared}");
 }
 
 /// A caster in whose plane the light lies casts nothing, but where it rises through a facet it still cuts it.

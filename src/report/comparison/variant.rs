@@ -3,7 +3,8 @@
 use crate::Result;
 use crate::mask_table::MaskVariant;
 use crate::methods::{
-    FacetMode, MethodName, PairVariant, RayTracedSettings, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings,
+    FacetMode, MethodName, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings,
+    SpsmEncoding, SpsmSettings,
 };
 use crate::samples::{Pattern, Samples};
 
@@ -93,6 +94,8 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("facets=one validity=off", Settings { validity: false, ..settings.clone() });
                 add("facets=one masks=table", Settings { masks: MaskVariant::TABLE, ..settings.clone() });
                 add("facets=all masks=table", Settings { masks: MaskVariant::TABLE, ..all });
+                let projection = ProjectionVariant::TwoStep;
+                add("facets=one projection=two-step", Settings { projection, ..settings.clone() });
                 add("facets=one pairs=sorted", Settings { pairs: PairVariant::Sorted, ..settings.clone() });
             }
         }

@@ -1,0 +1,250 @@
+//! `facet-masks` on the CPU: the same stages by their definitions in `f64`, on all cores, for machines without an adapter.
+//!
+//! What the light sees is found once, facets and what they need in bands of rows, and of those again in parts whose pairs
+//! fit memory. How masks are looked up and how pairs are brought together ([`Settings::masks`], [`Settings::pairs`]) are
+//! matters of the GPU: here every sample is decided.
+
+mod seen;
+mod shadows;
+
+use super::facet_masks::Settings;
+use super::looks::{Looks, MapLook, PixelClass};
+use super::prepared::Prepared;
+use super::render::{Counts, ListUse, Output};
+use super::unshadowed::nothing_seen;
+use crate::Result;
+use crate::light_view::LightView;
+use crate::reference::facet_classify::{State, Surroundings, classify_parts, marks_table};
+use crate::reference::front_layer::Margin;
+use crate::reference::resolve::{Masks, pixel};
+use crate::reference::triangle_setup::setup;
+use crate::reference::vertex_project::project;
+use crate::reference::view::View;
+use crate::scene::{Camera, Light};
+use crate::truth::{FacetTruth, Progress, Tracer, join_mask, split_mask};
+use glam::DVec3;
+use std::time::Instant;
+
+/// How far conservative tests reach out: far above the rounding of `f64`, far below anything that costs time.
+const MARGIN: Margin = Margin { texels: 1.0 / 1024.0, depth: 1e-7 };
+
+/// Pixels of a band of rows; a row may have more.
+const BAND: u32 = 1 << 19;
+
+/// What is asked of a frame.
+#[derive(Clone, Copy, Default)]
+pub struct Request<'a> {
+    /// Nothing casts a shadow: facets that face the light are lit, and no caster is looked at.
+    pub unshadowed: bool,
+    /// Keep [`Frame::facets`].
+    pub facets: bool,
+    /// Keep [`Frame::looks`].
+    pub looks: bool,
+    /// Takes pixels done, and all.
+    pub progress: Progress<'a>,
+}
+
+/// A facet and what became of its samples, as bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CpuFacet {
+    /// The pixel.
+    pub pixel: u32,
+    /// The triangle of the prepared mesh whose plane it is.
+    pub triangle: u32,
+    /// Its state and its masks.
+    pub masks: Masks,
+}
+
+/// Wall time of a stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CpuTime {
+    /// The stage.
+    pub name: &'static str,
+    /// Milliseconds, of all bands.
+    pub ms: f64,
+}
+
+/// A frame.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The picture.
+    pub output: Output,
+    /// The stages that ran.
+    pub stages: Vec<CpuTime>,
+    /// The facets of pixels that see something, if they were asked for.
+    pub facets: Vec<CpuFacet>,
+    /// What there is to look at, if it was asked for.
+    pub looks: Option<Looks>,
+}
+
+/// Why the CPU runs a stage of the plan as no stage of its own, if so.
+pub fn merged(stage: &str) -> Option<&'static str> {
+    match stage {
+        "pixel_triangles" => Some("CPU engine: sample_surfaces looks at the triangles themselves"),
+        "visibility_refine" => Some("CPU engine: all is decided in f64"),
+        _ => None,
+    }
+}
+
+/// Renders one frame.
+///
+/// # Errors
+/// [`crate::Error::Config`] for impossible settings, [`crate::Error::Scene`] for an impossible camera or light,
+/// [`crate::Error::Mesh`] for a mesh that has not passed its check.
+pub fn render(
+    prepared: &Prepared,
+    settings: &Settings,
+    camera: &Camera,
+    light: &Light,
+    request: Request,
+) -> Result<Frame> {
+    let start = Instant::now();
+    settings.check()?;
+    camera.check()?;
+    let mut clock = Clock::default();
+    let mesh = &prepared.mesh;
+    let size = if request.unshadowed { 1 } else { settings.map };
+    let map = LightView::fit(mesh, light, size)?;
+    map.check()?;
+    let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+    let cull_back = settings.cull_back && prepared.closed;
+    let view = View::new(camera, light, &map, bounds, settings.size, cull_back);
+    let (vertices, triangles) = clock.time("triangle_setup", || {
+        let vertices = project(&view, &mesh.positions);
+        let triangles = setup(&view, &vertices, &mesh.triangles);
+        (vertices, triangles)
+    });
+    let known = if request.unshadowed {
+        shadows::Known::nothing()
+    } else {
+        shadows::Known::new(&mut clock, &view, &prepared.edges, &vertices, &triangles, request.looks)
+    };
+    let sat = clock.time("summed_area", || marks_table(&known.marked, size));
+    let around = Surroundings {
+        triangles: &triangles,
+        marked: &known.marked,
+        splits: &known.splits,
+        samples: settings.samples.offsets(),
+        casters: u32::MAX,
+    };
+    let tracer = Tracer::new(mesh)?;
+    let truth = FacetTruth::new(&tracer, camera, light, &settings.samples, settings.size[0], settings.size[1])?;
+    let validity = settings.validity && settings.samples.count() > 1;
+    let truth = if validity { truth } else { truth.without_validity() };
+
+    let mut frame = Frame {
+        output: nothing_seen(settings),
+        stages: Vec::new(),
+        facets: Vec::new(),
+        looks: request.looks.then(|| Looks {
+            classes: vec![PixelClass::Empty; settings.pixels()],
+            map: (!request.unshadowed).then(|| known.look(size)),
+        }),
+    };
+    let counts = &mut frame.output.counts;
+    *counts = Counts {
+        silhouette_edges: known.silhouette_edges,
+        silhouette_texels: known.marked.iter().filter(|m| **m).count() as u64,
+        ..Counts::default()
+    };
+    let mut pairs = shadows::Pairs::default();
+    let [width, height] = settings.size;
+    let rows = (BAND / width).max(1);
+    let mut first = 0;
+    while first < height {
+        let band = first..(first + rows).min(height);
+        let seen = seen::Seen::new(&mut clock, &view, &triangles, settings, band.clone());
+        let settle = settings.settle;
+        let mut facets =
+            clock.time("facet_classify", || classify_parts(&view, &around, &sat, &seen.parts, MARGIN, settle));
+        if request.unshadowed {
+            facets.iter_mut().filter(|f| f.state == State::Undecided).for_each(|f| f.state = State::Lit);
+        }
+        let (done, of_band) = ((first * width) as usize, (band.end - first) as usize * width as usize);
+        let report = |k: usize, n: usize| {
+            if let Some(progress) = request.progress {
+                progress(done + of_band * k / n.max(1), settings.pixels());
+            }
+        };
+        let skip_front = settings.settle && !validity;
+        let results = pairs.masks(&mut clock, &known, &truth, &facets, &triangles, size, skip_front, Some(&report));
+        clock.time("resolve", || {
+            let of = |k: usize| {
+                let (facet, result) = (&facets[k], &results[k]);
+                let (occluded, invalid) = result
+                    .as_ref()
+                    .map_or((0, 0), |r| (join_mask(r.occluded), if validity { !join_mask(r.valid) } else { 0 }));
+                Masks { state: facet.state, coverage: facet.coverage, occluded, invalid }
+            };
+            seen.add_to(&mut frame, settings.samples.words() as usize, request.facets, &of);
+        });
+        first = band.end;
+    }
+    frame.output.lists = pairs.lists(&mut frame.output.counts);
+    frame.stages = clock.0;
+    frame.output.wall_ms = start.elapsed().as_secs_f64() * 1e3;
+    Ok(frame)
+}
+
+/// Wall time of stages.
+#[derive(Debug, Default)]
+struct Clock(Vec<CpuTime>);
+
+impl Clock {
+    fn time<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let done = work();
+        let ms = start.elapsed().as_secs_f64() * 1e3;
+        match self.0.iter_mut().find(|t| t.name == name) {
+            Some(known) => known.ms += ms,
+            None => self.0.push(CpuTime { name, ms }),
+        }
+        done
+    }
+}
+
+impl seen::Seen {
+    /// Writes the band's pixels, masks of `words` words, and keeps its facets if asked to; `of` gives the masks of each.
+    fn add_to(&self, frame: &mut Frame, words: usize, keep: bool, of: &dyn Fn(usize) -> Masks) {
+        let (output, mut masks) = (&mut frame.output, Vec::new());
+        for (k, range) in self.of_pixels().enumerate() {
+            masks.clear();
+            masks.extend(range.clone().map(of));
+            let p = self.first_pixel as usize + k;
+            let (share, lit) = pixel(&masks);
+            output.visibility[p] = share;
+            output.lit[p * words..(p + 1) * words].copy_from_slice(&split_mask(lit)[..words]);
+            output.triangles[p] = self.centres[k].unwrap_or(u32::MAX);
+            for (f, &masks) in range.zip(&masks) {
+                let (counts, part) = (&mut output.counts, &self.parts[f]);
+                let (count, class) = match masks.state {
+                    State::Empty => (&mut counts.empty_facets, PixelClass::Empty),
+                    State::Dark => (&mut counts.dark_facets, PixelClass::Dark),
+                    State::Lit => (&mut counts.lit_facets, PixelClass::Lit),
+                    State::Shadowed => (&mut counts.shadowed_facets, PixelClass::Shadowed),
+                    State::Undecided => (&mut counts.silhouette_pixels, PixelClass::Undecided),
+                };
+                *count += 1;
+                if let Some(looks) = &mut frame.looks {
+                    looks.classes[p] = looks.classes[p].max(class);
+                }
+                if let (true, Some(triangle)) = (keep, part.triangle) {
+                    frame.facets.push(CpuFacet { pixel: part.pixel, triangle, masks });
+                }
+            }
+        }
+        output.counts.facets += self.parts.len() as u64;
+        output.counts.complex_pixels += self.complex;
+    }
+}
+
+/// A list of `needed` elements at most at a time.
+fn list(name: &'static str, needed: u64) -> ListUse {
+    ListUse { name, needed, capacity: needed, runs: 1 }
+}
+
+impl shadows::Known {
+    fn look(&self, size: u32) -> MapLook {
+        MapLook { size, depths: self.depths.clone(), triangles: Vec::new(), marks: self.marked.clone() }
+    }
+}
