@@ -94,7 +94,7 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
 @compute @workgroup_size(WORKGROUP)
 fn classify_unsure(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let count = atomicLoad(&unsure[0]);
-    for (var k = flat_invocation(group, groups, WORKGROUP, local); k < count; k += WORKGROUP * UNSURE_GROUPS) {
+    for (var k = flat_invocation(group, groups, WORKGROUP, local); k < count; k += WORKGROUP * groups.x * groups.y) {
         let f = atomicLoad(&unsure[1u + k]);
         let shape = shape_of(facets[f].triangle);
         place(f, shape, turns_of(shape.i, shape.a, shape.ab, shape.ac));

@@ -8,7 +8,8 @@
 // light's side of the facet casts nothing on it.
 // `evaluate` works in single precision and puts every candidate it cannot decide, whose lines it cannot place within
 // LINE_TRUST pixels, or with a line nearer to a sample than rounding may move it, on the list `doubts`; `refine` decides
-// those with 46 bits. So two triangles at an edge agree on every sample, whichever of the two decides each.
+// those with 46 bits. What may cut the facet it puts on the same list, from its end, for `cut_facets`: few candidates do, and
+// vector machines pay for code that no lane takes. So two triangles at an edge agree on every sample, whichever of the two decides each.
 
 //@import frame
 //@import dispatch
@@ -22,8 +23,10 @@
 override WORDS: u32 = 1u;
 override ANGLES: u32 = 0u;   // size of the lookup table; 0: every sample is tested against every line
 override OFFSETS: u32 = 0u;
+override CUTS: u32 = 1u;     // 0: FLAG_VALIDITY is never set
 override TWO_STEP: u32 = 0u;  // 1: by two projections (shared/two_step), and nothing is put on the list `doubts`
 const WORKGROUP = 64u;
+const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
@@ -64,17 +67,17 @@ fn is_partial(f: u32) -> bool {
     return seen != frame.sample_count;
 }
 
-// Takes in what a triangle does to a facet: the samples `m` are in its shadow, `h` are its heights over the facet.
-fn apply(f: u32, g: Ground, m: vec4<u32>, l: Lines, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
-    if any(m != vec4(0u)) { add(f, 1u, m); }
-    cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
+// Whether a triangle of heights `h` over a facet may cut it within its pixel, along `line`.
+fn may_cut(line: vec3<f32>, h: vec3<f32>) -> bool {
+    if CUTS == 0u { return false; }
+    return (frame.flags & FLAG_VALIDITY) != 0u && !all(h > vec3(0.0)) && line.x != 0.0 && abs(line.x) <= 0.5 * (abs(line.y) + abs(line.z));
 }
 
 // Where a triangle cuts the facet within its pixel, along `line`, the samples on the other side of the line than the pixel
 // centre see another surface.
 fn cut(f: u32, g: Ground, line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
-    if (frame.flags & FLAG_VALIDITY) == 0u || all(h > vec3(0.0)) || is_partial(f) { return; }
-    if line.x == 0.0 || !meets_pixel(line, a, b, c, h, g.pixel) { return; }
+    if CUTS == 0u { return; }
+    if !may_cut(line, h) || is_partial(f) || !meets_pixel(line, a, b, c, h, g.pixel) { return; }
     let far = -sign(line.x) * line;
     add(f, 2u, inside(Lines(vec4(far.x), vec4(far.y), vec4(far.z))));
 }
@@ -97,11 +100,12 @@ fn project(f: u32, t: u32) {
     h = select(h, vec3(0.0), vec3(is_own(i.x, g.own), is_own(i.y, g.own), is_own(i.z, g.own)));
     if all(h <= vec3(0.0)) { return; }
     let l = two_step_lines(g, a, b, c, h);
-    apply(f, g, inside(l), l, a, b, c, h);
+    add(f, 1u, inside(l));
+    cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }
 
-// False if single precision cannot tell.
-fn settle(f: u32, t: u32) -> bool {
+// False if single precision cannot tell. `k`: the candidate.
+fn settle(k: u32, f: u32, t: u32) -> bool {
     let i = rising(t);
     let a = point_of(i.x);
     let b = point_of(i.y);
@@ -141,8 +145,27 @@ fn settle(f: u32, t: u32) -> bool {
         // The table rounds lines farther than that.
         if ANGLES != 0u { m = inside(l); } else if any(m != most) { return false; }
     }
-    apply(f, g, m, l, a, b, c, h);
+    add(f, 1u, m);
+    if may_cut(vec3(l.centre.w, l.right.w, l.down.w), h) {
+        doubts[frame.candidate_capacity - 1u - atomicAdd(&candidates.tally[TALLY_CUTS], 1u)] = k;
+    }
     return true;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let count = atomicLoad(&candidates.tally[TALLY_CUTS]);
+    for (var n = flat_invocation(group, groups, WORKGROUP, local); n < count; n += WORKGROUP * groups.x * groups.y) {
+        let pair = candidates.list[doubts[frame.candidate_capacity - 1u - n]];
+        if is_dark(pair.x) { continue; }
+        let i = rising(pair.y);
+        let g = ground_of(pair.x);
+        let a = point_of(i.x);
+        let b = point_of(i.y);
+        let c = point_of(i.z);
+        let h = vec3(height_of(g, is_own(i.x, g.own), a), height_of(g, is_own(i.y, g.own), b), height_of(g, is_own(i.z, g.own), c));
+        cut(pair.x, g, own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z)).xyz, a, b, c, h);
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -155,7 +178,7 @@ fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
         project(pair.x, pair.y);
         return;
     }
-    if !settle(pair.x, pair.y) { doubts[atomicAdd(&candidates.tally[TALLY_DOUBTS], 1u)] = k; }
+    if !settle(k, pair.x, pair.y) { doubts[atomicAdd(&candidates.tally[TALLY_DOUBTS], 1u)] = k; }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -188,5 +211,6 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     if !crosses { own = vec3(3.0e38, 0.0, 0.0) * turn; }
     let l = Lines(
         turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y), turn * vec4(ab.z, bc.z, -ac.z, own.z));
-    apply(pair.x, g, inside(l), l, a, b, c, h);
+    add(pair.x, 1u, inside(l));
+    cut(pair.x, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }

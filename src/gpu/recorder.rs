@@ -11,6 +11,8 @@ pub enum Groups<'a> {
     Items(u64),
     /// This many workgroups, folded over two dimensions.
     Workgroups(u64),
+    /// So many workgroups, or as many as the device runs, folded: they go through all there is in steps of their number.
+    Strides(u64),
     /// As three `u32` at this word of a buffer say.
     Indirect(&'a wgpu::Buffer, u64),
 }
@@ -136,9 +138,10 @@ impl Stage<'_> {
     ) -> Result<()> {
         let fold = |groups| Some(fold_within(groups, self.max_groups));
         let direct = match groups {
-            Groups::Items(0) | Groups::Workgroups(0) => return Ok(()),
+            Groups::Items(0) | Groups::Workgroups(0) | Groups::Strides(0) => return Ok(()),
             Groups::Items(n) => fold(n.div_ceil(u64::from(program.workgroup_invocations()))),
             Groups::Workgroups(n) => fold(n),
+            Groups::Strides(n) => fold(n.min(u64::from(self.max_groups) * u64::from(self.max_groups))),
             Groups::Indirect(..) => None,
         };
         let bind_group = program.bind_resources(self.device, resources)?;

@@ -68,6 +68,7 @@ impl Pipelines {
 
     fn build(device: &wgpu::Device, settings: &Settings, receivers: bool) -> Self {
         let clamp = settings.facets == FacetMode::All;
+        let two_step = settings.projection == ProjectionVariant::TwoStep;
         let words = settings.samples.words();
         let scan = PrefixScan::new(device);
         let sorted = settings.pairs == PairVariant::Sorted;
@@ -86,10 +87,7 @@ impl Pipelines {
             pixel_pairs: PixelTexelPairs::new(device),
             triangle_pairs: TriangleTexelPairs::new(device),
             candidates: CandidatePairs::new(device, words),
-            masks: match settings.projection {
-                ProjectionVariant::Pencil => VisibilityMasks::new(device, words, settings.masks.size()),
-                ProjectionVariant::TwoStep => VisibilityMasks::two_step(device, words, settings.masks.size()),
-            },
+            masks: VisibilityMasks::specialised(device, words, settings.masks.size(), two_step, !clamp),
             resolve: Resolve::new(device, words),
             sorted: sorted.then(|| SortedPairs::new(device, &scan)),
             scan,

@@ -198,6 +198,6 @@ impl FacetClassify {
         ];
         stage.run(&self.begin, &[("unsure", facets.unsure.raw())], Groups::Workgroups(1))?;
         stage.run(&self.classify, &buffers, Groups::Items(count as u64))?;
-        stage.run(&self.unsure, &buffers, Groups::Workgroups(u64::from(kernel::UNSURE_GROUPS)))
+        stage.run(&self.unsure, &buffers, Groups::Strides(u64::from(kernel::UNSURE_GROUPS)))
     }
 }

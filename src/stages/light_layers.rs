@@ -7,16 +7,15 @@
 //!   edge passes its centre at a distance far above rounding.
 //! - **Cost.** Two indirect dispatches; one invocation looks at up to 64 texels.
 
-use super::camera_visibility::{Blocks, Pass};
+use super::camera_visibility::Blocks;
 use crate::Result;
 use crate::gpu::kernels::light_layers as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Program, Stage};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct LightLayers {
-    raster: Program,
-    uniforms: Uniforms,
+    runs: [Program; 2],
 }
 
 /// What is known of every texel.
@@ -64,9 +63,10 @@ impl Layers {
 }
 
 impl LightLayers {
-    /// Builds the pipeline.
+    /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[]), uniforms: Uniforms::default() }
+        let run = |index: u8| Program::new(device, kernel::ENTRY_RASTER, &[("RUN", f64::from(index))]);
+        Self { runs: [run(0), run(1)] }
     }
 
     /// Records both runs.
@@ -97,13 +97,11 @@ impl LightLayers {
         frame: &wgpu::Buffer,
         blocks: Blocks,
         layers: &Layers,
-        runs: u32,
+        runs: usize,
     ) -> Result<()> {
-        for index in 0..runs {
-            let pass = self.uniforms.get(stage.device, &Pass { index });
+        for run in &self.runs[..runs] {
             let buffers = [
                 ("frame", frame),
-                ("step", &pass),
                 ("triangles", blocks.triangles),
                 ("map_points", blocks.points.raw()),
                 ("light_rects", blocks.rects.raw()),
@@ -113,7 +111,7 @@ impl LightLayers {
                 ("tie_counts", layers.tie_counts.raw()),
                 ("mask", layers.mask.raw()),
             ];
-            stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
+            stage.run(run, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
         }
         Ok(())
     }

@@ -162,9 +162,9 @@ impl SampleBins {
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_occlude(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        let groups = strides(stage, GROUPS);
+        let groups = Groups::Strides(GROUPS);
         self.run(stage, &self.occlude, 0, band, scene, bins, groups)?;
-        let groups = strides(stage, FEW_GROUPS);
+        let groups = Groups::Strides(FEW_GROUPS);
         self.run(stage, &self.occlude_crowds, 0, band, scene, bins, groups)
     }
 
@@ -173,11 +173,11 @@ impl SampleBins {
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_refine(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        let groups = strides(stage, GROUPS);
+        let groups = Groups::Strides(GROUPS);
         self.run(stage, &self.refine, 0, band, scene, bins, groups)?;
-        let groups = strides(stage, FEW_GROUPS);
+        let groups = Groups::Strides(FEW_GROUPS);
         self.run(stage, &self.refine_all, 0, band, scene, bins, groups)?;
-        let groups = strides(stage, FEW_GROUPS);
+        let groups = Groups::Strides(FEW_GROUPS);
         self.run(stage, &self.refine_crowds, 0, band, scene, bins, groups)
     }
 
@@ -212,10 +212,4 @@ impl SampleBins {
         ];
         stage.run(program, &buffers, groups)
     }
-}
-
-/// So many workgroups, or as many as the device runs.
-fn strides(stage: &Stage, groups: u64) -> Groups<'static> {
-    let most = u64::from(stage.device.limits().max_compute_workgroups_per_dimension);
-    Groups::Workgroups(groups.min(most * most))
 }

@@ -18,6 +18,7 @@ use crate::gpu::{Groups, Program, Stage};
 #[derive(Debug)]
 pub struct VisibilityMasks {
     evaluate: Program,
+    cut: Option<Program>,
     refine: Program,
 }
 
@@ -38,26 +39,34 @@ impl VisibilityMasks {
     /// Builds the pipelines for masks of `words` words, with a lookup table of `angles` by `offsets` masks or, if both are
     /// 0, without.
     pub fn new(device: &wgpu::Device, words: u32, table: [u32; 2]) -> Self {
-        Self::by(device, words, table, false)
+        Self::by(device, words, table, false, true)
     }
 
     /// As [`VisibilityMasks::new`], by the two projections of the paper: from the light onto the facet's plane, then onto the
     /// screen, in single precision. The guarantee is void: no rounding is bounded and nothing is left to refinement. For
     /// comparison.
     pub fn two_step(device: &wgpu::Device, words: u32, table: [u32; 2]) -> Self {
-        Self::by(device, words, table, true)
+        Self::by(device, words, table, true, true)
     }
 
-    fn by(device: &wgpu::Device, words: u32, [angles, offsets]: [u32; 2], two_step: bool) -> Self {
+    /// As [`VisibilityMasks::new`] or [`VisibilityMasks::two_step`], for frames that set
+    /// [`Frame::VALIDITY`](crate::frame::Frame::VALIDITY) only with `cuts`: less code to run without.
+    pub fn specialised(device: &wgpu::Device, words: u32, table: [u32; 2], two_step: bool, cuts: bool) -> Self {
+        Self::by(device, words, table, two_step, cuts)
+    }
+
+    fn by(device: &wgpu::Device, words: u32, [angles, offsets]: [u32; 2], two_step: bool, cuts: bool) -> Self {
         let constants = [
             ("WORDS", f64::from(words)),
             ("ANGLES", f64::from(angles)),
             ("OFFSETS", f64::from(offsets)),
+            ("CUTS", f64::from(u8::from(cuts))),
             ("TWO_STEP", f64::from(u8::from(two_step))),
         ];
         Self {
             evaluate: Program::new(device, kernel::ENTRY_EVALUATE, &constants),
-            refine: Program::new(device, kernel::ENTRY_REFINE, &constants[..3]),
+            cut: cuts.then(|| Program::new(device, kernel::ENTRY_CUT_FACETS, &constants[..4])),
+            refine: Program::new(device, kernel::ENTRY_REFINE, &constants[..4]),
         }
     }
 
@@ -74,7 +83,9 @@ impl VisibilityMasks {
         lists: &PairLists,
         args: (&wgpu::Buffer, u64),
     ) -> Result<()> {
-        Self::run(stage, &self.evaluate, frame, casters, facets, lists, args)
+        Self::run(stage, &self.evaluate, frame, casters, facets, lists, Groups::Indirect(args.0, args.1))?;
+        let Some(cut) = &self.cut else { return Ok(()) };
+        Self::run(stage, cut, frame, casters, facets, lists, Groups::Strides(u64::from(kernel::CUT_GROUPS)))
     }
 
     /// Records the evaluation of all doubtful candidates with 46 bits.
@@ -90,7 +101,7 @@ impl VisibilityMasks {
         lists: &PairLists,
         args: (&wgpu::Buffer, u64),
     ) -> Result<()> {
-        Self::run(stage, &self.refine, frame, casters, facets, lists, args)
+        Self::run(stage, &self.refine, frame, casters, facets, lists, Groups::Indirect(args.0, args.1))
     }
 
     fn run(
@@ -100,7 +111,7 @@ impl VisibilityMasks {
         casters: Casters,
         facets: &Facets,
         lists: &PairLists,
-        args: (&wgpu::Buffer, u64),
+        groups: Groups,
     ) -> Result<()> {
         let buffers = [
             ("frame", frame),
@@ -113,6 +124,6 @@ impl VisibilityMasks {
             ("masks", facets.masks.raw()),
             ("doubts", lists.doubts.raw()),
         ];
-        stage.run(program, &buffers, Groups::Indirect(args.0, args.1))
+        stage.run(program, &buffers, groups)
     }
 }

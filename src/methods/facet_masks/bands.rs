@@ -34,7 +34,7 @@ impl FacetMasks {
             u64::from(tally::TALLY_PAIRS),
             1,
         );
-        rec.clear_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), 3);
+        rec.clear_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), 4);
         let (triangles, positions) = (casters.triangles.raw(), casters.positions.raw());
         {
             let stage = &mut rec.stage("candidate_pairs");
