@@ -1,0 +1,163 @@
+// Where a facet of a triangle lies in the light view, and what follows from that (facet_classify). Needs `frame`, rect, facet,
+// facet_samples, vertex, front_split, only_receiver, summed_area, the arrays `facets`, `masks`, `facet_items`, `triangles` and
+// `splits`, and the overrides CLAMPED and RECEIVERS.
+
+//@import facet_box
+
+// A triangle's vertices by rising index, and their edges from the first.
+struct Shape {
+    given: vec3<u32>,
+    i: vec3<u32>,
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+    ab: vec3<f32>,
+    ac: vec3<f32>,
+}
+
+fn shape_of(t: u32) -> Shape {
+    var s: Shape;
+    s.given = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    var i = s.given;
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    s.i = i;
+    s.a = point_of(i.x);
+    s.b = point_of(i.y);
+    s.c = point_of(i.z);
+    s.ab = edge_of(i.x, i.y);
+    s.ac = edge_of(i.x, i.z);
+    return s;
+}
+
+fn is_clamped() -> bool {
+    if CLAMPED == 2u { return (frame.flags & FLAG_CLAMP) != 0u; }
+    return CLAMPED == 1u;
+}
+
+// Finds where a facet of a triangle lies that turns to light and eye as told, and what is known of it.
+fn place(f: u32, shape: Shape, turns: vec2<f32>) {
+    if turns.x * turns.y <= 0.0 {
+        settle(f, STATE_DARK);
+        return;
+    }
+    let t = facets[f].triangle;
+    let pixel = facets[f].pixel;
+    let a = shape.a;
+    let b = shape.b;
+    let c = shape.c;
+    let ab = shape.ab;
+    let ac = shape.ac;
+    let spread = cross(ab, ac);
+    // A power of two: about 1.
+    let normal = turns.x * spread * bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(spread)) & 0x7f800000u));
+    // Below 0 where single precision does not see it.
+    let plane = vec4(normal, min(dot(normal, a), -1e-9 * largest(a)));
+    let origin = facets[f].origin;
+    let ray = ray_at(pixel, origin);
+    let depth = plane.w / dot(normal, ray);
+    let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
+    // One facet is followed well beyond its own triangle, but not to the horizon.
+    let clamped = is_clamped();
+    let merged = facets[f].state == STATE_MERGED;
+    let near = clamped && (frame.flags & FLAG_BEYOND) == 0u;
+    let cut = near && !merged;
+    let reached = max(far_corner, select(0.0, facets[f].limit, merged));
+    let limit = max(reached, depth) * select(4.0, 1.0001, near);
+    var span = vec2(0u);
+    if clamped { span = span_of_samples(f); }
+    var outline = facet_box(pixel, part_of(span), plane, limit);
+    if cut {
+        cut_to_triangle(&outline, a, b, c);
+    } else if !clamped && !outline.whole {
+        keep_own_triangle(f, shape.given, pixel_ray(pixel));
+    }
+    var rect = EMPTY_RECT;
+    let low = select(vec2(-3.0e38), outline.low, outline.in_front);
+    let high = select(vec2(3.0e38), outline.high, outline.in_front);
+    var farthest = select(3.0e38, outline.farthest, outline.in_front);
+    var margin = frame.map_margin;
+    let receives = RECEIVERS != 0u && only_receives(t);
+    if receives {
+        let reach = reach_beyond(pixel, part_of(span), plane, limit);
+        let perspective = (frame.flags & FLAG_PERSPECTIVE) != 0u;
+        if perspective && outline.ahead + 2e-6 * reach < frame.eye_low.w {
+            settle(f, STATE_LIT);
+            return;
+        }
+        margin = margin_beyond(reach);
+        farthest += frame.depth_margin * reach;
+        outline.nearest -= frame.depth_margin * (reach + 1.0);
+    }
+    if outline.in_front {
+        rect = cells_touched(low - margin, high + margin, vec2(frame.map_size));
+    } else {
+        rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
+    }
+    if is_empty(rect) {
+        settle(f, STATE_LIT);
+        return;
+    }
+    if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front {
+        let r = unpack_rect(rect);
+        let unmarked = rect_sum(vec2(frame.map_size), r.low, r.high) == 0u;
+        if unmarked && receives {
+            let inside = all(low >= vec2(margin)) && all(high <= vec2(f32(frame.map_size) - margin));
+            let state = behind_splits(r, outline.nearest, inside);
+            if state != STATE_UNDECIDED {
+                settle(f, state);
+                return;
+            }
+        } else if unmarked {
+            let p = vec4(ray * depth, 1.0);
+            var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+            if (frame.flags & FLAG_PERSPECTIVE) != 0u { uvz /= dot(frame.map_w, p); }
+            let texel = floor(uvz.xy);
+            if all(texel >= vec2(0.0)) && all(texel < vec2(f32(frame.map_size))) {
+                let split = splits[u32(texel.y) * frame.map_size + u32(texel.x)];
+                if split == UNCOVERED || uvz.z < split {
+                    settle(f, STATE_LIT);
+                    return;
+                }
+                settle(f, STATE_SHADOWED);
+                return;
+            }
+        }
+    }
+    // One Newton step takes the rounding of the quotient out of the point.
+    let over = dot(normal, ray);
+    let raw = ray * depth;
+    let at = raw - ray * (dot(normal, raw - a) / over);
+    let tilt = 2.0 * largest(ab) * largest(ac) / largest(spread);
+    var facet: Facet;
+    facet.plane = plane;
+    facet.pixel = pixel;
+    facet.triangle = t;
+    facet.rect = rect;
+    facet.state = STATE_UNDECIDED;
+    facet.farthest = farthest;
+    facet.limit = limit;
+    facet.tilt = tilt;
+    facet.at = at;
+    facet.doubt = 5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a));
+    facet.box_low = low - margin;
+    facet.box_high = high + margin;
+    facet.slope = light_slope(plane);
+    facet.origin = origin;
+    facet.span = span;
+    facets[f] = facet;
+    facet_items[f] = block_count(rect);
+}
+
+// Depth from the light over texels on a plane, as (per x, per y, at 0) and how far it may be off.
+fn light_slope(plane: vec4<f32>) -> vec4<f32> {
+    let p = vec4(plane.xyz, -plane.w);
+    let z = dot(p, frame.back_z);
+    let s = vec3(dot(p, frame.back_u), dot(p, frame.back_v), dot(p, frame.back_w)) / -z;
+    // Rounding of the products, over a map's width, and of the texels of what is compared with it.
+    let noise = 1e-6 * (dot(abs(p), abs(frame.back_u)) * f32(frame.map_size) + dot(abs(p), abs(frame.back_v)) * f32(frame.map_size)
+        + dot(abs(p), abs(frame.back_w)) + dot(abs(p), abs(frame.back_z))) / abs(z);
+    let off = noise + (abs(s.x) + abs(s.y)) * frame.map_margin + frame.depth_margin;
+    return vec4(s, select(3.0e38, off, off < 3.0e38));
+}
