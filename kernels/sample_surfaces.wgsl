@@ -93,7 +93,7 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
         rivals = rivals_found[masks_at];
         for (var k = 0u; k < count; k++) {
             let key = sample_keys[place(slot, word + k)];
-            if key != 0u { keep(k, key, eye_depth(corners_of(~key), ray_at(pixel, sample_offset(word + k)))); }
+            if key != 0u { keep(k, key, eye_depth(corners_at(corners_of(~key)), ray_at(pixel, sample_offset(word + k)))); }
         }
     }
     for (var n = first; n < end; n++) { take_in(pixel_list[n], count, slot, pixel, centre); }

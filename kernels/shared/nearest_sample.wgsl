@@ -68,18 +68,20 @@ fn look_twice(n: u32, t: u32) {
     look(2u * n + 1u, pair.zw, t);
 }
 
-// Triangle `t`, of corners `i`, at sample `k`, from its corners.
-fn decide(k: u32, t: u32, i: vec3<u32>, slot: u32, pixel: u32) {
+// Triangle `t` at sample `k`, from its corners.
+fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
     let ray = ray_at(pixel, sample_offset(32u * step.word + k));
-    let v = vec3(eye_edge_near(i.x, i.y, ray), eye_edge_near(i.y, i.z, ray), eye_edge_near(i.z, i.x, ray));
-    let depth = eye_depth(i, ray);
+    let u = corners_at(corners_of(t));
+    let i = u.i;
+    let v = vec3(eye_edge_near(i.x, i.y, u.a, u.b, ray), eye_edge_near(i.y, i.z, u.b, u.c, ray), eye_edge_near(i.z, i.x, u.c, u.a, ray));
+    let depth = eye_depth(u, ray);
     if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) || !(depth >= frame.forward.w) { return; }
     let other = ~key_of(k);
     var takes = true;
     var touching = false;
     if other != NO_TRIANGLE {
         let j = corners_of(other);
-        let known = eye_depth(j, ray);
+        let known = eye_depth(corners_at(j), ray);
         takes = depth < known || (depth == known && t < other);
         touching = abs(depth - known) <= TOUCHING * known && !share_vertex(i, j);
     }
@@ -95,8 +97,7 @@ fn decide(k: u32, t: u32, i: vec3<u32>, slot: u32, pixel: u32) {
 
 // Takes in a triangle of the pixel's list. `count`: samples of the word.
 fn take_in(t: u32, count: u32, slot: u32, pixel: u32, centre: vec3<f32>) {
-    let i = corners_of(t);
-    view = view_of(i, centre);
+    view = view_of(corners_at(corners_of(t)), centre);
     open = 0u;
     look_twice(0u, t);
     look_twice(1u, t);
@@ -123,6 +124,6 @@ fn take_in(t: u32, count: u32, slot: u32, pixel: u32, centre: vec3<f32>) {
     while open != 0u {
         let k = firstTrailingBit(open);
         open &= open - 1u;
-        decide(k, t, i, slot, pixel);
+        decide(k, t, slot, pixel);
     }
 }
