@@ -34,6 +34,7 @@ struct Step {
 
 override WORDS: u32 = 1u;
 override MERGE: u32 = 0u;
+override SAMPLES: u32 = 32u;  // of a word at most: code for more is left out
 const WORKGROUP = 64u;
 const ROUND_LENGTH = 512u;
 
@@ -96,7 +97,7 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
             if key != 0u { keep(k, key, eye_depth(corners_at(corners_of(~key)), ray_at(pixel, sample_offset(word + k)))); }
         }
     }
-    for (var n = first; n < end; n++) { take_in(pixel_list[n], count, slot, pixel, centre); }
+    for (var n = first; n < end; n += BATCH) { take_in(n, min(n + BATCH, end), count, slot, pixel, centre); }
     for (var k = 0u; k < 32u; k++) { sample_keys[place(slot, word + k)] = select(0u, best_keys[k], k < count); }
     rivals_found[masks_at] = rivals;
 }
