@@ -133,27 +133,54 @@ fn name_surfaces(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
     if slot >= slot_count() { return; }
     var several = 0u;
     var at = slot;
-    for (var k = 0u; k < 32u * WORDS; k++) {
-        let key = sample_keys[at];
-        var name = 0u;
-        if key != 0u { name = surfaces[~key]; several |= name; name = ~(name & ~SEVERAL); }
-        named_keys[at] = name;
-        at += step.slots;
+    var last = 0u;
+    var other = vec4(0u);  // samples that see another triangle than the one before
+    for (var w = 0u; w < WORDS; w++) {
+        var bits = 0u;
+        for (var k = 0u; k < 32u; k++) {
+            let key = sample_keys[at];
+            var name = 0u;
+            if key != 0u { name = surfaces[~key]; several |= name; name = ~(name & ~SEVERAL); }
+            named_keys[at] = name;
+            bits |= select(0u, 1u << k, key != last && key != 0u);
+            last = key;
+            at += step.slots;
+        }
+        other[w] = bits;
     }
     if (several & SEVERAL) == 0u { return; }
     var far = 0.0;
-    var last = 0u;
-    for (var k = 0u; k < 32u * WORDS; k++) {
-        let key = sample_keys[place(slot, k)];
-        if key != last && key != 0u { far = max(far, far_corner(~key)); }
-        last = key;
+    for (var w = 0u; w < WORDS; w++) {
+        var left = other[w];
+        while left != 0u {
+            far = max(far, far_corner(~sample_keys[place(slot, 32u * w + firstTrailingBit(left))]));
+            left &= left - 1u;
+        }
     }
     named_keys[place(slot, 32u * WORDS)] = bitcast<u32>(far);
+}
+
+// What the samples of a pixel see, where one word holds them: loaded once, and only indexed by what compilers know.
+var<private> own_groups: array<u32, 32>;
+var<private> own_seen: array<u32, 32>;
+
+fn load_groups(slot: u32) {
+    if WORDS > 1u { return; }
+    for (var k = 0u; k < 32u; k++) { own_groups[k] = group_keys[place(slot, k)]; }
+}
+
+fn load_seen(slot: u32) {
+    if WORDS > 1u { return; }
+    for (var k = 0u; k < 32u; k++) { own_seen[k] = seen_keys[place(slot, k)]; }
 }
 
 // The samples of a complex pixel whose surface is named `key`.
 fn samples_of(slot: u32, key: u32) -> vec4<u32> {
     var found = vec4(0u);
+    if WORDS == 1u {
+        for (var k = 0u; k < 32u; k++) { found.x |= select(0u, 1u << k, own_groups[k] == key); }
+        return found;
+    }
     for (var w = 0u; w < WORDS; w++) {
         var bits = 0u;
         var at = place(slot, 32u * w);
@@ -169,6 +196,10 @@ fn samples_of(slot: u32, key: u32) -> vec4<u32> {
 // Those that see the triangle `key`.
 fn samples_that_see(slot: u32, key: u32) -> vec4<u32> {
     var found = vec4(0u);
+    if WORDS == 1u {
+        for (var k = 0u; k < 32u; k++) { found.x |= select(0u, 1u << k, own_seen[k] == key); }
+        return found;
+    }
     for (var w = 0u; w < WORDS; w++) {
         var bits = 0u;
         var at = place(slot, 32u * w);
@@ -196,6 +227,7 @@ fn size_of(mask: vec4<u32>) -> u32 {
 fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
+    load_groups(slot);
     var count = 0u;
     for (var left = samples_left(slot); any(left != vec4(0u)); count++) {
         left &= ~samples_of(slot, group_keys[place(slot, lowest_sample(left))]);
@@ -208,6 +240,8 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     let pixel = complex_pixel(slot);
+    load_groups(slot);
+    if MERGE != 0u { load_seen(slot); }
     id_keys[pixel] = seen_keys[place(slot, 0u)];
     var f = pixel_facets[pixel];
     for (var left = samples_left(slot); any(left != vec4(0u)) && f < frame.facets_total; f++) {
