@@ -64,12 +64,12 @@ fn seen_triangle(t: u32) -> Seen {
     var s: Seen;
     let i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
     let ray = frame.ray_corner.xyz + middle().x * frame.ray_x.xyz + middle().y * frame.ray_y.xyz;
-    s.edges[0] = eye_edge(i.x, i.y, ray);
-    s.edges[1] = eye_edge(i.y, i.z, ray);
-    s.edges[2] = eye_edge(i.z, i.x, ray);
     let a = points[i.x].xyz;
     let b = points[i.y].xyz;
     let c = points[i.z].xyz;
+    s.edges[0] = eye_edge(i.x, i.y, a, b, ray);
+    s.edges[1] = eye_edge(i.y, i.z, b, c, ray);
+    s.edges[2] = eye_edge(i.z, i.x, c, a, ray);
     let normal = cross(b - a, c - a);
     // Rounding of the normal, of the corners themselves, and of the products with a ray anywhere in the image.
     let wide = largest(frame.ray_corner.xyz) + largest(ray);

@@ -34,6 +34,7 @@ struct Step {
 
 override WORDS: u32 = 1u;
 override MERGE: u32 = 0u;
+override SAMPLES: u32 = 32u;  // of a word at most: code for more is left out
 const WORKGROUP = 64u;
 const ROUND_LENGTH = 512u;
 
@@ -93,10 +94,10 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
         rivals = rivals_found[masks_at];
         for (var k = 0u; k < count; k++) {
             let key = sample_keys[place(slot, word + k)];
-            if key != 0u { keep(k, key, eye_depth(corners_of(~key), ray_at(pixel, sample_offset(word + k)))); }
+            if key != 0u { keep(k, key, eye_depth(corners_at(corners_of(~key)), ray_at(pixel, sample_offset(word + k)))); }
         }
     }
-    for (var n = first; n < end; n++) { take_in(pixel_list[n], count, slot, pixel, centre); }
+    for (var n = first; n < end; n += BATCH) { take_in(n, min(n + BATCH, end), count, slot, pixel, centre); }
     for (var k = 0u; k < 32u; k++) { sample_keys[place(slot, word + k)] = select(0u, best_keys[k], k < count); }
     rivals_found[masks_at] = rivals;
 }
@@ -132,27 +133,54 @@ fn name_surfaces(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
     if slot >= slot_count() { return; }
     var several = 0u;
     var at = slot;
-    for (var k = 0u; k < 32u * WORDS; k++) {
-        let key = sample_keys[at];
-        var name = 0u;
-        if key != 0u { name = surfaces[~key]; several |= name; name = ~(name & ~SEVERAL); }
-        named_keys[at] = name;
-        at += step.slots;
+    var last = 0u;
+    var other = vec4(0u);  // samples that see another triangle than the one before
+    for (var w = 0u; w < WORDS; w++) {
+        var bits = 0u;
+        for (var k = 0u; k < 32u; k++) {
+            let key = sample_keys[at];
+            var name = 0u;
+            if key != 0u { name = surfaces[~key]; several |= name; name = ~(name & ~SEVERAL); }
+            named_keys[at] = name;
+            bits |= select(0u, 1u << k, key != last && key != 0u);
+            last = key;
+            at += step.slots;
+        }
+        other[w] = bits;
     }
     if (several & SEVERAL) == 0u { return; }
     var far = 0.0;
-    var last = 0u;
-    for (var k = 0u; k < 32u * WORDS; k++) {
-        let key = sample_keys[place(slot, k)];
-        if key != last && key != 0u { far = max(far, far_corner(~key)); }
-        last = key;
+    for (var w = 0u; w < WORDS; w++) {
+        var left = other[w];
+        while left != 0u {
+            far = max(far, far_corner(~sample_keys[place(slot, 32u * w + firstTrailingBit(left))]));
+            left &= left - 1u;
+        }
     }
     named_keys[place(slot, 32u * WORDS)] = bitcast<u32>(far);
+}
+
+// What the samples of a pixel see, where one word holds them: loaded once, and only indexed by what compilers know.
+var<private> own_groups: array<u32, 32>;
+var<private> own_seen: array<u32, 32>;
+
+fn load_groups(slot: u32) {
+    if WORDS > 1u { return; }
+    for (var k = 0u; k < 32u; k++) { own_groups[k] = group_keys[place(slot, k)]; }
+}
+
+fn load_seen(slot: u32) {
+    if WORDS > 1u { return; }
+    for (var k = 0u; k < 32u; k++) { own_seen[k] = seen_keys[place(slot, k)]; }
 }
 
 // The samples of a complex pixel whose surface is named `key`.
 fn samples_of(slot: u32, key: u32) -> vec4<u32> {
     var found = vec4(0u);
+    if WORDS == 1u {
+        for (var k = 0u; k < 32u; k++) { found.x |= select(0u, 1u << k, own_groups[k] == key); }
+        return found;
+    }
     for (var w = 0u; w < WORDS; w++) {
         var bits = 0u;
         var at = place(slot, 32u * w);
@@ -168,6 +196,10 @@ fn samples_of(slot: u32, key: u32) -> vec4<u32> {
 // Those that see the triangle `key`.
 fn samples_that_see(slot: u32, key: u32) -> vec4<u32> {
     var found = vec4(0u);
+    if WORDS == 1u {
+        for (var k = 0u; k < 32u; k++) { found.x |= select(0u, 1u << k, own_seen[k] == key); }
+        return found;
+    }
     for (var w = 0u; w < WORDS; w++) {
         var bits = 0u;
         var at = place(slot, 32u * w);
@@ -195,6 +227,7 @@ fn size_of(mask: vec4<u32>) -> u32 {
 fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
+    load_groups(slot);
     var count = 0u;
     for (var left = samples_left(slot); any(left != vec4(0u)); count++) {
         left &= ~samples_of(slot, group_keys[place(slot, lowest_sample(left))]);
@@ -207,6 +240,8 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     let pixel = complex_pixel(slot);
+    load_groups(slot);
+    if MERGE != 0u { load_seen(slot); }
     id_keys[pixel] = seen_keys[place(slot, 0u)];
     var f = pixel_facets[pixel];
     for (var left = samples_left(slot); any(left != vec4(0u)) && f < frame.facets_total; f++) {

@@ -50,7 +50,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let listed = (lists.offsets.read(gpu)?[pixels] as usize).saturating_sub(pixels);
     let args = Buffer::<u32>::indirect(device, "bench.args", 3)?;
     args.write(&gpu.queue, &recorder::fold(u64::from(count.div_ceil(WORKGROUP))));
-    let stage = SampleSurfaces::new(device, &scan, 1);
+    let stage = SampleSurfaces::new(device, &scan, 32);
     Ok(vec![Case {
         name: "sample_surfaces".to_owned(),
         size: setup.casters.triangles.len(),

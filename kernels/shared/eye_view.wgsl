@@ -1,5 +1,5 @@
 // A triangle as the rays of one pixel see it: edge functions and inverse depth, linear in the offset from the pixel centre,
-// with bounds of their doubt. Needs `frame`, `points`, eye_edges.
+// with bounds of their doubt. Needs `frame`, eye_edges.
 
 const INVERSE_SLACK = 0.00002;
 
@@ -16,16 +16,14 @@ struct View {
 
 // Edge function at the pixel centre, per pixel right, per pixel down, and doubt. Evaluated from the end that is nearer to
 // the ray, so that small triangles far away are as certain as large ones nearby.
-fn edge_over(i: u32, j: u32, centre: vec3<f32>) -> vec4<f32> {
-    let low = min(i, j);
-    let high = max(i, j);
-    let p = points[low].xyz;
-    let q = points[high].xyz;
+fn edge_over(i: u32, j: u32, at_i: vec3<f32>, at_j: vec3<f32>, centre: vec3<f32>) -> vec4<f32> {
+    let p = select(at_j, at_i, i <= j);
+    let q = select(at_i, at_j, i <= j);
     let a = p - dot(p, frame.forward.xyz) * centre;
     let b = q - dot(q, frame.forward.xyz) * centre;
     let d = select(a, b, dot(b, b) < dot(a, a));
     let along = q - p;
-    let turn = select(-1.0, 1.0, i == low);
+    let turn = select(-1.0, 1.0, i <= j);
     let m = turn * cross(p, along);
     let v = vec3(turn * dot(cross(d, along), centre), dot(m, frame.ray_x.xyz), dot(m, frame.ray_y.xyz));
     // Rounding of the ray, of the way from it to the corner, and of the products; of the sum over a pixel.
@@ -35,13 +33,13 @@ fn edge_over(i: u32, j: u32, centre: vec3<f32>) -> vec4<f32> {
     return vec4(v, off * largest(along) + 6e-7 * (abs(v.x) + abs(v.y) + abs(v.z)));
 }
 
-fn view_of(i: vec3<u32>, centre: vec3<f32>) -> View {
-    let e = edge_over(i.x, i.y, centre);
-    let f = edge_over(i.y, i.z, centre);
-    let g = edge_over(i.z, i.x, centre);
-    let a = points[i.x].xyz;
-    let b = points[i.y].xyz;
-    let c = points[i.z].xyz;
+fn view_of(t: Corners, centre: vec3<f32>) -> View {
+    let a = t.a;
+    let b = t.b;
+    let c = t.c;
+    let e = edge_over(t.i.x, t.i.y, a, b, centre);
+    let f = edge_over(t.i.y, t.i.z, b, c, centre);
+    let g = edge_over(t.i.z, t.i.x, c, a, centre);
     let normal = cross(b - a, c - a);
     // Rounding of the normal and of its products with a corner and with a ray, here and in `eye_depth`; corners are exact.
     let reach = max(largest(a), max(largest(b), largest(c)));

@@ -1,6 +1,6 @@
 // The nearest triangle of each sample of a word, kept by one invocation. Edges and inverse depths are compared by bounds of
 // linear functions; what those leave open is computed from the corners. Where surfaces almost touch, the other one is kept as a
-// rival. Needs `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
+// rival. Needs the override SAMPLES, `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
 
 // What is known of each sample of the word: the complement of its triangle (0: none) and bounds of its inverse depth. They
 // are only indexed by what compilers know, so that they stay in registers. Where `rivals` has a bit, another triangle almost
@@ -10,9 +10,12 @@ var<private> best_high: array<f32, 32>;
 var<private> best_low: array<f32, 32>;
 var<private> rivals: u32;
 
-// The triangle that is looked at, and the samples for which bounds do not tell.
+// The triangle that is looked at, and the samples for which bounds do not tell; those of the triangles of a batch.
 var<private> view: View;
 var<private> open: u32;
+var<private> opens: array<u32, BATCH>;
+
+const BATCH = 8u;
 
 fn corners_of(t: u32) -> vec3<u32> {
     return vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
@@ -68,18 +71,20 @@ fn look_twice(n: u32, t: u32) {
     look(2u * n + 1u, pair.zw, t);
 }
 
-// Triangle `t`, of corners `i`, at sample `k`, from its corners.
-fn decide(k: u32, t: u32, i: vec3<u32>, slot: u32, pixel: u32) {
+// Triangle `t` at sample `k`, from its corners.
+fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
     let ray = ray_at(pixel, sample_offset(32u * step.word + k));
-    let v = vec3(eye_edge_near(i.x, i.y, ray), eye_edge_near(i.y, i.z, ray), eye_edge_near(i.z, i.x, ray));
-    let depth = eye_depth(i, ray);
+    let u = corners_at(corners_of(t));
+    let i = u.i;
+    let v = vec3(eye_edge_near(i.x, i.y, u.a, u.b, ray), eye_edge_near(i.y, i.z, u.b, u.c, ray), eye_edge_near(i.z, i.x, u.c, u.a, ray));
+    let depth = eye_depth(u, ray);
     if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) || !(depth >= frame.forward.w) { return; }
     let other = ~key_of(k);
     var takes = true;
     var touching = false;
     if other != NO_TRIANGLE {
         let j = corners_of(other);
-        let known = eye_depth(j, ray);
+        let known = eye_depth(corners_at(j), ray);
         takes = depth < known || (depth == known && t < other);
         touching = abs(depth - known) <= TOUCHING * known && !share_vertex(i, j);
     }
@@ -93,23 +98,21 @@ fn decide(k: u32, t: u32, i: vec3<u32>, slot: u32, pixel: u32) {
     }
 }
 
-// Takes in a triangle of the pixel's list. `count`: samples of the word.
-fn take_in(t: u32, count: u32, slot: u32, pixel: u32, centre: vec3<f32>) {
-    let i = corners_of(t);
-    view = view_of(i, centre);
+// The samples of a word for which bounds do not tell whether they see triangle `t`.
+fn look_at(t: u32, count: u32, centre: vec3<f32>) {
+    view = view_of(corners_at(corners_of(t)), centre);
     open = 0u;
     look_twice(0u, t);
     look_twice(1u, t);
     look_twice(2u, t);
     look_twice(3u, t);
-    // Loops of one turn: CPU adapters jump over a loop, but not over a branch.
-    for (var more = count > 8u; more; more = false) {
+    if SAMPLES > 8u {
         look_twice(4u, t);
         look_twice(5u, t);
         look_twice(6u, t);
         look_twice(7u, t);
     }
-    for (var more = count > 16u; more; more = false) {
+    if SAMPLES > 16u {
         look_twice(8u, t);
         look_twice(9u, t);
         look_twice(10u, t);
@@ -120,9 +123,31 @@ fn take_in(t: u32, count: u32, slot: u32, pixel: u32, centre: vec3<f32>) {
         look_twice(15u, t);
     }
     open &= select((1u << count) - 1u, 0xffffffffu, count == 32u);
-    while open != 0u {
-        let k = firstTrailingBit(open);
-        open &= open - 1u;
-        decide(k, t, i, slot, pixel);
+}
+
+// Takes in up to BATCH triangles of the pixel's list, from `first` on. `count`: samples of the word.
+// What bounds leave open is decided for all of them in one loop: it is rare, and costs as much as a triangle does.
+// What is found does not depend on the order.
+fn take_in(first: u32, end: u32, count: u32, slot: u32, pixel: u32, centre: vec3<f32>) {
+    for (var n = 0u; n < BATCH; n++) { opens[n] = 0u; }
+    var some = false;
+    for (var n = first; n < end; n++) {
+        look_at(pixel_list[n], count, centre);
+        for (var m = 0u; m < BATCH; m++) { opens[m] = select(opens[m], open, m == n - first); }
+        some |= open != 0u;
+    }
+    while some {
+        var at = 0u;
+        var left = 0u;
+        for (var m = 0u; m < BATCH; m++) {
+            at = select(at, m, opens[m] != 0u);
+            left = select(left, opens[m], opens[m] != 0u);
+        }
+        some = false;
+        for (var m = 0u; m < BATCH; m++) {
+            opens[m] = select(opens[m], left & (left - 1u), m == at);
+            some |= opens[m] != 0u;
+        }
+        decide(firstTrailingBit(left), pixel_list[first + at], slot, pixel);
     }
 }

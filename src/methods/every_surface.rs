@@ -53,16 +53,16 @@ impl EverySurface {
         settings: &Settings,
         capacities: Capacities,
     ) -> Result<Self> {
-        let words = settings.samples.words();
+        let (samples, words) = (settings.samples.count(), settings.samples.words());
         let pixels = settings.pixels();
         let c = capacities;
         Ok(Self {
             triangles: PixelTriangles::new(device, scan),
             compact: Compact::new(device, scan),
             surfaces: if merge {
-                SampleSurfaces::merging(device, scan, words)
+                SampleSurfaces::merging(device, scan, samples)
             } else {
-                SampleSurfaces::new(device, scan, words)
+                SampleSurfaces::new(device, scan, samples)
             },
             fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
             lists: PixelLists::new(device, pixels, c.pixel_triangles)?,

@@ -35,7 +35,7 @@ shared_struct! {
     }
 }
 
-/// The pipelines for one number of mask words.
+/// The pipelines for one number of samples.
 #[derive(Debug)]
 pub struct SampleSurfaces {
     nearest: Program,
@@ -120,18 +120,20 @@ pub struct Mesh<'a> {
 pub type Fill<'a> = &'a dyn Fn(&mut Stage, [u32; 2], &Buffer<u32>, Groups) -> Result<()>;
 
 impl SampleSurfaces {
-    /// Builds the pipelines for masks of `words` words; `scan` is shared. Every triangle is a surface of its own.
-    pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
-        Self::with(device, scan, words, false)
+    /// Builds the pipelines for `samples` samples a pixel; `scan` is shared. Every triangle is a surface of its own.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
+        Self::with(device, scan, samples, false)
     }
 
     /// As [`SampleSurfaces::new`]; triangles of one surface ([`Mesh::surfaces`]) make one facet.
-    pub fn merging(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
-        Self::with(device, scan, words, true)
+    pub fn merging(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
+        Self::with(device, scan, samples, true)
     }
 
-    fn with(device: &wgpu::Device, scan: &PrefixScan, words: u32, merge: bool) -> Self {
-        let constants = [("WORDS", f64::from(words)), ("MERGE", f64::from(u8::from(merge)))];
+    fn with(device: &wgpu::Device, scan: &PrefixScan, samples: u32, merge: bool) -> Self {
+        let words = samples.div_ceil(32);
+        let constants = [("WORDS", words), ("MERGE", u32::from(merge)), ("SAMPLES", samples.min(32))];
+        let constants = constants.map(|(name, value)| (name, f64::from(value)));
         Self {
             nearest: Program::new(device, kernel::ENTRY_NEAREST, &constants),
             rivals: Program::new(device, kernel::ENTRY_SETTLE_RIVALS, &constants),

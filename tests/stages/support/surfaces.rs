@@ -172,7 +172,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
         surfaces: casters.surfaces.as_ref(),
     };
     let build = if merge { SampleSurfaces::merging } else { SampleSurfaces::new };
-    let stage = build(device, &scan, words);
+    let stage = build(device, &scan, samples.count());
     let per_pixel = (args[1].raw(), 0);
     run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, rounds, &scratch, &facets, &id_keys));
 
