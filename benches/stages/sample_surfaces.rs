@@ -62,7 +62,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             let positions = setup.casters.positions.raw();
             let mesh = Mesh { samples: samples.raw(), triangles, points, positions, surfaces: None };
             let per_pixel = (args.raw(), 0);
-            stage.record(s, setup.frame.raw(), mesh, &lists, &complex, per_pixel, 1, &scratch, &facets, &id_keys)
+            stage.record(s, setup.frame.raw(), mesh, &lists, &complex, per_pixel, 1, &scratch, &facets, &id_keys, None)
         }),
     }])
 }

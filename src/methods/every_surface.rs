@@ -148,7 +148,7 @@ impl EverySurface {
             let fill = fill.as_ref().map(|f| f as Fill);
             let rounds = self.rounds;
             let surfaces = &self.surfaces;
-            surfaces.record_filled(stage, frame, mesh, lists, complex, args, rounds, scratch, facets, id_keys, fill)?;
+            surfaces.record(stage, frame, mesh, lists, complex, args, rounds, scratch, facets, id_keys, fill)?;
         }
         let mut keep = |from: &Buffer<u32>, first: usize, at: usize| {
             rec.copy_words(from.raw(), first as u64, status_words.raw(), at as u64, 2);

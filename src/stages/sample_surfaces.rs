@@ -148,33 +148,12 @@ impl SampleSurfaces {
     }
 
     /// Records all of it, in `rounds` rounds. `args`: indirect arguments of one workgroup for each [`WORKGROUP`] complex
-    /// pixels.
+    /// pixels; `fill` may give samples that lie in no listed triangle what they see.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] if a buffer is too small for the image, or there are no surfaces to merge by.
+    /// Those of `fill`; [`crate::Error::Config`] if a buffer is too small for the image, or there are no surfaces to merge by.
     #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
     pub fn record(
-        &self,
-        stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        mesh: Mesh,
-        lists: &PixelLists,
-        complex: &ComplexPixels,
-        args: (&wgpu::Buffer, u64),
-        rounds: u32,
-        scratch: &prefix_scan::Scratch,
-        facets: &Facets,
-        id_keys: &Buffer<u32>,
-    ) -> Result<()> {
-        self.record_filled(stage, frame, mesh, lists, complex, args, rounds, scratch, facets, id_keys, None)
-    }
-
-    /// As [`SampleSurfaces::record`]; `fill` may give samples that lie in no listed triangle what they see.
-    ///
-    /// # Errors
-    /// As [`SampleSurfaces::record`], and those of `fill`.
-    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
-    pub fn record_filled(
         &self,
         stage: &mut Stage,
         frame: &wgpu::Buffer,

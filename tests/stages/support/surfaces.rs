@@ -174,7 +174,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     let build = if merge { SampleSurfaces::merging } else { SampleSurfaces::new };
     let stage = build(device, &scan, samples.count());
     let per_pixel = (args[1].raw(), 0);
-    run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, rounds, &scratch, &facets, &id_keys));
+    run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, rounds, &scratch, &facets, &id_keys, None));
 
     for (buffer, len) in [(&lists.list, room[0]), (&complex.pixels, room[1]), (&facets.masks, facets.masks.len())] {
         let all = read_padded(gpu, buffer);
