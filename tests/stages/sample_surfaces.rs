@@ -304,7 +304,8 @@ fn compare_merged(case: &Case, alone: &Found, found: &Found, samples: &Samples) 
             if let Some(reach) = found.reach[facet] {
                 several += 1;
                 let far = seen.iter().flatten().map(|&t| depth(t)).fold(0.0, f64::max);
-                if !((f64::from(reach) - far).abs() <= 1e-5 * far) {
+                let near = (f64::from(reach) - far).abs() <= 1e-5 * far;
+                if !near {
                     return Err(format!("facet {facet} reaches {reach}, {far}"));
                 }
             }
