@@ -1,5 +1,5 @@
 // camera_visibility: the nearest triangle at every pixel centre, by compute rasterization of 8 x 8 blocks.
-// Two runs of the same entry point, each compiled for itself: run 0 finds the depth, run 1 the lowest triangle at that depth.
+// Two runs of the same entry point: pass 0 finds the depth, pass 1 the lowest triangle index at that depth.
 // Reads the blocks of each triangle (`work_offsets`, `camera_rects`). Writes `depth_keys` (complement of the bits of the
 // view depth; 0 where nothing is seen) and `id_keys` (complement of the triangle; 0 where nothing is seen).
 // Edge functions go through the eye, so nothing is clipped and nothing divided; each edge is evaluated from its lower
@@ -7,14 +7,15 @@
 
 //@import frame
 //@import dispatch
+//@import pass
 //@import rect
 //@import work_items
 //@import span
 
-override RUN: u32 = 0u;
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> step: Pass;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
 @group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> camera_rects: array<vec2<u32>>;
@@ -69,7 +70,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             let depth = clamp(raw, nearest, farthest);
             let key = ~bitcast<u32>(depth);
             let pixel = y * frame.image_size.x + x;
-            if RUN == 0u {
+            if step.index == 0u {
                 if atomicLoad(&depth_keys[pixel]) < key { atomicMax(&depth_keys[pixel], key); }
             } else if atomicLoad(&depth_keys[pixel]) == key {
                 atomicMax(&id_keys[pixel], ~t);

@@ -10,6 +10,7 @@
 
 //@import frame
 //@import dispatch
+//@import divide
 
 const WORKGROUP = 64u;
 const STATUS_LONGEST = 25u;
@@ -68,7 +69,7 @@ fn note(t: u32) {
 }
 
 fn place_of(pixel: u32) -> vec2<u32> {
-    return vec2(pixel % frame.image_size.x, pixel / frame.image_size.x);
+    return divided(pixel, frame.image_size.x).yx;
 }
 
 fn look_at_layers(pixel: u32) {

@@ -1,22 +1,22 @@
 // light_layers: the nearest and the second nearest caster at every texel centre, seen from the light.
-// Two runs of the same entry point, each compiled for itself: run 0 finds the nearest depth, run 1 the second, and marks in
-// `mask` every texel whose layers are not certain: an edge within CENTRE_GUARD of the centre, or several casters at the nearest
-// depth.
+// Two runs of the same entry point: pass 0 finds the nearest depth, pass 1 the second, and marks in `mask` every texel
+// whose layers are not certain: an edge within CENTRE_GUARD of the centre, or several casters at the nearest depth.
 // Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `tie_counts`, `mask`
 // (one bit a texel, rows padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
 
 //@import frame
 //@import dispatch
+//@import pass
 //@import rect
 //@import work_items
 //@import front_split
 //@import span
 
-override RUN: u32 = 0u;
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
 
 @group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> step: Pass;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
 @group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> light_rects: array<vec2<u32>>;
@@ -68,7 +68,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             let pb = at - b.xy;
             let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);
             if any(v < -guard) { continue; }
-            if RUN == 1u && any(v <= guard) { mark(x, y); }
+            if step.index == 1u && any(v <= guard) { mark(x, y); }
             if any(v < vec3(0.0)) { continue; }
             var depth = a.z;
             if area != 0.0 {
@@ -76,7 +76,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             }
             let key = key_of_depth(depth);
             let texel = y * frame.map_size + x;
-            if RUN == 0u {
+            if step.index == 0u {
                 if atomicLoad(&nearest_keys[texel]) < key { atomicMax(&nearest_keys[texel], key); }
             } else if atomicLoad(&nearest_keys[texel]) == key {
                 if atomicAdd(&tie_counts[texel], 1u) > 0u { mark(x, y); }

@@ -10,6 +10,7 @@
 
 //@import frame
 //@import dispatch
+//@import divide
 //@import facing
 //@import finite
 //@import vertex
@@ -171,5 +172,5 @@ fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let width = frame.image_size.x;
     if pixel >= width * frame.image_size.y { return; }
-    keys[pixel] = key_at(pixel, vec2<i32>(vec2(pixel % width, pixel / width)));
+    keys[pixel] = key_at(pixel, vec2<i32>(divided(pixel, width).yx));
 }

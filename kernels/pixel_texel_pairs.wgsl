@@ -85,12 +85,14 @@ fn deepest_of(f: u32) -> u32 {
     return bitcast<u32>(max(facets[f].farthest, 0.0)) + 1u;
 }
 
-fn write_pairs(item: Item, found: vec2<u32>) {
+// `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within what was counted.
+fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
     var texels = found;
     while any(texels != vec2(0u)) {
         let at = item.block.low + take_texel(&texels);
         let texel = at.y * frame.map_size + at.x;
         let place = pair_offsets[texel] + atomicAdd(&texel_counts[texel], 1u);
+        if anew && place >= pair_offsets[texel + 1u] { continue; }
         if place < frame.pixel_texel_capacity { pairs[place] = vec2(item.facet, texel); }
     }
 }
@@ -116,13 +118,13 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let index = flat_invocation(group, groups, WORKGROUP, local);
     if index >= step.index { return; }
     let item = item_of(index);
-    if item.facet != NO_TRIANGLE { write_pairs(item, touched[index]); }
+    if item.facet != NO_TRIANGLE { write_pairs(item, touched[index], false); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
-    if item.facet != NO_TRIANGLE { write_pairs(item, texels_of(item)); }
+    if item.facet != NO_TRIANGLE { write_pairs(item, texels_of(item), true); }
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -133,12 +133,15 @@ fn pixels_of(item: Item) -> vec2<u32> {
     return found;
 }
 
-fn write_triangle(item: Item, found: vec2<u32>) {
+// `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within what was counted.
+fn write_triangle(item: Item, found: vec2<u32>, anew: bool) {
     var pixels = found;
     while any(pixels != vec2(0u)) {
         let at = item.block.low + take_texel(&pixels);
         let pixel = at.y * frame.image_size.x + at.x;
-        let place = pixel_offsets[pixel] + atomicSub(&pixel_counts[pixel], 1u) - 1u;
+        let left = atomicSub(&pixel_counts[pixel], 1u);
+        let place = pixel_offsets[pixel] + left - 1u;
+        if anew && (left == 0u || place >= pixel_offsets[pixel + 1u]) { continue; }
         if place < frame.pixel_triangle_capacity { pixel_list[place] = item.triangle; }
     }
 }
@@ -175,13 +178,13 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let index = flat_invocation(group, groups, WORKGROUP, local);
     if index >= step.index { return; }
     let item = item_of(index);
-    if item.triangle != NO_TRIANGLE { write_triangle(item, touched[index]); }
+    if item.triangle != NO_TRIANGLE { write_triangle(item, touched[index], false); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
-    if item.triangle != NO_TRIANGLE { write_triangle(item, pixels_of(item)); }
+    if item.triangle != NO_TRIANGLE { write_triangle(item, pixels_of(item), true); }
 }
 
 @compute @workgroup_size(WORKGROUP)

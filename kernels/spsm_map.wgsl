@@ -1,8 +1,9 @@
 // spsm_map: the sub-pixel shadow map (Lecocq 2013, sections 3.2 and 3.3): of each texel the closest triangle that touches it.
 // `raster` finds over the casters' 8 x 8 blocks of texels the least depth that any triangle's plane has over each texel
 // (conservative), and lists in `won` each block in which its triangle was nearest when it came, with the texels where it was.
-// `choose` goes through that list alone and finds the lowest triangle index at the least depth. Where the list was too short,
-// which `divide` sees, `raster` runs once more over all blocks in its place. `encode` writes the record of each texel.
+// `choose` goes through that list alone and finds the lowest triangle index at the least depth. `encode` writes the record of
+// each texel, and says if one has a depth but no triangle: the list was too short, or `choose`, which is compiled for itself,
+// rounds otherwise than `raster`. Then `again` has `raster` run once more over all blocks, and `encode` over all texels.
 // A triangle that is not wholly in front of the light is left out.
 
 //@import frame
@@ -31,7 +32,7 @@ const LIFT = 2.0;   // times its own range of depths by which a triangle may cou
 @group(0) @binding(9) var<storage, read_write> upper_records: array<vec4<u32>>;
 @group(0) @binding(10) var<storage, read_write> lower_records: array<vec4<u32>>;
 @group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;              // triangle, block, texels of it
-@group(0) @binding(12) var<storage, read_write> won_counts: array<atomic<u32>, 4>;  // blocks won, to be chosen from, run again
+@group(0) @binding(12) var<storage, read_write> won_counts: array<atomic<u32>, 4>;  // blocks won, to be chosen from, to run again; not 0: a triangle is missing
 
 // Least depth of the plane over the texel as a key that falls with it, whatever its sign. The plane of a triangle that is
 // almost edge-on is nearest: it is at the border of what it belongs to, and the texel shall hold the border. LIFT keeps what
@@ -89,13 +90,23 @@ fn texel_bit(x: u32, y: u32) -> vec2<u32> {
     return select(vec2(bit, 0u), vec2(0u, bit), (y & 4u) != 0u);
 }
 
-// What is left to do: the won blocks if all are listed, else all blocks.
+// The won blocks, if all are listed.
 @compute @workgroup_size(1)
 fn divide() {
     let blocks = atomicLoad(&won_counts[0]);
-    let listed = blocks <= arrayLength(&won);
-    atomicStore(&won_counts[1], select(0u, blocks, listed));
-    atomicStore(&won_counts[2], select(work_offsets[frame.triangle_count], 0u, listed));
+    atomicStore(&won_counts[1], select(0u, blocks, blocks <= arrayLength(&won)));
+    atomicStore(&won_counts[2], 0u);
+}
+
+// All blocks and all texels, if any texel lacks its triangle.
+@compute @workgroup_size(1)
+fn again() {
+    if atomicLoad(&won_counts[3]) == 0u {
+        atomicStore(&won_counts[1], 0u);
+        return;
+    }
+    atomicStore(&won_counts[1], frame.map_size * frame.map_size);
+    atomicStore(&won_counts[2], work_offsets[frame.triangle_count]);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -129,6 +140,7 @@ fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     if texel >= frame.map_size * frame.map_size { return; }
     let t = ~atomicLoad(&id_keys[texel]);
     if t >= frame.triangle_count {
+        if atomicLoad(&depth_keys[texel]) != 0u { atomicStore(&won_counts[3], 1u); }
         store(texel, vec4(0u, 0u, 0u, EMPTY_WORD));
         return;
     }

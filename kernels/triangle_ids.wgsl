@@ -5,6 +5,7 @@
 
 //@import frame
 //@import dispatch
+//@import divide
 
 const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;
@@ -26,7 +27,7 @@ fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let width = frame.image_size.x;
     if pixel >= width * frame.image_size.y { return; }
-    let id = textureLoad(ids, vec2(pixel % width, pixel / width), 0).x;
+    let id = textureLoad(ids, divided(pixel, width).yx, 0).x;
     var key = 0u;
     if id != params.none {
         let given = id - params.first;

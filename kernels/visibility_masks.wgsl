@@ -8,8 +8,9 @@
 // light's side of the facet casts nothing on it.
 // `evaluate` works in single precision and puts every candidate it cannot decide, whose lines it cannot place within
 // LINE_TRUST pixels, or with a line nearer to a sample than rounding may move it, on the list `doubts`; `refine` decides
-// those with 46 bits. What may cut the facet it puts on the same list, from its end, for `cut_facets`: few candidates do, and
-// vector machines pay for code that no lane takes. So two triangles at an edge agree on every sample, whichever of the two decides each.
+// those with 46 bits. So two triangles at an edge agree on every sample, whichever of the two decides each. What may cut the
+// facet is put on the same list, from its end, for `cut_facets`: few candidates do, and vector machines pay for code that no
+// lane takes. No candidate is on it twice.
 
 //@import frame
 //@import dispatch

@@ -3,6 +3,7 @@
 
 //@import frame
 //@import dispatch
+//@import divide
 
 const WORKGROUP = 64u;
 
@@ -15,5 +16,5 @@ fn store(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let width = frame.image_size.x;
     if pixel >= width * frame.image_size.y { return; }
-    textureStore(target_texture, vec2(pixel % width, pixel / width), vec4(visibility[pixel], 0.0, 0.0, 1.0));
+    textureStore(target_texture, divided(pixel, width).yx, vec4(visibility[pixel], 0.0, 0.0, 1.0));
 }

@@ -7,6 +7,11 @@
 //!
 //! Dependencies run one way: `cli` → `report` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
 
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::todo, clippy::unimplemented)
+)]
+
 pub mod caster_tree;
 pub mod error;
 pub mod frame;

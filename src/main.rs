@@ -1,5 +1,10 @@
 //! The program: a thin layer over the library.
 
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::todo, clippy::unimplemented)
+)]
+
 mod cli;
 
 fn main() -> std::process::ExitCode {

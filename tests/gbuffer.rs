@@ -1,9 +1,14 @@
 //! The pass with an application's G-buffer: surfaces by depth or position, be they casters or not, and triangle numbers of
 //! several samples a pixel.
 
-use std::sync::OnceLock;
+#[path = "shared/device.rs"]
+mod device;
+#[path = "shared/frames.rs"]
+mod frames;
+
+use device::gpu;
+use frames::status_of;
 use subpixel_shadows::glam::{DVec3, Vec3};
-use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{
     Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, PassConfig, Place, SampleTexture, SurfaceTextures,
@@ -17,11 +22,6 @@ use wgpu::{TextureFormat, TextureUsages};
 
 const SIZE: [u32; 2] = [83, 61];
 const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
-
-fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
-}
 
 fn settings(facets: FacetMode, count: u32) -> Settings {
     let samples = Samples::new(Pattern::LowDiscrepancy, count).expect("samples");
@@ -80,17 +80,6 @@ fn read(buffer: &wgpu::Buffer) -> Vec<u32> {
     gpu().wait(None).expect("the copy runs");
     let bytes = staging.get_mapped_range(..).expect("mapped").to_vec();
     bytemuck::pod_collect_to_vec(&bytes)
-}
-
-/// How the oldest frame came out that was not asked for. The poll of another test may still be telling: wait for it.
-fn status_of(pass: &mut ShadowPass) -> FrameStatus {
-    for _ in 0..5000 {
-        if let Some(status) = pass.status() {
-            return status;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
-    panic!("not known seconds after the frame ran");
 }
 
 /// The first frame that no list was too short for.

@@ -1,18 +1,15 @@
 //! What must not change a bit of a picture of `spsm`, `shadow-map` and `pcf`: repetition, order of the mesh, duplicates, scale.
 
-use std::sync::OnceLock;
-use subpixel_shadows::gpu::Gpu;
+#[path = "shared/device.rs"]
+mod device;
+
+use device::gpu;
 use subpixel_shadows::methods::render::{Budget, Output};
 use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, Settings, SpsmEncoding, SpsmSettings};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Mesh, Scene, builtin};
 
 const SCENES: [&str; 2] = ["windmill", "plane"];
-
-fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
-}
 
 fn scene(name: &str) -> Scene {
     builtin(name).expect("a built-in scene")

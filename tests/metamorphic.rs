@@ -1,7 +1,11 @@
 //! Changes of the input or of the memory that must not change a bit of the picture: order, duplicates, scale, list
 //! sizes, bands, map size, number of samples, repetition, what the plan leaves out, how pairs are brought together.
 
-use std::sync::{Arc, Mutex, OnceLock};
+#[path = "shared/device.rs"]
+mod device;
+
+use device::gpu;
+use std::sync::{Arc, Mutex};
 use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::LightView;
@@ -32,11 +36,6 @@ fn scenes() -> impl Iterator<Item = &'static str> {
 /// Whether scenes are asked for beyond the first three.
 fn all_scenes() -> bool {
     std::env::var("SUBPIXEL_SHADOWS_ALL_SCENES").is_ok_and(|v| !v.is_empty())
-}
-
-fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
 }
 
 fn scene(name: &str) -> Scene {

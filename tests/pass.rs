@@ -1,7 +1,13 @@
 //! The pass inside an application's own frame, against the renderer: the same bits, and no frame silently wrong.
 
-use std::sync::{Arc, Mutex, OnceLock};
-use subpixel_shadows::gpu::Gpu;
+#[path = "shared/device.rs"]
+mod device;
+#[path = "shared/frames.rs"]
+mod frames;
+
+use device::gpu;
+use frames::status_of;
+use std::sync::{Arc, Mutex};
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::render::{Budget, Counts, Output, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
@@ -14,11 +20,6 @@ use subpixel_shadows::{Error, ShadowPass, wgpu};
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 const SIZE: [u32; 2] = [83, 61];
-
-fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
-}
 
 fn settings(facets: FacetMode) -> Settings {
     let samples = Samples::new(Pattern::LowDiscrepancy, 32).expect("32 samples");
@@ -120,17 +121,6 @@ impl Targets {
 
 fn picture(output: &Output) -> Picture {
     Picture(output.visibility.iter().map(|v| v.to_bits()).chain(output.lit.iter().copied()).collect())
-}
-
-/// How the oldest frame came out that was not asked for. The poll of another test may still be telling: wait for it.
-fn status_of(pass: &mut ShadowPass) -> FrameStatus {
-    for _ in 0..5000 {
-        if let Some(status) = pass.status() {
-            return status;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
-    panic!("not known seconds after the frame ran");
 }
 
 /// Records, submits, polls, and asks how it came out.

@@ -1,7 +1,9 @@
 //! The peers of `facet-masks` that are exact at their samples, from end to end: held against facet truth.
 
-use std::sync::OnceLock;
-use subpixel_shadows::gpu::Gpu;
+#[path = "shared/device.rs"]
+mod device;
+
+use device::gpu;
 use subpixel_shadows::methods::any::AnyRenderer;
 use subpixel_shadows::methods::fixed::{FixedMethod, FixedRenderer};
 use subpixel_shadows::methods::ray_traced::RayTraced;
@@ -15,11 +17,6 @@ use subpixel_shadows::stages::facet_classify::{Facets, State};
 use subpixel_shadows::truth::Tracer;
 
 const SIZE: [u32; 2] = [120, 90];
-
-fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
-}
 
 fn settings(samples: u32) -> Settings {
     Settings::new(SIZE, 128, Samples::new(Pattern::default(), samples).expect("a pattern"))

@@ -1,9 +1,11 @@
 //! A facet for every surface, from end to end: each sample lit or dark as traced rays say, on the built-in scenes.
 //! (`city` is left out: its truth takes minutes.)
 
-use std::sync::OnceLock;
+#[path = "shared/device.rs"]
+mod device;
+
+use device::gpu;
 use subpixel_shadows::glam::{DQuat, DVec3};
-use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
@@ -15,11 +17,6 @@ use subpixel_shadows::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, TruthI
 
 const SIZE: [u32; 2] = [120, 90];
 const SCENES: [&str; 8] = ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "bumpy", "plane"];
-
-fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)"))
-}
 
 fn settings(facets: FacetMode) -> Settings {
     let samples = Samples::new(Pattern::default(), 32).expect("a pattern");

@@ -1,6 +1,6 @@
 // Facets: what stands for a surface inside one pixel (Pan 2009, section 3.1). Needs `frame`.
 
-//@import divide
+//@import pixel_ray
 
 struct Facet {
     plane: vec4<f32>,   // dot(xyz, point) = w on it; the light and the eye lie where dot(xyz, point) > w
@@ -43,21 +43,10 @@ fn full_word(word: u32) -> u32 {
     return select((1u << left) - 1u, 0xffffffffu, left >= 32u);
 }
 
-fn pixel_ray(pixel: u32) -> vec3<f32> {
-    let place = divided(pixel, frame.image_size.x);
-    let x = f32(place.y) + 0.5;
-    let y = f32(frame.first_row + place.x) + 0.5;
-    return frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
-}
-
 // Lowest and highest corner of what a facet covers of its pixel, relative to the centre.
 fn part_of(packed: vec2<u32>) -> vec4<f32> {
     if all(packed == vec2(0u)) { return vec4(-PIXEL_REACH, -PIXEL_REACH, PIXEL_REACH, PIXEL_REACH); }
     return vec4(unpack2x16snorm(packed.x), unpack2x16snorm(packed.y));
-}
-
-fn ray_at(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
-    return pixel_ray(pixel) + offset.x * frame.ray_x.xyz + offset.y * frame.ray_y.xyz;
 }
 
 // The footprint on `plane` of a part of the pixel as the light sees it, cut off where view depth exceeds `limit`.

@@ -1,7 +1,7 @@
 // What a pixel shows to methods of one receiver a pixel: the plane of the triangle at its centre, and its place in the light
 // view. Needs `frame`, and the arrays `id_keys`, `triangles`, `points` and `samples`.
 
-//@import divide
+//@import pixel_ray
 
 const SEEN_NONE = 0u;
 const SEEN_DARK = 1u;   // faces away from the light, or is edge-on to it
@@ -72,14 +72,6 @@ fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
     return vec4(uvz, select(0.0, 1.0, front && abs(uvz.x) < 3.0e38 && abs(uvz.y) < 3.0e38));
 }
 
-fn ray_of(pixel: u32, offset: vec2<f32>) -> vec3<f32> {
-    let at = divided(pixel, frame.image_size.x);
-    let x = f32(at.y) + 0.5;
-    let y = f32(frame.first_row + at.x) + 0.5;
-    let middle = frame.ray_corner.xyz + x * frame.ray_x.xyz + y * frame.ray_y.xyz;
-    return middle + offset.x * frame.ray_x.xyz + offset.y * frame.ray_y.xyz;
-}
-
 // Depth of the receiver around a texel's centre: per x, per y, at it.
 fn receiver_around(r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> vec3<f32> {
     return vec3(r.slope, at.z + dot(r.slope, centre - at.xy));
@@ -89,7 +81,7 @@ fn middle_of(texel: vec2<i32>) -> vec2<f32> { return vec2<f32>(texel) + 0.5; }
 
 fn sample_place(r: Receiver, pixel: u32, k: u32) -> vec4<f32> {
     let pair = samples[k >> 1u];
-    return place_of(r, ray_of(pixel, select(pair.xy, pair.zw, (k & 1u) == 1u)));
+    return place_of(r, ray_at(pixel, select(pair.xy, pair.zw, (k & 1u) == 1u)));
 }
 
 // The texel of a place, held near the map.

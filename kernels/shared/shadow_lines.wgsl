@@ -89,21 +89,27 @@ fn crossing(a: vec3<f32>, b: vec3<f32>, ha: f32, hb: f32) -> vec3<f32> {
     return a + (b - a) * (ha / (ha - hb));
 }
 
+struct Segment {
+    start: vec3<f32>,
+    end: vec3<f32>,
+}
+
+// Where a triangle whose corners have heights `h`, not all on one side, crosses the facet's plane.
+fn crossings(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) -> Segment {
+    let up = h > vec3(0.0);
+    // Two of the three edges cross: the one corner that is alone on its side has both.
+    if up.x == up.y { return Segment(crossing(c, a, h.z, h.x), crossing(c, b, h.z, h.y)); }
+    if up.x == up.z { return Segment(crossing(b, a, h.y, h.x), crossing(b, c, h.y, h.z)); }
+    return Segment(crossing(a, b, h.x, h.y), crossing(a, c, h.x, h.z));
+}
+
 // Whether the segment in which a triangle crosses the facet's plane touches the pixel's square; `line` is its line. What
 // lies nearer than the near plane, or behind the eye, is cut off.
 fn meets_pixel(line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>, pixel: u32) -> bool {
     if abs(line.x) > 0.5 * (abs(line.y) + abs(line.z)) { return false; }
-    let up = h > vec3(0.0);
-    // Two of the three edges cross: the one corner that is alone on its side has both.
-    var p = crossing(a, b, h.x, h.y);
-    var q = crossing(a, c, h.x, h.z);
-    if up.x == up.y {
-        p = crossing(c, a, h.z, h.x);
-        q = crossing(c, b, h.z, h.y);
-    } else if up.x == up.z {
-        p = crossing(b, a, h.y, h.x);
-        q = crossing(b, c, h.y, h.z);
-    }
+    let ends = crossings(a, b, c, h);
+    var p = ends.start;
+    var q = ends.end;
     let near = frame.forward.w;
     let dp = dot(p, frame.forward.xyz);
     let dq = dot(q, frame.forward.xyz);
@@ -112,6 +118,6 @@ fn meets_pixel(line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec
     if dq < near { q += (p - q) * ((near - dq) / (dp - dq)); }
     let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / max(dp, near);
     let to = vec2(dot(q, frame.pixel_x.xyz), dot(q, frame.pixel_y.xyz)) / max(dq, near);
-    let corner = vec2(f32(pixel % frame.image_size.x), f32(frame.first_row + pixel / frame.image_size.x)) - vec2(frame.pixel_x.w, frame.pixel_y.w);
+    let corner = pixel_corner(pixel) - vec2(frame.pixel_x.w, frame.pixel_y.w);
     return all(max(at, to) >= corner) && all(min(at, to) <= corner + 1.0);
 }

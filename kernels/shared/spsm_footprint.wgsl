@@ -13,13 +13,13 @@ struct Footprint {
 
 fn footprint_of(r: Receiver, pixel: u32) -> Footprint {
     var f: Footprint;
-    f.at = place_of(r, ray_of(pixel, vec2(0.0)));
+    f.at = place_of(r, ray_at(pixel, vec2(0.0)));
     f.low = f.at.xy;
     f.high = f.at.xy;
     var whole = true;
     if MANY != 0u {
         for (var k = 0u; k < 4u; k++) {
-            let corner = place_of(r, ray_of(pixel, vec2(select(-0.5, 0.5, (k & 1u) == 1u), select(-0.5, 0.5, k >= 2u))));
+            let corner = place_of(r, ray_at(pixel, vec2(select(-0.5, 0.5, (k & 1u) == 1u), select(-0.5, 0.5, k >= 2u))));
             whole = whole && corner.w != 0.0;
             f.low = min(f.low, corner.xy);
             f.high = max(f.high, corner.xy);

@@ -2,7 +2,7 @@
 // thrown from the light onto the facet's plane, and from there projected to the screen. A half-plane stays one under each of
 // the two, bounded by the line through two projected points, and holds the projection of a third point unless that lies
 // beyond the projection's centre (the paper's figure 6, point C; there it flips). Divides by heights over light and
-// eye, and bounds no rounding: for comparison with shared/shadow_lines, whose `Ground` and `crossing` it uses.
+// eye, and bounds no rounding: for comparison with shared/shadow_lines, whose `Ground` and `crossings` it uses.
 
 // A point `h` over the facet's plane, thrown onto it; w: -1 if the light is not above the point, else 1.
 fn thrown(g: Ground, p: vec3<f32>, h: f32) -> vec4<f32> {
@@ -15,8 +15,7 @@ fn thrown(g: Ground, p: vec3<f32>, h: f32) -> vec4<f32> {
 fn on_screen(p: vec3<f32>, pixel: u32) -> vec3<f32> {
     let depth = dot(p, frame.forward.xyz);
     let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / depth + vec2(frame.pixel_x.w, frame.pixel_y.w);
-    let centre = vec2(f32(pixel % frame.image_size.x), f32(frame.first_row + pixel / frame.image_size.x)) + 0.5;
-    return vec3(at - centre, select(-1.0, 1.0, depth > 0.0));
+    return vec3(at - (pixel_corner(pixel) + 0.5), select(-1.0, 1.0, depth > 0.0));
 }
 
 // The half-plane bounded by the line through p and q that holds r, or if `sense` is -1 does not: what it is at the pixel
@@ -42,20 +41,11 @@ fn two_step_lines(g: Ground, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f
     var own = vec3(3.0e38, 0.0, 0.0);
     if !all(h > vec3(0.0)) {
         // Through the two edges that cross the plane; the highest corner's shadow lies on the shadow's side.
-        let up = h > vec3(0.0);
-        var p = crossing(a, b, h.x, h.y);
-        var q = crossing(a, c, h.x, h.z);
-        if up.x == up.y {
-            p = crossing(c, a, h.z, h.x);
-            q = crossing(c, b, h.z, h.y);
-        } else if up.x == up.z {
-            p = crossing(b, a, h.y, h.x);
-            q = crossing(b, c, h.y, h.z);
-        }
+        let ends = crossings(a, b, c, h);
         var top = vec3(sa.xy, ta.w * sa.z);
         if h.y >= max(h.x, h.z) { top = vec3(sb.xy, tb.w * sb.z); }
         if h.z >= max(h.x, h.y) { top = vec3(sc.xy, tc.w * sc.z); }
-        own = half_plane(on_screen(p, g.pixel).xy, on_screen(q, g.pixel).xy, top.xy, top.z);
+        own = half_plane(on_screen(ends.start, g.pixel).xy, on_screen(ends.end, g.pixel).xy, top.xy, top.z);
     }
     return Lines(vec4(ab.x, bc.x, ca.x, own.x), vec4(ab.y, bc.y, ca.y, own.y), vec4(ab.z, bc.z, ca.z, own.z));
 }

@@ -9,7 +9,7 @@
 
 use crate::Result;
 use crate::gpu::kernels::camera_visibility as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
@@ -23,7 +23,8 @@ shared_struct! {
 /// The pipeline.
 #[derive(Debug)]
 pub struct CameraVisibility {
-    runs: [Program; 2],
+    raster: Program,
+    uniforms: Uniforms,
 }
 
 /// What the stage reads.
@@ -42,10 +43,9 @@ pub struct Blocks<'a> {
 }
 
 impl CameraVisibility {
-    /// Builds the pipelines.
+    /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        let run = |index: u8| Program::new(device, kernel::ENTRY_RASTER, &[("RUN", f64::from(index))]);
-        Self { runs: [run(0), run(1)] }
+        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[]), uniforms: Uniforms::default() }
     }
 
     /// Records both runs.
@@ -60,9 +60,11 @@ impl CameraVisibility {
         depth_keys: &Buffer<u32>,
         id_keys: &Buffer<u32>,
     ) -> Result<()> {
-        for run in &self.runs {
+        for index in 0..2 {
+            let pass = self.uniforms.get(stage.device, &Pass { index });
             let buffers = [
                 ("frame", frame),
+                ("step", &pass),
                 ("triangles", blocks.triangles),
                 ("points", blocks.points.raw()),
                 ("camera_rects", blocks.rects.raw()),
@@ -70,7 +72,7 @@ impl CameraVisibility {
                 ("depth_keys", depth_keys.raw()),
                 ("id_keys", id_keys.raw()),
             ];
-            stage.run(run, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
+            stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
         }
         Ok(())
     }

@@ -7,15 +7,16 @@
 //!   edge passes its centre at a distance far above rounding.
 //! - **Cost.** Two indirect dispatches; one invocation looks at up to 64 texels.
 
-use super::camera_visibility::Blocks;
+use super::camera_visibility::{Blocks, Pass};
 use crate::Result;
 use crate::gpu::kernels::light_layers as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct LightLayers {
-    runs: [Program; 2],
+    raster: Program,
+    uniforms: Uniforms,
 }
 
 /// What is known of every texel.
@@ -63,10 +64,9 @@ impl Layers {
 }
 
 impl LightLayers {
-    /// Builds the pipelines.
+    /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        let run = |index: u8| Program::new(device, kernel::ENTRY_RASTER, &[("RUN", f64::from(index))]);
-        Self { runs: [run(0), run(1)] }
+        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[]), uniforms: Uniforms::default() }
     }
 
     /// Records both runs.
@@ -97,11 +97,13 @@ impl LightLayers {
         frame: &wgpu::Buffer,
         blocks: Blocks,
         layers: &Layers,
-        runs: usize,
+        runs: u32,
     ) -> Result<()> {
-        for run in &self.runs[..runs] {
+        for index in 0..runs {
+            let pass = self.uniforms.get(stage.device, &Pass { index });
             let buffers = [
                 ("frame", frame),
+                ("step", &pass),
                 ("triangles", blocks.triangles),
                 ("map_points", blocks.points.raw()),
                 ("light_rects", blocks.rects.raw()),
@@ -111,7 +113,7 @@ impl LightLayers {
                 ("tie_counts", layers.tie_counts.raw()),
                 ("mask", layers.mask.raw()),
             ];
-            stage.run(run, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
+            stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
         }
         Ok(())
     }

@@ -7,7 +7,8 @@
 //! - **Guarantee.** Bit-equal from run to run: the least conservative depth, and of equal depths the lowest index. No caster
 //!   over a texel lies before the depth of its key. Triangles that are not wholly in front of the light are left out.
 //! - **Cost.** One indirect dispatch over blocks, one over those of them in which a triangle was nearest when it came, one over
-//!   texels; where more blocks win than are listed, one more over all. 24 bytes a texel, 16 a listed block.
+//!   texels; where more blocks win than are listed, or a device rounds differently in the second, two more over all blocks and
+//!   texels. 24 bytes a texel, 16 a listed block.
 
 use super::camera_visibility::{Blocks, Pass};
 use super::{DispatchArgs, dispatch_args};
@@ -29,6 +30,7 @@ pub struct SpsmMap {
     raster: Program,
     divide: Program,
     choose: Program,
+    again: Program,
     encode: Program,
     fold: DispatchArgs,
     uniforms: Uniforms,
@@ -44,7 +46,7 @@ pub struct SpsmTexels {
     /// Records: all in the first, or those of the upper and the lower half of the map, which a binding cannot hold together
     /// at 4096 × 4096.
     pub records: [Buffer<[u32; 4]>; 2],
-    /// Blocks that were won, those to be chosen from, those to be run again.
+    /// Blocks that were won, items to be chosen from and to be run again, whether any texel lacks its triangle.
     pub won_counts: Buffer<u32>,
     won: Buffer<[u32; 4]>,
     requests: dispatch_args::Requests,
@@ -78,7 +80,8 @@ impl SpsmTexels {
         let binding = device.limits().max_storage_buffer_binding_size;
         let rows = if (size * size * 16) as u64 <= binding { size } else { size.div_ceil(2) };
         let request = |count, limit, at| dispatch_args::Request::new(count, kernel::WORKGROUP, limit, at);
-        let requests = [request(1, blocks, 0)?, request(2, dispatch_args::Request::MAX_LIMIT, 3)?];
+        let requests =
+            [request(1, dispatch_args::Request::MAX_LIMIT, 0)?, request(2, dispatch_args::Request::MAX_LIMIT, 3)?];
         Ok(Self {
             depth_keys: Buffer::storage(device, "spsm_map.depth_keys", size * size)?,
             id_keys: Buffer::storage(device, "spsm_map.id_keys", size * size)?,
@@ -111,6 +114,7 @@ impl SpsmMap {
             raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
             divide: Program::new(device, kernel::ENTRY_DIVIDE, &[]),
             choose: Program::new(device, kernel::ENTRY_CHOOSE, &[]),
+            again: Program::new(device, kernel::ENTRY_AGAIN, &[]),
             encode: Program::new(device, kernel::ENTRY_ENCODE, &constants),
             fold: DispatchArgs::new(device),
             uniforms: Uniforms::default(),
@@ -139,8 +143,11 @@ impl SpsmMap {
         stage.run(&self.divide, &buffers, Groups::Workgroups(1))?;
         self.fold.record(stage, &texels.won_counts, &texels.requests, &texels.args)?;
         stage.run(&self.choose, &buffers, Groups::Indirect(texels.args.raw(), 0))?;
+        stage.run(&self.encode, &buffers, Groups::Items(texels.id_keys.len() as u64))?;
+        stage.run(&self.again, &buffers, Groups::Workgroups(1))?;
+        self.fold.record(stage, &texels.won_counts, &texels.requests, &texels.args)?;
         self.raster(stage, frame, blocks, texels, 1, (texels.args.raw(), 3))?;
-        stage.run(&self.encode, &buffers, Groups::Items(texels.id_keys.len() as u64))
+        stage.run(&self.encode, &buffers, Groups::Indirect(texels.args.raw(), 0))
     }
 
     fn raster(

@@ -39,23 +39,25 @@ impl VisibilityMasks {
     /// Builds the pipelines for masks of `words` words, with a lookup table of `angles` by `offsets` masks or, if both are
     /// 0, without.
     pub fn new(device: &wgpu::Device, words: u32, table: [u32; 2]) -> Self {
-        Self::by(device, words, table, false, true)
+        Self::specialised(device, words, table, false, true)
     }
 
     /// As [`VisibilityMasks::new`], by the two projections of the paper: from the light onto the facet's plane, then onto the
     /// screen, in single precision. The guarantee is void: no rounding is bounded and nothing is left to refinement. For
     /// comparison.
     pub fn two_step(device: &wgpu::Device, words: u32, table: [u32; 2]) -> Self {
-        Self::by(device, words, table, true, true)
+        Self::specialised(device, words, table, true, true)
     }
 
     /// As [`VisibilityMasks::new`] or [`VisibilityMasks::two_step`], for frames that set
     /// [`Frame::VALIDITY`](crate::frame::Frame::VALIDITY) only with `cuts`: less code to run without.
-    pub fn specialised(device: &wgpu::Device, words: u32, table: [u32; 2], two_step: bool, cuts: bool) -> Self {
-        Self::by(device, words, table, two_step, cuts)
-    }
-
-    fn by(device: &wgpu::Device, words: u32, [angles, offsets]: [u32; 2], two_step: bool, cuts: bool) -> Self {
+    pub fn specialised(
+        device: &wgpu::Device,
+        words: u32,
+        [angles, offsets]: [u32; 2],
+        two_step: bool,
+        cuts: bool,
+    ) -> Self {
         let constants = [
             ("WORDS", f64::from(words)),
             ("ANGLES", f64::from(angles)),

@@ -1,28 +1,19 @@
 //! What the stage tests share: the device, seeded values, poison, and comparison.
 
+#[path = "../shared/device.rs"]
+mod device;
 pub mod geometry;
 pub mod masks;
 pub mod shadow;
 pub mod spsm;
 pub mod surfaces;
 
-use std::sync::OnceLock;
+pub use device::gpu;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage};
 use subpixel_shadows::{Result, wgpu};
 
 /// What buffers hold before a stage runs: wgpu hands out zeros, which hide missing writes.
 pub const POISON: u32 = 0xdead_beef;
-
-/// The device of all tests. Fails where there is none; build with `SUBPIXEL_SHADOWS_NO_GPU=1` to have these tests
-/// listed as ignored instead.
-pub fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| {
-        let gpu = Gpu::open(None).expect("a GPU (or build with SUBPIXEL_SHADOWS_NO_GPU=1)");
-        eprintln!("adapter: {} ({})", gpu.adapter.name, gpu.adapter.driver);
-        gpu
-    })
-}
 
 /// A device that runs at most `groups` workgroups along a dimension, and binds at most `binding` bytes: folding and
 /// banding at sizes a test can afford.

@@ -1,0 +1,155 @@
+//! The light view: which part of the scene the light's map covers.
+
+mod fit;
+
+use crate::{Error, Result};
+use glam::{DMat4, DVec3, DVec4};
+
+/// Rows that take a world point `p` to the light view: texel `x = u·(p,1) / w·(p,1)`, likewise `y` and `depth`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightView {
+    /// Texels a side.
+    pub map_size: u32,
+    /// Row of texel `x`.
+    pub u: DVec4,
+    /// Row of texel `y`.
+    pub v: DVec4,
+    /// Row of depth: 0 at the nearest caster, 1 at the farthest, growing away from the light.
+    pub z: DVec4,
+    /// Row of the divisor: `(0,0,0,1)` for a directional light, else the distance along the view's axis.
+    pub w: DVec4,
+    /// Points with a smaller divisor are not in front of the light.
+    pub near: f64,
+    /// Of a light at a point, the smallest divisor of what the view was fitted to; else 0.
+    pub clear: f64,
+    /// Whether the light is at a point.
+    pub perspective: bool,
+    /// Whether the view holds every caster that can shadow something. Where it does not, a receiver outside the map may
+    /// be in shadow all the same.
+    pub complete: bool,
+}
+
+impl LightView {
+    /// Most texels a side.
+    pub const LARGEST_MAP: u32 = 8192;
+
+    /// Refuses a view that leaves casters out: what they shadow would silently be lit.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if the light stands among its casters, so that no one view holds them.
+    pub fn check(&self) -> Result<()> {
+        if self.complete {
+            return Ok(());
+        }
+        Err(Error::Scene(
+            "the light stands among its casters: one view of at most 160 degrees does not hold them, and a cube of views \
+             is not supported yet"
+                .to_owned(),
+        ))
+    }
+
+    fn is_in_front(&self, point: DVec3) -> bool {
+        self.w.dot(point.extend(1.0)) > self.near
+    }
+
+    /// Texel `x`, `y` and depth of `point`; `None` if it is not in front of the light.
+    pub fn project(&self, point: DVec3) -> Option<DVec3> {
+        let p = point.extend(1.0);
+        let w = self.w.dot(p);
+        (w > self.near).then(|| DVec3::new(self.u.dot(p), self.v.dot(p), self.z.dot(p)) / w)
+    }
+
+    /// The same rows for points given as `(world - origin) * scale`, which are taken to lie within the unit cube. The
+    /// nearest divisor may grow: see [`LightView::noise_in_texels`].
+    pub fn relative_to(&self, origin: DVec3, scale: f64) -> Self {
+        let back = DMat4::from_translation(origin) * DMat4::from_scale(DVec3::splat(1.0 / scale));
+        let turn = |row: DVec4| back.transpose() * row;
+        // The divisor is kept in scaled units, and with it all four rows.
+        let unit = if self.perspective { scale } else { 1.0 };
+        let mut moved = Self {
+            u: turn(self.u) * unit,
+            v: turn(self.v) * unit,
+            z: turn(self.z) * unit,
+            w: turn(self.w) * unit,
+            near: self.near * unit,
+            clear: self.clear * unit,
+            ..*self
+        };
+        if self.perspective {
+            // Nearer than this, rounding could move a vertex by more than a quarter of a texel.
+            moved.near = moved.near.max(4.0 * moved.noise_in_texels().max(64.0 * moved.noise_in_depth()));
+        }
+        moved
+    }
+
+    /// Bound of the rounding in `f32` of a texel coordinate of points within the unit cube, times the divisor.
+    pub fn noise_in_texels(&self) -> f64 {
+        row_noise(self.u).max(row_noise(self.v)) + row_noise(self.w) * f64::from(self.map_size)
+    }
+
+    /// Likewise of a depth.
+    pub fn noise_in_depth(&self) -> f64 {
+        row_noise(self.z) + row_noise(self.w)
+    }
+
+    /// What the divisor of a caster within the unit cube, as `f32` has it, is not below.
+    pub fn clear_of_rounding(&self) -> f64 {
+        if self.perspective { self.clear * (1.0 - 1e-6) - row_noise(self.w) } else { 0.0 }
+    }
+}
+
+/// The power of two that makes points `(world - eye) * scale` of a box about as large as 1.
+pub fn unit_scale(eye: DVec3, (lowest, highest): (DVec3, DVec3)) -> f64 {
+    let reach = (lowest - eye).abs().max((highest - eye).abs()).max_element();
+    // Within what `f32` holds, squares included.
+    power_of_two_below(1.0 / reach.clamp(2f64.powi(-60), 2f64.powi(60)))
+}
+
+/// Rounding of the product of a row and a point of the unit cube, with room to spare.
+fn row_noise(row: DVec4) -> f64 {
+    2f64.powi(-20) * (row.truncate().abs().element_sum() + row.w.abs())
+}
+
+/// The largest power of two that is at most `x`.
+pub(crate) fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Light, Mesh};
+
+    fn scene() -> Mesh {
+        let mut mesh =
+            Mesh { positions: vec![[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 2.0, 1.0]], triangles: vec![[0, 1, 2]] };
+        mesh.positions.push([0.0, 0.0, 0.0]);
+        mesh.triangles.push([3, 0, 1]);
+        let ground = mesh.ground_below().unwrap();
+        mesh.add_ground(&ground);
+        mesh
+    }
+
+    #[test]
+    fn rows_agree_in_every_frame_of_reference() {
+        let mesh = scene();
+        for light in [Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [0.5, 6.0, 0.5] }] {
+            let view = LightView::fit(&mesh, &light, 64).unwrap();
+            let origin = DVec3::new(3.0, -2.0, 5.0);
+            let moved = view.relative_to(origin, 0.125);
+            let p = DVec3::new(0.25, 1.5, 0.5);
+            let (a, b) = (view.project(p).unwrap(), moved.project((p - origin) * 0.125).unwrap());
+            assert!((a - b).length() < 1e-9, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn depth_grows_away_from_the_light() {
+        for light in [Light::Directional { direction: [0.0, 1.0, 0.1] }, Light::Point { position: [0.5, 6.0, 0.5] }] {
+            let view = LightView::fit(&scene(), &light, 64).unwrap();
+            let near = view.project(DVec3::new(0.5, 1.5, 0.5)).unwrap().z;
+            let far = view.project(DVec3::new(0.5, 0.5, 0.5)).unwrap().z;
+            assert!(near < far);
+        }
+    }
+}
