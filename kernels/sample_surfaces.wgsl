@@ -2,8 +2,9 @@
 // pixel see, with the mask of those samples. With MERGE neighbouring triangles of one plane are one surface (`surfaces`).
 // `nearest` runs an invocation for each complex pixel over ROUND_LENGTH triangles of its list, from round `step.round` on,
 // and keeps for each sample of word `step.word` the nearest, of equally near ones the lowest (`sample_keys`, complement; 0
-// for none). Where another surface almost touches it (`rivals_found`: triangles, then a mask a word), `settle_rivals` decides
-// with 46 bits.
+// for none). Where another surface almost touches it (`rivals_found`: triangles, then two masks a word), `settle_rivals` decides
+// with 46 bits. Where more than two do, which it lists in `crowds` (`begin` empties it), `settle_crowds` goes through the pixel's list once more, round
+// by round and word by word.
 // `name_surfaces` writes the surfaces of samples to `named_keys`, as `sample_keys` has their triangles, and behind them how far
 // off the triangles of larger surfaces reach; without MERGE the triangles themselves are `group_keys`.
 // `group_samples` counts the surfaces that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
@@ -29,7 +30,7 @@ struct Step {
     round: u32,
     first_slot: u32,  // of the band
     slots: u32,       // of the band at most
-    word: u32,        // of the masks; of `nearest` alone
+    word: u32,        // of the masks; of `nearest` and `settle_crowds` alone
 }
 
 override WORDS: u32 = 1u;
@@ -50,6 +51,7 @@ const ROUND_LENGTH = 512u;
 @group(0) @binding(9) var<storage, read> positions: array<f32>;
 @group(0) @binding(10) var<storage, read_write> sample_keys: array<u32>;
 @group(0) @binding(17) var<storage, read_write> rivals_found: array<u32>;
+@group(0) @binding(22) var<storage, read_write> crowds: array<atomic<u32>>;  // how many pixels have crowded samples; of each slot and pixel
 @group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
 @group(0) @binding(12) var<storage, read> complex_flags: array<u32>;
 @group(0) @binding(13) var<storage, read> pixel_facets: array<u32>;
@@ -65,6 +67,11 @@ const SEVERAL = 0x80000000u;
 
 //@import surface_groups
 
+@compute @workgroup_size(1)
+fn begin() {
+    atomicStore(&crowds[0], 0u);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let slot = flat_invocation(group, groups, WORKGROUP, local);
@@ -79,6 +86,7 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     if step.round != 0u {
         if first >= end { return; }
         rivals = rivals_found[masks_at];
+        crowded = rivals_found[masks_at + WORDS * step.slots];
         for (var k = 0u; k < count; k++) {
             let key = sample_keys[place(slot, word + k)];
             if key != 0u { keep(k, key, eye_depth(corners_at(corners_of(~key)), ray_at(pixel, sample_offset(word + k)))); }
@@ -87,6 +95,7 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     for (var n = first; n < end; n += BATCH) { take_in(n, min(n + BATCH, end), count, slot, pixel, centre); }
     for (var k = 0u; k < 32u; k++) { sample_keys[place(slot, word + k)] = select(0u, best_keys[k], k < count); }
     rivals_found[masks_at] = rivals;
+    rivals_found[masks_at + WORDS * step.slots] = crowded;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -94,7 +103,9 @@ fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     let pixel = complex_pixel(slot);
+    var crowd = 0u;
     for (var w = 0u; w < WORDS; w++) {
+        crowd |= rivals_found[place(slot, 33u * WORDS + w)];
         var left = rivals_found[place(slot, 32u * WORDS + w)];
         while left != 0u {
             let k = 32u * w + firstTrailingBit(left);
@@ -105,6 +116,41 @@ fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
             let order = order_46(corners_of(rival), corners_of(t), ray_at(pixel, sample_offset(k)));
             if order < 0.0 || (order == 0.0 && rival < t) { sample_keys[at] = ~rival; }
         }
+    }
+    if crowd != 0u {
+        let at = 2u * atomicAdd(&crowds[0], 1u);
+        atomicStore(&crowds[at + 1u], slot);
+        atomicStore(&crowds[at + 2u], pixel);
+    }
+}
+
+// Of the triangles of a round that cover sample `k` of a pixel, none sure to lie behind `known`, the nearest.
+fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
+    var best = known;
+    var most = eye_depth(corners_at(corners_of(best)), ray) * (1.0 + 2.0 * TOUCHING);
+    for (var n = first; n < end; n++) {
+        let t = pixel_list[n];
+        let u = corners_at(corners_of(t));
+        let depth = eye_depth(u, ray);
+        if t == best || !covers_ray(u, ray) || !(depth >= frame.forward.w) || depth > most { continue; }
+        let order = order_46(u.i, corners_of(best), ray);
+        if order < 0.0 || (order == 0.0 && t < best) { best = t; }
+    }
+    return best;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn settle_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let n = flat_invocation(group, groups, WORKGROUP, local);
+    if n >= atomicLoad(&crowds[0]) { return; }
+    let slot = atomicLoad(&crowds[2u * n + 1u]);
+    let pixel = atomicLoad(&crowds[2u * n + 2u]);
+    let first = pixel_offsets[pixel] + step.round * ROUND_LENGTH;
+    let end = min(min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity), first + ROUND_LENGTH);
+    for (var left = rivals_found[place(slot, 33u * WORDS + step.word)]; left != 0u; left &= left - 1u) {
+        let k = 32u * step.word + firstTrailingBit(left);
+        let at = place(slot, k);
+        sample_keys[at] = ~nearest_of_crowd(ray_at(pixel, sample_offset(k)), ~sample_keys[at], first, end);
     }
 }
 

@@ -160,9 +160,9 @@ fn touching_surfaces() {
     let (x, y) = (DVec3::new(0.8, 0.23, -0.31), DVec3::new(0.17, 0.41, 0.83));
     let up = x.cross(y).normalize() * -1.0;
     let (mut off, mut seen) = (0, 0);
-    for lift in [0.0, 1e-7, -2e-7, 4e-7] {
+    for (sheets, lift) in [(2, 0.0), (2, 1e-7), (2, -2e-7), (2, 4e-7), (6, 0.0), (6, 1e-7), (6, -1e-7), (6, 4e-7)] {
         let mut mesh = Mesh::default();
-        for k in 0..2 {
+        for k in 0..sheets {
             let turn = DQuat::from_axis_angle(up, 0.7 * f64::from(k));
             let base = mesh.positions.len() as u32;
             for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {

@@ -28,7 +28,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let scan = PrefixScan::new(device);
     let scratch = PrefixScan::scratch(device, pixels)?;
     let lists = PixelLists::new(device, pixels, ROOM)?;
-    let complex = ComplexPixels::new(device, pixels, 1)?;
+    let complex = ComplexPixels::new(device, &gpu.queue, pixels, 1)?;
     let facets = Facets::new(device, FACETS, pixels, 1)?;
     let id_keys = Buffer::storage(device, "bench.id_keys", pixels)?;
     let status = Buffer::storage(device, "bench.status", 32)?;

@@ -1,6 +1,6 @@
 // The nearest triangle of each sample of a word, kept by one invocation. Edges and inverse depths are compared by bounds of
-// linear functions; what those leave open is computed from the corners. Where surfaces almost touch, the other one is kept as a
-// rival. Needs the override SAMPLES, `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
+// linear functions; what those leave open is computed from the corners. Where two surfaces almost touch, the other one is kept as
+// a rival; where more may, the sample is crowded. Needs the override SAMPLES, `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
 
 // What is known of each sample of the word: the complement of its triangle (0: none) and bounds of its inverse depth. They
 // are only indexed by what compilers know, so that they stay in registers. Where `rivals` has a bit, another triangle almost
@@ -9,6 +9,7 @@ var<private> best_keys: array<u32, 32>;
 var<private> best_high: array<f32, 32>;
 var<private> best_low: array<f32, 32>;
 var<private> rivals: u32;
+var<private> crowded: u32;
 
 // The triangle that is looked at, and the samples for which bounds do not tell; those of the triangles of a batch.
 var<private> view: View;
@@ -71,14 +72,20 @@ fn look_twice(n: u32, t: u32) {
     look(2u * n + 1u, pair.zw, t);
 }
 
+// Whether a triangle is where the ray is, its edges included.
+fn covers_ray(u: Corners, ray: vec3<f32>) -> bool {
+    let i = u.i;
+    let v = vec3(eye_edge_near(i.x, i.y, u.a, u.b, ray), eye_edge_near(i.y, i.z, u.b, u.c, ray), eye_edge_near(i.z, i.x, u.c, u.a, ray));
+    return all(v >= vec3(0.0)) || all(v <= vec3(0.0));
+}
+
 // Triangle `t` at sample `k`, from its corners.
 fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
     let ray = ray_at(pixel, sample_offset(32u * step.word + k));
     let u = corners_at(corners_of(t));
     let i = u.i;
-    let v = vec3(eye_edge_near(i.x, i.y, u.a, u.b, ray), eye_edge_near(i.y, i.z, u.b, u.c, ray), eye_edge_near(i.z, i.x, u.c, u.a, ray));
     let depth = eye_depth(u, ray);
-    if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) || !(depth >= frame.forward.w) { return; }
+    if !covers_ray(u, ray) || !(depth >= frame.forward.w) { return; }
     let other = ~key_of(k);
     var takes = true;
     var touching = false;
@@ -86,10 +93,11 @@ fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
         let j = corners_of(other);
         let known = eye_depth(corners_at(j), ray);
         takes = depth < known || (depth == known && t < other);
-        touching = abs(depth - known) <= TOUCHING * known && !share_vertex(i, j);
+        touching = abs(depth - known) <= TOUCHING * known && !share_vertex(u.i, j);
     }
     if touching {
         rivals_found[place(slot, 32u * step.word + k)] = select(t, other, takes);
+        crowded |= rivals & (1u << k);
         rivals |= 1u << k;
     }
     if takes {

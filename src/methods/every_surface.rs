@@ -66,7 +66,7 @@ impl EverySurface {
             },
             fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
             lists: PixelLists::new(device, pixels, c.pixel_triangles)?,
-            complex: ComplexPixels::new(device, c.complex_pixels, words as usize)?,
+            complex: ComplexPixels::new(device, queue, c.complex_pixels, words as usize)?,
             compact_scratch: Compact::scratch(device, pixels)?,
             scan_scratch: PrefixScan::scratch(device, pixels)?,
             request: request(device, queue, c)?,
@@ -87,7 +87,7 @@ impl EverySurface {
         capacities: Capacities,
     ) -> Result<()> {
         self.lists = PixelLists::new(device, settings.pixels(), capacities.pixel_triangles)?;
-        self.complex = ComplexPixels::new(device, capacities.complex_pixels, settings.samples.words() as usize)?;
+        self.complex = ComplexPixels::new(device, queue, capacities.complex_pixels, settings.samples.words() as usize)?;
         self.request = request(device, queue, capacities)?;
         self.rounds = capacities.camera_rounds;
         Ok(())

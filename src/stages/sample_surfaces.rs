@@ -4,17 +4,19 @@
 //! - **Writes** facets (pixel, triangle, origin), their coverage masks, `pixel_facets`, and `id_keys` (complement of the
 //!   triangle at each pixel centre; must be 0 before).
 //! - **Guarantee.** Each sample that sees a surface lies in exactly one facet: that of the nearest triangle, of equally near
-//!   ones the lowest; with [`SampleSurfaces::merging`] that of the nearest triangle's surface. Edges belong to both sides, and around a vertex all edges agree on where the sample is. Bit-equal from
-//!   run to run. Nothing is written beyond the capacities.
+//!   ones the lowest; with [`SampleSurfaces::merging`] that of the nearest triangle's surface. Depths within 2^-20 of one
+//!   another are compared with 46 bits, however many they are. Edges belong to both sides, and around a vertex all edges agree
+//!   on where the sample is. Bit-equal from run to run. Nothing is written beyond the capacities.
 //! - **Capacity.** [`ROUND_LENGTH`] triangles of a pixel a dispatch; longer lists take more rounds.
 //!   Samples of more complex pixels than one binding holds are taken in bands, one after the other.
 //! - **Cost.** One invocation for each complex pixel and word of its samples: about 45 flop for each sample and triangle of
 //!   its list, and 250 a triangle. A sample within rounding of an edge, or of two surfaces that bounds of their depths do not
 //!   tell apart, costs about 150 more. Per complex pixel 4 bytes a sample, read once for each of its surfaces and once more.
+//!   Where three or more surfaces touch, the pixel's list is gone through once more for each such sample.
 
 use super::facet_classify::Facets;
 use super::pixel_triangles::PixelLists;
-use super::{Count, PrefixScan, prefix_scan};
+use super::{Count, DispatchArgs, PrefixScan, dispatch_args, prefix_scan};
 use crate::gpu::kernels::sample_surfaces as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::{Error, Result, shared_struct};
@@ -39,11 +41,14 @@ shared_struct! {
 #[derive(Debug)]
 pub struct SampleSurfaces {
     nearest: Program,
+    begin: Program,
     rivals: Program,
+    crowds: Program,
     name: Option<Program>,
     group: Program,
     emit: Program,
     emit_single: Program,
+    fold: DispatchArgs,
     scan: PrefixScan,
     words: u32,
     uniforms: Uniforms,
@@ -58,8 +63,12 @@ pub struct ComplexPixels {
     pub total: Buffer<u32>,
     /// Complement of the triangle of each sample, one buffer for each band of them.
     pub keys: Vec<Buffer<u32>>,
-    /// Another one that almost touches it there, of the band at work, and which samples have one.
+    /// Another one that almost touches it there, of the band at work, and which samples have one, and may have more.
     pub rivals: Buffer<u32>,
+    /// How many pixels of the band have samples that may have more; slot and pixel of each.
+    pub crowds: Buffer<u32>,
+    crowd_requests: dispatch_args::Requests,
+    crowd_args: Buffer<u32>,
     /// Pixels of a band.
     band: usize,
 }
@@ -69,26 +78,36 @@ impl ComplexPixels {
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn new(device: &wgpu::Device, count: usize, words: usize) -> Result<Self> {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, count: usize, words: usize) -> Result<Self> {
         let limits = device.limits();
         let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        Self::in_bands(device, count, words, (binding / (132 * words as u64)) as usize)
+        Self::in_bands(device, queue, count, words, (binding / (136 * words as u64)) as usize)
     }
 
     /// As [`ComplexPixels::new`], in bands of at most `most` pixels.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn in_bands(device: &wgpu::Device, count: usize, words: usize, most: usize) -> Result<Self> {
+    pub fn in_bands(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        count: usize,
+        words: usize,
+        most: usize,
+    ) -> Result<Self> {
         let bands = count.div_ceil(most.max(1)).max(1);
         let band = count.div_ceil(bands);
+        let request = dispatch_args::Request::new(0, WORKGROUP, band, 0)?;
         Ok(Self {
             pixels: Buffer::storage(device, "sample_surfaces.pixels", count)?,
             total: Buffer::storage(device, "sample_surfaces.total", 2)?,
             keys: (0..bands)
                 .map(|_| Buffer::storage(device, "sample_surfaces.keys", band * 32 * words))
                 .collect::<Result<_>>()?,
-            rivals: Buffer::storage(device, "sample_surfaces.rivals", band * 33 * words)?,
+            rivals: Buffer::storage(device, "sample_surfaces.rivals", band * 34 * words)?,
+            crowds: Buffer::storage(device, "sample_surfaces.crowds", 2 * band + 1)?,
+            crowd_requests: DispatchArgs::requests(device, queue, &[request])?,
+            crowd_args: Buffer::indirect(device, "sample_surfaces.crowd_args", 3)?,
             band,
         })
     }
@@ -136,11 +155,14 @@ impl SampleSurfaces {
         let constants = constants.map(|(name, value)| (name, f64::from(value)));
         Self {
             nearest: Program::new(device, kernel::ENTRY_NEAREST, &constants),
+            begin: Program::new(device, kernel::ENTRY_BEGIN, &[]),
             rivals: Program::new(device, kernel::ENTRY_SETTLE_RIVALS, &constants),
+            crowds: Program::new(device, kernel::ENTRY_SETTLE_CROWDS, &constants),
             name: merge.then(|| Program::new(device, kernel::ENTRY_NAME_SURFACES, &constants)),
             group: Program::new(device, kernel::ENTRY_GROUP_SAMPLES, &constants),
             emit: Program::new(device, kernel::ENTRY_EMIT, &constants),
             emit_single: Program::new(device, kernel::ENTRY_EMIT_SINGLE, &constants),
+            fold: DispatchArgs::new(device),
             scan: scan.clone(),
             words,
             uniforms: Uniforms::default(),
@@ -173,8 +195,10 @@ impl SampleSurfaces {
             1 => Groups::Indirect(args.0, args.1),
             _ => Groups::Items(complex.band as u64),
         };
+        let words = self.words;
+        let turns = || (0..rounds).flat_map(move |round| (0..words).map(move |word| (round, word)));
         for (band, keys) in complex.bands() {
-            for (round, word) in (0..rounds).flat_map(|round| (0..self.words).map(move |word| (round, word))) {
+            for (round, word) in turns() {
                 let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
                 let buffers = [
                     ("frame", frame),
@@ -191,6 +215,7 @@ impl SampleSurfaces {
                 ];
                 stage.run(&self.nearest, &buffers, groups())?;
             }
+            stage.run(&self.begin, &[("crowds", complex.crowds.raw())], Groups::Workgroups(1))?;
             if let Some(fill) = fill {
                 fill(stage, [band.first_slot, band.slots], keys, groups())?;
             }
@@ -205,8 +230,27 @@ impl SampleSurfaces {
                 ("complex_total", complex.total.raw()),
                 ("sample_keys", keys.raw()),
                 ("rivals_found", complex.rivals.raw()),
+                ("crowds", complex.crowds.raw()),
             ];
             stage.run(&self.rivals, &buffers, groups())?;
+            self.fold.record(stage, &complex.crowds, &complex.crowd_requests, &complex.crowd_args)?;
+            for (round, word) in turns() {
+                let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
+                let buffers = [
+                    ("frame", frame),
+                    ("samples", mesh.samples),
+                    ("step", &step),
+                    ("triangles", mesh.triangles),
+                    ("points", mesh.points.raw()),
+                    ("positions", mesh.positions),
+                    ("pixel_offsets", lists.offsets.raw()),
+                    ("pixel_list", lists.list.raw()),
+                    ("sample_keys", keys.raw()),
+                    ("rivals_found", complex.rivals.raw()),
+                    ("crowds", complex.crowds.raw()),
+                ];
+                stage.run(&self.crowds, &buffers, Groups::Indirect(complex.crowd_args.raw(), 0))?;
+            }
             self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
             let buffers = [
                 ("frame", frame),

@@ -4,7 +4,7 @@
 use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
 use crate::support::surfaces::{Found, find, find_in_bands, find_merged, find_within, pattern, square};
 use crate::support::{gpu, sizes_around, small_gpu};
-use subpixel_shadows::glam::{DVec2, DVec3};
+use subpixel_shadows::glam::{DQuat, DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::camera_visibility::Doubt;
 use subpixel_shadows::reference::sample_surfaces::{Sample, merged, see, surfaces};
@@ -16,9 +16,13 @@ use subpixel_shadows::truth::{AMBIGUITY, SceneTruth, Tracer, join_mask};
 const DOUBT: Doubt = Doubt { edge: AMBIGUITY, depth: 1e-5 };
 
 fn wanted(case: &Case, samples: &Samples) -> Vec<Sample> {
+    wanted_by(case, samples, DOUBT)
+}
+
+fn wanted_by(case: &Case, samples: &Samples, doubt: Doubt) -> Vec<Sample> {
     let wanted = case.wanted();
     let offsets: Vec<DVec2> = samples.offsets().iter().map(|o| DVec2::new(o[0].into(), o[1].into())).collect();
-    see(&wanted.view, &wanted.triangles, &offsets, DOUBT)
+    see(&wanted.view, &wanted.triangles, &offsets, doubt)
 }
 
 /// Where the stage departs from its definition, else how many samples are left open.
@@ -254,6 +258,41 @@ fn several_rounds() {
     let within = |rounds| find_within(gpu(), &case, &pattern(128), room, rounds);
     assert!(within(1).surfaces != found.surfaces, "one round is enough");
     assert!(within(rounds + 1) == found, "a round too many changes something");
+}
+
+/// Sheets that single precision does not tell apart, two to more than a round holds: each sample sees the nearest.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn crowds() {
+    // No edge is in sight.
+    let strict = Doubt { edge: 1e-10, depth: 1e-11 };
+    let (x, y) = (DVec3::new(0.8, 0.23, -0.31), DVec3::new(0.17, 0.41, 0.83));
+    let up = y.cross(x).normalize();
+    for (sheets, image, count) in [(2, [33, 25], 32), (3, [33, 25], 32), (9, [17, 13], 128), (600, [5, 4], 64)] {
+        let mut mesh = Mesh::default();
+        for k in 0..sheets {
+            let turn = DQuat::from_axis_angle(up, 0.7 * f64::from(k));
+            let corners = [(-3.0, -2.0), (3.0, -2.0), (0.0, 4.0)];
+            let corners = corners.map(|(u, v)| turn * (x * u + y * v) + DVec3::new(0.3, 0.7, -0.2));
+            add(&mut mesh, &corners, &[[0, 1, 2]]);
+        }
+        let mut case = Case::new(&mesh, light(0), image, 8);
+        (case.camera.eye, case.camera.target) = ((up * 4.0 + x).as_vec3().into(), [0.3, 0.7, -0.2]);
+        case.camera.vertical_fov_degrees = 15.0;
+        let samples = pattern(count);
+        let wanted = wanted_by(&case, &samples, strict);
+        let found = find(gpu(), &case, &samples);
+        let open = compare(&found, &wanted, &samples).unwrap_or_else(|text| panic!("{sheets} sheets: {text}"));
+        assert!(open * 10 < wanted.len(), "{sheets} sheets: {open} of {} are open", wanted.len());
+        let seen = |samples: &[Sample]| samples.iter().filter(|s| !s.open && s.triangle.is_some()).count();
+        assert!(seen(&wanted) * 2 > wanted.len(), "{sheets} sheets: nothing to see");
+        assert!(found.longest >= sheets, "{sheets} sheets: {} in a pixel", found.longest);
+        let mut corrupted = wanted.clone();
+        let other = corrupted.iter_mut().find(|s| !s.open && s.triangle.is_some()).expect("one is seen");
+        other.triangle = other.triangle.map(|t| t ^ 1);
+        assert!(compare(&found, &corrupted, &samples).is_err(), "{sheets} sheets: another triangle passes");
+        assert!(find(gpu(), &case, &samples) == found, "{sheets} sheets: another result in a second run");
+    }
 }
 
 /// What the samples see may lie in several buffers: the result is the same, in one round and in several.

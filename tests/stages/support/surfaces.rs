@@ -136,9 +136,10 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     let touched = Buffer::storage(device, "test.touched", [0, 7, 1 << 16][count % 3]).expect(memory);
     let lists =
         PixelLists { list: poisoned(gpu, room[0]), touched, ..PixelLists::new(device, pixels, 1).expect(memory) };
-    let mut complex = ComplexPixels::in_bands(device, room[1], words as usize, band).expect(memory);
+    let mut complex = ComplexPixels::in_bands(device, &gpu.queue, room[1], words as usize, band).expect(memory);
     complex.pixels = poisoned(gpu, room[1]);
     complex.keys.iter_mut().for_each(|keys| *keys = poisoned(gpu, keys.len()));
+    complex.crowds = poisoned(gpu, complex.crowds.len());
     assert!(band >= room[1] || complex.keys.len() > 1, "one band");
     let facets = Facets {
         masks: poisoned(gpu, room[2] * 3 * words as usize),
