@@ -2,7 +2,7 @@
 // `one` lists one facet a pixel, from the triangle at its centre, with a full coverage mask.
 // `classify` finds for each listed facet its plane, its light-view outline and rectangle, and its state:
 //   DARK where its seen side faces away from the light, or light or eye are in its plane; decided with 46 bits where single
-//   precision leaves it open;
+//   precision leaves it open; with FLAG_CLOSED also where it is seen from inside the body, whose rest keeps the light off;
 //   LIT where no caster is in the rectangle, or where no texel of it is marked and the facet lies before the split depth;
 //   SHADOWED where no texel of it is marked and it lies behind the split depth;
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.

@@ -139,9 +139,8 @@ fn write_triangle(item: Item, found: vec2<u32>, anew: bool) {
     while any(pixels != vec2(0u)) {
         let at = item.block.low + take_texel(&pixels);
         let pixel = at.y * frame.image_size.x + at.x;
-        let left = atomicSub(&pixel_counts[pixel], 1u);
-        let place = pixel_offsets[pixel] + left - 1u;
-        if anew && (left == 0u || place >= pixel_offsets[pixel + 1u]) { continue; }
+        let place = pixel_offsets[pixel] + atomicSub(&pixel_counts[pixel], 1u) - 1u;
+        if anew && (place < pixel_offsets[pixel] || place >= pixel_offsets[pixel + 1u]) { continue; }
         if place < frame.pixel_triangle_capacity { pixel_list[place] = item.triangle; }
     }
 }

@@ -3,8 +3,7 @@
 // `nearest` runs an invocation for each complex pixel over ROUND_LENGTH triangles of its list, from round `step.round` on,
 // and keeps for each sample of word `step.word` the nearest, of equally near ones the lowest (`sample_keys`, complement; 0
 // for none). Where another surface almost touches it (`rivals_found`: triangles, then two masks a word), `settle_rivals` decides
-// with 46 bits. Where more than two do, which it lists in `crowds` (`begin` empties it), `settle_crowds` goes through the pixel's list once more, round
-// by round and word by word.
+// with 46 bits; where more than two do, which it lists in `crowds` (emptied by `begin`), `settle_crowds` does, round by round.
 // `name_surfaces` writes the surfaces of samples to `named_keys`, as `sample_keys` has their triangles, and behind them how far
 // off the triangles of larger surfaces reach; without MERGE the triangles themselves are `group_keys`.
 // `group_samples` counts the surfaces that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
@@ -66,6 +65,7 @@ const ROUND_LENGTH = 512u;
 const SEVERAL = 0x80000000u;
 
 //@import surface_groups
+//@import touching_samples
 
 @compute @workgroup_size(1)
 fn begin() {
@@ -102,56 +102,14 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
 fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
-    let pixel = complex_pixel(slot);
-    var crowd = 0u;
-    for (var w = 0u; w < WORDS; w++) {
-        crowd |= rivals_found[place(slot, 33u * WORDS + w)];
-        var left = rivals_found[place(slot, 32u * WORDS + w)];
-        while left != 0u {
-            let k = 32u * w + firstTrailingBit(left);
-            left &= left - 1u;
-            let at = place(slot, k);
-            let rival = rivals_found[at];
-            let t = ~sample_keys[at];
-            let order = order_46(corners_of(rival), corners_of(t), ray_at(pixel, sample_offset(k)));
-            if order < 0.0 || (order == 0.0 && rival < t) { sample_keys[at] = ~rival; }
-        }
-    }
-    if crowd != 0u {
-        let at = 2u * atomicAdd(&crowds[0], 1u);
-        atomicStore(&crowds[at + 1u], slot);
-        atomicStore(&crowds[at + 2u], pixel);
-    }
-}
-
-// Of the triangles of a round that cover sample `k` of a pixel, none sure to lie behind `known`, the nearest.
-fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
-    var best = known;
-    var most = eye_depth(corners_at(corners_of(best)), ray) * (1.0 + 2.0 * TOUCHING);
-    for (var n = first; n < end; n++) {
-        let t = pixel_list[n];
-        let u = corners_at(corners_of(t));
-        let depth = eye_depth(u, ray);
-        if t == best || !covers_ray(u, ray) || !(depth >= frame.forward.w) || depth > most { continue; }
-        let order = order_46(u.i, corners_of(best), ray);
-        if order < 0.0 || (order == 0.0 && t < best) { best = t; }
-    }
-    return best;
+    settle_rivals_of(slot);
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn settle_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let n = flat_invocation(group, groups, WORKGROUP, local);
     if n >= atomicLoad(&crowds[0]) { return; }
-    let slot = atomicLoad(&crowds[2u * n + 1u]);
-    let pixel = atomicLoad(&crowds[2u * n + 2u]);
-    let first = pixel_offsets[pixel] + step.round * ROUND_LENGTH;
-    let end = min(min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity), first + ROUND_LENGTH);
-    for (var left = rivals_found[place(slot, 33u * WORDS + step.word)]; left != 0u; left &= left - 1u) {
-        let k = 32u * step.word + firstTrailingBit(left);
-        let at = place(slot, k);
-        sample_keys[at] = ~nearest_of_crowd(ray_at(pixel, sample_offset(k)), ~sample_keys[at], first, end);
-    }
+    settle_crowd(n);
 }
 
 @compute @workgroup_size(WORKGROUP)

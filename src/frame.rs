@@ -99,6 +99,8 @@ impl Frame {
     pub const CLAMP: u32 = 16;
     /// With it: a facet may also cover samples beyond its triangle.
     pub const BEYOND: u32 = 32;
+    /// The mesh is closed, and the light outside: triangles that turn away from the light are dark on both sides.
+    pub const CLOSED: u32 = 64;
 
     /// The frame of a camera, a light and its view of a scene that lies between two corners.
     /// Counts of the mesh, lists and bands are left at 0.
@@ -153,7 +155,7 @@ impl Frame {
             image_size: [width, height],
             map_size: view.map_size,
             sample_count: samples.count(),
-            flags: if view.perspective { Self::PERSPECTIVE } else { 0 },
+            flags: if view.perspective { Self::PERSPECTIVE } else { 0 } | if view.closed { Self::CLOSED } else { 0 },
             map_margin: map_margin as f32,
             depth_margin: depth_margin as f32,
             ..Self::default()

@@ -7,9 +7,9 @@ mod device;
 use device::gpu;
 use subpixel_shadows::glam::{DQuat, DVec3};
 use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
+use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, SceneOptions};
@@ -150,6 +150,45 @@ fn one_facet_is_wrong() {
     let (samples, pixels) =
         wrong(&render(&prepared, &scene, &settings, Budget::default()), &truth(&scene, &prepared, &settings));
     assert!(samples > 1000 && pixels > 100, "{samples} samples, {pixels} pixels");
+}
+
+/// From inside a closed body all is dark, by every method, and without evaluation.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn seen_from_inside_a_body() {
+    let given = scene("spheres", false);
+    let prepared = Prepared::new(&given.mesh);
+    assert!(prepared.closed);
+    let look = |eye: [f32; 3], light| {
+        let camera = Camera { eye, target: [eye[0] + 0.3, eye[1] + 0.9, eye[2] + 0.2], near: 1e-3, ..given.camera };
+        Scene { camera, light, ..given.clone() }
+    };
+    // In the slab, away from the balls, and in the largest ball.
+    for eye in [[5.0, -0.25, 5.0], [0.0, 1.0, 0.0]] {
+        for light in [given.light, Light::Directional { direction: [0.3, 1.0, 0.2] }] {
+            let scene = look(eye, light);
+            for facets in [FacetMode::One, FacetMode::All] {
+                let settings = settings(facets);
+                let truth = truth(&scene, &prepared, &settings);
+                let output = render(&prepared, &scene, &settings, Budget::default());
+                let seen = truth.pixels.iter().filter(|p| p.seen_count > 0).count();
+                assert!(seen * 2 > truth.pixels.len(), "{seen} pixels see something");
+                assert_eq!(
+                    (wrong(&output, &truth).1, output.counts.lit_facets),
+                    (0, 0),
+                    "{eye:?} {light:?} {facets:?}"
+                );
+                assert_eq!(output.counts.silhouette_pixels, 0, "{eye:?} {light:?} {facets:?}: something is evaluated");
+            }
+            for method in [MethodName::Spsm, MethodName::ShadowMap, MethodName::RayTraced] {
+                let settings = settings(FacetMode::One);
+                let mut any = AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default()).expect("one");
+                let output = any.render(&scene.camera, &scene.light).expect("a frame");
+                let lit = output.visibility.iter().zip(&output.triangles).filter(|(v, t)| **t != u32::MAX && **v > 0.0);
+                assert_eq!(lit.count(), 0, "{eye:?} {light:?} {method:?}");
+            }
+        }
+    }
 }
 
 /// Sheets that lie on each other within the rounding of single precision, tilted so that their vertices round: of two such

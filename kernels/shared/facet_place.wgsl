@@ -38,7 +38,8 @@ fn is_clamped() -> bool {
 
 // Finds where a facet of a triangle lies that turns to light and eye as told, and what is known of it.
 fn place(f: u32, shape: Shape, turns: vec2<f32>) {
-    if turns.x * turns.y <= 0.0 {
+    let away = turns.x * select(1.0, -1.0, is_reversed(shape.given, shape.i)) < 0.0;
+    if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) {
         settle(f, STATE_DARK);
         return;
     }

@@ -24,3 +24,8 @@ fn facing_of(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, light: vec4<f32>) -> u32 
     if side < -bound { return BACK; }
     return UNSURE;
 }
+
+// Whether three vertices in rising order run around the other way than as given.
+fn is_reversed(given: vec3<u32>, rising: vec3<u32>) -> bool {
+    return !(all(given == rising) || all(given == rising.yzx) || all(given == rising.zxy));
+}

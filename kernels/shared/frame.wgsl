@@ -47,6 +47,7 @@ const FLAG_PERSPECTIVE = 4u;    // the light is at a point: divide by the light'
 const FLAG_ALL_UNDECIDED = 8u;  // settle no facet before evaluation
 const FLAG_CLAMP = 16u;         // a facet covers only its own triangle
 const FLAG_BEYOND = 32u;        // with it: but may also cover samples beyond
+const FLAG_CLOSED = 64u;        // the mesh is closed, the light outside: what turns away from the light is dark on both sides
 
 const NO_TRIANGLE = 0xffffffffu;
 const FAR = 0x7f800000u;        // bits of +infinity: no surface at a texel

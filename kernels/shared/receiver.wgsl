@@ -27,7 +27,8 @@ fn receiver_of(pixel: u32) -> Receiver {
     var r: Receiver;
     let t = ~id_keys[pixel];
     if t >= frame.triangle_count { return r; }
-    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let given = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    var i = given;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
@@ -40,6 +41,7 @@ fn receiver_of(pixel: u32) -> Receiver {
     let side = dot(normal, to_light);
     r.seen = SEEN_DARK;
     if !(abs(side) > 9.5367e-7 * length(normal) * length(to_light)) { return r; }
+    if (frame.flags & FLAG_CLOSED) != 0u && (side < 0.0) != is_reversed(given, i) { return r; }
     r.normal = normal * sign(side);
     r.height = dot(r.normal, a);
     r.at = a;

@@ -1,6 +1,7 @@
 //! Fitting the light view: the narrowest view that holds every caster where it can shadow something.
 
 use super::LightView;
+use super::casters::caster_points;
 use crate::scene::{Light, Mesh};
 use crate::{Error, Result};
 use glam::{DVec3, DVec4};
@@ -20,9 +21,22 @@ impl LightView {
     /// # Errors
     /// [`Error::Scene`] if the light cannot be used, [`Error::Config`] if the map has no or too many texels.
     pub fn fit(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
+        Self::fit_to(mesh, light, map_size, false)
+    }
+
+    /// As [`LightView::fit`], of a closed mesh with the light outside all of its bodies: triangles that turn away from the light
+    /// are never lit, whatever side of them is seen, and nothing needs to cast on them. Kernels are told by [`LightView::closed`].
+    ///
+    /// # Errors
+    /// As [`LightView::fit`].
+    pub fn fit_closed(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
+        Self::fit_to(mesh, light, map_size, true)
+    }
+
+    fn fit_to(mesh: &Mesh, light: &Light, map_size: u32, closed: bool) -> Result<Self> {
         check(light, map_size)?;
         let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let mut casters = caster_corners(mesh, light, bounds);
+        let mut casters = caster_points(mesh, light, bounds, map_size, closed);
         if casters.is_empty() {
             // Nothing casts on anything: any view will do that is one.
             casters = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
@@ -31,28 +45,27 @@ impl LightView {
             casters = vec![bounds.0, bounds.1];
         }
         let l = light.homogeneous();
-        Ok(if light.is_directional() {
-            Self::directional(&casters, l.truncate().normalize(), map_size)
-        } else {
-            let start = light.towards((bounds.0 + bounds.1) * 0.5).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
-            let light = l.truncate();
-            let axis = middle_of_directions(&casters, light, start);
-            let view = Self::perspective(&casters, light, axis, map_size);
-            // What casts nothing, such as a ground, is better in front of the light too: what reaches behind it is looked
-            // at in every texel.
-            let mut best = (view.not_in_front(mesh), view);
-            for axis in facing_axes(mesh, &view, light) {
-                if best.0 == 0 {
-                    break;
-                }
-                let turned = Self::perspective(&casters, light, axis, map_size);
-                let left = turned.not_in_front(mesh);
-                if left < best.0 {
-                    best = (left, turned);
-                }
+        if light.is_directional() {
+            return Ok(Self { closed, ..Self::directional(&casters, l.truncate().normalize(), map_size) });
+        }
+        let start = light.towards((bounds.0 + bounds.1) * 0.5).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
+        let light = l.truncate();
+        let axis = middle_of_directions(&casters, light, start);
+        let view = Self::perspective(&casters, light, axis, map_size);
+        // What casts nothing, such as a ground, is better in front of the light too: what reaches behind it is looked at in
+        // every texel.
+        let mut best = (view.not_in_front(mesh), view);
+        for axis in facing_axes(mesh, &view, light) {
+            if best.0 == 0 {
+                break;
             }
-            best.1
-        })
+            let turned = Self::perspective(&casters, light, axis, map_size);
+            let left = turned.not_in_front(mesh);
+            if left < best.0 {
+                best = (left, turned);
+            }
+        }
+        Ok(Self { closed, ..best.1 })
     }
 
     /// Fits the view to all triangles of `mesh`, whatever they shadow of one another: for receivers that are no part of it.
@@ -70,7 +83,7 @@ impl LightView {
     }
 
     /// The view that holds all of `points`, of which `middle` is somewhere in the middle.
-    fn holding(points: &[DVec3], middle: DVec3, light: &Light, map_size: u32) -> Self {
+    pub(super) fn holding(points: &[DVec3], middle: DVec3, light: &Light, map_size: u32) -> Self {
         let l = light.homogeneous();
         if light.is_directional() {
             Self::directional(points, l.truncate().normalize(), map_size)
@@ -121,6 +134,7 @@ impl LightView {
             clear: 0.0,
             perspective: false,
             complete: true,
+            closed: false,
         }
     }
 
@@ -159,6 +173,7 @@ impl LightView {
             clear: nearest,
             perspective: true,
             complete,
+            closed: false,
         }
     }
 }
@@ -226,77 +241,10 @@ fn facing_axes(mesh: &Mesh, view: &LightView, light: DVec3) -> Vec<DVec3> {
 }
 
 /// Two unit axes across `along`.
-fn axes(along: DVec3) -> (DVec3, DVec3) {
+pub(super) fn axes(along: DVec3) -> (DVec3, DVec3) {
     let helper = if along.y.abs() < 0.9 { DVec3::Y } else { DVec3::X };
     let right = along.cross(helper).normalize();
     (right, right.cross(along))
-}
-
-/// Triangles whose reach is looked at one by one.
-const LARGE_TRIANGLES: usize = 64;
-
-/// Points whose view holds every caster where it can shadow something. The largest triangles count only where some of the
-/// mesh lies behind them: a ground casts on nothing but what sticks into it, and does not widen the view.
-fn caster_corners(mesh: &Mesh, light: &Light, (lo, hi): (DVec3, DVec3)) -> Vec<DVec3> {
-    let towards = light.towards((lo + hi) * 0.5).try_normalize().unwrap_or(DVec3::Y);
-    let (right, up) = axes(towards);
-    let extent = |t: usize| {
-        let c = mesh.corners(t).map(|p| glam::DVec2::new(p.dot(right), p.dot(up)));
-        let size = c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2]);
-        size.max_element()
-    };
-    let mut order: Vec<(f64, usize)> = (0..mesh.triangles.len()).map(|t| (extent(t), t)).collect();
-    let large = order.len().min(LARGE_TRIANGLES);
-    if large < order.len() {
-        order.select_nth_unstable_by(large, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    }
-    let mut out: Vec<DVec3> = order[large..].iter().flat_map(|&(_, t)| mesh.corners(t)).collect();
-    let slack = 1e-9 * (hi - lo).length();
-    for &(_, t) in &order[..large] {
-        let [a, b, c] = mesh.corners(t);
-        let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
-        let side = normal.dot(light.towards(a));
-        let behind = |p: DVec3| normal.dot(p - a) * side.signum() < -slack;
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for other in 0..mesh.triangles.len() {
-            let corners = mesh.corners(other);
-            if corners.into_iter().any(behind) {
-                for p in corners {
-                    (low, high) = (low.min(p), high.max(p));
-                }
-            }
-        }
-        // Only a light at infinity sends parallel rays: what lies behind, widened along them, is then where it can matter.
-        let sides = [a, b, c];
-        let overlap =
-            if light.is_directional() { overlap(&sides, low, high, right, up, towards) } else { sides.to_vec() };
-        if low.x <= high.x {
-            out.extend(overlap);
-        }
-    }
-    out
-}
-
-/// Corners of the part of the view that both `points` and the box from `low` to `high` take.
-fn overlap(points: &[DVec3], low: DVec3, high: DVec3, right: DVec3, up: DVec3, towards: DVec3) -> Vec<DVec3> {
-    if low.x > high.x {
-        return Vec::new();
-    }
-    let view = |p: DVec3| DVec3::new(p.dot(right), p.dot(up), p.dot(towards));
-    let spread = |ps: &mut dyn Iterator<Item = DVec3>| {
-        ps.map(view).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)))
-    };
-    let corners: [DVec3; 8] = std::array::from_fn(|k| {
-        DVec3::new([low.x, high.x][k & 1], [low.y, high.y][(k >> 1) & 1], [low.z, high.z][k >> 2])
-    });
-    let (l0, h0) = spread(&mut points.iter().copied());
-    let (l1, h1) = spread(&mut corners.into_iter());
-    let (mut l, mut h) = (l0.max(l1), h0.min(h1));
-    (l.z, h.z) = (l0.z, h0.z);
-    if l.x > h.x || l.y > h.y {
-        return Vec::new();
-    }
-    [l, h].map(|q| right * q.x + up * q.y + towards * q.z).to_vec()
 }
 
 #[cfg(test)]
@@ -354,8 +302,8 @@ mod tests {
             let scene = crate::scene::builtin(name).unwrap();
             let view = LightView::fit(&scene.mesh, &scene.light, 512).unwrap();
             for p in &scene.mesh.positions {
-                let at = view.project(glam::Vec3::from(*p).as_dvec3()).unwrap_or(DVec3::NAN);
-                assert!(at.min_element() >= -1e-9 && at.x <= 511.01 && at.y <= 511.01, "{name}: {p:?} at {at}");
+                let at = view.project(glam::Vec3::from(*p).as_dvec3());
+                assert!(at.is_some_and(|at| at.z >= -1e-9), "{name}: {p:?} at {at:?}");
             }
             let samples = crate::samples::Samples::new(Default::default(), 32).unwrap();
             let bounds = scene.mesh.bounds().unwrap();
@@ -392,5 +340,83 @@ mod tests {
         let inside = LightView::around((low, high), &Light::Point { position: [0.0, 1.0, 0.0] }, 64).unwrap();
         assert!(inside.check().is_err());
         assert!(LightView::around((low, high), &Light::Point { position: [0.0, 9.0, 0.0] }, 0).is_err());
+    }
+
+    /// The share of the map's width and height that a box of points takes.
+    fn share(view: &LightView, points: &[DVec3]) -> DVec3 {
+        let at = points.iter().map(|&p| view.project(p).expect("in front of the light"));
+        let (lo, hi) = at.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), at| (lo.min(at), hi.max(at)));
+        assert!(
+            lo.truncate().min_element() > 0.0 && hi.truncate().max_element() < f64::from(view.map_size),
+            "{lo} {hi}"
+        );
+        (hi - lo) / f64::from(view.map_size)
+    }
+
+    #[test]
+    fn a_slab_does_not_widen_the_view_of_what_stands_on_it() {
+        for name in ["knot", "spheres", "cage"] {
+            let scene = crate::scene::builtin(name).unwrap();
+            let prepared = crate::methods::Prepared::new(&scene.mesh);
+            let points: Vec<DVec3> = prepared
+                .mesh
+                .positions
+                .iter()
+                .map(|p| glam::Vec3::from(*p).as_dvec3())
+                .filter(|p| p.y > 0.001)
+                .collect();
+            for light in [
+                scene.light,
+                Light::Directional { direction: [0.3, 1.0, 0.2] },
+                Light::Point { position: [-3.0, 6.0, 2.0] },
+            ] {
+                let view = prepared.light_view(&light, 512).unwrap();
+                assert_eq!(view.closed, name != "cage");
+                assert!(
+                    share(&view, &points).truncate().min_element() > 0.7,
+                    "{name} {light:?} {}",
+                    share(&view, &points)
+                );
+                // From its back the slab would be seen, and shadowed.
+                let both = LightView::fit(&prepared.mesh, &light, 512).unwrap();
+                assert!(name == "cage" || share(&both, &points).truncate().max_element() < 0.5, "{name} {light:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn of_a_large_triangle_the_part_before_something_is_in_the_view() {
+        // A roof over a small table, both turned up; by two sheets of another kind the part is told apart.
+        let mut mesh = Mesh::default();
+        for (half, y) in [(10.0f32, 3.0f32), (0.5, 0.0)] {
+            let base = mesh.positions.len() as u32;
+            mesh.positions.extend([[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]]);
+            mesh.triangles.extend([[base, base + 2, base + 1], [base, base + 3, base + 2]]);
+        }
+        for light in [
+            Light::Directional { direction: [0.3, 1.0, 0.2] },
+            Light::Point { position: [1.0, 9.0, 0.5] },
+            Light::Directional { direction: [0.0, 1.0, 0.0] },
+        ] {
+            for (mesh, closed) in [(&mesh, true), (&mesh, false)] {
+                let view = LightView::fit_to(mesh, &light, 64, closed).unwrap();
+                let mut off = 0.0f64;
+                for (x, z) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5), (0.0, 0.0)] {
+                    // Where the ray from a place of the table to the light meets the roof.
+                    let place = DVec3::new(x, 0.0, z);
+                    let to = light.towards(place);
+                    let at = view.project(place + to * (3.0 / to.y)).unwrap();
+                    assert!(at.truncate().min_element() > 0.9 && at.truncate().max_element() < 63.1, "{light:?} {at}");
+                    off = off.max((at.truncate() - 32.0).abs().max_element());
+                }
+                assert!(off > 20.0, "{light:?}: the roof widens the view: {off}");
+            }
+        }
+        // Turned over, the table is lit on no side that a closed mesh shows.
+        let mut over = mesh.clone();
+        over.triangles[2..].iter_mut().for_each(|t| t.swap(1, 2));
+        let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
+        let [a, b] = [true, false].map(|closed| caster_points(&over, &light, over.bounds().unwrap(), 64, closed).len());
+        assert!(a == 0 && b > 0, "{a} {b}");
     }
 }

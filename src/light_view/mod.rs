@@ -1,5 +1,6 @@
 //! The light view: which part of the scene the light's map covers.
 
+mod casters;
 mod fit;
 
 use crate::{Error, Result};
@@ -27,6 +28,9 @@ pub struct LightView {
     /// Whether the view holds every caster that can shadow something. Where it does not, a receiver outside the map may
     /// be in shadow all the same.
     pub complete: bool,
+    /// Whether triangles that turn away from the light are never lit, whatever side of them is seen: the mesh is closed, and the
+    /// light outside.
+    pub closed: bool,
 }
 
 impl LightView {

@@ -116,7 +116,7 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
         camera.check()?;
         light.check()?;
         let gpu = self.gpu;
-        let view = LightView::fit(&self.prepared.mesh, light, self.settings.map)?;
+        let view = self.settings.light_view(self.prepared, light)?;
         view.check()?;
         let bounds = self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut frame = Frame::new(camera, light, &view, bounds, self.settings.size, &self.settings.samples);

@@ -176,7 +176,7 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Renderer::render`], and those of `look`.
     pub fn render_and(&mut self, camera: &Camera, light: &Light, look: Look) -> Result<Output> {
-        let view = LightView::fit(&self.prepared.mesh, light, self.settings.map)?;
+        let view = self.settings.light_view(self.prepared, light)?;
         view.check()?;
         'image: loop {
             let mut image: Option<Output> = None;

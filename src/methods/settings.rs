@@ -1,8 +1,10 @@
 //! What a frame is computed with.
 
+use super::prepared::Prepared;
 use crate::light_view::LightView;
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
+use crate::scene::Light;
 use crate::{Error, Result};
 
 /// How many facets a pixel has.
@@ -172,6 +174,18 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The light's view of a mesh, as tight as may be: where samples off the surfaces count, for one facet stands for a pixel and
+    /// none is dropped, it holds all there is.
+    ///
+    /// # Errors
+    /// As [`LightView::fit`].
+    pub fn light_view(&self, prepared: &Prepared, light: &Light) -> Result<LightView> {
+        if self.facets == FacetMode::One && !self.validity && self.samples.count() > 1 {
+            return LightView::fit_all(&prepared.mesh, light, self.map);
+        }
+        prepared.light_view(light, self.map)
+    }
+
     /// Pixels of the image.
     pub fn pixels(&self) -> usize {
         self.size.iter().map(|&s| s as usize).product()

@@ -134,10 +134,6 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
 /// Why casters that face away from the light add no shadow, if that is certain: every segment that crosses a closed body
 /// and ends outside it leaves the body, through a face turned to the light.
 pub fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> {
-    let (lowest, highest) = prepared.mesh.bounds()?;
-    let at = light.homogeneous();
-    let slack = CLEAR * (highest - lowest).length();
-    let outside =
-        light.is_directional() || (at.truncate().cmplt(lowest - slack) | at.truncate().cmpgt(highest + slack)).any();
-    (prepared.closed && outside).then(|| "closed mesh, light outside: faces turned to the light cast it all".to_owned())
+    (prepared.closed && prepared.mesh.is_outside(light))
+        .then(|| "closed mesh, light outside: faces turned to the light cast it all".to_owned())
 }

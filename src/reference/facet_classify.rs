@@ -182,8 +182,8 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
     facet.open_side = open || open_to_eye;
     facet.open = facet.open_side;
     facet.state = State::Dark;
-    // Edge-on to either: unlit by definition.
-    if turn * turn_to_eye <= 0.0 {
+    // Edge-on to either: unlit by definition. Seen from inside a closed body it is in the shadow of the rest.
+    if turn * turn_to_eye <= 0.0 || (view.map.closed && turn < 0.0) {
         return facet;
     }
     let normal = normal * turn;

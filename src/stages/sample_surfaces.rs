@@ -14,13 +14,16 @@
 //!   tell apart, costs about 150 more. Per complex pixel 4 bytes a sample, read once for each of its surfaces and once more.
 //!   Where three or more surfaces touch, the pixel's list is gone through once more for each such sample.
 
+mod complex_pixels;
+
 use super::facet_classify::Facets;
 use super::pixel_triangles::PixelLists;
-use super::{Count, DispatchArgs, PrefixScan, dispatch_args, prefix_scan};
+use super::{Count, DispatchArgs, PrefixScan, prefix_scan};
 use crate::gpu::kernels::sample_surfaces as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::{Error, Result, shared_struct};
 
+pub use complex_pixels::ComplexPixels;
 pub use kernel::{ROUND_LENGTH, SEVERAL, WORKGROUP};
 
 shared_struct! {
@@ -52,71 +55,6 @@ pub struct SampleSurfaces {
     scan: PrefixScan,
     words: u32,
     uniforms: Uniforms,
-}
-
-/// Complex pixels and what their samples see.
-#[derive(Debug)]
-pub struct ComplexPixels {
-    /// The pixels.
-    pub pixels: Buffer<u32>,
-    /// How many there are, and 0.
-    pub total: Buffer<u32>,
-    /// Complement of the triangle of each sample, one buffer for each band of them.
-    pub keys: Vec<Buffer<u32>>,
-    /// Another one that almost touches it there, of the band at work, and which samples have one, and may have more.
-    pub rivals: Buffer<u32>,
-    /// How many pixels of the band have samples that may have more; slot and pixel of each.
-    pub crowds: Buffer<u32>,
-    crowd_requests: dispatch_args::Requests,
-    crowd_args: Buffer<u32>,
-    /// Pixels of a band.
-    band: usize,
-}
-
-impl ComplexPixels {
-    /// Memory for `count` pixels with masks of `words` words, in as few bands as the device's bindings allow.
-    ///
-    /// # Errors
-    /// As [`Buffer::storage`].
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, count: usize, words: usize) -> Result<Self> {
-        let limits = device.limits();
-        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        Self::in_bands(device, queue, count, words, (binding / (136 * words as u64)) as usize)
-    }
-
-    /// As [`ComplexPixels::new`], in bands of at most `most` pixels.
-    ///
-    /// # Errors
-    /// As [`Buffer::storage`].
-    pub fn in_bands(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        count: usize,
-        words: usize,
-        most: usize,
-    ) -> Result<Self> {
-        let bands = count.div_ceil(most.max(1)).max(1);
-        let band = count.div_ceil(bands);
-        let request = dispatch_args::Request::new(0, WORKGROUP, band, 0)?;
-        Ok(Self {
-            pixels: Buffer::storage(device, "sample_surfaces.pixels", count)?,
-            total: Buffer::storage(device, "sample_surfaces.total", 2)?,
-            keys: (0..bands)
-                .map(|_| Buffer::storage(device, "sample_surfaces.keys", band * 32 * words))
-                .collect::<Result<_>>()?,
-            rivals: Buffer::storage(device, "sample_surfaces.rivals", band * 34 * words)?,
-            crowds: Buffer::storage(device, "sample_surfaces.crowds", 2 * band + 1)?,
-            crowd_requests: DispatchArgs::requests(device, queue, &[request])?,
-            crowd_args: Buffer::indirect(device, "sample_surfaces.crowd_args", 3)?,
-            band,
-        })
-    }
-
-    /// The bands: what all dispatches but those of further rounds are told, and the triangles of the samples.
-    fn bands(&self) -> impl Iterator<Item = (Step, &Buffer<u32>)> {
-        let step = |n: usize| Step { first_slot: (n * self.band) as u32, slots: self.band as u32, ..Step::default() };
-        self.keys.iter().enumerate().map(move |(n, keys)| (step(n), keys))
-    }
 }
 
 /// What the stage reads besides the lists.

@@ -13,7 +13,6 @@ use super::prepared::Prepared;
 use super::render::{Counts, ListUse, Output};
 use super::unshadowed::nothing_seen;
 use crate::Result;
-use crate::light_view::LightView;
 use crate::reference::facet_classify::{State, Surroundings, classify_parts, marks_table};
 use crate::reference::front_layer::Margin;
 use crate::reference::resolve::{Masks, pixel};
@@ -104,7 +103,7 @@ pub fn render(
     let mut clock = Clock::default();
     let mesh = &prepared.mesh;
     let size = if request.unshadowed { 1 } else { settings.map };
-    let map = LightView::fit(mesh, light, size)?;
+    let map = Settings { map: size, ..settings.clone() }.light_view(prepared, light)?;
     map.check()?;
     let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
     let cull_back = settings.cull_back && prepared.closed;

@@ -1,0 +1,55 @@
+// Samples at which surfaces almost touch (sample_surfaces), by 46 bits. Needs `frame`, `step`, WORDS, ROUND_LENGTH,
+// nearest_sample, eye_order_46, surface_groups, and the arrays `sample_keys`, `rivals_found`, `crowds`, `pixel_offsets` and
+// `pixel_list`.
+
+// Two at a sample; lists the pixel if there may be more.
+fn settle_rivals_of(slot: u32) {
+    let pixel = complex_pixel(slot);
+    var crowd = 0u;
+    for (var w = 0u; w < WORDS; w++) {
+        crowd |= rivals_found[place(slot, 33u * WORDS + w)];
+        var left = rivals_found[place(slot, 32u * WORDS + w)];
+        while left != 0u {
+            let k = 32u * w + firstTrailingBit(left);
+            left &= left - 1u;
+            let at = place(slot, k);
+            let rival = rivals_found[at];
+            let t = ~sample_keys[at];
+            let order = order_46(corners_of(rival), corners_of(t), ray_at(pixel, sample_offset(k)));
+            if order < 0.0 || (order == 0.0 && rival < t) { sample_keys[at] = ~rival; }
+        }
+    }
+    if crowd != 0u {
+        let at = 2u * atomicAdd(&crowds[0], 1u);
+        atomicStore(&crowds[at + 1u], slot);
+        atomicStore(&crowds[at + 2u], pixel);
+    }
+}
+
+// Of the triangles of a round that cover a ray, none sure to lie behind `known`, the nearest.
+fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
+    var best = known;
+    var most = eye_depth(corners_at(corners_of(best)), ray) * (1.0 + 2.0 * TOUCHING);
+    for (var n = first; n < end; n++) {
+        let t = pixel_list[n];
+        let u = corners_at(corners_of(t));
+        let depth = eye_depth(u, ray);
+        if t == best || !covers_ray(u, ray) || !(depth >= frame.forward.w) || depth > most { continue; }
+        let order = order_46(u.i, corners_of(best), ray);
+        if order < 0.0 || (order == 0.0 && t < best) { best = t; }
+    }
+    return best;
+}
+
+// The crowded samples of a word of the n-th listed pixel.
+fn settle_crowd(n: u32) {
+    let slot = atomicLoad(&crowds[2u * n + 1u]);
+    let pixel = atomicLoad(&crowds[2u * n + 2u]);
+    let first = pixel_offsets[pixel] + step.round * ROUND_LENGTH;
+    let end = min(min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity), first + ROUND_LENGTH);
+    for (var left = rivals_found[place(slot, 33u * WORDS + step.word)]; left != 0u; left &= left - 1u) {
+        let k = 32u * step.word + firstTrailingBit(left);
+        let at = place(slot, k);
+        sample_keys[at] = ~nearest_of_crowd(ray_at(pixel, sample_offset(k)), ~sample_keys[at], first, end);
+    }
+}
