@@ -185,6 +185,26 @@ fn frames_repeat() {
     failures.report();
 }
 
+/// A renderer keeps the light's view while the light is the same, and no longer.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn earlier_lights_do_not_matter() {
+    let mut failures = Failures::default();
+    let scene = scene("spheres");
+    let prepared = Prepared::new(&scene.mesh);
+    let settings = settings(true);
+    let lights =
+        [scene.light, Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [2.0, 6.0, 1.0] }];
+    let fresh = lights.map(|light| render_with(&scene.mesh, &scene.camera, &light, &settings, Budget::default()));
+    assert!(fresh[0].visibility != fresh[1].visibility && fresh[1].visibility != fresh[2].visibility);
+    let mut renderer = renderer(&prepared, &settings, Budget::default());
+    for k in [0, 1, 1, 0, 2, 2, 1] {
+        let frame = renderer.render(&scene.camera, &lights[k]).expect("a frame");
+        failures.compare(&format!("light {k}"), &fresh[k], &frame);
+    }
+    failures.report();
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn order_does_not_matter() {

@@ -4,7 +4,7 @@ use super::geometry::{Geometry, GeometryPipelines};
 use super::looks::Looks;
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
-use super::settings::Settings;
+use super::settings::{LastView, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
@@ -73,6 +73,7 @@ pub struct FixedRenderer<'a, M> {
     samples: Buffer<[f32; 4]>,
     timer: Option<Timer>,
     method: M,
+    view: LastView,
 }
 
 impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
@@ -103,6 +104,7 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
             timer: Timer::new(gpu),
             casters,
             method,
+            view: LastView::default(),
         };
         gpu.check()?;
         Ok(made)
@@ -116,8 +118,7 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
         camera.check()?;
         light.check()?;
         let gpu = self.gpu;
-        let view = self.settings.light_view(self.prepared, light)?;
-        view.check()?;
+        let view = self.view.of(&self.settings, self.prepared, light)?;
         let bounds = self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut frame = Frame::new(camera, light, &view, bounds, self.settings.size, &self.settings.samples);
         frame.vertex_count = self.casters.positions.len() as u32;

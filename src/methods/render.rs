@@ -4,6 +4,7 @@
 use super::facet_masks::{FacetMasks, Pipelines, Settings};
 use super::growth;
 use super::prepared::{CasterBuffers, Prepared};
+use super::settings::LastView;
 use super::strips::{Rows, Strips};
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
 use crate::light_view::LightView;
@@ -112,6 +113,7 @@ pub struct Renderer<'a> {
     budget: Budget,
     timer: Option<Timer>,
     settings: Settings,
+    view: LastView,
 }
 
 /// Looks at the method after each strip.
@@ -159,7 +161,8 @@ impl<'a> Renderer<'a> {
         let (strips, method) = fitting(gpu, &casters, settings, budget, &pipelines, strips)?;
         gpu.check()?;
         let (timer, settings) = (Timer::new(gpu), settings.clone());
-        Ok(Self { gpu, prepared, casters, pipelines, method, strips, budget, timer, settings })
+        let view = LastView::default();
+        Ok(Self { gpu, prepared, casters, pipelines, method, strips, budget, timer, settings, view })
     }
 
     /// Renders one frame, running it again with larger lists, more bands, rounds or strips until nothing is left out.
@@ -176,8 +179,7 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Renderer::render`], and those of `look`.
     pub fn render_and(&mut self, camera: &Camera, light: &Light, look: Look) -> Result<Output> {
-        let view = self.settings.light_view(self.prepared, light)?;
-        view.check()?;
+        let view = self.view.of(&self.settings, self.prepared, light)?;
         'image: loop {
             let mut image: Option<Output> = None;
             for rows in self.strips.rows() {

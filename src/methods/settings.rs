@@ -231,3 +231,25 @@ impl Settings {
         self.shadow_map.check()
     }
 }
+
+/// The light's view that was fitted last, which goes through all triangles: kept while the light is the same.
+#[derive(Debug, Default)]
+pub(super) struct LastView(Option<(Light, LightView)>);
+
+impl LastView {
+    /// That of `light`.
+    ///
+    /// # Errors
+    /// As [`LightView::fit`] and [`LightView::check`].
+    pub fn of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<LightView> {
+        if let Some((of, view)) = &self.0
+            && of == light
+        {
+            return Ok(*view);
+        }
+        let view = settings.light_view(prepared, light)?;
+        view.check()?;
+        self.0 = Some((*light, view));
+        Ok(view)
+    }
+}
