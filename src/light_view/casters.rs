@@ -1,7 +1,7 @@
 //! What of a mesh casts on something that can be lit: what the light's view has to hold.
 
-use super::LightView;
 use super::fit::axes;
+use super::{LightView, Receivers};
 use crate::scene::{Light, Mesh};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -24,7 +24,7 @@ pub(super) fn caster_points(
     light: &Light,
     (lo, hi): (DVec3, DVec3),
     map_size: u32,
-    closed: bool,
+    receivers: Receivers,
 ) -> Vec<DVec3> {
     let towards = light.towards((lo + hi) * 0.5).try_normalize().unwrap_or(DVec3::Y);
     let (right, up) = axes(towards);
@@ -51,10 +51,29 @@ pub(super) fn caster_points(
         if small.is_some_and(|view| view.complete && corners.iter().all(|&p| inside(&view, p))) {
             out.extend(corners);
         } else if let Some(caster) = LargeCaster::new(corners, light, slack) {
-            out.extend(caster.part_that_casts(mesh, light, closed));
+            out.extend(caster.part_that_casts(mesh, light, receivers));
         }
     }
     out
+}
+
+/// How far something reaches along directions, from and to.
+type Reach = [(f64, f64); AXES];
+
+/// The sides of the box around triangles, two triangles each; none without triangles.
+fn box_of(triangles: impl ParallelIterator<Item = [DVec3; 3]>) -> impl ParallelIterator<Item = [DVec3; 3]> {
+    let nothing = || (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+    let (low, high) = triangles.flat_map_iter(|t| t).map(|p| (p, p)).reduce(nothing, join);
+    let corner = move |k: usize| DVec3::select(glam::BVec3::new(k & 1 == 0, k & 2 == 0, k & 4 == 0), low, high);
+    // Three corners of each of the squares across an axis, at either end of it, and the other three.
+    let side = move |n: usize| {
+        let (axis, end, half) = (n / 4, n / 2 % 2, n % 2);
+        let [u, v] = [1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3)];
+        let base = end << axis;
+        [base | if half == 0 { 0 } else { u | v }, base | u, base | v].map(corner)
+    };
+    (0..if low.x <= high.x { 12 } else { 0 }).into_par_iter().map(side)
 }
 
 /// A triangle, and what tells whether it lies between the light and something.
@@ -87,21 +106,18 @@ impl LargeCaster {
     }
 
     /// Corners of a polygon that holds the part of it that lies before something of `mesh`.
-    fn part_that_casts(&self, mesh: &Mesh, light: &Light, closed: bool) -> Vec<DVec3> {
-        type Reach = [(f64, f64); AXES];
-        let nothing = || [(f64::INFINITY, f64::NEG_INFINITY); AXES];
-        let join = |a: Reach, b: Reach| std::array::from_fn(|k| (a[k].0.min(b[k].0), a[k].1.max(b[k].1)));
-        let found = (0..mesh.triangles.len()).into_par_iter().fold(nothing, |known, t| {
-            let [a, b, c] = mesh.corners(t);
-            if closed && (b - a).cross(c - a).dot(light.towards(a)) <= 0.0 {
-                return known;
-            }
-            self.before([a, b, c], light).into_iter().fold(known, |known, p| {
-                let at = self.along.map(|g| g.dot(p - self.corners[0]));
-                join(known, at.map(|x| (x, x)))
-            })
-        });
-        let reach = found.reduce(nothing, join);
+    fn part_that_casts(&self, mesh: &Mesh, light: &Light, receivers: Receivers) -> Vec<DVec3> {
+        let all = 0..mesh.triangles.len();
+        let reach = if receivers == Receivers::Planes {
+            self.reach_over(box_of(all.into_par_iter().filter_map(|t| self.behind(mesh.corners(t)))), light)
+        } else {
+            let lit = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).dot(light.towards(a)) > 0.0;
+            let receives = |t: usize| {
+                let corners = mesh.corners(t);
+                (receivers == Receivers::Surfaces || lit(corners)).then_some(corners)
+            };
+            self.reach_over(all.into_par_iter().filter_map(receives), light)
+        };
         if reach[0].0 > reach[0].1 {
             return Vec::new();
         }
@@ -112,6 +128,23 @@ impl LargeCaster {
             clip(&mut part, |p| (high + more) - g.dot(p - self.corners[0]));
         }
         part
+    }
+
+    /// How far the part before any of these triangles reaches along each direction.
+    fn reach_over(&self, triangles: impl ParallelIterator<Item = [DVec3; 3]>, light: &Light) -> Reach {
+        let nothing = || [(f64::INFINITY, f64::NEG_INFINITY); AXES];
+        let join = |a: Reach, b: Reach| std::array::from_fn(|k| (a[k].0.min(b[k].0), a[k].1.max(b[k].1)));
+        let take = |known: Reach, triangle| {
+            self.before(triangle, light)
+                .into_iter()
+                .fold(known, |known, p| join(known, self.along.map(|g| g.dot(p - self.corners[0])).map(|x| (x, x))))
+        };
+        triangles.fold(nothing, take).reduce(nothing, join)
+    }
+
+    /// A triangle, if any of it lies behind the plane.
+    fn behind(&self, triangle: [DVec3; 3]) -> Option<[DVec3; 3]> {
+        triangle.iter().any(|&p| self.away.dot(p - self.corners[0]) > self.slack).then_some(triangle)
     }
 
     /// The part that lies between the light and a triangle, as a polygon; empty if there is none of any size.
@@ -171,6 +204,24 @@ fn clip(polygon: &mut Vec<DVec3>, inside: impl Fn(DVec3) -> f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_box_has_six_whole_sides() {
+        let (low, high) = (DVec3::new(-1.0, 2.0, 0.5), DVec3::new(2.0, 4.0, 5.5));
+        let triangles = [[low, low, DVec3::new(2.0, 3.0, 1.0)], [high, DVec3::new(0.0, 3.0, 1.0), high]];
+        let sides: Vec<_> = box_of(triangles.into_par_iter()).collect();
+        let mut area = [0.0; 3];
+        for [a, b, c] in &sides {
+            let normal = (*b - *a).cross(*c - *a) * 0.5;
+            assert_eq!((0..3).filter(|&k| normal[k] != 0.0).count(), 1, "{normal}");
+            (0..3).for_each(|k| area[k] += normal[k].abs());
+            for p in [a, b, c] {
+                assert!((0..3).all(|k| p[k] == low[k] || p[k] == high[k]), "{p}");
+            }
+        }
+        assert_eq!((sides.len(), area), (12, [2.0 * 2.0 * 5.0, 2.0 * 3.0 * 5.0, 2.0 * 3.0 * 2.0]));
+        assert_eq!(box_of(Vec::new().into_par_iter()).count(), 0);
+    }
 
     #[test]
     fn touching_only_is_not_before() {

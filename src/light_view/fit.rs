@@ -1,7 +1,7 @@
 //! Fitting the light view: the narrowest view that holds every caster where it can shadow something.
 
-use super::LightView;
 use super::casters::caster_points;
+use super::{LightView, Receivers};
 use crate::scene::{Light, Mesh};
 use crate::{Error, Result};
 use glam::{DVec3, DVec4};
@@ -21,22 +21,21 @@ impl LightView {
     /// # Errors
     /// [`Error::Scene`] if the light cannot be used, [`Error::Config`] if the map has no or too many texels.
     pub fn fit(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
-        Self::fit_to(mesh, light, map_size, false)
+        Self::fit_for(mesh, light, map_size, Receivers::Planes)
     }
 
-    /// As [`LightView::fit`], of a closed mesh with the light outside all of its bodies: triangles that turn away from the light
-    /// are never lit, whatever side of them is seen, and nothing needs to cast on them. Kernels are told by [`LightView::closed`].
+    /// As [`LightView::fit`], by what may be in shadow.
     ///
     /// # Errors
     /// As [`LightView::fit`].
-    pub fn fit_closed(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
-        Self::fit_to(mesh, light, map_size, true)
-    }
-
-    fn fit_to(mesh: &Mesh, light: &Light, map_size: u32, closed: bool) -> Result<Self> {
+    pub fn fit_for(mesh: &Mesh, light: &Light, map_size: u32, receivers: Receivers) -> Result<Self> {
         check(light, map_size)?;
+        if receivers == Receivers::Anything {
+            return Self::fit_all(mesh, light, map_size);
+        }
+        let closed = receivers == Receivers::Outsides;
         let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let mut casters = caster_points(mesh, light, bounds, map_size, closed);
+        let mut casters = caster_points(mesh, light, bounds, map_size, receivers);
         if casters.is_empty() {
             // Nothing casts on anything: any view will do that is one.
             casters = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
@@ -370,7 +369,8 @@ mod tests {
                 Light::Directional { direction: [0.3, 1.0, 0.2] },
                 Light::Point { position: [-3.0, 6.0, 2.0] },
             ] {
-                let view = prepared.light_view(&light, 512).unwrap();
+                let receivers = if prepared.closed { Receivers::Outsides } else { Receivers::Surfaces };
+                let view = LightView::fit_for(&prepared.mesh, &light, 512, receivers).unwrap();
                 assert_eq!(view.closed, name != "cage");
                 assert!(
                     share(&view, &points).truncate().min_element() > 0.7,
@@ -378,7 +378,7 @@ mod tests {
                     share(&view, &points)
                 );
                 // From its back the slab would be seen, and shadowed.
-                let both = LightView::fit(&prepared.mesh, &light, 512).unwrap();
+                let both = LightView::fit_for(&prepared.mesh, &light, 512, Receivers::Surfaces).unwrap();
                 assert!(name == "cage" || share(&both, &points).truncate().max_element() < 0.5, "{name} {light:?}");
             }
         }
@@ -398,8 +398,8 @@ mod tests {
             Light::Point { position: [1.0, 9.0, 0.5] },
             Light::Directional { direction: [0.0, 1.0, 0.0] },
         ] {
-            for (mesh, closed) in [(&mesh, true), (&mesh, false)] {
-                let view = LightView::fit_to(mesh, &light, 64, closed).unwrap();
+            for (mesh, receivers) in [(&mesh, Receivers::Outsides), (&mesh, Receivers::Surfaces)] {
+                let view = LightView::fit_for(mesh, &light, 64, receivers).unwrap();
                 let mut off = 0.0f64;
                 for (x, z) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5), (0.0, 0.0)] {
                     // Where the ray from a place of the table to the light meets the roof.
@@ -416,7 +416,8 @@ mod tests {
         let mut over = mesh.clone();
         over.triangles[2..].iter_mut().for_each(|t| t.swap(1, 2));
         let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
-        let [a, b] = [true, false].map(|closed| caster_points(&over, &light, over.bounds().unwrap(), 64, closed).len());
+        let points = |receivers| caster_points(&over, &light, over.bounds().unwrap(), 64, receivers).len();
+        let (a, b) = (points(Receivers::Outsides), points(Receivers::Surfaces));
         assert!(a == 0 && b > 0, "{a} {b}");
     }
 }

@@ -33,6 +33,20 @@ pub struct LightView {
     pub closed: bool,
 }
 
+/// What may be in shadow: what lies outside the view is lit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Receivers {
+    /// The outsides of a closed mesh, with the light outside all of its bodies. See [`LightView::closed`].
+    Outsides,
+    /// The triangles, from both sides.
+    Surfaces,
+    /// The triangles, and of their planes what a pixel at their edges sees: for facets that stand for whole pixels, of which
+    /// samples off the surface are dropped.
+    Planes,
+    /// Anything anywhere.
+    Anything,
+}
+
 impl LightView {
     /// Most texels a side.
     pub const LARGEST_MAP: u32 = 8192;

@@ -4,7 +4,7 @@ use super::geometry::{Geometry, GeometryPipelines};
 use super::looks::Looks;
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
-use super::settings::{LastView, Settings};
+use super::settings::{FacetMode, LastView, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
@@ -28,6 +28,9 @@ pub struct Inputs<'a> {
 
 /// A method of fixed memory: stages after `triangle_setup` and `camera_visibility`, made for one mesh and setting.
 pub trait FixedMethod {
+    /// Whether samples on the plane of a pixel's facet count beyond the surface, too: the light's view is wider then.
+    const BEYOND: bool = false;
+
     /// Takes in what changes from frame to frame.
     ///
     /// # Errors
@@ -118,7 +121,8 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
         camera.check()?;
         light.check()?;
         let gpu = self.gpu;
-        let view = self.view.of(&self.settings, self.prepared, light)?;
+        let own = Settings { facets: FacetMode::All, ..self.settings.clone() };
+        let view = self.view.of(if M::BEYOND { &self.settings } else { &own }, self.prepared, light)?;
         let bounds = self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut frame = Frame::new(camera, light, &view, bounds, self.settings.size, &self.settings.samples);
         frame.vertex_count = self.casters.positions.len() as u32;

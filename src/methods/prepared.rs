@@ -2,9 +2,8 @@
 
 use crate::Result;
 use crate::gpu::Buffer;
-use crate::light_view::LightView;
+use crate::scene::Mesh;
 use crate::scene::adjacency::{Adjacency, Edge};
-use crate::scene::{Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
 
 /// A mesh in canonical order with its edges.
@@ -35,14 +34,6 @@ impl Prepared {
         (0..).zip(&self.surfaces).any(|(t, &surface)| t != surface)
     }
 
-    /// The light's view of it, as tight as may be.
-    ///
-    /// # Errors
-    /// As [`LightView::fit`].
-    pub fn light_view(&self, light: &Light, map_size: u32) -> Result<LightView> {
-        light_view(&self.mesh, self.closed, light, map_size)
-    }
-
     /// Uploads it.
     ///
     /// # Errors
@@ -67,18 +58,6 @@ impl Prepared {
                 .then(|| Buffer::from_slice(device, queue, "casters.surfaces", &marked(&self.surfaces)))
                 .transpose()?,
         })
-    }
-}
-
-/// The light's view of a mesh of which it is known whether it is closed.
-///
-/// # Errors
-/// As [`LightView::fit`].
-pub(crate) fn light_view(mesh: &Mesh, closed: bool, light: &Light, map_size: u32) -> Result<LightView> {
-    if closed && mesh.is_outside(light) {
-        LightView::fit_closed(mesh, light, map_size)
-    } else {
-        LightView::fit(mesh, light, map_size)
     }
 }
 

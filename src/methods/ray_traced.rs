@@ -50,6 +50,8 @@ impl RayTraced {
 }
 
 impl FixedMethod for RayTraced {
+    const BEYOND: bool = true;
+
     fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, _: &LightView, frame: &Frame) -> Result<()> {
         self.settled.prepare(gpu, camera, frame);
         Ok(())

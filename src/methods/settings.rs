@@ -1,10 +1,10 @@
 //! What a frame is computed with.
 
 use super::prepared::Prepared;
-use crate::light_view::LightView;
+use crate::light_view::{LightView, Receivers};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
-use crate::scene::Light;
+use crate::scene::{Light, Mesh};
 use crate::{Error, Result};
 
 /// How many facets a pixel has.
@@ -174,16 +174,19 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The light's view of a mesh, as tight as may be: where samples off the surfaces count, for one facet stands for a pixel and
-    /// none is dropped, it holds all there is.
+    /// The light's view of a mesh, which may be `closed`, as tight as what may be in shadow allows.
     ///
     /// # Errors
     /// As [`LightView::fit`].
-    pub fn light_view(&self, prepared: &Prepared, light: &Light) -> Result<LightView> {
-        if self.facets == FacetMode::One && !self.validity && self.samples.count() > 1 {
-            return LightView::fit_all(&prepared.mesh, light, self.map);
-        }
-        prepared.light_view(light, self.map)
+    pub fn light_view(&self, mesh: &Mesh, closed: bool, light: &Light) -> Result<LightView> {
+        let beyond = self.facets == FacetMode::One && self.samples.count() > 1;
+        let receivers = match (beyond, self.validity) {
+            (true, true) => Receivers::Planes,
+            (true, false) => Receivers::Anything,
+            (false, _) if closed && mesh.is_outside(light) => Receivers::Outsides,
+            (false, _) => Receivers::Surfaces,
+        };
+        LightView::fit_for(mesh, light, self.map, receivers)
     }
 
     /// Pixels of the image.
@@ -247,7 +250,7 @@ impl LastView {
         {
             return Ok(*view);
         }
-        let view = settings.light_view(prepared, light)?;
+        let view = settings.light_view(&prepared.mesh, prepared.closed, light)?;
         view.check()?;
         self.0 = Some((*light, view));
         Ok(view)

@@ -55,6 +55,8 @@ impl Supersampled {
 }
 
 impl FixedMethod for Supersampled {
+    const BEYOND: bool = true;
+
     fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, _: &LightView, frame: &Frame) -> Result<()> {
         self.settled.prepare(gpu, camera, frame);
         self.bins.prepare(&gpu.queue, frame);

@@ -37,7 +37,7 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder, Timer};
 use crate::light_view::LightView;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines, Strip};
-use crate::methods::prepared::{light_view, surfaces};
+use crate::methods::prepared::surfaces;
 use crate::methods::render::{Budget, Counts};
 use crate::methods::{FacetMode, Settings, growth};
 use crate::scene::Light;
@@ -349,7 +349,7 @@ impl ShadowPass {
             (_, Some(_)) => LightView::around(bounds, light, map)?,
             (Some((of, of_all, view)), None) if (of, *of_all) == (light, all) => *view,
             (_, None) if all => LightView::fit_all(&self.casters.mesh, light, map)?,
-            (_, None) => light_view(&self.casters.mesh, self.casters.buffers.closed, light, map)?,
+            (_, None) => self.settings.light_view(&self.casters.mesh, self.casters.buffers.closed, light)?,
         };
         view.check()?;
         if inputs.moved.is_none() {

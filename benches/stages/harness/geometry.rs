@@ -5,6 +5,7 @@ use std::rc::Rc;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage, kernels, recorder};
+use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
 use subpixel_shadows::reference::prefix_scan;
@@ -121,7 +122,7 @@ impl Setup {
         let casters = prepared.upload(device, queue)?;
         let bounds = prepared.mesh.bounds().ok_or_else(|| Error::Scene("no mesh".to_owned()))?;
         let light = Light::Point { position: [2.0, 4.0, 1.0] };
-        let view = prepared.light_view(&light, MAP)?;
+        let view = LightView::fit(&prepared.mesh, &light, MAP)?;
         let samples = Samples::new(Default::default(), 32)?;
         let mut content = Frame::new(&Camera::framing(bounds.0, bounds.1), &light, &view, bounds, IMAGE, &samples);
         content.vertex_count = casters.positions.len() as u32;

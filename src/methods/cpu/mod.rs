@@ -103,7 +103,7 @@ pub fn render(
     let mut clock = Clock::default();
     let mesh = &prepared.mesh;
     let size = if request.unshadowed { 1 } else { settings.map };
-    let map = Settings { map: size, ..settings.clone() }.light_view(prepared, light)?;
+    let map = Settings { map: size, ..settings.clone() }.light_view(mesh, prepared.closed, light)?;
     map.check()?;
     let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
     let cull_back = settings.cull_back && prepared.closed;

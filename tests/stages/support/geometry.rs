@@ -59,7 +59,7 @@ impl Case {
     }
 
     fn light_view(&self) -> LightView {
-        self.prepared.light_view(&self.light, self.map).expect("a light view")
+        LightView::fit(&self.prepared.mesh, &self.light, self.map).expect("a light view")
     }
 
     /// The frame in `f64`.

@@ -6,6 +6,7 @@ use std::sync::{Mutex, OnceLock};
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
+use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
 use subpixel_shadows::reference::camera_visibility::{Doubt, nearest};
@@ -201,7 +202,7 @@ impl World {
             .get_or_init(|| Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) });
         let prepared = Prepared::new(mesh);
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
-        let fitted = prepared.light_view(&light, map).expect("a light view");
+        let fitted = LightView::fit(&prepared.mesh, &light, map).expect("a light view");
         let bounds = prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut frame = Frame::new(&camera, &light, &fitted, bounds, size, &samples);
         let (vertices, triangles) = (prepared.mesh.positions.len(), prepared.mesh.triangles.len());
