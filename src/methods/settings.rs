@@ -180,11 +180,17 @@ impl Settings {
     /// As [`LightView::fit`].
     pub fn light_view(&self, mesh: &Mesh, closed: bool, light: &Light) -> Result<LightView> {
         let beyond = self.facets == FacetMode::One && self.samples.count() > 1;
-        let receivers = match (beyond, self.validity) {
-            (true, true) => Receivers::Planes,
-            (true, false) => Receivers::Anything,
-            (false, _) if closed && mesh.is_outside(light) => Receivers::Outsides,
-            (false, _) => Receivers::Surfaces,
+        if beyond && !self.validity {
+            let view = LightView::fit_for(mesh, light, self.map, Receivers::Anything)?;
+            if view.complete {
+                return Ok(view);
+            }
+            // The light stands over a wide floor, say: no view holds all of that.
+        }
+        let receivers = match beyond {
+            true => Receivers::Planes,
+            false if closed && mesh.is_outside(light) => Receivers::Outsides,
+            false => Receivers::Surfaces,
         };
         LightView::fit_for(mesh, light, self.map, receivers)
     }
