@@ -138,7 +138,7 @@ fn main() -> Result<()> {
     app.complete_frame(&mut pass, &plain)?;
     let ours = app.read(pass.visibility())?;
     let gpu = Gpu::from_adapter(&adapter, None)?;
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh)?;
     let theirs = Renderer::new(&gpu, &prepared, &settings, Budget::default())?.render(&scene.camera, &scene.light)?;
     let differ = ours.iter().zip(&theirs.visibility).filter(|(a, b)| **a != b.to_bits()).count();
     println!("{differ} of {} pixels differ from the renderer's", ours.len());

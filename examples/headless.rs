@@ -39,7 +39,7 @@ fn main() -> subpixel_shadows::Result<()> {
 
     // The mesh is prepared and uploaded once, pipelines and memory are made once; frames are rendered as often as wanted.
     let gpu = Gpu::open(None)?;
-    let prepared = Prepared::new(&mesh);
+    let prepared = Prepared::new(&mesh)?;
     let mut renderer = Renderer::new(&gpu, &prepared, &settings, Budget::default())?;
     let frame = renderer.render(&camera, &light)?;
 

@@ -62,7 +62,7 @@ struct Plane {
 }
 
 impl Plane {
-    fn new(tilt: f64, cells: u32) -> Self {
+    fn new(tilt: f64, cells: u32) -> Result<Self> {
         let axis = DVec3::new(25f64.to_radians().cos(), 0.0, 25f64.to_radians().sin());
         let turn = DQuat::from_axis_angle(axis, tilt.to_radians());
         let mut mesh = Mesh::default();
@@ -84,7 +84,7 @@ impl Plane {
             mesh.positions.extend([corner(3.0, 2.2, 3.0), corner(2.9, 2.15, 3.0), corner(3.0, 2.1, 2.9)]);
             mesh.triangles.push([first, first + 1, first + 2]);
         }
-        let prepared = Prepared::new(&mesh);
+        let prepared = Prepared::new(&mesh)?;
         let inside = |t: usize| prepared.mesh.corners(t).iter().all(|p| p.length() < 2.5);
         let own = (0..prepared.mesh.triangles.len()).map(inside).collect();
         let camera = Camera {
@@ -95,7 +95,7 @@ impl Plane {
             near: 0.1,
             far: 100.0,
         };
-        Self { prepared, camera, own }
+        Ok(Self { prepared, camera, own })
     }
 
     /// Pixels of the plane that are not wholly lit.
@@ -144,7 +144,7 @@ fn main() -> Result<()> {
     println!("|---|{}", "---|".repeat(heads.len()));
     let mut worst: HashMap<(u32, Variant), f64> = HashMap::new();
     for tilt in TILTS {
-        let planes = CELLS.map(|cells| Plane::new(tilt, cells));
+        let planes = CELLS.iter().map(|&cells| Plane::new(tilt, cells)).collect::<Result<Vec<_>>>()?;
         let mut cells = Vec::new();
         for &(map, variant, _) in &columns {
             let mut most = Some(0.0);

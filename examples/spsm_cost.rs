@@ -76,7 +76,7 @@ fn main() -> Result<()> {
     );
     for name in &scenes {
         let scene = Scene::open(name, &SceneOptions::default())?;
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh)?;
         println!("| {name}, map | method | stages, ms | map and query, ms | ratio | frame, ms | ratio |");
         println!("|---|---|---|---|---|---|---|");
         for &map in &maps {

@@ -100,7 +100,7 @@ fn main() -> Result<()> {
     println!("|---|---|---|---|---|---|---|---|---|---|{}", more[1]);
     for name in &scenes {
         let scene = Scene::open(name, &SceneOptions { ground, ..SceneOptions::default() })?;
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh)?;
         let samples = Samples::new(Pattern::default(), samples)?;
         let tracer = Tracer::new(&prepared.mesh)?;
         let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &samples, SIZE[0], SIZE[1])?.image(None);

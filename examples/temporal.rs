@@ -122,7 +122,7 @@ fn main() -> Result<()> {
     let start = Instant::now();
     for name in &arguments.scenes {
         let scene = Scene::open(name, &SceneOptions { ground: arguments.ground, ..SceneOptions::default() })?;
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh)?;
         let tracer = Tracer::new(&prepared.mesh)?;
         let mut series = Vec::new();
         for moved in ["light", "camera"] {

@@ -73,7 +73,7 @@ fn main() -> Result<()> {
     for name in &arguments.scenes {
         let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
         let scene = Scene::open(name, &options)?;
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh)?;
         let tracer = Tracer::new(&prepared.mesh)?;
         let bounds = prepared.mesh.bounds().unwrap_or_default();
         for (view, camera) in [("own", scene.camera), ("other side", other_side(&scene.camera))] {

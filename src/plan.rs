@@ -293,7 +293,7 @@ mod tests {
 
     fn plan(mesh: Mesh, light: Light, settings: &Settings, force: bool) -> Plan {
         let scene = Scene::of_mesh("test", mesh).unwrap();
-        Plan::of(&Prepared::new(&scene.mesh), &scene.camera, &light, settings, force).unwrap()
+        Plan::of(&Prepared::new(&scene.mesh).unwrap(), &scene.camera, &light, settings, force).unwrap()
     }
 
     fn reason<'a>(plan: &'a Plan, step: &str) -> Option<&'a str> {
@@ -336,7 +336,7 @@ mod tests {
     fn a_mesh_outside_the_view_is_not_looked_at() {
         let mesh = body();
         let mut scene = Scene::of_mesh("test", mesh).unwrap();
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).unwrap();
         let of = |camera: &Camera| Plan::of(&prepared, camera, &sun(1.0), &settings(32, true), false).unwrap().extent;
         assert_eq!(of(&scene.camera), Extent::Everything);
         let (eye, target) = (scene.camera.eye, scene.camera.target);
@@ -399,7 +399,7 @@ mod tests {
 
     #[test]
     fn every_surface_has_stages_of_its_own() {
-        let prepared = Prepared::new(&Scene::open("plane", &Default::default()).unwrap().mesh);
+        let prepared = Prepared::new(&Scene::open("plane", &Default::default()).unwrap().mesh).unwrap();
         let scene = Scene::open("plane", &Default::default()).unwrap();
         let wanted = Settings { facets: FacetMode::All, ..settings(32, true) };
         let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, false).unwrap();
@@ -408,7 +408,7 @@ mod tests {
         assert!(!names.contains(&"camera_visibility"), "{names:?}");
         assert!(!plan.settings.validity && plan.settings.settle, "coverage replaces validity");
         assert_eq!(reason(&plan, MERGE.0), None);
-        let curved = Prepared::new(&body());
+        let curved = Prepared::new(&body()).unwrap();
         let plan = Plan::of(&curved, &scene.camera, &scene.light, &wanted, false).unwrap();
         assert!(reason(&plan, MERGE.0).unwrap().contains("coplanar"), "{plan:?}");
     }
@@ -416,7 +416,7 @@ mod tests {
     #[test]
     fn what_cannot_be_used_is_an_error() {
         let scene = Scene::of_mesh("test", body()).unwrap();
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).unwrap();
         let no_map = Settings { map: 0, ..settings(1, true) };
         assert!(Plan::of(&prepared, &scene.camera, &sun(1.0), &no_map, false).is_err());
         let dark = Light::Directional { direction: [0.0; 3] };

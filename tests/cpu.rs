@@ -47,7 +47,7 @@ fn no_sample_is_wrong_against_facet_truth() {
     let mut wrong = Vec::new();
     for (k, name) in SCENES.into_iter().enumerate() {
         let scene = lit(name, k % 2 == 1);
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
         for (facets, pattern, samples, force, validity) in [
             (FacetMode::One, Pattern::LowDiscrepancy, 32, false, true),
@@ -85,7 +85,7 @@ fn no_sample_is_wrong_against_facet_truth() {
 #[test]
 fn what_is_dropped_is_not_wrong() {
     let scene = lit("windmill", false);
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
     let settings = settings(FacetMode::One, Pattern::LowDiscrepancy, 32);
     let frame = render(&prepared, &scene, &settings);
@@ -105,7 +105,7 @@ fn what_is_dropped_is_not_wrong() {
 fn every_surface_is_what_rays_say() {
     for (k, name) in SCENES.into_iter().enumerate() {
         let scene = lit(name, k % 2 == 0);
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let settings = settings(FacetMode::All, Pattern::LowDiscrepancy, 32);
         let plan = Plan::of(&prepared, &scene.camera, &scene.light, &settings, false).expect("a plan");
         let frame = render(&prepared, &scene, &plan.settings);
@@ -137,7 +137,7 @@ fn every_surface_is_what_rays_say() {
 #[test]
 fn bands_do_not_matter() {
     let scene = builtin("spheres").expect("a built-in scene");
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let samples = Samples::new(Pattern::Grid, 1).expect("a pattern");
     let wide = Settings { size: [900, 600], ..Settings { map: 32, ..settings(FacetMode::One, Pattern::Grid, 1) } };
     let wide = Settings { samples, ..wide };
@@ -157,7 +157,7 @@ fn without_shadows_only_facing_counts() {
     let mesh =
         Mesh { positions: vec![[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 0.0, 1.5]], triangles: vec![[0, 1, 2]] };
     let scene = Scene::of_mesh("test", mesh).expect("a scene");
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let settings = settings(FacetMode::One, Pattern::LowDiscrepancy, 32);
     for (y, lit) in [(1.0, true), (-1.0, false)] {
         let eye_above = scene.camera.eye[1] > 0.0;
@@ -173,7 +173,7 @@ fn without_shadows_only_facing_counts() {
         let share = |p: usize| if looks.classes[p] == PixelClass::Dark { 0.0 } else { 1.0 };
         assert!((0..64 * 48).all(|p| frame.output.visibility[p] == share(p)));
     }
-    let nothing = Prepared::new(&Mesh::default());
+    let nothing = Prepared::new(&Mesh::default()).expect("a sound mesh");
     let frame = cpu::render(&nothing, &settings, &scene.camera, &scene.light, everything()).expect("a frame");
     assert!(frame.output.visibility.iter().all(|&v| v == 1.0) && frame.facets.is_empty());
 }
@@ -182,7 +182,7 @@ fn without_shadows_only_facing_counts() {
 #[test]
 fn stages_progress_and_looks() {
     let scene = builtin("windmill").expect("a built-in scene");
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let settings = settings(FacetMode::All, Pattern::LowDiscrepancy, 32);
     let most = std::sync::Mutex::new((0, 0));
     let progress = |done: usize, all: usize| {

@@ -101,7 +101,7 @@ fn compare(own_only: bool, of_gpu: &Settings, of_cpu: &Settings) {
     let mut wrong = Vec::new();
     for name in SCENES {
         let scene = builtin(name).expect("a built-in scene");
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let case = Case { scene, prepared, gpu: Gpu::open(None).expect("a GPU") };
         let (gpu, cpu) = (case.gpu(of_gpu), case.cpu(of_cpu));
         let clear = match of_cpu.facets {

@@ -107,7 +107,7 @@ struct Raster {
 
 fn raster(mesh: &Mesh, camera: &Camera) -> Raster {
     use subpixel_shadows::methods::render::{Budget, Renderer};
-    let prepared = Prepared::new(mesh);
+    let prepared = Prepared::new(mesh).expect("a sound mesh");
     let mut renderer =
         Renderer::new(gpu(), &prepared, &settings(FacetMode::One, 1), Budget::default()).expect("a renderer");
     let seen = renderer.render(camera, &Light::Directional { direction: [0.3, 1.0, 0.2] }).expect("a frame").triangles;
@@ -629,7 +629,7 @@ fn bad_surfaces_are_refused() {
 /// What each of a picture's samples sees, by the full search: a layer of triangle numbers for each sample.
 fn sample_layers(scene: &Scene, samples: &Samples) -> Vec<Vec<u32>> {
     use subpixel_shadows::methods::render::{Budget, Renderer};
-    let mut prepared = Prepared::new(&scene.mesh);
+    let mut prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     // Every triangle a surface of its own, so that facets say which one each sample sees.
     prepared.surfaces = (0..prepared.surfaces.len() as u32).collect();
     let settings = Settings { samples: samples.clone(), ..settings(FacetMode::All, 32) };

@@ -33,7 +33,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
 }
 
 fn render(scene: &Scene, method: MethodName, settings: &Settings) -> Output {
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let mut renderer = AnyRenderer::new(gpu(), &prepared, method, settings, Budget::default()).expect("a renderer");
     renderer.render(&scene.camera, &scene.light).expect("a frame")
 }
@@ -92,7 +92,7 @@ fn disordered(mesh: &Mesh) -> Mesh {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn frames_repeat() {
     let plain = scene("windmill");
-    let prepared = Prepared::new(&plain.mesh);
+    let prepared = Prepared::new(&plain.mesh).expect("a sound mesh");
     for (label, method, settings) in variants() {
         let mut renderer =
             AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default()).expect("a renderer");

@@ -60,12 +60,12 @@ fn renderer<'a>(prepared: &'a Prepared, settings: &Settings, budget: Budget) -> 
 }
 
 fn render_with(mesh: &Mesh, camera: &Camera, light: &Light, settings: &Settings, budget: Budget) -> Output {
-    let prepared = Prepared::new(mesh);
+    let prepared = Prepared::new(mesh).expect("a sound mesh");
     renderer(&prepared, settings, budget).render(camera, light).expect("a frame")
 }
 
 fn try_render(scene: &Scene, settings: &Settings, budget: Budget) -> Result<Output, Error> {
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     Renderer::new(gpu(), &prepared, settings, budget)?.render(&scene.camera, &scene.light)
 }
 
@@ -169,7 +169,7 @@ fn frames_repeat() {
     let modes = if all_scenes() { vec![FacetMode::One, FacetMode::All] } else { vec![FacetMode::One] };
     for (k, (name, &facets)) in scenes().flat_map(|name| modes.iter().map(move |m| (name, m))).enumerate() {
         let scene = scene(name);
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let settings = Settings { facets, ..settings(true) };
         let mut renderer = renderer(&prepared, &settings, Budget::default());
         let mut frame = || renderer.render(&scene.camera, &scene.light).expect("a frame");
@@ -191,7 +191,7 @@ fn frames_repeat() {
 fn earlier_lights_do_not_matter() {
     let mut failures = Failures::default();
     let scene = scene("spheres");
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let settings = settings(true);
     let lights =
         [scene.light, Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [2.0, 6.0, 1.0] }];
@@ -295,7 +295,7 @@ fn strips_do_not_matter() {
     let mut failures = Failures::default();
     for (name, facets) in scenes().flat_map(|name| [(name, FacetMode::One), (name, FacetMode::All)]) {
         let scene = scene(name);
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let settings = Settings { facets, ..settings(true) };
         let pipelines = Arc::new(Pipelines::new(&gpu().device, &settings));
         let with = |strips| {
@@ -324,7 +324,7 @@ fn strips_do_not_matter() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn a_device_that_binds_little_renders_in_strips() {
     let scene = scene("spheres");
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let limits = Limits { max_storage_buffer_binding_size: 1 << 19, ..Limits::default() };
     let small = Gpu::open_with_limits(None, Some(limits)).expect("a GPU");
     for facets in [FacetMode::One, FacetMode::All] {
@@ -371,7 +371,7 @@ fn what_is_left_out_does_not_matter() {
     let mut left_out = 0;
     for (name, facets) in scenes().flat_map(|name| [(name, FacetMode::One), (name, FacetMode::All)]) {
         let scene = scene(name);
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let wanted = Settings { facets, cull_back: true, ..settings(true) };
         let [planned, forced] = [false, true].map(|force| {
             let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, force).expect("a plan");
@@ -469,7 +469,7 @@ fn settling_does_not_matter_on_the_own_triangle() {
     let mut failures = Failures::default();
     for name in scenes() {
         let scene = scene(name);
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let without = |settle| Settings { validity: false, ..settings(settle) };
         let exact = render(&scene, &without(false));
         let own = own_samples(&prepared, &exact, &scene, &settings(true).samples);
@@ -553,7 +553,7 @@ fn the_largest_map_is_rendered_or_refused() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn impossible_settings_are_errors() {
     let scene = scene("plane");
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     for (size, map) in [([0, 5], 64), ([80, 60], 0), ([80, 60], LightView::LARGEST_MAP + 1), ([16385, 1], 64)] {
         let bad = Settings { size, map, ..settings(true) };
         let result = Renderer::new(gpu(), &prepared, &bad, Budget::default()).map(|_| ());

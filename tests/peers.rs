@@ -53,7 +53,7 @@ fn same(what: &str, a: &Output, b: &Output) {
 fn check(name: &str, method: MethodName, point: bool, settings: &Settings) -> Output {
     let what = format!("{name}, {}, {settings:?}", method.name());
     let scene = scene(name, point);
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     if method == MethodName::Supersampled {
         let make = |casters: &_| Supersampled::new(gpu(), &prepared, casters, settings);
         let renderer = FixedRenderer::new(gpu(), &prepared, settings, make).expect("a renderer");
@@ -94,7 +94,7 @@ fn check_frames<M: FixedMethod>(
 /// `facet-masks` answers the same question: the pictures differ nowhere but at samples within rounding of an edge.
 fn check_against_facet_masks(name: &str, settings: &Settings, output: &Output) {
     let scene = scene(name, false);
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let budget = Budget::default();
     let mut flagship =
         AnyRenderer::new(gpu(), &prepared, MethodName::FacetMasks, settings, budget).expect("a renderer");

@@ -106,7 +106,7 @@ fn render(prepared: &Prepared, scene: &Scene, settings: &Settings, budget: Budge
 fn check(name: &str) {
     for other_light in [false, true] {
         let scene = scene(name, other_light);
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let plan = Plan::of(&prepared, &scene.camera, &scene.light, &settings(FacetMode::All), false).expect("a plan");
         assert!(!plan.settings.validity, "coverage replaces validity");
         let truth = truth(&scene, &prepared, &plan.settings);
@@ -145,7 +145,7 @@ scenes! { windmill cage bicycle plant spheres knot bumpy plane }
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn one_facet_is_wrong() {
     let scene = scene("bicycle", false);
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let settings = settings(FacetMode::One);
     let (samples, pixels) =
         wrong(&render(&prepared, &scene, &settings, Budget::default()), &truth(&scene, &prepared, &settings));
@@ -157,7 +157,7 @@ fn one_facet_is_wrong() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn seen_from_inside_a_body() {
     let given = scene("spheres", false);
-    let prepared = Prepared::new(&given.mesh);
+    let prepared = Prepared::new(&given.mesh).expect("a sound mesh");
     assert!(prepared.closed);
     let look = |eye: [f32; 3], light| {
         let camera = Camera { eye, target: [eye[0] + 0.3, eye[1] + 0.9, eye[2] + 0.2], near: 1e-3, ..given.camera };
@@ -215,7 +215,7 @@ fn touching_surfaces() {
         let camera = Camera { eye: (up * 4.0 + x).as_vec3().into(), target: [0.3, 0.7, -0.2], ..camera };
         let light = Light::Directional { direction: (up + x * 0.4).as_vec3().into() };
         let scene = Scene { mesh, camera, light, ..scene("plane", false) };
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let truth = truth(&scene, &prepared, &settings(FacetMode::All));
         let frame = render(&prepared, &scene, &settings(FacetMode::All), Budget::default());
         off += wrong(&frame, &truth).1;
@@ -233,7 +233,7 @@ fn touching_surfaces() {
 fn every_way_gives_the_same_bits() {
     for name in ["plane", "spheres", "knot"] {
         let scene = scene(name, false);
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let wanted = settings(FacetMode::All);
         let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, false).expect("a plan");
         let mut renderer = Renderer::new(gpu(), &prepared, &plan.settings, Budget::default()).expect("a renderer");

@@ -14,7 +14,7 @@ use subpixel_shadows::plan::Plan;
 pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let settings = options.settings()?;
     let scene = options.open(scene)?;
-    let prepared = Prepared::new(&scene.mesh);
+    let prepared = Prepared::new(&scene.mesh)?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let mut report = Report::default();
     report.line("scene", &scene.name);

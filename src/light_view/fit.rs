@@ -19,7 +19,8 @@ impl LightView {
     /// casters (nearly): casters to the side then keep their distance from the plane through the light.
     ///
     /// # Errors
-    /// [`Error::Scene`] if the light cannot be used, [`Error::Config`] if the map has no or too many texels.
+    /// [`Error::Scene`] if the light cannot be used, [`Error::Config`] if the map has no or too many texels, and as
+    /// [`Mesh::check`].
     pub fn fit(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
         Self::fit_for(mesh, light, map_size, Receivers::Planes)
     }
@@ -29,10 +30,11 @@ impl LightView {
     /// # Errors
     /// As [`LightView::fit`].
     pub fn fit_for(mesh: &Mesh, light: &Light, map_size: u32, receivers: Receivers) -> Result<Self> {
-        check(light, map_size)?;
         if receivers == Receivers::Anything {
             return Self::fit_all(mesh, light, map_size);
         }
+        check(light, map_size)?;
+        mesh.check("mesh")?;
         let closed = receivers == Receivers::Outsides;
         let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut casters = caster_points(mesh, light, bounds, map_size, receivers);
@@ -73,6 +75,7 @@ impl LightView {
     /// As [`LightView::fit`].
     pub fn fit_all(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
         check(light, map_size)?;
+        mesh.check("mesh")?;
         let (lo, hi) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut corners: Vec<DVec3> = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
         if corners.is_empty() {
@@ -248,18 +251,9 @@ pub(super) fn axes(along: DVec3) -> (DVec3, DVec3) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::scene;
     use super::*;
     use glam::DMat4;
-
-    fn scene() -> Mesh {
-        let mut mesh =
-            Mesh { positions: vec![[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 2.0, 1.0]], triangles: vec![[0, 1, 2]] };
-        mesh.positions.push([0.0, 0.0, 0.0]);
-        mesh.triangles.push([3, 0, 1]);
-        let ground = mesh.ground_below().unwrap();
-        mesh.add_ground(&ground);
-        mesh
-    }
 
     #[test]
     fn casters_lie_inside_the_map_and_the_ground_does_not_widen_it() {
@@ -356,7 +350,7 @@ mod tests {
     fn a_slab_does_not_widen_the_view_of_what_stands_on_it() {
         for name in ["knot", "spheres", "cage"] {
             let scene = crate::scene::builtin(name).unwrap();
-            let prepared = crate::methods::Prepared::new(&scene.mesh);
+            let prepared = crate::methods::Prepared::new(&scene.mesh).unwrap();
             let points: Vec<DVec3> = prepared
                 .mesh
                 .positions
@@ -377,7 +371,7 @@ mod tests {
                     "{name} {light:?} {}",
                     share(&view, &points)
                 );
-                // From its back the slab would be seen, and shadowed.
+                // With both its sides the slab takes most of the map.
                 let both = LightView::fit_for(&prepared.mesh, &light, 512, Receivers::Surfaces).unwrap();
                 assert!(name == "cage" || share(&both, &points).truncate().max_element() < 0.5, "{name} {light:?}");
             }

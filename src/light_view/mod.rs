@@ -138,7 +138,8 @@ mod tests {
     use super::*;
     use crate::scene::{Light, Mesh};
 
-    fn scene() -> Mesh {
+    /// Two triangles over a ground.
+    pub(super) fn scene() -> Mesh {
         let mut mesh =
             Mesh { positions: vec![[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 2.0, 1.0]], triangles: vec![[0, 1, 2]] };
         mesh.positions.push([0.0, 0.0, 0.0]);

@@ -23,10 +23,14 @@ pub struct Prepared {
 
 impl Prepared {
     /// Prepares `mesh`.
-    pub fn new(mesh: &Mesh) -> Self {
+    ///
+    /// # Errors
+    /// As [`Mesh::check`].
+    pub fn new(mesh: &Mesh) -> Result<Self> {
+        mesh.check("mesh")?;
         let (mesh, given) = mesh.canonical();
-        let adjacency = Adjacency::of(&mesh);
-        Self { mesh, given, edges: adjacency.edges, closed: adjacency.closed, surfaces: adjacency.surfaces }
+        let Adjacency { edges, closed, surfaces, .. } = Adjacency::of(&mesh);
+        Ok(Self { mesh, given, edges, closed, surfaces })
     }
 
     /// Whether any two triangles are one surface.
@@ -97,4 +101,36 @@ pub struct CasterBuffers {
     pub closed: bool,
     /// Of each triangle the lowest of its surface, with [`SEVERAL`] where that has more than one; none if all have one.
     pub surfaces: Option<Buffer<u32>>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light_view::{LightView, Receivers};
+    use crate::scene::Light;
+
+    #[test]
+    fn a_mesh_built_by_hand_that_cannot_be_used_is_an_error() {
+        let positions = vec![[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 2.0, 1.0]];
+        let sound = Mesh { positions, triangles: vec![[0, 1, 2]] };
+        let no_vertex = Mesh { triangles: vec![[0, 1, 2], [0, 1, 3]], ..sound.clone() };
+        let mut not_finite = sound.clone();
+        not_finite.positions[1][2] = f32::NAN;
+        let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
+        for (mesh, expected) in [
+            (&sound, None),
+            (&no_vertex, Some("triangle 1 uses vertex 3, the mesh has 3")),
+            (&not_finite, Some("vertex 1 (1, 1, NaN) is not finite")),
+        ] {
+            let views = [Receivers::Outsides, Receivers::Surfaces, Receivers::Planes, Receivers::Anything];
+            let views = views.map(|receivers| LightView::fit_for(mesh, &light, 64, receivers).map(drop));
+            for got in std::iter::once(Prepared::new(mesh).map(drop)).chain(views) {
+                let message = got.err().map(|e| e.to_string());
+                match expected {
+                    None => assert_eq!(message, None),
+                    Some(text) => assert!(message.as_ref().is_some_and(|m| m.contains(text)), "{message:?}"),
+                }
+            }
+        }
+    }
 }

@@ -179,6 +179,7 @@ impl Settings {
     /// # Errors
     /// As [`LightView::fit`].
     pub fn light_view(&self, mesh: &Mesh, closed: bool, light: &Light) -> Result<LightView> {
+        mesh.check("mesh")?;
         let beyond = self.facets == FacetMode::One && self.samples.count() > 1;
         if beyond && !self.validity {
             let view = LightView::fit_for(mesh, light, self.map, Receivers::Anything)?;

@@ -27,7 +27,7 @@ impl CasterSet {
         given: Mesh,
         room: usize,
     ) -> Result<Self> {
-        let prepared = Prepared::new(&given);
+        let prepared = Prepared::new(&given)?;
         let mut buffers = prepared.upload_with_room(device, queue, room)?;
         if matches!(casters, Casters::Moving { .. }) {
             buffers.surfaces = None; // what lies in one plane at rest may not in motion

@@ -70,7 +70,10 @@ impl Side {
 }
 
 impl Adjacency {
-    /// The edges of `mesh`, which must have passed [`Mesh::check`]. Takes time linear in the number of triangles.
+    /// The edges of `mesh`. Takes time linear in the number of triangles.
+    ///
+    /// # Panics
+    /// If an index is out of range ([`Mesh::check`]).
     pub fn of(mesh: &Mesh) -> Self {
         let welded = weld(&mesh.positions, &mesh.triangles);
         let mut adjacency = Self::default();

@@ -60,6 +60,9 @@ impl Mesh {
 
     /// The same surface in four times as many triangles: each split at the middles of its edges. Middles are rounded to
     /// `f32`, the same for both triangles at an edge, so what is closed stays closed.
+    ///
+    /// # Panics
+    /// If an index is out of range ([`Mesh::check`]).
     pub fn split_in_four(&self) -> Self {
         let mut positions = self.positions.clone();
         let mut middles = HashMap::new();
@@ -79,6 +82,9 @@ impl Mesh {
     }
 
     /// Lowest and highest corner of the vertices that triangles use; `None` without triangles.
+    ///
+    /// # Panics
+    /// If an index is out of range ([`Mesh::check`]).
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let mut vertices = self.triangles.iter().flatten().map(|&v| Vec3::from(self.positions[v as usize]).as_dvec3());
         let first = vertices.next()?;
@@ -87,6 +93,9 @@ impl Mesh {
 
     /// Whether a light is outside all bodies of a closed mesh, whose triangles are turned outward: at infinity, clearly beside
     /// its bounds, or where the solid angles of all triangles add up to nothing (van Oosterom and Strackee 1983).
+    ///
+    /// # Panics
+    /// If an index is out of range ([`Mesh::check`]).
     pub fn is_outside(&self, light: &Light) -> bool {
         let Some((lowest, highest)) = self.bounds() else { return true };
         let (at, slack) = (light.homogeneous().truncate(), 1e-5 * (highest - lowest).length());
@@ -107,6 +116,9 @@ impl Mesh {
     }
 
     /// The three corners of triangle `t`, in `f64`.
+    ///
+    /// # Panics
+    /// If there is no such triangle, or an index of it is out of range ([`Mesh::check`]).
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|v| Vec3::from(self.positions[v as usize]).as_dvec3())
     }
@@ -116,7 +128,10 @@ impl Mesh {
     /// The form does not depend on the order of the triangles, on which corner each starts with, or on the numbering
     /// of the vertices: vertices are welded by position (−0 becomes +0), those that no triangle uses are dropped, and
     /// the rest are sorted; each triangle starts with its smallest vertex, winding kept; triangles are sorted. Exact
-    /// duplicates are kept, and among them the earlier comes first. The mesh must have passed [`Mesh::check`].
+    /// duplicates are kept, and among them the earlier comes first.
+    ///
+    /// # Panics
+    /// If an index is out of range ([`Mesh::check`]).
     pub fn canonical(&self) -> (Self, Vec<u32>) {
         let welded = weld(&self.positions, &self.triangles);
         let mut order: Vec<([u32; 3], u32)> = self

@@ -72,6 +72,37 @@ pub struct Mesh<'a> {
     pub surfaces: Option<&'a Buffer<u32>>,
 }
 
+/// What the kernels that look for the nearest surface read and write, of one band.
+struct Seen<'a> {
+    frame: &'a wgpu::Buffer,
+    mesh: Mesh<'a>,
+    lists: &'a PixelLists,
+    complex: &'a ComplexPixels,
+    keys: &'a Buffer<u32>,
+}
+
+impl Seen<'_> {
+    /// By the kernels' names, with the uniform `step`; each binds those it declares.
+    fn buffers<'a>(&'a self, step: &'a wgpu::Buffer) -> [(&'static str, &'a wgpu::Buffer); 13] {
+        let Self { frame, mesh, lists, complex, keys } = *self;
+        [
+            ("frame", frame),
+            ("samples", mesh.samples),
+            ("step", step),
+            ("triangles", mesh.triangles),
+            ("points", mesh.points.raw()),
+            ("positions", mesh.positions),
+            ("pixel_offsets", lists.offsets.raw()),
+            ("pixel_list", lists.list.raw()),
+            ("complex_pixels", complex.pixels.raw()),
+            ("complex_total", complex.total.raw()),
+            ("sample_keys", keys.raw()),
+            ("rivals_found", complex.rivals.raw()),
+            ("crowds", complex.crowds.raw()),
+        ]
+    }
+}
+
 /// Records what samples see that lie in no listed triangle: of so many complex pixels from the first on, into the keys of
 /// their samples ([`ComplexPixels::keys`]), with a workgroup for each [`WORKGROUP`] pixels.
 pub type Fill<'a> = &'a dyn Fn(&mut Stage, [u32; 2], &Buffer<u32>, Groups) -> Result<()>;
@@ -136,58 +167,21 @@ impl SampleSurfaces {
         let words = self.words;
         let turns = || (0..rounds).flat_map(move |round| (0..words).map(move |word| (round, word)));
         for (band, keys) in complex.bands() {
+            let seen = Seen { frame, mesh, lists, complex, keys };
             for (round, word) in turns() {
                 let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
-                let buffers = [
-                    ("frame", frame),
-                    ("samples", mesh.samples),
-                    ("step", &step),
-                    ("triangles", mesh.triangles),
-                    ("points", mesh.points.raw()),
-                    ("pixel_offsets", lists.offsets.raw()),
-                    ("pixel_list", lists.list.raw()),
-                    ("complex_pixels", complex.pixels.raw()),
-                    ("complex_total", complex.total.raw()),
-                    ("sample_keys", keys.raw()),
-                    ("rivals_found", complex.rivals.raw()),
-                ];
-                stage.run(&self.nearest, &buffers, groups())?;
+                stage.run(&self.nearest, &seen.buffers(&step), groups())?;
             }
             stage.run(&self.begin, &[("crowds", complex.crowds.raw())], Groups::Workgroups(1))?;
             if let Some(fill) = fill {
                 fill(stage, [band.first_slot, band.slots], keys, groups())?;
             }
             let step = self.uniforms.get(stage.device, &band);
-            let buffers = [
-                ("frame", frame),
-                ("samples", mesh.samples),
-                ("step", &step),
-                ("triangles", mesh.triangles),
-                ("positions", mesh.positions),
-                ("complex_pixels", complex.pixels.raw()),
-                ("complex_total", complex.total.raw()),
-                ("sample_keys", keys.raw()),
-                ("rivals_found", complex.rivals.raw()),
-                ("crowds", complex.crowds.raw()),
-            ];
-            stage.run(&self.rivals, &buffers, groups())?;
+            stage.run(&self.rivals, &seen.buffers(&step), groups())?;
             self.fold.record(stage, &complex.crowds, &complex.crowd_requests, &complex.crowd_args)?;
             for (round, word) in turns() {
                 let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
-                let buffers = [
-                    ("frame", frame),
-                    ("samples", mesh.samples),
-                    ("step", &step),
-                    ("triangles", mesh.triangles),
-                    ("points", mesh.points.raw()),
-                    ("positions", mesh.positions),
-                    ("pixel_offsets", lists.offsets.raw()),
-                    ("pixel_list", lists.list.raw()),
-                    ("sample_keys", keys.raw()),
-                    ("rivals_found", complex.rivals.raw()),
-                    ("crowds", complex.crowds.raw()),
-                ];
-                stage.run(&self.crowds, &buffers, Groups::Indirect(complex.crowd_args.raw(), 0))?;
+                stage.run(&self.crowds, &seen.buffers(&step), Groups::Indirect(complex.crowd_args.raw(), 0))?;
             }
             self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
             let buffers = [

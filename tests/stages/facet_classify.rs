@@ -383,7 +383,7 @@ fn detects_corruption() {
 fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5]) {
     let mut random = Random::new(seed);
     let mesh = random_scene(kind, &mut random);
-    let prepared = Prepared::new(&mesh);
+    let prepared = Prepared::new(&mesh).expect("a sound mesh");
     let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
     let samples = samples(32);
     let size = [40, 30];

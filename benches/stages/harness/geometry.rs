@@ -118,7 +118,7 @@ impl Setup {
             return Ok(None);
         }
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let prepared = Prepared::new(&bumpy_ball(size));
+        let prepared = Prepared::new(&bumpy_ball(size))?;
         let casters = prepared.upload(device, queue)?;
         let bounds = prepared.mesh.bounds().ok_or_else(|| Error::Scene("no mesh".to_owned()))?;
         let light = Light::Point { position: [2.0, 4.0, 1.0] };

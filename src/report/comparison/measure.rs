@@ -37,7 +37,7 @@ impl SceneCase {
             scene.mesh = scene.mesh.split_in_four();
         }
         scene.mesh.check(&scene.name)?;
-        let prepared = Prepared::new(&scene.mesh);
+        let prepared = Prepared::new(&scene.mesh)?;
         let tracer = Tracer::new(&prepared.mesh)?;
         Ok(Self { scene, tessellation, prepared, size, tracer, traced: BTreeMap::new(), converged: None })
     }

@@ -129,7 +129,7 @@ pub fn run(gpu: &Gpu, case: &Case, variant: &Variant) -> Result<Vec<Outcome>> {
 
 fn measure(gpu: &Gpu, step: &Step, variant: &Variant, outcome: &mut Outcome) -> Result<Vec<f32>> {
     step.mesh.check(&step.label)?;
-    let prepared = Prepared::new(&step.mesh);
+    let prepared = Prepared::new(&step.mesh)?;
     let wanted = Settings { map: step.map.unwrap_or(variant.settings.map), ..variant.settings.clone() };
     let plan = Plan::of(&prepared, &step.camera, &step.light, &wanted, false)?;
     let settings = &plan.settings;

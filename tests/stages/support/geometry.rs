@@ -46,7 +46,15 @@ impl Case {
     pub fn new(mesh: &Mesh, light: Light, image: [u32; 2], map: u32) -> Self {
         let (lo, hi) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let camera = Camera::framing(lo, hi);
-        Self { prepared: Prepared::new(mesh), positions: None, camera, light, image, map, cull_back: false }
+        Self {
+            prepared: Prepared::new(mesh).expect("a sound mesh"),
+            positions: None,
+            camera,
+            light,
+            image,
+            map,
+            cull_back: false,
+        }
     }
 
     /// Positions the stages read.

@@ -200,7 +200,7 @@ impl World {
         let front = if std::ptr::eq(gpu, super::gpu()) { &FRONT } else { &FOLDING };
         let front = front
             .get_or_init(|| Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) });
-        let prepared = Prepared::new(mesh);
+        let prepared = Prepared::new(mesh).expect("a sound mesh");
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
         let fitted = LightView::fit(&prepared.mesh, &light, map).expect("a light view");
         let bounds = prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
