@@ -4,6 +4,10 @@
 //! Each time is the median of the repeats, each ratio the median of the ratios of the turns. *Map and query*: what the two
 //! methods do after `triangle_setup` and `camera_visibility`, which are the same stages in both. *Frame*: those included.
 
+#[path = "shared/median.rs"]
+mod median;
+
+use median::median;
 use std::collections::BTreeMap;
 use subpixel_shadows::gpu::{Gpu, StageTime};
 use subpixel_shadows::methods::render::Budget;
@@ -16,13 +20,6 @@ const SIZE: [u32; 2] = [1280, 720];
 /// Stages that both methods begin with.
 const SHARED: [&str; 2] = ["triangle_setup", "camera_visibility"];
 const METHODS: [MethodName; 2] = [MethodName::ShadowMap, MethodName::Spsm];
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len();
-    if n == 0 { f64::NAN } else { 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]) }
-}
 
 /// Times of one method over the turns: of each stage, of map and query, of the frame.
 #[derive(Default)]
