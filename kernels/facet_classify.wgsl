@@ -63,12 +63,6 @@ fn one(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups:
     for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * pixel + w] = full_word(w); }
 }
 
-fn settle(f: u32, state: u32) {
-    facets[f].state = state;
-    facets[f].rect = EMPTY_RECT;
-    facet_items[f] = 0u;
-}
-
 @compute @workgroup_size(1)
 fn begin() {
     atomicStore(&unsure[0], 0u);
@@ -79,11 +73,14 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let f = flat_invocation(group, groups, WORKGROUP, local);
     if f >= frame.facets_total { return; }
     for (var w = WORDS; w < 3u * WORDS; w++) { masks[3u * WORDS * f + w] = 0u; }
-    if facets[f].triangle == NO_TRIANGLE {
-        settle(f, STATE_EMPTY);
+    let triangle = facets[f].triangle;
+    if triangle == NO_TRIANGLE {
+        facets[f].state = STATE_EMPTY;
+        facets[f].rect = EMPTY_RECT;
+        facet_items[f] = 0u;
         return;
     }
-    let shape = shape_of(facets[f].triangle);
+    let shape = shape_of(triangle);
     let turns = turns_in_single(shape.a, shape.ab, shape.ac);
     if any(turns == vec2(0.0)) {
         atomicStore(&unsure[1u + atomicAdd(&unsure[0], 1u)], f);

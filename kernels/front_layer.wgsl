@@ -1,6 +1,7 @@
 // front_layer: proves, texel by texel, that the nearest layer is one sheet that covers the texel and nothing crosses.
-// `check` marks in `mask` every texel that a caster touches (conservatively) without a layer at its centre, or touches at
-// a depth interval that holds the texel's split depth: no sheet then leads from the front group to the back one.
+// `check` marks in `mask` every texel that a caster touches (conservatively) without a layer at its centre, or with two at the
+// nearest depth, or touches at a depth interval that holds the texel's split depth: of the others no sheet leads from the front
+// group to the back one.
 // `settle` turns layers and mask into `splits` (see front_split), after silhouette_mask has marked the edges.
 // Together: a texel left unmarked has no silhouette edge before its split depth, one layer there at its centre, and no
 // triangle across the split, so one sheet covers all of it.
@@ -51,13 +52,11 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
             if !covers(shape, centre) { continue; }
             let texel = y * frame.map_size + x;
             let first = nearest_keys[texel];
-            if first == 0u || !shape.in_front {
-                mark(x, y);
-                continue;
-            }
-            let split = split_depth(first, second_keys[texel]);
+            let second = second_keys[texel];
+            let split = split_depth(first, second);
             let range = depth_range(shape, centre);
-            if range.x <= split && range.y >= split { mark(x, y); }
+            let parted = range.x > split || range.y < split;
+            if first == 0u || first == second || !shape.in_front || !parted { mark(x, y); }
         }
     }
 }

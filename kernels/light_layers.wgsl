@@ -1,12 +1,12 @@
 // light_layers: the nearest and the second nearest caster at every texel centre, seen from the light.
-// Two runs of the same entry point: pass 0 finds the nearest depth, pass 1 the second, and marks in `mask` every texel
-// whose layers are not certain: an edge within CENTRE_GUARD of the centre, or several casters at the nearest depth.
-// Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `tie_counts`, `mask`
-// (one bit a texel, rows padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
+// Of the depths that come to a texel the largest key stays in `nearest_keys`, and each that is beaten, or that is put out by a
+// larger one, goes on to `second_keys`: all but one of the largest are seen there, in whatever order they come. Where two casters
+// are equally near, both hold the same key. Marks in `mask` every texel of which an edge passes within CENTRE_GUARD of the centre.
+// Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit a texel, rows
+// padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
 
 //@import frame
 //@import dispatch
-//@import pass
 //@import rect
 //@import work_items
 //@import front_split
@@ -16,15 +16,15 @@ const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> step: Pass;
-@group(0) @binding(2) var<storage, read> triangles: array<u32>;
-@group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read> light_rects: array<vec2<u32>>;
-@group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
-@group(0) @binding(6) var<storage, read_write> nearest_keys: array<atomic<u32>>;
-@group(0) @binding(7) var<storage, read_write> second_keys: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> tie_counts: array<atomic<u32>>;
-@group(0) @binding(9) var<storage, read_write> mask: array<atomic<u32>>;
+@group(0) @binding(1) var<storage, read> triangles: array<u32>;
+@group(0) @binding(2) var<storage, read> map_points: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> light_rects: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(5) var<storage, read_write> nearest_keys: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> second_keys: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> mask: array<atomic<u32>>;
+
+override BOTH: u32 = 1u;  // 0: the nearest alone, and no marks
 
 fn mark(x: u32, y: u32) {
     let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
@@ -68,7 +68,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             let pb = at - b.xy;
             let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);
             if any(v < -guard) { continue; }
-            if step.index == 1u && any(v <= guard) { mark(x, y); }
+            if BOTH != 0u && any(v <= guard) { mark(x, y); }
             if any(v < vec3(0.0)) { continue; }
             var depth = a.z;
             if area != 0.0 {
@@ -76,13 +76,9 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             }
             let key = key_of_depth(depth);
             let texel = y * frame.map_size + x;
-            if step.index == 0u {
-                if atomicLoad(&nearest_keys[texel]) < key { atomicMax(&nearest_keys[texel], key); }
-            } else if atomicLoad(&nearest_keys[texel]) == key {
-                if atomicAdd(&tie_counts[texel], 1u) > 0u { mark(x, y); }
-            } else if atomicLoad(&second_keys[texel]) < key {
-                atomicMax(&second_keys[texel], key);
-            }
+            var beaten = key;
+            if atomicLoad(&nearest_keys[texel]) < key { beaten = min(atomicMax(&nearest_keys[texel], key), key); }
+            if BOTH != 0u && atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
         }
     }
 }

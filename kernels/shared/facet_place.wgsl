@@ -4,8 +4,9 @@
 
 //@import facet_box
 
-// A triangle's vertices by rising index, and their edges from the first.
+// A triangle, its vertices by rising index, and their edges from the first.
 struct Shape {
+    triangle: u32,
     given: vec3<u32>,
     i: vec3<u32>,
     a: vec3<f32>,
@@ -17,17 +18,21 @@ struct Shape {
 
 fn shape_of(t: u32) -> Shape {
     var s: Shape;
+    s.triangle = t;
     s.given = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
     var i = s.given;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
     s.i = i;
-    s.a = point_of(i.x);
-    s.b = point_of(i.y);
-    s.c = point_of(i.z);
-    s.ab = edge_of(i.x, i.y);
-    s.ac = edge_of(i.x, i.z);
+    let a = world_of(i.x);
+    let b = world_of(i.y);
+    let c = world_of(i.z);
+    s.a = to_eye(a);
+    s.b = to_eye(b);
+    s.c = to_eye(c);
+    s.ab = (b - a) * frame.eye.w;
+    s.ac = (c - a) * frame.eye.w;
     return s;
 }
 
@@ -36,40 +41,78 @@ fn is_clamped() -> bool {
     return CLAMPED == 1u;
 }
 
-// Finds where a facet of a triangle lies that turns to light and eye as told, and what is known of it.
+// What is found of a facet.
+struct Found {
+    plane: vec4<f32>,
+    ray: vec3<f32>,    // to its sample `origin`
+    depth: f32,        // of the plane along that
+    limit: f32,
+    low: vec2<f32>,    // box of its outline, margins included
+    high: vec2<f32>,
+    farthest: f32,
+    rect: vec2<u32>,
+    span: vec2<u32>,
+}
+
+// Finds where a facet of a triangle lies that turns to light and eye as told, and what is known of it. What is stored is stored in
+// one place: vector machines pay for each store in the text, whichever lanes take it.
 fn place(f: u32, shape: Shape, turns: vec2<f32>) {
+    var found: Found;
+    let state = state_of(f, shape, turns, &found);
+    let undecided = state == STATE_UNDECIDED;
+    let rect = select(EMPTY_RECT, found.rect, undecided);
+    facets[f].state = state;
+    facets[f].rect = rect;
+    facet_items[f] = block_count(rect);
+    if !undecided { return; }
+    let a = shape.a;
+    let normal = found.plane.xyz;
+    // One Newton step takes the rounding of the quotient out of the point.
+    let over = dot(normal, found.ray);
+    let raw = found.ray * found.depth;
+    let at = raw - found.ray * (dot(normal, raw - a) / over);
+    let tilt = 2.0 * largest(shape.ab) * largest(shape.ac) / largest(cross(shape.ab, shape.ac));
+    facets[f].plane = found.plane;
+    facets[f].farthest = found.farthest;
+    facets[f].limit = found.limit;
+    facets[f].tilt = tilt;
+    facets[f].at = at;
+    facets[f].doubt = 5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a));
+    facets[f].box_low = found.low;
+    facets[f].box_high = found.high;
+    facets[f].slope = light_slope(found.plane);
+    facets[f].span = found.span;
+}
+
+fn state_of(f: u32, shape: Shape, turns: vec2<f32>, found: ptr<function, Found>) -> u32 {
     let away = turns.x * select(1.0, -1.0, is_reversed(shape.given, shape.i)) < 0.0;
-    if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) {
-        settle(f, STATE_DARK);
-        return;
-    }
-    let t = facets[f].triangle;
+    if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) { return STATE_DARK; }
     let pixel = facets[f].pixel;
     let a = shape.a;
     let b = shape.b;
     let c = shape.c;
-    let ab = shape.ab;
-    let ac = shape.ac;
-    let spread = cross(ab, ac);
+    let spread = cross(shape.ab, shape.ac);
     // A power of two: about 1.
     let normal = turns.x * spread * bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(spread)) & 0x7f800000u));
     // Below 0 where single precision does not see it.
     let plane = vec4(normal, min(dot(normal, a), -1e-9 * largest(a)));
-    let origin = facets[f].origin;
-    let ray = ray_at(pixel, origin);
+    let ray = ray_at(pixel, facets[f].origin);
     let depth = plane.w / dot(normal, ray);
     let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
     // One facet is followed well beyond its own triangle, but not to the horizon.
     let clamped = is_clamped();
-    let merged = facets[f].state == STATE_MERGED;
     let near = clamped && (frame.flags & FLAG_BEYOND) == 0u;
-    let cut = near && !merged;
-    let reached = max(far_corner, select(0.0, facets[f].limit, merged));
-    let limit = max(reached, depth) * select(4.0, 1.0001, near);
+    var reached = far_corner;
+    var merged = false;
     var span = vec2(0u);
-    if clamped { span = span_of_samples(f); }
+    if clamped {
+        merged = facets[f].state == STATE_MERGED;
+        if merged { reached = max(far_corner, facets[f].limit); }
+        span = span_of_samples(f);
+    }
+    let limit = max(reached, depth) * select(4.0, 1.0001, near);
     var outline = facet_box(pixel, part_of(span), plane, limit);
-    if cut {
+    if near && !merged {
         cut_to_triangle(&outline, a, b, c);
     } else if !clamped && !outline.whole {
         keep_own_triangle(f, shape.given, pixel_ray(pixel));
@@ -79,14 +122,11 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     let high = select(vec2(3.0e38), outline.high, outline.in_front);
     var farthest = select(3.0e38, outline.farthest, outline.in_front);
     var margin = frame.map_margin;
-    let receives = RECEIVERS != 0u && only_receives(t);
+    let receives = RECEIVERS != 0u && only_receives(shape.triangle);
     if receives {
         let reach = reach_beyond(pixel, part_of(span), plane, limit);
         let perspective = (frame.flags & FLAG_PERSPECTIVE) != 0u;
-        if perspective && outline.ahead + 2e-6 * reach < frame.eye_low.w {
-            settle(f, STATE_LIT);
-            return;
-        }
+        if perspective && outline.ahead + 2e-6 * reach < frame.eye_low.w { return STATE_LIT; }
         margin = margin_beyond(reach);
         farthest += frame.depth_margin * reach;
         outline.nearest -= frame.depth_margin * (reach + 1.0);
@@ -96,20 +136,14 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     } else {
         rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
-    if is_empty(rect) {
-        settle(f, STATE_LIT);
-        return;
-    }
+    if is_empty(rect) { return STATE_LIT; }
     if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front {
         let r = unpack_rect(rect);
         let unmarked = rect_sum(vec2(frame.map_size), r.low, r.high) == 0u;
         if unmarked && receives {
             let inside = all(low >= vec2(margin)) && all(high <= vec2(f32(frame.map_size) - margin));
             let state = behind_splits(r, outline.nearest, inside);
-            if state != STATE_UNDECIDED {
-                settle(f, state);
-                return;
-            }
+            if state != STATE_UNDECIDED { return state; }
         } else if unmarked {
             let p = vec4(ray * depth, 1.0);
             var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
@@ -117,38 +151,12 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
             let texel = floor(uvz.xy);
             if all(texel >= vec2(0.0)) && all(texel < vec2(f32(frame.map_size))) {
                 let split = splits[u32(texel.y) * frame.map_size + u32(texel.x)];
-                if split == UNCOVERED || uvz.z < split {
-                    settle(f, STATE_LIT);
-                    return;
-                }
-                settle(f, STATE_SHADOWED);
-                return;
+                return select(STATE_SHADOWED, STATE_LIT, split == UNCOVERED || uvz.z < split);
             }
         }
     }
-    // One Newton step takes the rounding of the quotient out of the point.
-    let over = dot(normal, ray);
-    let raw = ray * depth;
-    let at = raw - ray * (dot(normal, raw - a) / over);
-    let tilt = 2.0 * largest(ab) * largest(ac) / largest(spread);
-    var facet: Facet;
-    facet.plane = plane;
-    facet.pixel = pixel;
-    facet.triangle = t;
-    facet.rect = rect;
-    facet.state = STATE_UNDECIDED;
-    facet.farthest = farthest;
-    facet.limit = limit;
-    facet.tilt = tilt;
-    facet.at = at;
-    facet.doubt = 5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a));
-    facet.box_low = low - margin;
-    facet.box_high = high + margin;
-    facet.slope = light_slope(plane);
-    facet.origin = origin;
-    facet.span = span;
-    facets[f] = facet;
-    facet_items[f] = block_count(rect);
+    *found = Found(plane, ray, depth, limit, low - margin, high + margin, farthest, rect, span);
+    return STATE_UNDECIDED;
 }
 
 // Depth from the light over texels on a plane, as (per x, per y, at 0) and how far it may be off.

@@ -4,8 +4,12 @@ fn world_of(v: u32) -> vec3<f32> {
     return vec3(positions[3u * v], positions[3u * v + 1u], positions[3u * v + 2u]);
 }
 
+fn to_eye(world: vec3<f32>) -> vec3<f32> {
+    return ((world - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
+}
+
 fn point_of(v: u32) -> vec3<f32> {
-    return ((world_of(v) - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
+    return to_eye(world_of(v));
 }
 
 // From vertex i to vertex j, rounded once: a difference of points would carry their roundings.

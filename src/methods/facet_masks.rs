@@ -270,7 +270,7 @@ impl FacetMasks {
         let m = &self.memory;
         let frame = m.frames[0].raw();
         let triangles = casters.triangles.raw();
-        for zero in [&m.layers.nearest_keys, &m.layers.second_keys, &m.layers.tie_counts] {
+        for zero in [&m.layers.nearest_keys, &m.layers.second_keys] {
             rec.clear(zero.raw());
         }
         rec.clear(m.layers.mask.raw());

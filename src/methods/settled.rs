@@ -223,7 +223,7 @@ impl Proof {
         sat: &Buffer<u32>,
         status: &Buffer<u32>,
     ) -> Result<()> {
-        for zero in [&layers.nearest_keys, &layers.second_keys, &layers.tie_counts, &layers.mask] {
+        for zero in [&layers.nearest_keys, &layers.second_keys, &layers.mask] {
             rec.clear(zero.raw());
         }
         let (casters, geometry) = (inputs.casters, inputs.geometry);

@@ -31,7 +31,7 @@ impl ShadowMapping {
         settings.check()?;
         let device = &gpu.device;
         Ok(Self {
-            layers: LightLayers::new(device),
+            layers: LightLayers::nearest_only(device),
             compare: ShadowMap::new(device, options),
             map: Layers::nearest_only(device, settings.map as usize)?,
             visibility: Buffer::storage(device, "shadow_map.visibility", settings.pixels())?,
@@ -53,7 +53,7 @@ impl FixedMethod for ShadowMapping {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.map.nearest_keys.raw());
         let blocks = geometry.in_light(inputs.casters);
-        self.layers.record_nearest(&mut rec.stage("light_layers"), frame, blocks, &self.map)?;
+        self.layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map)?;
         let seen = Seen {
             samples: inputs.samples,
             id_keys: &geometry.id_keys,

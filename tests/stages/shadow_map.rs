@@ -47,9 +47,9 @@ fn ask(world: &World, options: Options) -> Ran {
     let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
     let from =
         Seen { samples: offsets.raw(), id_keys: &id_keys, triangles: world.casters.triangles.raw(), points: &points };
-    let (layers, stage) = (LightLayers::new(&gpu.device), ShadowMap::new(&gpu.device, options));
+    let (layers, stage) = (LightLayers::nearest_only(&gpu.device), ShadowMap::new(&gpu.device, options));
     run(gpu, |s| {
-        layers.record_nearest(s, frame.raw(), blocks, &map)?;
+        layers.record(s, frame.raw(), blocks, &map)?;
         stage.record(s, frame.raw(), from, &map.nearest_keys, &visibility)
     });
     let depth = |key: u32| (key != 0).then(|| f64::from(f32::from_bits(!key)));

@@ -128,7 +128,6 @@ pub struct Ran {
     pub id_keys: Vec<u32>,
     pub nearest_keys: Vec<u32>,
     pub second_keys: Vec<u32>,
-    pub tie_counts: Vec<u32>,
     /// Marked texels after light_layers, silhouette_mask and front_layer.
     pub marks: [Vec<bool>; 3],
     pub edge_rects: Vec<[u32; 2]>,
@@ -160,7 +159,6 @@ impl Ran {
             &self.id_keys,
             &self.nearest_keys,
             &self.second_keys,
-            &self.tie_counts,
             &self.edge_items,
         ] {
             words.extend(list);
@@ -299,7 +297,6 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
         id_keys: read(gpu, &id_keys),
         nearest_keys: layers.nearest_keys.read(gpu).expect(all),
         second_keys: layers.second_keys.read(gpu).expect(all),
-        tie_counts: layers.tie_counts.read(gpu).expect(all),
         marks: [after_layers, after_silhouettes, after_front],
         edge_rects: read(gpu, &edge_rects),
         edge_items: items,
