@@ -7,6 +7,8 @@
 // be. SPLIT 0: the upper array holds all of it.
 // A record whose last word is EMPTY_WORD holds nothing: no slope has that code.
 
+//@import cross_sign
+
 const EMPTY_WORD = 0xffffffffu;
 const FAR_EDGE = 64.0;          // texels: an edge beyond the code's range
 const BEYOND = 1.0e6;           // doubt of the depth of what lies beyond the code's range: it is before nothing
@@ -136,8 +138,21 @@ fn encode_record(t: Corners, centre: vec2<f32>) -> vec4<u32> {
         (slope_code_16(steep.y) << 16u) | slope_code_16(steep.x));
 }
 
-fn vertex_of(word: u32, centre: vec2<f32>) -> vec2<f32> {
-    return vec2(f32(word & 0xffffu), f32(word >> 16u)) * (f32(frame.map_size) / 65535.0) - centre;
+// A coded vertex of ENCODING 0.
+fn code_of(word: u32) -> vec2<i32> {
+    return vec2(i32(word & 0xffffu), i32(word >> 16u));
+}
+
+// From the texel's centre to it, in units of 1 / 131070 texel: a whole number, below 2^30.
+fn steps_to(code: vec2<i32>, centre: vec2<f32>) -> vec2<i32> {
+    return code * (2 * i32(frame.map_size)) - vec2<i32>(2.0 * centre) * 65535;
+}
+
+// The edge between two coded vertices. Which side of it the texel's centre lies on is exact.
+fn coded_edge(a: vec2<i32>, b: vec2<i32>, turn: i32) -> vec3<f32> {
+    var e = edge_of(vec2<f32>(a) / 131070.0, vec2<f32>(b) / 131070.0, f32(turn));
+    if any(a != b) { e.z = f32(turn * cross_sign(a, b)) * max(abs(e.z), 1e-12); }
+    return e;
 }
 
 fn decode_edge(word: u32) -> vec3<f32> {
@@ -149,13 +164,16 @@ fn decode_record(r: vec4<u32>, centre: vec2<f32>) -> Sheet {
     s.held = r.w != EMPTY_WORD;
     let per_texel = 1.0 / f32(frame.map_size);
     if ENCODING == 0u {
-        let a = vertex_of(r.x, centre);
-        let b = vertex_of(r.y, centre);
-        let c = vertex_of(r.z, centre);
-        let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-        let turn = select(-1.0, 1.0, area > 0.0);
-        s.edges = array(edge_of(a, b, turn), edge_of(b, c, turn), edge_of(c, a, turn));
-        if area == 0.0 { s.edges[0] = vec3(1.0, 0.0, -FAR_EDGE); }
+        let p = code_of(r.x);
+        let q = code_of(r.y);
+        let t = code_of(r.z);
+        let area = cross_sign(q - p, t - p);
+        let turn = select(-1, 1, area > 0);
+        let a = steps_to(p, centre);
+        let b = steps_to(q, centre);
+        let c = steps_to(t, centre);
+        s.edges = array(coded_edge(a, b, turn), coded_edge(b, c, turn), coded_edge(c, a, turn));
+        if area == 0 { s.edges[0] = vec3(1.0, 0.0, -FAR_EDGE); }
         let x = slopes[r.w & 255u];
         let y = slopes[(r.w >> 8u) & 255u];
         s.depth = vec3(x.y * per_texel, y.y * per_texel, f32(r.w >> 16u) / 65534.0);

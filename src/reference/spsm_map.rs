@@ -147,11 +147,11 @@ impl Coding {
         }
         let side = f64::from(self.size);
         if !self.lines {
-            let step = side / 65_535.0;
-            let [a, b, c] = [0, 1, 2]
-                .map(|k| DVec2::new(f64::from(record[k] & 0xffff), f64::from(record[k] >> 16)) * step - middle);
-            let area = (b - a).perp_dot(c - a);
+            // Whole numbers, which f64 holds with room for their products.
+            let codes = [0, 1, 2].map(|k| DVec2::new(f64::from(record[k] & 0xffff), f64::from(record[k] >> 16)));
+            let area = (codes[1] - codes[0]).perp_dot(codes[2] - codes[0]);
             let turn = if area > 0.0 { 1.0 } else { -1.0 };
+            let [a, b, c] = codes.map(|code| (code * 2.0 * side - middle * 131_070.0) / 131_070.0);
             let mut edges = [edge(a, b, turn), edge(b, c, turn), edge(c, a, turn)];
             if area == 0.0 {
                 edges[0] = DVec3::new(1.0, 0.0, -64.0);

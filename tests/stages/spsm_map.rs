@@ -5,6 +5,7 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{Made, middle, noise};
 use crate::support::{Random, gpu, run, sizes_around, upload};
+use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::program::{Access, Binding};
 use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program};
@@ -304,6 +305,7 @@ const CODES: &str = concat!(
 @group(0) @binding(2) var<storage, read> inputs: array<f32>;
 @group(0) @binding(3) var<storage, read_write> outputs: array<u32>;
 ",
+    include_str!("../../kernels/shared/cross_sign.wgsl"),
     include_str!("../../kernels/shared/spsm_record.wgsl"),
     "
 @compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -391,6 +393,140 @@ fn codes_agree_bit_for_bit() {
     let mut spoilt = words_of(0.7, &code);
     spoilt[0] ^= 1;
     assert_ne!(spoilt, words_of(0.7, &code), "a flipped bit shows");
+}
+
+const SIDES: &str = concat!(
+    include_str!("../../kernels/shared/frame.wgsl"),
+    "override ENCODING: u32 = 0u;
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> slopes: array<vec4<f32>, 256>;
+@group(0) @binding(2) var<storage, read> inputs: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read_write> outputs: array<u32>;
+",
+    include_str!("../../kernels/shared/cross_sign.wgsl"),
+    include_str!("../../kernels/shared/spsm_record.wgsl"),
+    "
+@compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let k = id.y * 64u * groups.x + id.x;
+    if k >= arrayLength(&inputs) { return; }
+    let v = inputs[k];
+    let texel = vec2(v.w & 0xffffu, v.w >> 16u);
+    let sheet = decode_record(vec4(v.xyz, 0u), vec2<f32>(texel) + 0.5);
+    let sides = vec3<i32>(sign(vec3(sheet.edges[0].z, sheet.edges[1].z, sheet.edges[2].z))) + 1;
+    outputs[k] = u32(sides.x | (sides.y << 2u) | (sides.z << 4u));
+}
+"
+);
+
+/// A vertex of 16 bits relative to a texel's centre, in units of 1 / 131070 texel.
+fn steps_to(vertex: u32, texel: u32, size: u32) -> [i64; 2] {
+    let step = |shift: u32| {
+        let [code, texel] = [vertex, texel].map(|v| i64::from(v >> shift & 0xffff));
+        code * 2 * i64::from(size) - (2 * texel + 1) * 65_535
+    };
+    [step(0), step(16)]
+}
+
+fn cross(a: [i64; 2], b: [i64; 2]) -> i64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// On which side of the three edges of a coded triangle the centre of a texel lies, two bits each: 0 outside, 1 on the edge,
+/// 2 inside.
+fn sides_of([a, b, c, texel]: [u32; 4], size: u32) -> u32 {
+    let [p, q, r] = [a, b, c].map(|v| steps_to(v, texel, size));
+    let area = cross([q[0] - p[0], q[1] - p[1]], [r[0] - p[0], r[1] - p[1]]);
+    let turn = if area > 0 { 1 } else { -1 };
+    // Without an edge, or an area, the centre is outside.
+    let side = |a, b| if a == b { 0 } else { (turn * cross(a, b).signum() + 1) as u32 };
+    (if area == 0 { 0 } else { side(p, q) }) | side(q, r) << 2 | side(r, p) << 4
+}
+
+/// Which side of an edge between two vertices of 16 bits the texel's centre lies on, in more than 10^7 tests, against integers of
+/// 64 bits: of triangles anywhere, of small ones around the texel, of slivers, and of edges right through the centre.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn edge_tests_have_no_wrong_sign() {
+    const WORK: Entry = Entry {
+        kernel: "test",
+        name: "work",
+        source: SIDES,
+        workgroup: [64, 1, 1],
+        bindings: &[
+            Binding { index: 0, name: "frame", access: Access::Uniform },
+            Binding { index: 1, name: "slopes", access: Access::Uniform },
+            Binding { index: 2, name: "inputs", access: Access::Read },
+            Binding { index: 3, name: "outputs", access: Access::ReadWrite },
+        ],
+    };
+    const PART: usize = 1 << 20;
+    let program = Program::new(&gpu().device, WORK, &[]);
+    let slopes = Buffer::uniform(&gpu().device, "test.slopes", 256).expect("memory");
+    slopes.write(&gpu().queue, &SlopeCode::new(5).words());
+    let output = Buffer::<u32>::storage(&gpu().device, "test.output", PART).expect("memory");
+    let mut random = Random::new(31);
+    let (mut tests, mut on_edge, mut single) = (0, 0, 0);
+    for size in [512, 2048, 4096, 8192] {
+        let frame = uniform(gpu(), &Frame { map_size: size, ..Default::default() });
+        let inputs: Vec<[u32; 4]> = (0..PART).map(|k| coded_triangle(k % 4, size, &mut random)).collect();
+        let input = upload(gpu(), &inputs);
+        let buffers =
+            [("frame", frame.raw()), ("slopes", slopes.raw()), ("inputs", input.raw()), ("outputs", output.raw())];
+        run(gpu(), |s| s.run(&program, &buffers, Groups::Items(PART as u64)));
+        for (&given, got) in inputs.iter().zip(output.read(gpu()).expect("readback")) {
+            let want = sides_of(given, size);
+            assert_eq!(got, want, "{given:?}, map {size}");
+            tests += 3;
+            on_edge += usize::from([0, 2, 4].iter().any(|shift| want >> shift & 3 == 1));
+            // The first edge in single precision alone.
+            let [a, b, _, texel] = given;
+            let rough = [a, b].map(|v| {
+                let at = |shift: u32| {
+                    (v >> shift & 0xffff) as f32 * (size as f32 / 65_535.0) - ((texel >> shift & 0xffff) as f32 + 0.5)
+                };
+                [at(0), at(16)]
+            });
+            let rough = rough[0][0] * rough[1][1] - rough[0][1] * rough[1][0];
+            let exact = cross(steps_to(a, texel, size), steps_to(b, texel, size));
+            single += usize::from((rough > 0.0) != (exact > 0) || (rough < 0.0) != (exact < 0));
+        }
+    }
+    assert!(tests > 10_000_000 && on_edge > 1000, "{tests} tests, {on_edge} on an edge");
+    assert!(single > 100, "single precision alone would be wrong in {single}");
+}
+
+/// A triangle of 16-bit vertices and a texel: of a kind that is told by `kind`.
+fn coded_triangle(kind: usize, size: u32, random: &mut Random) -> [u32; 4] {
+    let texel = [random.below(size), random.below(size)];
+    let centre = texel.map(|v| i64::from(2 * v + 1) * 65_535 / (2 * i64::from(size)));
+    let pack = |x: i64, y: i64| (x.clamp(0, 65_535) as u32) | (y.clamp(0, 65_535) as u32) << 16;
+    let mut near = |reach: i64| {
+        let mut off = || i64::from(random.below(2 * reach as u32 + 1)) - reach;
+        (off(), off())
+    };
+    let reach = i64::from(65_535 / size).max(1);
+    let corners = match kind {
+        0 => [near(65_535), near(65_535), near(65_535)],
+        1 => [near(2 * reach), near(2 * reach), near(2 * reach)],
+        // Nearly in one line.
+        2 => {
+            let ((x, y), (u, v)) = (near(3000), near(1));
+            [(-x, -y), (x + u, y + v), near(3 * reach)]
+        }
+        // Right through the centre, where the second vertex is on the map.
+        _ => {
+            let (x, y) = near(4);
+            let far = |code: i64, texel: u32| {
+                let centre = i64::from(2 * texel + 1) * 65_535;
+                let steps = (code * 2 * i64::from(size) - centre) * (1 - 2 * i64::from(size));
+                (steps + centre) / (2 * i64::from(size))
+            };
+            let end = (far(centre[0] + x, texel[0]) - centre[0], far(centre[1] + y, texel[1]) - centre[1]);
+            [(x, y), end, near(20_000)]
+        }
+    };
+    let [a, b, c] = corners.map(|(x, y)| pack(centre[0] + x, centre[1] + y));
+    [a, b, c, texel[0] | texel[1] << 16]
 }
 
 /// The plane that a texel stands for lies within the bound of its code, on random triangles.
