@@ -323,6 +323,28 @@ const CODES: &str = concat!(
 "
 );
 
+/// A kernel that includes the records and turns inputs into outputs.
+const fn with_records(source: &'static str) -> Entry {
+    Entry {
+        kernel: "test",
+        name: "work",
+        source,
+        workgroup: [64, 1, 1],
+        bindings: &[
+            Binding { index: 0, name: "frame", access: Access::Uniform },
+            Binding { index: 1, name: "slopes", access: Access::Uniform },
+            Binding { index: 2, name: "inputs", access: Access::Read },
+            Binding { index: 3, name: "outputs", access: Access::ReadWrite },
+        ],
+    }
+}
+
+fn slopes_of(code: &SlopeCode) -> Buffer<[f32; 4]> {
+    let slopes = Buffer::uniform(&gpu().device, "test.slopes", 256).expect("memory");
+    slopes.write(&gpu().queue, &code.words());
+    slopes
+}
+
 /// Codes of the GPU, word for word, of the inputs in order.
 fn words_of(v: f32, slopes: &SlopeCode) -> [u32; 4] {
     let w = v.clamp(-1.0, 1.0);
@@ -339,23 +361,10 @@ fn words_of(v: f32, slopes: &SlopeCode) -> [u32; 4] {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn codes_agree_bit_for_bit() {
-    const WORK: Entry = Entry {
-        kernel: "test",
-        name: "work",
-        source: CODES,
-        workgroup: [64, 1, 1],
-        bindings: &[
-            Binding { index: 0, name: "frame", access: Access::Uniform },
-            Binding { index: 1, name: "slopes", access: Access::Uniform },
-            Binding { index: 2, name: "inputs", access: Access::Read },
-            Binding { index: 3, name: "outputs", access: Access::ReadWrite },
-        ],
-    };
     const PART: usize = 1 << 20;
-    let program = Program::new(&gpu().device, WORK, &[]);
+    let program = Program::new(&gpu().device, with_records(CODES), &[]);
     let code = SlopeCode::new(5);
-    let slopes = Buffer::uniform(&gpu().device, "test.slopes", 256).expect("memory");
-    slopes.write(&gpu().queue, &code.words());
+    let slopes = slopes_of(&code);
     let frame = uniform(gpu(), &Default::default());
     let output = Buffer::<[u32; 4]>::storage(&gpu().device, "test.output", PART).expect("memory");
     // Every 256th finite number, so 2^24 of them, from the lowest up.
@@ -447,22 +456,9 @@ fn sides_of([a, b, c, texel]: [u32; 4], size: u32) -> u32 {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn edge_tests_have_no_wrong_sign() {
-    const WORK: Entry = Entry {
-        kernel: "test",
-        name: "work",
-        source: SIDES,
-        workgroup: [64, 1, 1],
-        bindings: &[
-            Binding { index: 0, name: "frame", access: Access::Uniform },
-            Binding { index: 1, name: "slopes", access: Access::Uniform },
-            Binding { index: 2, name: "inputs", access: Access::Read },
-            Binding { index: 3, name: "outputs", access: Access::ReadWrite },
-        ],
-    };
     const PART: usize = 1 << 20;
-    let program = Program::new(&gpu().device, WORK, &[]);
-    let slopes = Buffer::uniform(&gpu().device, "test.slopes", 256).expect("memory");
-    slopes.write(&gpu().queue, &SlopeCode::new(5).words());
+    let program = Program::new(&gpu().device, with_records(SIDES), &[]);
+    let slopes = slopes_of(&SlopeCode::new(5));
     let output = Buffer::<u32>::storage(&gpu().device, "test.output", PART).expect("memory");
     let mut random = Random::new(31);
     let (mut tests, mut on_edge, mut single) = (0, 0, 0);
