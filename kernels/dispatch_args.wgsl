@@ -11,7 +11,7 @@ struct Request {
     args_word: u32,    // where the three words go
 }
 
-const MAX_GROUPS = 65535u;
+override MAX_GROUPS: u32 = 65535u;  // or what the device can, if that is less
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<storage, read> counts: array<u32>;

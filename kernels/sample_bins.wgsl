@@ -5,8 +5,9 @@
 // begin as where each texel starts, as cursors. `occlude` tests them in single precision, LANES invocations a block of a caster's
 // texels: it writes the occluded mask of their facets and notes what it cannot decide behind the samples in `bins`; `refine`
 // decides that with 46 bits. Samples without room there are marked in the place of the invalid mask, and `refine_all` tests them
-// again. Texels of more than CROWD samples are left to `occlude_crowds`, a workgroup a block, so that no invocation looks at more
-// than 65,535 samples. Whoever reads invalid masks has to make them afterwards. The model and its predicates are those of
+// again. Texels of more than CROWD samples are left to `occlude_crowds`, a workgroup a block. No invocation looks at more than one
+// block, nor at more than 65,535 samples: `ask` writes into `wanted` how many blocks each of these runs has, none where it has
+// nothing to do, and how many doubts there are. Whoever reads invalid masks has to make them afterwards. The model and its predicates are those of
 // shadow_rays. The facets of a band are those listed from `frame.first_facet` on; a band without any costs nothing worth naming.
 // Behind the texels in `texel_ends`: doubts; crowded texels; then the facets of the band.
 // A sample whose point is not before the light, or outside its view, has no caster before it.
@@ -43,6 +44,7 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 @group(0) @binding(10) var<storage, read> work_offsets: array<u32>;
 @group(0) @binding(11) var<storage, read> listed: array<u32>;       // undecided facets
 @group(0) @binding(12) var<storage, read> listed_total: array<u32>;
+@group(0) @binding(13) var<storage, read_write> wanted: array<u32>;  // blocks of four runs, doubts
 
 //@import shadow_lines
 //@import shadow_lines_46
@@ -87,13 +89,20 @@ fn bin(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups:
     }
 }
 
-// How many blocks there are to look at in this run: none where no sample is.
-fn blocks_if(needed: bool) -> u32 {
-    let samples_in_band = atomicLoad(&texel_ends[frame.map_size * frame.map_size - 1u]);
-    return select(0u, work_offsets[frame.triangle_count], needed && samples_in_band != 0u);
+@compute @workgroup_size(1)
+fn ask() {
+    let map = frame.map_size * frame.map_size;
+    let doubtful = atomicLoad(&texel_ends[map]);
+    let blocks = select(0u, work_offsets[frame.triangle_count], atomicLoad(&texel_ends[map - 1u]) != 0u);
+    let crowded = select(0u, blocks, atomicLoad(&texel_ends[map + 1u]) != 0u);
+    let overfull = doubtful > doubts().y;
+    wanted[0] = blocks;
+    wanted[1] = crowded;
+    wanted[2] = min(doubtful, doubts().y);
+    wanted[3] = select(0u, blocks, overfull);
+    wanted[4] = select(0u, crowded, overfull);
 }
 
-// Workgroups go through the blocks in steps of their number, so that a run with nothing to do is over at once.
 fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
     let t = owner_of(item, frame.triangle_count);
     let block = block_of(light_rects[t], item - work_offsets[t]);
@@ -114,54 +123,44 @@ fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
     }
 }
 
-fn is_crowded() -> bool {
-    return atomicLoad(&texel_ends[frame.map_size * frame.map_size + 1u]) != 0u;
-}
-
-fn is_overfull() -> bool {
-    return atomicLoad(&texel_ends[frame.map_size * frame.map_size]) > doubts().y;
+// The block of an invocation, LANES of which take one, or of all of a workgroup; none left: false.
+fn is_block(item: u32) -> bool {
+    return item < work_offsets[frame.triangle_count];
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn occlude(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let blocks = blocks_if(true);
-    let together = WORKGROUP / LANES;
-    for (var item = flat_group(group, groups) * together + local / LANES; item < blocks; item += groups.x * groups.y * together) {
-        raster(item, local % LANES, false, false);
-    }
+    let item = flat_group(group, groups) * (WORKGROUP / LANES) + local / LANES;
+    if is_block(item) { raster(item, local % LANES, false, false); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn occlude_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let blocks = blocks_if(is_crowded());
-    for (var item = flat_group(group, groups); item < blocks; item += groups.x * groups.y) { raster(item, local, false, true); }
+    let item = flat_group(group, groups);
+    if is_block(item) { raster(item, local, false, true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let room = doubts();
-    let count = min(atomicLoad(&texel_ends[frame.map_size * frame.map_size]), room.y);
-    for (var n = flat_invocation(group, groups, WORKGROUP, local); n < count; n += groups.x * groups.y * WORKGROUP) {
-        let doubt = bins[room.x + n];
-        let index = doubt.x;
-        let f = facet_of(index);
-        let k = index % frame.sample_count;
-        if is_set(f, 1u, k) { continue; }
-        if blocks_46(ground_of(f), offset_of(k), doubt.y) == BLOCKED { mark(f, 1u, k); }
-    }
+    let n = flat_invocation(group, groups, WORKGROUP, local);
+    if n >= min(atomicLoad(&texel_ends[frame.map_size * frame.map_size]), room.y) { return; }
+    let doubt = bins[room.x + n];
+    let index = doubt.x;
+    let f = facet_of(index);
+    let k = index % frame.sample_count;
+    if is_set(f, 1u, k) { return; }
+    if blocks_46(ground_of(f), offset_of(k), doubt.y) == BLOCKED { mark(f, 1u, k); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let blocks = blocks_if(is_overfull());
-    let together = WORKGROUP / LANES;
-    for (var item = flat_group(group, groups) * together + local / LANES; item < blocks; item += groups.x * groups.y * together) {
-        raster(item, local % LANES, true, false);
-    }
+    let item = flat_group(group, groups) * (WORKGROUP / LANES) + local / LANES;
+    if is_block(item) { raster(item, local % LANES, true, false); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let blocks = blocks_if(is_overfull() && is_crowded());
-    for (var item = flat_group(group, groups); item < blocks; item += groups.x * groups.y) { raster(item, local, true, true); }
+    let item = flat_group(group, groups);
+    if is_block(item) { raster(item, local, true, true); }
 }

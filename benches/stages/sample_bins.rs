@@ -29,7 +29,7 @@ impl Setting {
 fn setting(gpu: &Gpu, shadow: &Rc<Shadow>) -> Result<Setting> {
     let (device, queue) = (&gpu.device, &gpu.queue);
     let map = shadow.setup.layers.nearest_keys.len().isqrt();
-    let bins = Bins::new(device, map, shadow.facets.list.len(), 32)?;
+    let bins = Bins::new(device, &gpu.queue, map, shadow.facets.list.len(), 32)?;
     bins.prepare(queue, &shadow.frame.read(gpu)?[0]);
     let args = Buffer::indirect(device, "bench.args", 6)?;
     let groups = |per: u64| recorder::fold((shadow.setup.in_light.items as u64).div_ceil(per));

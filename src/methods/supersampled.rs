@@ -42,7 +42,7 @@ impl Supersampled {
         Ok(Self {
             settled: Settled::new(gpu, &scan, prepared, casters, settings, false)?,
             test: SampleBins::new(device, &scan, settings.samples.words()),
-            bins: Bins::new(device, settings.map as usize, pixels, count)?,
+            bins: Bins::new(device, queue, settings.map as usize, pixels, count)?,
             cut: ShadowRays::new(device, &scan, settings.samples.words()),
             cut_work: Rays::with_doubts(device, queue, pixels, count, 0)?,
         })

@@ -12,6 +12,7 @@
 
 use super::holds;
 use crate::gpu::kernels::dispatch_args as kernel;
+use crate::gpu::recorder::MAX_GROUPS;
 use crate::gpu::{Buffer, Groups, Program, Stage};
 use crate::{Error, Result, shared_struct};
 
@@ -63,7 +64,8 @@ pub struct DispatchArgs {
 impl DispatchArgs {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { fold: Program::new(device, kernel::ENTRY_FOLD, &[]) }
+        let most = device.limits().max_compute_workgroups_per_dimension.min(MAX_GROUPS);
+        Self { fold: Program::new(device, kernel::ENTRY_FOLD, &[("MAX_GROUPS", f64::from(most))]) }
     }
 
     /// The requests as the GPU reads them, uploaded once.

@@ -198,6 +198,8 @@ impl FacetClassify {
         ];
         stage.run(&self.begin, &[("unsure", facets.unsure.raw())], Groups::Workgroups(1))?;
         stage.run(&self.classify, &buffers, Groups::Items(count as u64))?;
-        stage.run(&self.unsure, &buffers, Groups::Strides(u64::from(kernel::UNSURE_GROUPS)))
+        // At most 64 an invocation: a device may cut loops off after 65,535 turns.
+        let groups = (count as u64).div_ceil(64 * u64::from(kernel::WORKGROUP)).max(u64::from(kernel::UNSURE_GROUPS));
+        stage.run(&self.unsure, &buffers, Groups::Strides(groups))
     }
 }

@@ -9,13 +9,13 @@
 //! - **Capacity.** One place a sample of a band, and a quarter as many for doubts; facets are taken in bands of at most 2^21
 //!   samples, of which those beyond the last undecided facet do nothing. With less room for doubts the masks are the same; to make them takes longer.
 //! - **Cost.** For each band two dispatches over its samples, one over the casters' blocks, one over doubts, and three that
-//!   rarely find something to do; 20
-//!   bytes a sample.
+//!   rarely find something to do and then have no workgroups; 20 bytes a sample.
 //! - **Source.** Aila and Laine, *Alias-Free Shadow Maps*, EGSR 2004; Johnson, Lee, Burns, Mark, *The Irregular Z-Buffer*, ACM
 //!   TOG 2005; Sintorn, Eisemann, Assarsson, *Sample Based Visibility for Soft Shadows using Alias-free Shadow Maps*, EGSR 2008.
 
 use super::camera_visibility::{Blocks, Pass};
 use super::compact::{self, Compact, Flags};
+use super::dispatch_args::{DispatchArgs, Request, Requests};
 use super::facet_classify::Facets;
 use super::{Count, PrefixScan, holds, prefix_scan};
 use crate::Result;
@@ -32,6 +32,8 @@ pub struct SampleBins {
     refine_all: Program,
     occlude_crowds: Program,
     refine_crowds: Program,
+    ask: Program,
+    fold: DispatchArgs,
     compact: Compact,
     scan: PrefixScan,
     uniforms: Uniforms,
@@ -50,6 +52,9 @@ pub struct Bins {
     pub texel_ends: Buffer<u32>,
     /// First sample of each texel, the end, and 0.
     pub texel_offsets: Buffer<u32>,
+    wanted: Buffer<u32>,
+    requests: Requests,
+    args: Buffer<u32>,
     scratch: prefix_scan::Scratch,
     compact_scratch: compact::Scratch,
     /// Facets of a band; the last may have fewer.
@@ -58,28 +63,38 @@ pub struct Bins {
     pub frames: Vec<Buffer<Frame>>,
 }
 
-/// Workgroups of a run; they go through all there is in steps of their number.
-const GROUPS: u64 = 2048;
-/// The same of a run that is rarely needed.
-const FEW_GROUPS: u64 = 256;
+/// Runs whose number of workgroups the GPU finds, and items of a workgroup: blocks of casters, or doubts.
+const RUNS: [u32; 5] = [kernel::WORKGROUP / kernel::LANES, 1, kernel::WORKGROUP, kernel::WORKGROUP / kernel::LANES, 1];
 
 impl Bins {
     /// Memory for `facets` facets of `samples` samples in as many bands as it takes, and a map of `size` texels a side.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn new(device: &wgpu::Device, size: usize, facets: usize, samples: u32) -> Result<Self> {
-        Self::with_band(device, size, facets, samples, kernel::MOST_SAMPLES as usize / samples as usize)
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: usize, facets: usize, samples: u32) -> Result<Self> {
+        Self::with_band(device, queue, size, facets, samples, kernel::MOST_SAMPLES as usize / samples as usize)
     }
 
     /// As [`Bins::new`] with bands of at most so many facets.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn with_band(device: &wgpu::Device, size: usize, facets: usize, samples: u32, most: usize) -> Result<Self> {
+    pub fn with_band(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        size: usize,
+        facets: usize,
+        samples: u32,
+        most: usize,
+    ) -> Result<Self> {
         let band = facets.min(most.min(kernel::MOST_SAMPLES as usize / samples as usize)).max(1);
         let frames = (0..facets.div_ceil(band)).map(|_| Buffer::uniform(device, "sample_bins.frame", 1));
+        let requests = RUNS.iter().enumerate();
+        let requests = requests.map(|(k, &items)| Request::new(k, items, Request::MAX_LIMIT, 3 * k));
         Ok(Self {
+            wanted: Buffer::storage(device, "sample_bins.wanted", RUNS.len())?,
+            requests: DispatchArgs::requests(device, queue, &requests.collect::<Result<Vec<_>>>()?)?,
+            args: Buffer::indirect(device, "sample_bins.args", 3 * RUNS.len())?,
             list: Buffer::storage(device, "sample_bins.list", 5 * (band * samples as usize).div_ceil(4))?,
             listed: Buffer::storage(device, "sample_bins.listed", facets)?,
             total: Buffer::storage(device, "sample_bins.total", 2)?,
@@ -90,6 +105,11 @@ impl Bins {
             facets: band,
             frames: frames.collect::<Result<_>>()?,
         })
+    }
+
+    /// Workgroups of one of [`RUNS`].
+    fn groups(&self, run: u64) -> Groups<'_> {
+        Groups::Indirect(self.args.raw(), 3 * run)
     }
 
     /// Writes the frame of each band: which of the listed facets it takes, of `frame.facets_total` at most.
@@ -126,6 +146,8 @@ impl SampleBins {
             refine_all: program(kernel::ENTRY_REFINE_ALL),
             occlude_crowds: program(kernel::ENTRY_OCCLUDE_CROWDS),
             refine_crowds: program(kernel::ENTRY_REFINE_CROWDS),
+            ask: program(kernel::ENTRY_ASK),
+            fold: DispatchArgs::new(device),
             compact: Compact::new(device, scan),
             scan: scan.clone(),
             uniforms: Uniforms::default(),
@@ -162,10 +184,9 @@ impl SampleBins {
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_occlude(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        let groups = Groups::Strides(GROUPS);
-        self.run(stage, &self.occlude, 0, band, scene, bins, groups)?;
-        let groups = Groups::Strides(FEW_GROUPS);
-        self.run(stage, &self.occlude_crowds, 0, band, scene, bins, groups)
+        self.record_args(stage, band, scene, bins)?;
+        self.run(stage, &self.occlude, 0, band, scene, bins, bins.groups(0))?;
+        self.run(stage, &self.occlude_crowds, 0, band, scene, bins, bins.groups(1))
     }
 
     /// Records the tests that single precision left open.
@@ -173,12 +194,16 @@ impl SampleBins {
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_refine(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        let groups = Groups::Strides(GROUPS);
-        self.run(stage, &self.refine, 0, band, scene, bins, groups)?;
-        let groups = Groups::Strides(FEW_GROUPS);
-        self.run(stage, &self.refine_all, 0, band, scene, bins, groups)?;
-        let groups = Groups::Strides(FEW_GROUPS);
-        self.run(stage, &self.refine_crowds, 0, band, scene, bins, groups)
+        self.record_args(stage, band, scene, bins)?;
+        self.run(stage, &self.refine, 0, band, scene, bins, bins.groups(2))?;
+        self.run(stage, &self.refine_all, 0, band, scene, bins, bins.groups(3))?;
+        self.run(stage, &self.refine_crowds, 0, band, scene, bins, bins.groups(4))
+    }
+
+    /// Records how many workgroups the runs over the casters' blocks have, and over the doubts.
+    fn record_args(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
+        self.run(stage, &self.ask, 0, band, scene, bins, Groups::Workgroups(1))?;
+        self.fold.record(stage, &bins.wanted, &bins.requests, &bins.args)
     }
 
     #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
@@ -209,6 +234,7 @@ impl SampleBins {
             ("work_offsets", blocks.offsets.raw()),
             ("listed", bins.listed.raw()),
             ("listed_total", bins.total.raw()),
+            ("wanted", bins.wanted.raw()),
         ];
         stage.run(program, &buffers, groups)
     }

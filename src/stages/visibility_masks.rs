@@ -87,7 +87,10 @@ impl VisibilityMasks {
     ) -> Result<()> {
         Self::run(stage, &self.evaluate, frame, casters, facets, lists, Groups::Indirect(args.0, args.1))?;
         let Some(cut) = &self.cut else { return Ok(()) };
-        Self::run(stage, cut, frame, casters, facets, lists, Groups::Strides(u64::from(kernel::CUT_GROUPS)))
+        // At most 256 an invocation: a device may cut loops off after 65,535 turns.
+        let most = (lists.doubts.len() as u64).div_ceil(256 * u64::from(kernel::WORKGROUP));
+        let groups = Groups::Strides(most.max(u64::from(kernel::CUT_GROUPS)));
+        Self::run(stage, cut, frame, casters, facets, lists, groups)
     }
 
     /// Records the evaluation of all doubtful candidates with 46 bits.

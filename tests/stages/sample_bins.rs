@@ -40,7 +40,7 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
     let count = world.samples.count();
     let mut frame = world.frame;
     frame.facets_total = listed.len() as u32;
-    let bins = Bins::with_band(&gpu.device, size, listed.len(), count, band).expect("memory");
+    let bins = Bins::with_band(&gpu.device, &gpu.queue, size, listed.len(), count, band).expect("memory");
     bins.prepare(&gpu.queue, &frame);
     let (offsets, _, total) = world.items(&world.facts.light_items.read(gpu).expect("readback"));
     let most = gpu.device.limits().max_compute_workgroups_per_dimension;
