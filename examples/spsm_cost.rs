@@ -1,7 +1,7 @@
 //! GPU time of `spsm` over that of `shadow-map`, stage by stage, 1280 × 720 pixels, the frames of both in turns:
 //! `cargo run --release --example spsm_cost -- [--samples N] [--map N] … [--repeats N] [--stretch N] [SCENE …]`
 //!
-//! Each time is the median of the repeats, each ratio the median of the ratios of the turns. *Map and query*: what the two
+//! Each time is the median of the repeats, each ratio the median of the ratios of the turns. *Map and query*: what the
 //! methods do after `triangle_setup` and `camera_visibility`, which are the same stages in both. *Frame*: those included.
 
 #[path = "shared/median.rs"]
@@ -19,7 +19,12 @@ use subpixel_shadows::{Error, Result};
 const SIZE: [u32; 2] = [1280, 720];
 /// Stages that both methods begin with.
 const SHARED: [&str; 2] = ["triangle_setup", "camera_visibility"];
-const METHODS: [MethodName; 2] = [MethodName::ShadowMap, MethodName::Spsm];
+/// Name, method, whether only the texels of the map that pixels ask for are made.
+const ROWS: [(&str, MethodName, bool); 3] = [
+    ("`shadow-map`", MethodName::ShadowMap, false),
+    ("`spsm`, all texels", MethodName::Spsm, false),
+    ("`spsm`, texels asked for", MethodName::Spsm, true),
+];
 
 /// Times of one method over the turns: of each stage, of map and query, of the frame.
 #[derive(Default)]
@@ -80,14 +85,15 @@ fn main() -> Result<()> {
             let mut settings = Settings::new(SIZE, map, Samples::new(Pattern::default(), samples)?);
             settings.spsm.stretch = stretch.unwrap_or(settings.spsm.stretch);
             let mut renderers = Vec::new();
-            for method in METHODS {
+            for (name, method, seen_only) in ROWS {
+                settings.spsm.seen_only = seen_only;
                 let mut renderer = AnyRenderer::new(&gpu, &prepared, method, &settings, Budget::default())?;
                 let first = renderer.render(&scene.camera, &scene.light)?;
                 let hash = first
                     .visibility
                     .iter()
                     .fold(0xcbf2_9ce4_8422_2325u64, |h, v| (h ^ u64::from(v.to_bits())).wrapping_mul(0x0100_0000_01b3));
-                eprintln!("{name} {map} {method:?}: {hash:016x}, {} uncertain", first.counts.silhouette_pixels);
+                eprintln!("{name}, {map}: {hash:016x}, {} uncertain", first.counts.silhouette_pixels);
                 renderers.push((renderer, Times::default()));
             }
             for _ in 0..repeats {
@@ -95,13 +101,12 @@ fn main() -> Result<()> {
                     times.add(&renderer.render(&scene.camera, &scene.light)?.stages);
                 }
             }
-            let [(_, base), (_, ours)] = &renderers[..] else { unreachable!("two methods") };
-            for (method, times) in METHODS.iter().zip([base, ours]) {
+            let base = &renderers[0].1;
+            for ((row, ..), (_, times)) in ROWS.iter().zip(&renderers) {
                 let stages = times.stages.iter().filter(|(name, _)| !SHARED.contains(name));
                 let stages: Vec<_> = stages.map(|(name, all)| format!("`{name}` {:.1}", median(all))).collect();
                 println!(
-                    "| {map} | `{}` | {} | {:.1} | {:.2} | {:.1} | {:.2} |",
-                    method.name(),
+                    "| {map} | {row} | {} | {:.1} | {:.2} | {:.1} | {:.2} |",
                     stages.join(", "),
                     median(&times.own),
                     ratio(&times.own, &base.own),

@@ -19,7 +19,7 @@ use subpixel_shadows::{Error, Result};
 
 const SIZE: [u32; 2] = [1280, 720];
 /// The stages that ask the map.
-const QUERY: [&str; 3] = ["spsm_classify", "spsm_recover", "shadow_map"];
+const QUERY: [&str; 4] = ["spsm_classify", "spsm_settle", "spsm_recover", "shadow_map"];
 
 /// What is compared: label, method, encoding, radius of the search and texels beyond along the border's tangents.
 const VARIANTS: [(&str, MethodName, SpsmEncoding, [u32; 2]); 6] = [

@@ -1,4 +1,5 @@
 // spsm_map: the sub-pixel shadow map (Lecocq 2013, sections 3.2 and 3.3): of each texel the closest triangle that touches it.
+// Only texels that are asked for (`seen`, see seen_texels) are made.
 // `raster` finds over the casters' 8 x 8 blocks of texels the least depth that any triangle's plane has over each texel
 // (conservative), and lists in `won` each block in which its triangle was nearest when it came, with the texels where it was.
 // `choose` goes through that list alone and finds the lowest triangle index at the least depth. `encode` writes the record of
@@ -14,6 +15,8 @@
 //@import conservative
 //@import span
 //@import spsm_record
+//@import seen_texels
+//@import block_bits
 
 override ENCODING: u32 = 1u;
 override SPLIT: u32 = 1u;
@@ -32,7 +35,15 @@ const LIFT = 2.0;   // times its own range of depths by which a triangle may cou
 @group(0) @binding(9) var<storage, read_write> upper_records: array<vec4<u32>>;
 @group(0) @binding(10) var<storage, read_write> lower_records: array<vec4<u32>>;
 @group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;              // triangle, block, texels of it
-@group(0) @binding(12) var<storage, read_write> won_counts: array<atomic<u32>, 4>;  // blocks won, to be chosen from, to run again; not 0: a triangle is missing
+@group(0) @binding(12) var<storage, read_write> seen: array<atomic<u32>>;
+
+const PASS_AGAIN = 1u;  // the triangles at depths already found
+const PASS_LAST = 2u;   // of the texels asked for last
+
+// Where the bits of the texels begin that this run makes.
+fn run_bits() -> u32 {
+    return SEEN_BITS + select(0u, seen_words(), (step.index & PASS_LAST) != 0u);
+}
 
 // Least depth of the plane over the texel as a key that falls with it, whatever its sign. The plane of a triangle that is
 // almost edge-on is nearest: it is at the border of what it belongs to, and the texel shall hold the border. LIFT keeps what
@@ -53,77 +64,97 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let shape = cover_triangle_by(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
     if !shape.in_front { return; }
-    var bits = vec2(0u);
-    for (var y = block.low.y; y <= block.high.y; y++) {
-        let row = f32(y) + 0.5;
+    // Texels that are asked for, in the rows that have any, where the triangle may be; then they alone, one after another: lanes
+    // of a vector wait for the fullest block, not for the fullest of each row.
+    let corner = block.low & vec2(~7u);
+    let word = run_bits() + seen_place(corner).x;
+    let asked = vec2(atomicLoad(&seen[word]), atomicLoad(&seen[word + 1u]));
+    var left = vec2(0u);
+    for (var rows = rows_of(asked) & cells_bits(vec2(block.low.y, block.high.y)); rows != 0u; rows &= rows - 1u) {
+        let k = firstTrailingBit(rows);
+        let row = f32(corner.y + k) + 0.5;
         var cut = span_of(block.low.x, block.high.x);
         if !shape.thin {
             cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
         }
-        let cells = cells_of(cut, block.low.x, block.high.x);
-        for (var x = cells.x; x <= cells.y; x++) {
-            let centre = vec2(f32(x) + 0.5, row);
-            if !covers(shape, centre) { continue; }
-            let key = key_at(shape, centre);
-            let texel = y * frame.map_size + x;
-            if step.index == 0u {
-                let held = atomicLoad(&depth_keys[texel]);
-                if held < key { atomicMax(&depth_keys[texel], key); }
-                // Another of the same depth may have a lower index.
-                if held <= key { bits |= texel_bit(x, y); }
-            } else if atomicLoad(&depth_keys[texel]) == key {
-                atomicMax(&id_keys[texel], ~t);
-            }
+        let cells = cells_bits(cells_of(cut, block.low.x, block.high.x)) << (8u * (k & 3u));
+        left |= select(vec2(cells, 0u), vec2(0u, cells), k >= 4u);
+    }
+    left &= asked;
+    var bits = vec2(0u);
+    while any(left != vec2(0u)) {
+        let place = take_texel(&left);
+        let at = corner + place;
+        let centre = vec2<f32>(at) + 0.5;
+        if !covers(shape, centre) { continue; }
+        let key = key_at(shape, centre);
+        let texel = at.y * frame.map_size + at.x;
+        if (step.index & PASS_AGAIN) == 0u {
+            let held = atomicLoad(&depth_keys[texel]);
+            if held < key { atomicMax(&depth_keys[texel], key); }
+            // Another of the same depth may have a lower index.
+            if held <= key { add_texel(&bits, place); }
+        } else if atomicLoad(&depth_keys[texel]) == key {
+            atomicMax(&id_keys[texel], ~t);
         }
     }
     if any(bits != vec2(0u)) {
-        let slot = atomicAdd(&won_counts[0], 1u);
+        let slot = atomicAdd(&seen[SEEN_WON], 1u);
         if slot < arrayLength(&won) {
             won[slot] = vec4(t, (block.low.x >> BLOCK_SHIFT) | ((block.low.y >> BLOCK_SHIFT) << 16u), bits);
         }
     }
 }
 
-// A texel of a block as one of 64 bits.
-fn texel_bit(x: u32, y: u32) -> vec2<u32> {
-    let bit = 1u << (8u * (y & 3u) + (x & 7u));
-    return select(vec2(bit, 0u), vec2(0u, bit), (y & 4u) != 0u);
+// Rows of a block in which a bit is set.
+fn rows_of(bits: vec2<u32>) -> u32 {
+    let half = bits | (bits >> vec2(4u));
+    let quarter = half | (half >> vec2(2u));
+    let one = (quarter | (quarter >> vec2(1u))) & vec2(0x01010101u);
+    let packed = (one * 0x01020408u) >> vec2(24u);
+    return (packed.x & 15u) | ((packed.y & 15u) << 4u);
 }
 
-// The won blocks, if all are listed.
+// Cells of a block's row as eight bits.
+fn cells_bits(cells: vec2<u32>) -> u32 {
+    if cells.x > cells.y { return 0u; }
+    return (0xffu << (cells.x & 7u)) & (0xffu >> (7u - (cells.y & 7u)));
+}
+
+// The blocks won in this run, if all are listed.
 @compute @workgroup_size(1)
 fn divide() {
-    let blocks = atomicLoad(&won_counts[0]);
-    atomicStore(&won_counts[1], select(0u, blocks, blocks <= arrayLength(&won)));
-    atomicStore(&won_counts[2], 0u);
+    let blocks = atomicLoad(&seen[SEEN_WON]);
+    let first = atomicLoad(&seen[SEEN_BASE + 1u]);
+    atomicStore(&seen[SEEN_BASE], first);
+    atomicStore(&seen[SEEN_BASE + 1u], blocks);
+    atomicStore(&seen[SEEN_CHOSEN], select(0u, blocks - first, blocks <= arrayLength(&won)));
+    atomicStore(&seen[SEEN_AGAIN], 0u);
 }
 
 // All blocks and all texels, if any texel lacks its triangle.
 @compute @workgroup_size(1)
 fn again() {
-    if atomicLoad(&won_counts[3]) == 0u {
-        atomicStore(&won_counts[1], 0u);
+    if atomicLoad(&seen[SEEN_LOST]) == 0u {
+        atomicStore(&seen[SEEN_CHOSEN], 0u);
         return;
     }
-    atomicStore(&won_counts[1], frame.map_size * frame.map_size);
-    atomicStore(&won_counts[2], work_offsets[frame.triangle_count]);
+    atomicStore(&seen[SEEN_CHOSEN], seen_words());
+    atomicStore(&seen[SEEN_AGAIN], work_offsets[frame.triangle_count]);
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn choose(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= atomicLoad(&won_counts[1]) { return; }
-    let block = won[item];
+    if item >= atomicLoad(&seen[SEEN_CHOSEN]) { return; }
+    let block = won[atomicLoad(&seen[SEEN_BASE]) + item];
     let t = block.x;
     let corner = vec2(block.y & 0xffffu, block.y >> 16u) << vec2(BLOCK_SHIFT);
     let shape = cover_triangle_by(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
     var left = block.zw;
     while any(left != vec2(0u)) {
-        let low = left.x != 0u;
-        let bit = firstTrailingBit(select(left.y, left.x, low));
-        left = select(vec2(0u, left.y & (left.y - 1u)), vec2(left.x & (left.x - 1u), left.y), low);
-        let at = corner + vec2(bit & 7u, (bit >> 3u) + select(4u, 0u, low));
+        let at = corner + take_texel(&left);
         let texel = at.y * frame.map_size + at.x;
         if atomicLoad(&depth_keys[texel]) == key_at(shape, vec2<f32>(at) + 0.5) { atomicMax(&id_keys[texel], ~t); }
     }
@@ -134,23 +165,34 @@ fn store(texel: u32, record: vec4<u32>) {
     if SPLIT == 0u || texel < upper { upper_records[texel] = record; } else { lower_records[texel - upper] = record; }
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let texel = flat_invocation(group, groups, WORKGROUP, local);
-    if texel >= frame.map_size * frame.map_size { return; }
+// The record of a texel.
+fn made(texel: u32, centre: vec2<f32>) -> vec4<u32> {
     let t = ~atomicLoad(&id_keys[texel]);
     if t >= frame.triangle_count {
-        if atomicLoad(&depth_keys[texel]) != 0u { atomicStore(&won_counts[3], 1u); }
-        store(texel, vec4(0u, 0u, 0u, EMPTY_WORD));
-        return;
+        if atomicLoad(&depth_keys[texel]) != 0u { atomicStore(&seen[SEEN_LOST], 1u); }
+        return vec4(0u, 0u, 0u, EMPTY_WORD);
     }
     // Vertices in order of index, so that an edge has one code in both of its triangles.
     var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
-    let centre = vec2<f32>(divided(texel, frame.map_size).yx) + 0.5;
     let shift = vec3(centre, 0.0);
-    let corners = Corners(map_points[i.x].xyz - shift, map_points[i.y].xyz - shift, map_points[i.z].xyz - shift);
-    store(texel, encode_record(corners, centre));
+    return encode_record(Corners(map_points[i.x].xyz - shift, map_points[i.y].xyz - shift, map_points[i.z].xyz - shift), centre);
+}
+
+// One invocation the texels of a word of bits: 8 x 4.
+@compute @workgroup_size(WORKGROUP)
+fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let word = flat_invocation(group, groups, WORKGROUP, local);
+    if word >= seen_words() { return; }
+    let block = divided(word >> 1u, (frame.map_size + 7u) >> 3u);
+    let corner = vec2(8u * block.y, 8u * block.x + 4u * (word & 1u));
+    for (var left = atomicLoad(&seen[run_bits() + word]); left != 0u; left &= left - 1u) {
+        let bit = firstTrailingBit(left);
+        let at = corner + vec2(bit & 7u, bit >> 3u);
+        if any(at >= vec2(frame.map_size)) { continue; }
+        let texel = at.y * frame.map_size + at.x;
+        store(texel, made(texel, vec2<f32>(at) + 0.5));
+    }
 }

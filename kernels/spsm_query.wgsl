@@ -1,6 +1,6 @@
 // spsm_query: shadows from the sub-pixel shadow map (Lecocq 2013, sections 4 and 5).
 // `classify` settles most pixels: nothing seen, dark, LIT where by its plane no closest triangle lies before the receiver in any
-// texel that the pixel's footprint touches. `settle` takes the list of the others: LIT where none lies before it by what of it
+// texel that the pixel's footprint touches, SHADOWED where the triangle of the pixel's own texel covers it. `settle` takes the list of the others: LIT where none lies before it by what of it
 // is in the texel; SHADOWED where one triangle around covers the footprint, or all nine around it lie before it by their
 // planes. What is left is UNCERTAIN. `paint` writes what the classes say. `recover` takes the list of the uncertain: for every
 // texel that samples of the pixel fall in, the triangles around it are tested (algorithm 1), the border's tangents looked up by
@@ -17,6 +17,8 @@
 //@import spsm_border
 //@import spsm_search
 //@import spsm_footprint
+//@import spsm_settle
+//@import seen_texels
 //@import spsm_recovery
 
 override ENCODING: u32 = 1u;
@@ -28,12 +30,6 @@ override STRETCH: i32 = 0;    // and beyond these along the border's tangents, t
 override BIAS: f32 = 1e-5;
 override SQUARE: i32 = 2 * RADIUS + 1;
 const WORKGROUP = 64u;
-const CLASS_EMPTY = 0u;
-const CLASS_DARK = 1u;
-const CLASS_LIT = 2u;
-const CLASS_SHADOWED = 3u;
-const CLASS_UNCERTAIN = 4u;
-const MOST_TEXELS = 25.0;     // of a footprint that is settled as a whole
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;   // two offsets from the pixel centre each
@@ -48,8 +44,14 @@ const MOST_TEXELS = 25.0;     // of a footprint that is settled as a whole
 @group(0) @binding(10) var<storage, read_write> lit: array<u32>;
 @group(0) @binding(11) var<storage, read_write> marks: array<u32>;  // of each pixel whether it is uncertain; then its class
 @group(0) @binding(12) var<storage, read> kept: array<u32>;         // as many as pixels, then how many there are
+@group(0) @binding(13) var<storage, read_write> seen: array<atomic<u32>>;
 
 fn pixel_count() -> u32 { return frame.image_size.x * frame.image_size.y; }
+
+// Says if a texel was read that was not asked for, and so is not made: the frame has to run again with all of them.
+fn tell_missed() {
+    if missed { atomicStore(&seen[SEEN_MISSED], 1u); }
+}
 
 fn note(pixel: u32, kind: u32, listed: u32) {
     marks[pixel_count() + pixel] = kind;
@@ -63,8 +65,12 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let r = receiver_of(pixel);
     let f = footprint_of(r, pixel);
     var kind = select(CLASS_LIT, CLASS_UNCERTAIN, any_before(r, f, false));
+    if kind == CLASS_UNCERTAIN && covered_by_own(r, f) { kind = CLASS_SHADOWED; }
     if f.class_known != CLASS_EMPTY { kind = f.class_known; }
     if r.seen != SEEN_OPEN { kind = select(CLASS_DARK, CLASS_EMPTY, r.seen == SEEN_NONE); }
+    // Where all is known, what was read is not used.
+    missed = missed && r.seen == SEEN_OPEN && f.class_known == CLASS_EMPTY;
+    tell_missed();
     note(pixel, kind, pixel);
 }
 
@@ -75,9 +81,16 @@ fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let pixel = kept[item];
     let r = receiver_of(pixel);
     let f = footprint_of(r, pixel);
+    let open = !any_before(r, f, true);
+    let missed_own = missed;
     var kind = select(CLASS_UNCERTAIN, CLASS_SHADOWED, covered(r, f));
-    if !any_before(r, f, true) { kind = CLASS_LIT; }
+    if open {
+        kind = CLASS_LIT;
+        missed = missed_own;
+    }
     if f.class_known != CLASS_EMPTY { kind = f.class_known; }
+    missed = missed && f.class_known == CLASS_EMPTY;
+    tell_missed();
     note(pixel, kind, item);
 }
 
@@ -94,8 +107,9 @@ fn paint(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 @compute @workgroup_size(WORKGROUP)
 fn recover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= min(kept[pixel_count()], pixel_count()) { return; }
-    let pixel = kept[item];
+    let list = SEEN_BITS + 2u * seen_words();
+    if item >= min(atomicLoad(&seen[list + pixel_count()]), pixel_count()) { return; }
+    let pixel = atomicLoad(&seen[list + item]);
     let r = receiver_of(pixel);
     var open = vec4(0u);    // samples still to be judged: those whose rays meet the plane
     for (var k = 0u; k < frame.sample_count; k++) {
@@ -119,9 +133,10 @@ fn recover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
             dark |= shadowed_of(r, pixel, texel, at, here);
         }
     }
-    let seen = countOneBits(counted);
+    tell_missed();
+    let judged = countOneBits(counted);
     let bright = countOneBits(counted & ~dark);
-    let all_seen = seen.x + seen.y + seen.z + seen.w;
+    let all_seen = judged.x + judged.y + judged.z + judged.w;
     let share = f32(bright.x + bright.y + bright.z + bright.w) / f32(all_seen);
     visibility[pixel] = select(share, 1.0, all_seen == 0u);
     for (var w = 0u; w < WORDS; w++) { lit[WORDS * pixel + w] = counted[w] & ~dark[w]; }

@@ -66,9 +66,12 @@ const STAGES: [(&str, &str, Extent); 15] = [
 ];
 
 /// Stages of `spsm` after what the camera sees.
-const SPSM_STAGES: [(&str, &str); 3] = [
-    ("spsm_map", "closest triangle of every texel, in 128 bits"),
-    ("spsm_classify", "pixels: dark, lit, shadowed or uncertain"),
+const SPSM_STAGES: [(&str, &str); 6] = [
+    ("seen_texels", "texels that pixels fall into"),
+    ("spsm_map", "closest triangle of a texel, in 128 bits"),
+    ("spsm_classify", "pixels: dark, lit, or shadowed by their own texel's triangle"),
+    ("spsm_map_around", "texels around the pixels that these do not settle"),
+    ("spsm_settle", "lit by outlines, shadowed by what is around, or uncertain"),
     ("spsm_recover", "shadow borders of the uncertain pixels, sample by sample"),
 ];
 
@@ -99,6 +102,7 @@ const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that
 const MERGE: (&str, &str) = ("sample_surfaces.merge", "takes neighbouring triangles of one plane as one surface");
 const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
 const BACK_FACING: (&str, &str) = ("triangle_setup.back_facing", "casters that face away from the light");
+const UNSEEN: (&str, &str) = ("spsm_map.unseen", "texels that no pixel asks for");
 const PERSPECTIVE: (&str, &str) = ("vertex_project.divide", "perspective divide of the light view");
 
 impl Plan {
@@ -198,10 +202,16 @@ impl Plan {
         let of_facets = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
         // Surfaces off the pixel centre are no concern of methods of one receiver a pixel.
         let one = Settings { facets: FacetMode::One, ..wanted.clone() };
-        let Self { extent, steps, settings } = Self::of(prepared, camera, light, &one, force_all)?;
+        let Self { extent, steps, mut settings } = Self::of(prepared, camera, light, &one, force_all)?;
+        let every_texel = every_texel(wanted, force_all);
+        settings.spsm.seen_only = every_texel.is_none();
         let shadowless: Vec<Step> = steps.iter().filter(|s| !s.name.contains('.')).cloned().collect();
         let reason = shadowless.iter().find(|s| s.name == "light_layers").and_then(|s| s.left_out.clone());
-        let own = own.iter().map(|&(name, purpose)| Step { name, purpose, left_out: reason.clone() });
+        let left_out = |name| match name {
+            "seen_texels" | "spsm_map_around" => reason.clone().or_else(|| every_texel.clone()),
+            _ => reason.clone(),
+        };
+        let own = own.iter().map(|&(name, purpose)| Step { name, purpose, left_out: left_out(name) });
         let kept = |s: &Step| match s.name {
             "triangle_setup" | "camera_visibility" => true,
             "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
@@ -215,12 +225,38 @@ impl Plan {
         let mut steps: Vec<Step> = shadowless.into_iter().filter(kept).collect();
         let at = if of_facets { steps.len() - 1 } else { 2 };
         steps.splice(at..at, own);
+        if method == MethodName::Spsm {
+            let few = (every_texel.is_none() && reason.is_none()).then(|| {
+                let share = wanted.texels() as f64 / wanted.pixels() as f64;
+                format!("one sample a pixel and {share:.1} texels: most are never asked for")
+            });
+            let (name, purpose) = UNSEEN;
+            steps.push(Step { name, purpose, left_out: reason.clone().or(few) });
+        }
         Ok(Self { extent, steps, settings })
     }
 
     /// The stages and parts that are left out, each with the reason.
     pub fn left_out(&self) -> impl Iterator<Item = (&'static str, &str)> {
         self.steps.iter().filter_map(|s| s.left_out.as_deref().map(|reason| (s.name, reason)))
+    }
+}
+
+/// Texels a pixel from which on `spsm` looks for those that are asked for before it makes any. Below, and with several samples,
+/// looking costs more than the texels (data/reports/spsm.md).
+const TEXELS_A_PIXEL: usize = 4;
+
+/// Why `spsm` makes every texel of its map.
+fn every_texel(wanted: &Settings, force_all: bool) -> Option<String> {
+    if force_all {
+        Some("forced: every texel is made".to_owned())
+    } else if !wanted.spsm.seen_only {
+        Some("switched off: every texel is made".to_owned())
+    } else if wanted.samples.count() > 1 {
+        Some("several samples a pixel: nearly every texel is asked for".to_owned())
+    } else {
+        let few = wanted.texels() < TEXELS_A_PIXEL * wanted.pixels();
+        few.then(|| format!("fewer than {TEXELS_A_PIXEL} texels a pixel: nearly all are asked for"))
     }
 }
 
@@ -385,6 +421,30 @@ mod tests {
         assert!(!inside.settings.cull_back, "the shell around a light is all back faces");
         let open = plan(triangles(&[A, B, C, A, D, B]), spot, &settings(1, true), false);
         assert!(!open.settings.cull_back);
+    }
+
+    #[test]
+    fn few_texels_are_made_where_few_are_asked_for() {
+        let scene = Scene::of_mesh("test", body()).unwrap();
+        let prepared = Prepared::new(&scene.mesh).unwrap();
+        let of = |samples: u32, map: u32, force: bool| {
+            let wanted = Settings { map, ..settings(samples, true) };
+            Plan::of_method(MethodName::Spsm, &prepared, &scene.camera, &sun(1.0), &wanted, force).unwrap()
+        };
+        // 64 x 48 pixels: 111 x 111 texels are four a pixel.
+        let few = of(1, 111, false);
+        assert!(few.settings.spsm.seen_only);
+        assert!(reason(&few, UNSEEN.0).unwrap().contains("4.0 texels"), "{few:?}");
+        assert!(reason(&few, "seen_texels").is_none() && reason(&few, "spsm_map_around").is_none());
+        for (all, why) in [
+            (of(1, 110, false), "fewer than 4 texels"),
+            (of(8, 111, false), "several samples"),
+            (of(1, 111, true), "forced"),
+        ] {
+            assert!(!all.settings.spsm.seen_only && reason(&all, UNSEEN.0).is_none());
+            assert!(reason(&all, "seen_texels").unwrap().contains(why), "{all:?}");
+            assert!(reason(&all, "spsm_map").is_none());
+        }
     }
 
     #[test]

@@ -4,10 +4,13 @@
 mod device;
 
 use device::gpu;
+use subpixel_shadows::methods::fixed::FixedMethod;
 use subpixel_shadows::methods::render::{Budget, Output};
+use subpixel_shadows::methods::spsm::Spsm;
 use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, Settings, SpsmEncoding, SpsmSettings};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Mesh, Scene, builtin};
+use subpixel_shadows::stages::seen_texels::TexelMarks;
 
 const SCENES: [&str; 2] = ["windmill", "plane"];
 
@@ -138,6 +141,35 @@ fn scale_does_not_matter() {
         }
         other
     });
+}
+
+/// That `spsm` makes only the texels that are asked for changes nothing, with maps finer and coarser than the image; a texel that is
+/// missed has the frame run again with all.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn unseen_texels_do_not_matter() {
+    for name in SCENES {
+        let plain = scene(name);
+        for (label, method, settings) in variants().into_iter().filter(|v| v.1 == MethodName::Spsm) {
+            for map in [96, 700] {
+                let of = |seen_only| {
+                    let spsm = SpsmSettings { seen_only, ..settings.spsm };
+                    render(&plain, method, &Settings { map, spsm, ..settings.clone() })
+                };
+                let (few, all) = (of(true), of(false));
+                assert_eq!(difference(&few, &all), None, "{name}, {label}, {map}");
+                assert!(few.dispatches > all.dispatches, "{name}, {label}, {map}: nothing was left out");
+            }
+        }
+    }
+    let spsm = Settings { map: 700, ..settings([72, 54], 1) };
+    let mut method = Spsm::new(gpu(), &spsm).expect("memory");
+    assert!(!method.runs_again(gpu()).expect("readback"));
+    let mut words = vec![0; TexelMarks::HEADER];
+    words[TexelMarks::MISSED] = 1;
+    method.texels().marks.words.write(&gpu().queue, &words);
+    assert!(method.runs_again(gpu()).expect("readback"), "a missed texel is overlooked");
+    assert!(!method.runs_again(gpu()).expect("readback"), "with all texels there is none to miss");
 }
 
 /// Images and maps of one cell and of a few, and a scene without anything in it.

@@ -29,6 +29,7 @@ mod radix_sort;
 mod resolve;
 mod sample_bins;
 mod sample_surfaces;
+mod seen_texels;
 mod shadow_map;
 mod shadow_rays;
 mod silhouette_mask;
@@ -64,7 +65,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 27] = [
+    let without_textures: [Maker; 28] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -81,6 +82,7 @@ fn run(options: &Options) -> Result<()> {
         shadow_rays::cases,
         sample_bins::cases,
         silhouette_mask::cases,
+        seen_texels::cases,
         spsm_map::cases,
         spsm_query::cases,
         front_layer::cases,

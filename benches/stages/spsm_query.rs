@@ -7,6 +7,7 @@ use subpixel_shadows::frame::sample_words;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder};
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::PrefixScan;
+use subpixel_shadows::stages::seen_texels::SeenTexels;
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
 use subpixel_shadows::stages::spsm_query::{Options, Seen, SpsmPixels, SpsmQuery};
 
@@ -14,21 +15,27 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
     let (device, queue) = (&gpu.device, &gpu.queue);
     let side = (setup.layers.splits.len() as f64).sqrt() as usize;
-    let texels = SpsmTexels::new(device, queue, side, 5)?;
-    let mut encoder = gpu.encoder();
-    SpsmMap::new(device, 1, &texels).record(
-        &mut Recorder::new(device, &mut encoder, None).stage("setup"),
-        setup.frame.raw(),
-        setup.lit(),
-        &texels,
-    )?;
-    gpu.submit_and_wait(encoder)?;
+    let count = setup.id_keys.len();
+    let texels = SpsmTexels::new(device, queue, side, count, 5)?;
     let samples = Buffer::uniform(device, "bench.samples", 64)?;
     samples.write(queue, &sample_words(&Samples::new(Default::default(), 32)?));
-    let count = setup.id_keys.len();
     let pixels = SpsmPixels::new(device, queue, count, 1)?;
-    let options = Options { encoding: 1, words: 1, many: true, radius: 1, stretch: 0, bias: 1e-5 };
+    let options = Options { many: true, ..Options::default() };
     let stage = SpsmQuery::new(device, &PrefixScan::new(device), options, &texels);
+    let frame = setup.frame.raw().clone();
+    let triangles = setup.casters.triangles.raw().clone();
+    // The list of the uncertain pixels lies beside the marks, as a frame leaves it.
+    let mut encoder = gpu.encoder();
+    let mut rec = Recorder::new(device, &mut encoder, None);
+    let seen = Seen { samples: samples.raw(), id_keys: &setup.id_keys, triangles: &triangles, points: &setup.points };
+    let mut all = rec.stage("setup");
+    SeenTexels::new(device, options, &texels).record_all(&mut all, &frame, &texels.marks)?;
+    SpsmMap::new(device, 1, &texels).record(&mut all, &frame, setup.lit(), &texels)?;
+    stage.record_classify(&mut all, &frame, seen, &texels, &pixels)?;
+    stage.record_settle(&mut all, &frame, seen, &texels, &pixels)?;
+    drop(all);
+    texels.marks.take_list(&mut rec, &pixels);
+    gpu.submit_and_wait(encoder)?;
     Ok(vec![Case {
         name: "spsm_query".to_owned(),
         size: setup.casters.triangles.len(),
@@ -43,6 +50,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
                 points: &setup.points,
             };
             stage.record_classify(s, setup.frame.raw(), seen, &texels, &pixels)?;
+            stage.record_settle(s, setup.frame.raw(), seen, &texels, &pixels)?;
             stage.record_recover(s, setup.frame.raw(), seen, &texels, &pixels)
         }),
     }])

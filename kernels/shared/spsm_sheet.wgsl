@@ -1,7 +1,15 @@
-// Questions to a sheet of the sub-pixel shadow map. Needs shared/spsm_record and the records. Places are in texels.
+// Questions to a sheet of the sub-pixel shadow map. Needs shared/spsm_record, shared/seen_texels and the records. Places are in
+// texels.
+
+var<private> missed: bool;  // a texel was read that is not made
 
 fn sheet_at(texel: vec2<i32>) -> Sheet {
     if any(texel < vec2(0)) || any(texel >= vec2(i32(frame.map_size))) { return Sheet(); }
+    let place = seen_place(vec2<u32>(texel));
+    if (atomicLoad(&seen[SEEN_BITS + place.x]) & place.y) == 0u {
+        missed = true;
+        return Sheet();
+    }
     let at = u32(texel.y) * frame.map_size + u32(texel.x);
     let upper = upper_rows() * frame.map_size;
     var record: vec4<u32>;

@@ -1,4 +1,5 @@
-//! Computing a frame of a method whose memory the settings alone decide: no list can overflow, so one run is the frame.
+//! Computing a frame of a method whose memory the settings alone decide: no list can overflow, so one run is the frame, unless
+//! what the method left out turns out to be needed.
 
 use super::geometry::{Geometry, GeometryPipelines};
 use super::looks::Looks;
@@ -42,6 +43,14 @@ pub trait FixedMethod {
     /// # Errors
     /// None that input can cause.
     fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()>;
+
+    /// Whether the frame has to be recorded once more, as the method is set now: what it left out was needed.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`].
+    fn runs_again(&mut self, _: &Gpu) -> Result<bool> {
+        Ok(false)
+    }
 
     /// Visibility of every pixel, row by row from the top; 1 where nothing is seen.
     fn visibility(&self) -> &Buffer<f32>;
@@ -132,27 +141,34 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
         frame.facet_count = frame.facets_total;
         self.frame.write(&gpu.queue, &[frame]);
         self.method.prepare(gpu, camera, light, &view, &frame)?;
-        let mut encoder = gpu.encoder();
-        if let Some(timer) = &mut self.timer {
-            timer.reset();
+        let mut wall_ms = 0.0;
+        let mut dispatches = 0;
+        loop {
+            let mut encoder = gpu.encoder();
+            if let Some(timer) = &mut self.timer {
+                timer.reset();
+            }
+            let mut rec = Recorder::new(&gpu.device, &mut encoder, self.timer.as_mut());
+            self.geometry.record_setup(&mut rec, &self.with, self.frame.raw(), &self.casters)?;
+            self.geometry.record_camera(&mut rec, &self.with, self.frame.raw(), &self.casters)?;
+            let inputs = Inputs {
+                frame: self.frame.raw(),
+                samples: self.samples.raw(),
+                casters: &self.casters,
+                geometry: &self.geometry,
+            };
+            self.method.record(&mut rec, inputs)?;
+            dispatches += rec.dispatches();
+            if let Some(timer) = &self.timer {
+                timer.resolve(&mut encoder);
+            }
+            let start = Instant::now();
+            gpu.submit_and_wait(encoder)?;
+            wall_ms += start.elapsed().as_secs_f64() * 1e3;
+            if !self.method.runs_again(gpu)? {
+                break;
+            }
         }
-        let mut rec = Recorder::new(&gpu.device, &mut encoder, self.timer.as_mut());
-        self.geometry.record_setup(&mut rec, &self.with, self.frame.raw(), &self.casters)?;
-        self.geometry.record_camera(&mut rec, &self.with, self.frame.raw(), &self.casters)?;
-        let inputs = Inputs {
-            frame: self.frame.raw(),
-            samples: self.samples.raw(),
-            casters: &self.casters,
-            geometry: &self.geometry,
-        };
-        self.method.record(&mut rec, inputs)?;
-        let dispatches = rec.dispatches();
-        if let Some(timer) = &self.timer {
-            timer.resolve(&mut encoder);
-        }
-        let start = Instant::now();
-        gpu.submit_and_wait(encoder)?;
-        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(Output {
             visibility: self.method.visibility().read(gpu)?,
             lit: self.method.lit().map_or(Ok(Vec::new()), |lit| lit.read(gpu))?,

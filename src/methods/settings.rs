@@ -65,11 +65,14 @@ pub struct SpsmSettings {
     /// Texels beyond these that are searched along the border's tangents, to either side, 0 to 2: the anisotropic kernel of
     /// section 6.4, beside a radius of 1.
     pub stretch: u32,
+    /// Make only the texels of the map that pixels ask for. The picture is the same; with a map of many more texels than the
+    /// image has pixels it costs less, with others more.
+    pub seen_only: bool,
 }
 
 impl Default for SpsmSettings {
     fn default() -> Self {
-        Self { encoding: SpsmEncoding::Lines, exponent: 5, bias: 1e-5, radius: 1, stretch: 2 }
+        Self { encoding: SpsmEncoding::Lines, exponent: 5, bias: 1e-5, radius: 1, stretch: 2, seen_only: true }
     }
 }
 
@@ -194,6 +197,11 @@ impl Settings {
             false => Receivers::Surfaces,
         };
         LightView::fit_for(mesh, light, self.map, receivers)
+    }
+
+    /// Texels of the light-view map.
+    pub fn texels(&self) -> usize {
+        (self.map as usize).pow(2)
     }
 
     /// Pixels of the image.

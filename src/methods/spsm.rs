@@ -1,5 +1,8 @@
 //! `spsm`: sub-pixel shadow maps (Lecocq, Marvie, Sourimant, Gautron 2013), one page of calls to stages. Memory is fixed:
-//! 24 bytes a texel, and no list beyond that of the uncertain pixels.
+//! 24 bytes a texel, and no list beyond that of the uncertain pixels. With [`SpsmSettings::seen_only`] only the texels that
+//! pixels ask for are made: first those that pixels fall into, then those around the pixels that these do not settle.
+//!
+//! [`SpsmSettings::seen_only`]: super::settings::SpsmSettings::seen_only
 
 use super::fixed::{FixedMethod, Inputs};
 use super::looks::Looks;
@@ -11,16 +14,21 @@ use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::PrefixScan;
+use crate::stages::seen_texels::SeenTexels;
 use crate::stages::spsm_map::{SpsmMap, SpsmTexels};
 use crate::stages::spsm_query::{Class, Options, Seen, SpsmPixels, SpsmQuery};
 
 /// The method for one image, map and setting.
 #[derive(Debug)]
 pub struct Spsm {
+    seen_texels: SeenTexels,
     map: SpsmMap,
     query: SpsmQuery,
     texels: SpsmTexels,
     pixels: SpsmPixels,
+    seen_only: bool,
+    /// Whether this frame makes all texels.
+    all: bool,
 }
 
 impl Spsm {
@@ -43,12 +51,15 @@ impl Spsm {
             stretch: settings.spsm.stretch,
             bias: settings.spsm.bias,
         };
-        let texels = SpsmTexels::new(device, queue, settings.map as usize, settings.spsm.exponent)?;
+        let texels = SpsmTexels::new(device, queue, settings.map as usize, settings.pixels(), settings.spsm.exponent)?;
         Ok(Self {
+            seen_texels: SeenTexels::new(device, options, &texels),
             map: SpsmMap::new(device, options.encoding, &texels),
             query: SpsmQuery::new(device, &PrefixScan::new(device), options, &texels),
             texels,
             pixels: SpsmPixels::new(device, queue, settings.pixels(), words as usize)?,
+            seen_only: settings.spsm.seen_only,
+            all: false,
         })
     }
 
@@ -65,6 +76,7 @@ impl Spsm {
 
 impl FixedMethod for Spsm {
     fn prepare(&mut self, _: &Gpu, _: &Camera, _: &Light, _: &LightView, _: &Frame) -> Result<()> {
+        self.all = !self.seen_only;
         Ok(())
     }
 
@@ -72,16 +84,38 @@ impl FixedMethod for Spsm {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.texels.depth_keys.raw());
         rec.clear(self.texels.id_keys.raw());
-        rec.clear(self.texels.won_counts.raw());
-        self.map.record(&mut rec.stage("spsm_map"), frame, geometry.in_light(inputs.casters), &self.texels)?;
+        rec.clear(self.texels.marks.words.raw());
         let seen = Seen {
             samples: inputs.samples,
             id_keys: &geometry.id_keys,
             triangles: inputs.casters.triangles.raw(),
             points: &geometry.points,
         };
-        self.query.record_classify(&mut rec.stage("spsm_classify"), frame, seen, &self.texels, &self.pixels)?;
-        self.query.record_recover(&mut rec.stage("spsm_recover"), frame, seen, &self.texels, &self.pixels)
+        let Self { seen_texels, map, query, texels, pixels, .. } = self;
+        let blocks = geometry.in_light(inputs.casters);
+        if self.all {
+            let mut stage = rec.stage("spsm_map");
+            seen_texels.record_all(&mut stage, frame, &texels.marks)?;
+            map.record(&mut stage, frame, blocks, texels)?;
+        } else {
+            seen_texels.record(&mut rec.stage("seen_texels"), frame, seen, texels)?;
+            map.record(&mut rec.stage("spsm_map"), frame, blocks, texels)?;
+        }
+        query.record_classify(&mut rec.stage("spsm_classify"), frame, seen, texels, pixels)?;
+        if !self.all {
+            let mut stage = rec.stage("spsm_map_around");
+            seen_texels.record_around(&mut stage, frame, seen, texels, pixels)?;
+            map.record_last(&mut stage, frame, blocks, texels)?;
+        }
+        query.record_settle(&mut rec.stage("spsm_settle"), frame, seen, texels, pixels)?;
+        texels.marks.take_list(rec, pixels);
+        query.record_recover(&mut rec.stage("spsm_recover"), frame, seen, texels, pixels)
+    }
+
+    fn runs_again(&mut self, gpu: &Gpu) -> Result<bool> {
+        let again = !self.all && self.texels.marks.missed(gpu)?;
+        self.all |= again;
+        Ok(again)
     }
 
     fn visibility(&self) -> &Buffer<f32> {

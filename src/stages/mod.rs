@@ -20,6 +20,7 @@ pub mod radix_sort;
 pub mod resolve;
 pub mod sample_bins;
 pub mod sample_surfaces;
+pub mod seen_texels;
 pub mod shadow_map;
 pub mod shadow_rays;
 pub mod silhouette_mask;

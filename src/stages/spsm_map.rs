@@ -3,14 +3,16 @@
 //! - **Reads** triangles, light-view vertices, their texel rectangles and the scan of the rectangles' 8 × 8 blocks.
 //! - **Writes** `depth_keys` ([`depth_of_key`] of the least depth of any triangle's plane over the texel, at most twice the
 //!   triangle's own range of depths before its nearest corner; 0 where there is none), `id_keys` (complement of the
-//!   triangle), which must be 0 before as must `won_counts`, and the records.
+//!   triangle), which must be 0 before, and the records; all of the texels that [`seen_texels`](super::seen_texels) marks, and
+//!   no other.
 //! - **Guarantee.** Bit-equal from run to run: the least conservative depth, and of equal depths the lowest index. No caster
 //!   over a texel lies before the depth of its key. Triangles that are not wholly in front of the light are left out.
 //! - **Cost.** One indirect dispatch over blocks, one over those of them in which a triangle was nearest when it came, one over
-//!   texels; where more blocks win than are listed, or a device rounds differently in the second, two more over all blocks and
-//!   texels. 24 bytes a texel, 16 a listed block.
+//!   words of marks, 32 texels each; where more blocks win than are listed, or a device rounds differently in the second, two
+//!   more over all blocks and words. 24 bytes a texel, 16 a listed block.
 
 use super::camera_visibility::{Blocks, Pass};
+use super::seen_texels::TexelMarks;
 use super::{DispatchArgs, dispatch_args};
 use crate::Result;
 use crate::gpu::kernels::spsm_map as kernel;
@@ -46,8 +48,8 @@ pub struct SpsmTexels {
     /// Records: all in the first, or those of the upper and the lower half of the map, which a binding cannot hold together
     /// at 4096 × 4096.
     pub records: [Buffer<[u32; 4]>; 2],
-    /// Blocks that were won, items to be chosen from and to be run again, whether any texel lacks its triangle.
-    pub won_counts: Buffer<u32>,
+    /// Which texels are made.
+    pub marks: TexelMarks,
     won: Buffer<[u32; 4]>,
     requests: dispatch_args::Requests,
     args: Buffer<u32>,
@@ -56,12 +58,13 @@ pub struct SpsmTexels {
 }
 
 impl SpsmTexels {
-    /// Memory for a map of `size` texels a side, and the table of the slope code of power `exponent`.
+    /// Memory for a map of `size` texels a side and an image of `pixels` pixels, and the table of the slope code of power
+    /// `exponent`.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: usize, exponent: u32) -> Result<Self> {
-        Self::listing(device, queue, size, exponent, (size * size).min(Self::MOST_LISTED))
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: usize, pixels: usize, exponent: u32) -> Result<Self> {
+        Self::listing(device, queue, size, pixels, exponent, (size * size).min(Self::MOST_LISTED))
     }
 
     /// Likewise, with space for a list of `blocks` blocks; how many it holds changes what the map costs, not what is in it.
@@ -72,6 +75,7 @@ impl SpsmTexels {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         size: usize,
+        pixels: usize,
         exponent: u32,
         blocks: usize,
     ) -> Result<Self> {
@@ -80,8 +84,10 @@ impl SpsmTexels {
         let binding = device.limits().max_storage_buffer_binding_size;
         let rows = if (size * size * 16) as u64 <= binding { size } else { size.div_ceil(2) };
         let request = |count, limit, at| dispatch_args::Request::new(count, kernel::WORKGROUP, limit, at);
-        let requests =
-            [request(1, dispatch_args::Request::MAX_LIMIT, 0)?, request(2, dispatch_args::Request::MAX_LIMIT, 3)?];
+        let requests = [
+            request(Self::CHOSEN, dispatch_args::Request::MAX_LIMIT, 0)?,
+            request(Self::AGAIN, dispatch_args::Request::MAX_LIMIT, 3)?,
+        ];
         Ok(Self {
             depth_keys: Buffer::storage(device, "spsm_map.depth_keys", size * size)?,
             id_keys: Buffer::storage(device, "spsm_map.id_keys", size * size)?,
@@ -89,13 +95,16 @@ impl SpsmTexels {
                 Buffer::storage(device, "spsm_map.upper_records", rows * size)?,
                 Buffer::storage(device, "spsm_map.lower_records", (size - rows) * size)?,
             ],
-            won_counts: Buffer::storage(device, "spsm_map.won_counts", 4)?,
+            marks: TexelMarks::new(device, size, pixels)?,
             won: Buffer::storage(device, "spsm_map.won", blocks)?,
             requests: DispatchArgs::requests(device, queue, &requests)?,
             args: Buffer::indirect(device, "spsm_map.args", 6)?,
             slopes,
         })
     }
+
+    const CHOSEN: usize = kernel::SEEN_CHOSEN as usize;
+    const AGAIN: usize = kernel::SEEN_AGAIN as usize;
 
     /// Most blocks that are listed: 32 MiB.
     const MOST_LISTED: usize = 1 << 21;
@@ -121,57 +130,72 @@ impl SpsmMap {
         }
     }
 
-    /// Records the rasterization and the encoding.
+    /// Records the rasterization and the encoding of the texels that are marked.
     ///
     /// # Errors
     /// None that input can cause.
     pub fn record(&self, stage: &mut Stage, frame: &wgpu::Buffer, blocks: Blocks, texels: &SpsmTexels) -> Result<()> {
-        self.raster(stage, frame, blocks, texels, 0, (blocks.args.0, blocks.args.1))?;
-        let buffers = [
-            ("frame", frame),
-            ("triangles", blocks.triangles),
-            ("map_points", blocks.points.raw()),
-            ("work_offsets", blocks.offsets.raw()),
-            ("depth_keys", texels.depth_keys.raw()),
-            ("id_keys", texels.id_keys.raw()),
-            ("slopes", texels.slopes.raw()),
-            ("upper_records", texels.records[0].raw()),
-            ("lower_records", texels.records[1].raw()),
-            ("won", texels.won.raw()),
-            ("won_counts", texels.won_counts.raw()),
-        ];
-        stage.run(&self.divide, &buffers, Groups::Workgroups(1))?;
-        self.fold.record(stage, &texels.won_counts, &texels.requests, &texels.args)?;
-        stage.run(&self.choose, &buffers, Groups::Indirect(texels.args.raw(), 0))?;
-        stage.run(&self.encode, &buffers, Groups::Items(texels.id_keys.len() as u64))?;
-        stage.run(&self.again, &buffers, Groups::Workgroups(1))?;
-        self.fold.record(stage, &texels.won_counts, &texels.requests, &texels.args)?;
-        self.raster(stage, frame, blocks, texels, 1, (texels.args.raw(), 3))?;
-        stage.run(&self.encode, &buffers, Groups::Indirect(texels.args.raw(), 0))
+        self.run(stage, frame, blocks, texels, 0)
     }
 
-    fn raster(
+    /// Likewise of those that were marked last, after [`SpsmMap::record`].
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_last(
         &self,
         stage: &mut Stage,
         frame: &wgpu::Buffer,
         blocks: Blocks,
         texels: &SpsmTexels,
-        index: u32,
-        args: (&wgpu::Buffer, u64),
     ) -> Result<()> {
-        let pass = self.uniforms.get(stage.device, &Pass { index });
-        let buffers = [
+        self.run(stage, frame, blocks, texels, kernel::PASS_LAST)
+    }
+
+    fn run(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        blocks: Blocks,
+        texels: &SpsmTexels,
+        which: u32,
+    ) -> Result<()> {
+        let first = self.uniforms.get(stage.device, &Pass { index: which });
+        let again = self.uniforms.get(stage.device, &Pass { index: which | kernel::PASS_AGAIN });
+        let buffers = Self::buffers(frame, &first, blocks, texels);
+        let words = texels.marks.bit_words() as u64;
+        stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
+        stage.run(&self.divide, &buffers, Groups::Workgroups(1))?;
+        self.fold.record(stage, &texels.marks.words, &texels.requests, &texels.args)?;
+        stage.run(&self.choose, &buffers, Groups::Indirect(texels.args.raw(), 0))?;
+        stage.run(&self.encode, &buffers, Groups::Items(words))?;
+        stage.run(&self.again, &buffers, Groups::Workgroups(1))?;
+        self.fold.record(stage, &texels.marks.words, &texels.requests, &texels.args)?;
+        let rest = Self::buffers(frame, &again, blocks, texels);
+        stage.run(&self.raster, &rest, Groups::Indirect(texels.args.raw(), 3))?;
+        stage.run(&self.encode, &rest, Groups::Indirect(texels.args.raw(), 0))
+    }
+
+    fn buffers<'a>(
+        frame: &'a wgpu::Buffer,
+        step: &'a wgpu::Buffer,
+        blocks: Blocks<'a>,
+        texels: &'a SpsmTexels,
+    ) -> [(&'static str, &'a wgpu::Buffer); 13] {
+        [
             ("frame", frame),
-            ("step", &pass),
+            ("step", step),
+            ("slopes", texels.slopes.raw()),
             ("triangles", blocks.triangles),
             ("map_points", blocks.points.raw()),
             ("light_rects", blocks.rects.raw()),
             ("work_offsets", blocks.offsets.raw()),
             ("depth_keys", texels.depth_keys.raw()),
             ("id_keys", texels.id_keys.raw()),
+            ("upper_records", texels.records[0].raw()),
+            ("lower_records", texels.records[1].raw()),
             ("won", texels.won.raw()),
-            ("won_counts", texels.won_counts.raw()),
-        ];
-        stage.run(&self.raster, &buffers, Groups::Indirect(args.0, args.1))
+            ("seen", texels.marks.words.raw()),
+        ]
     }
 }

@@ -3,9 +3,10 @@
 //! - **Reads** the triangle at each pixel centre, triangles, projected vertices, the records of `spsm_map`, sample offsets.
 //! - **Writes** `visibility` (lit share of the samples; 1 where the pixel sees nothing), `lit` (mask of the lit samples),
 //!   `marks` ([`Class`]) and the list of uncertain pixels.
-//! - **Guarantee.** Bit-equal from run to run. A pixel is settled as a whole or every sample of it is judged by itself.
-//! - **Cost.** One dispatch over pixels; a compaction; one over the pixels that have a closest triangle's plane before them; a
-//!   compaction; one over pixels that writes what the classes say; one over the uncertain pixels, which alone recover.
+//! - **Guarantee.** Bit-equal from run to run. A pixel is settled as a whole or every sample of it is judged by itself. A texel
+//!   that is read and is not marked holds nothing, and is told ([`TexelMarks::missed`](super::seen_texels::TexelMarks::missed)).
+//! - **Cost.** One dispatch over pixels; a compaction; one over the pixels that have a closest triangle's plane before them and
+//!   are not covered by their own texel's triangle; a compaction; one over pixels that writes what the classes say; one over the uncertain pixels, which alone recover.
 
 use super::compact::{self, Compact, Flags};
 use super::spsm_map::SpsmTexels;
@@ -46,6 +47,13 @@ pub struct Options {
     pub stretch: u32,
     /// Depth by which a caster must lie before a receiver.
     pub bias: f32,
+}
+
+impl Default for Options {
+    /// One sample, edge lines, 3 × 3 texels.
+    fn default() -> Self {
+        Self { encoding: 1, words: 1, many: false, radius: 1, stretch: 0, bias: 1e-5 }
+    }
 }
 
 /// The pipelines.
@@ -100,6 +108,11 @@ impl SpsmPixels {
         Ok(self.marks.read(gpu)?.split_off(self.visibility.len()))
     }
 
+    /// The list of the pixels that `classify` leaves, and as many workgroups as they need.
+    pub(crate) fn unsettled(&self) -> (&Buffer<u32>, Groups<'_>) {
+        (&self.asked, Groups::Indirect(self.asked_args.raw(), 0))
+    }
+
     /// Memory for an image of `pixels` pixels and masks of `words` words.
     ///
     /// # Errors
@@ -145,7 +158,7 @@ impl SpsmQuery {
         }
     }
 
-    /// Records the classes of all pixels and the list of the uncertain ones.
+    /// Records the classes that planes and a pixel's own texel tell, and the list of the other pixels.
     ///
     /// # Errors
     /// None that input can cause.
@@ -157,21 +170,39 @@ impl SpsmQuery {
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) -> Result<()> {
+        let SpsmPixels { asked, scratch, .. } = pixels;
         let count = pixels.visibility.len();
-        let all = || Groups::Items(count as u64);
-        stage.run(&self.classify, &Self::buffers(frame, seen, texels, pixels, &pixels.asked), all())?;
-        let flags = || Flags::Words(&pixels.marks);
-        let SpsmPixels { asked, list, scratch, .. } = pixels;
-        self.compact.record(stage, flags(), None, asked, (asked, count), scratch, Count::Exactly(count))?;
-        self.fold.record(stage, asked, &pixels.requests, &pixels.asked_args)?;
         let buffers = Self::buffers(frame, seen, texels, pixels, asked);
-        stage.run(&self.settle, &buffers, Groups::Indirect(pixels.asked_args.raw(), 0))?;
-        self.compact.record(stage, flags(), Some(asked), list, (list, count), scratch, Count::At(asked, count))?;
-        self.fold.record(stage, list, &pixels.requests, &pixels.args)?;
-        stage.run(&self.paint, &buffers, all())
+        stage.run(&self.classify, &buffers, Groups::Items(count as u64))?;
+        let flags = Flags::Words(&pixels.marks);
+        self.compact.record(stage, flags, None, asked, (asked, count), scratch, Count::Exactly(count))?;
+        self.fold.record(stage, asked, &pixels.requests, &pixels.asked_args)
     }
 
-    /// Records the recovery of the uncertain pixels.
+    /// Records the classes of the pixels so listed, the list of the uncertain ones, and what the classes say.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_settle(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        seen: Seen,
+        texels: &SpsmTexels,
+        pixels: &SpsmPixels,
+    ) -> Result<()> {
+        let SpsmPixels { asked, list, scratch, .. } = pixels;
+        let count = pixels.visibility.len();
+        let buffers = Self::buffers(frame, seen, texels, pixels, asked);
+        stage.run(&self.settle, &buffers, pixels.unsettled().1)?;
+        let flags = Flags::Words(&pixels.marks);
+        self.compact.record(stage, flags, Some(asked), list, (list, count), scratch, Count::At(asked, count))?;
+        self.fold.record(stage, list, &pixels.requests, &pixels.args)?;
+        stage.run(&self.paint, &buffers, Groups::Items(count as u64))
+    }
+
+    /// Records the recovery of the uncertain pixels, whose list must have been copied to
+    /// x.
     ///
     /// # Errors
     /// None that input can cause.
@@ -193,7 +224,7 @@ impl SpsmQuery {
         texels: &'a SpsmTexels,
         pixels: &'a SpsmPixels,
         kept: &'a Buffer<u32>,
-    ) -> [(&'static str, &'a wgpu::Buffer); 13] {
+    ) -> [(&'static str, &'a wgpu::Buffer); 14] {
         [
             ("frame", frame),
             ("samples", seen.samples),
@@ -208,6 +239,7 @@ impl SpsmQuery {
             ("lit", pixels.lit.raw()),
             ("marks", pixels.marks.raw()),
             ("kept", kept.raw()),
+            ("seen", texels.marks.words.raw()),
         ]
     }
 }

@@ -19,6 +19,7 @@ mod radix_sort;
 mod resolve;
 mod sample_bins;
 mod sample_surfaces;
+mod seen_texels;
 mod shadow_map;
 mod shadow_rays;
 mod silhouette_mask;

@@ -195,9 +195,9 @@ fn list_of_won_blocks_too_short() {
     let mesh = doubled(random_scene(1, &mut Random::new(14)));
     let world = world(gpu(), &mesh, above(), 64);
     let with = |blocks| {
-        let texels = SpsmTexels::listing(&gpu().device, &gpu().queue, 64, 5, blocks).expect("memory");
+        let texels = SpsmTexels::listing(&gpu().device, &gpu().queue, 64, 12, 5, blocks).expect("memory");
         let made = Made::in_memory(&world, true, texels);
-        let counts = made.texels.won_counts.read(gpu()).expect("readback");
+        let counts = made.texels.marks.words.read_first(gpu(), 4).expect("readback");
         (made, counts)
     };
     let (whole, counts) = with(1 << 16);
@@ -206,7 +206,7 @@ fn list_of_won_blocks_too_short() {
     assert_eq!(fault(&world, &whole), None);
     for blocks in [1, 63, won as usize / 2] {
         let (made, counts) = with(blocks);
-        assert!(counts[1] == 64 * 64 && counts[2] > 0 && counts[3] == 1, "{blocks} listed: {counts:?}");
+        assert!(counts[1] == 2 * 8 * 8 && counts[2] > 0 && counts[3] == 1, "{blocks} listed: {counts:?}");
         assert!(made.id_keys == whole.id_keys && made.records == whole.records, "{blocks} listed: another map");
     }
 }

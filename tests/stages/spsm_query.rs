@@ -5,7 +5,7 @@ use crate::support::geometry::ball;
 use crate::support::shadow::{
     World, add_triangle, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform,
 };
-use crate::support::spsm::{Made, noise, receiver};
+use crate::support::spsm::{Made, noise, receiver, take_list};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
@@ -60,8 +60,11 @@ fn ask(world: &World, lines: bool, search: Search) -> Ran {
         Seen { samples: offsets.raw(), id_keys: &id_keys, triangles: world.casters.triangles.raw(), points: &points };
     run(gpu, |s| {
         query.record_classify(s, frame.raw(), from, &made.texels, &out)?;
-        query.record_recover(s, frame.raw(), from, &made.texels, &out)
+        query.record_settle(s, frame.raw(), from, &made.texels, &out)
     });
+    take_list(gpu, &made.texels.marks, &out);
+    run(gpu, |s| query.record_recover(s, frame.raw(), from, &made.texels, &out));
+    assert!(!made.texels.marks.missed(gpu).expect("readback"), "a texel is missed where all are made");
     let mut list = out.list.read(gpu).expect("readback");
     list.truncate(list[pixels] as usize);
     Ran {

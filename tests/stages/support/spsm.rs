@@ -4,12 +4,15 @@ use super::POISON;
 use super::run;
 use super::shadow::{World, uniform};
 use subpixel_shadows::glam::{DVec2, DVec3};
+use subpixel_shadows::gpu::{Gpu, Recorder};
 use subpixel_shadows::reference::facet_classify::pixel_ray;
 use subpixel_shadows::reference::spsm_map::Coding;
 use subpixel_shadows::reference::view::Flat;
 use subpixel_shadows::spsm_code::SlopeCode;
 use subpixel_shadows::stages::camera_visibility::Blocks;
+use subpixel_shadows::stages::seen_texels::{SeenTexels, TexelMarks};
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels, depth_of_key};
+use subpixel_shadows::stages::spsm_query::{Options, SpsmPixels};
 
 /// A map, read back.
 pub struct Made {
@@ -30,27 +33,27 @@ impl Made {
     /// The map of a scene.
     pub fn new(world: &World, lines: bool) -> Self {
         let size = world.view.map.map_size as usize;
-        Self::in_memory(world, lines, SpsmTexels::new(&world.gpu.device, &world.gpu.queue, size, 5).expect("memory"))
+        let texels = SpsmTexels::new(&world.gpu.device, &world.gpu.queue, size, pixels(world), 5);
+        Self::in_memory(world, lines, texels.expect("memory"))
     }
 
     /// Likewise, in memory of one's own.
     pub fn in_memory(world: &World, lines: bool, texels: SpsmTexels) -> Self {
         let gpu = world.gpu;
         let size = world.view.map.map_size;
-        let (offsets, args, total) = world.items(&world.facts.light_items.read(gpu).expect("readback"));
         let frame = uniform(gpu, &world.frame);
-        let blocks = Blocks {
-            triangles: world.casters.triangles.raw(),
-            points: &world.map_points,
-            rects: &world.facts.light_rects,
-            offsets: &offsets,
-            args: (args.raw(), 0),
-        };
         for half in &texels.records {
             half.write(&gpu.queue, &vec![[POISON; 4]; half.len()]);
         }
         let stage = SpsmMap::new(&gpu.device, u32::from(lines), &texels);
-        run(gpu, |s| stage.record(s, frame.raw(), blocks, &texels));
+        let all = SeenTexels::new(&gpu.device, Options::default(), &texels);
+        with_blocks(world, |blocks| {
+            run(gpu, |s| {
+                all.record_all(s, frame.raw(), &texels.marks)?;
+                stage.record(s, frame.raw(), blocks, &texels)
+            });
+        });
+        let total: u32 = world.facts.light_items.read(gpu).expect("readback").iter().sum();
         assert!(total > 0 || texels.id_keys.read(gpu).expect("readback").iter().all(|&k| k == 0));
         Self {
             coding: Coding { lines, slopes: SlopeCode::new(5), size },
@@ -72,22 +75,65 @@ impl Made {
     }
 }
 
+/// Pixels of the world's image.
+pub fn pixels(world: &World) -> usize {
+    (world.view.image[0] * world.view.image[1]) as usize
+}
+
+/// The casters' blocks in the light view, for as long as they are needed.
+pub fn with_blocks(world: &World, mut work: impl FnMut(Blocks)) {
+    let (offsets, args, _) = world.items(&world.facts.light_items.read(world.gpu).expect("readback"));
+    work(Blocks {
+        triangles: world.casters.triangles.raw(),
+        points: &world.map_points,
+        rects: &world.facts.light_rects,
+        offsets: &offsets,
+        args: (args.raw(), 0),
+    });
+}
+
+/// Copies the list of the uncertain pixels to where the recovery reads it.
+pub fn take_list(gpu: &Gpu, marks: &TexelMarks, pixels: &SpsmPixels) {
+    let mut encoder = gpu.encoder();
+    marks.take_list(&mut Recorder::new(&gpu.device, &mut encoder, None), pixels);
+    gpu.submit_and_wait(encoder).expect("a copy");
+}
+
 /// Middle of a texel.
 pub fn middle(texel: usize, size: u32) -> DVec2 {
     let (x, y) = (texel as u32 % size, texel as u32 / size);
     DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
 }
 
+/// The box in the light view of a pixel's corners on the plane of triangle `t`, or with one sample that of its centre; `None`
+/// where one of them has no place there.
+pub fn footprint(world: &World, pixel: u32, t: u32, many: bool) -> Option<[DVec2; 2]> {
+    let offsets: &[[f64; 2]] = match many {
+        true => &[[0.0, 0.0], [-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]],
+        false => &[[0.0, 0.0]],
+    };
+    let mut reached = [DVec2::MAX, DVec2::MIN];
+    for offset in offsets {
+        let p = on_plane(world, pixel, t, DVec2::from(*offset))?.truncate();
+        reached = [reached[0].min(p), reached[1].max(p)];
+    }
+    Some(reached)
+}
+
+/// The place in the light view of the point of triangle `t`'s plane at an offset from a pixel's centre.
+fn on_plane(world: &World, pixel: u32, t: u32, offset: DVec2) -> Option<DVec3> {
+    let [a, b, c] = world.triangles[t as usize].corners?;
+    let normal = (b - a).cross(c - a);
+    let ray = pixel_ray(&world.view, pixel, offset);
+    let depth = normal.dot(a) / normal.dot(ray);
+    (depth > 0.0).then(|| world.view.on_map(ray * depth)).flatten().map(|p| p.truncate())
+}
+
 /// A receiver as the definition takes it: places of the samples in the light view, its slope there, and the depth of its
 /// triangle's farthest corner.
 pub fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>, DVec2, f64)> {
     let [a, b, c] = world.triangles[t as usize].corners?;
-    let normal = (b - a).cross(c - a);
-    let on_plane = |offset: DVec2| {
-        let ray = pixel_ray(&world.view, pixel, offset);
-        let depth = normal.dot(a) / normal.dot(ray);
-        (depth > 0.0).then(|| world.view.on_map(ray * depth)).flatten().map(|p| p.truncate())
-    };
+    let on_plane = |offset: DVec2| on_plane(world, pixel, t, offset);
     let around = [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].map(|o| on_plane(DVec2::from(o)));
     let [Some(p), Some(q), Some(r)] = around else { return None };
     let slope = Flat::new([p, q, r]).slope?;

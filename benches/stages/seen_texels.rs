@@ -1,0 +1,39 @@
+//! Texels of a map of 512 × 512 that the pixels of a ball ask for, with one sample a pixel.
+
+use crate::harness::Case;
+use crate::harness::geometry::Setup;
+use subpixel_shadows::Result;
+use subpixel_shadows::frame::sample_words;
+use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::samples::Samples;
+use subpixel_shadows::stages::seen_texels::SeenTexels;
+use subpixel_shadows::stages::spsm_map::SpsmTexels;
+use subpixel_shadows::stages::spsm_query::{Options, Seen};
+
+pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
+    let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let side = (setup.layers.splits.len() as f64).sqrt() as usize;
+    let count = setup.id_keys.len();
+    let texels = SpsmTexels::new(device, queue, side, count, 5)?;
+    let samples = Buffer::uniform(device, "bench.samples", 64)?;
+    samples.write(queue, &sample_words(&Samples::new(Default::default(), 1)?));
+    let options = Options { stretch: 2, ..Options::default() };
+    let stage = SeenTexels::new(device, options, &texels);
+    Ok(vec![Case {
+        name: "seen_texels".to_owned(),
+        size: setup.casters.triangles.len(),
+        bytes: count * (4 + 12 + 48),
+        atomics: count,
+        flops: 0,
+        record: Box::new(move |s| {
+            let seen = Seen {
+                samples: samples.raw(),
+                id_keys: &setup.id_keys,
+                triangles: setup.casters.triangles.raw(),
+                points: &setup.points,
+            };
+            stage.record(s, setup.frame.raw(), seen, &texels)
+        }),
+    }])
+}

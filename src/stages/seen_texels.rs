@@ -1,0 +1,151 @@
+//! Which texels of the light-view map the pixels ask for: with a map that has many more texels than the image has pixels, few.
+//!
+//! - **Reads** the triangle at each pixel centre, triangles, projected vertices, sample offsets; then the list of the pixels that
+//!   their own texels do not settle.
+//! - **Writes** [`TexelMarks`]: a bit a texel, and a bit for those that only the listed pixels ask for.
+//! - **Guarantee.** Bit-equal from run to run. A texel is marked if the footprint of a pixel that faces the light touches it, or
+//!   that of a listed pixel comes within `radius + stretch` texels of it, a fiftieth of a texel and a thousandth of the
+//!   footprint added for rounding; of a footprint without end, or of more than 25 texels, if one of its samples does, and only
+//!   for listed pixels.
+//! - **Cost.** One dispatch over pixels, one over the listed ones. A quarter of a byte a texel.
+
+use super::spsm_map::SpsmTexels;
+use super::spsm_query::{Options, Seen, SpsmPixels};
+use crate::Result;
+use crate::gpu::kernels::seen_texels as kernel;
+use crate::gpu::{Buffer, Gpu, Groups, Program, Recorder, Stage};
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct SeenTexels {
+    mark: Program,
+    around: Program,
+    all: Program,
+}
+
+/// Bits of the texels, what is counted with them, and a list of pixels.
+#[derive(Debug)]
+pub struct TexelMarks {
+    /// A header of [`TexelMarks::HEADER`] words; the bits, two words a block of 8 × 8 texels, the upper four rows first; as
+    /// many words for those asked for last; the list of the uncertain pixels as [`SpsmPixels::list`] has it, for which a binding
+    /// of its own would be one too many.
+    pub words: Buffer<u32>,
+    blocks: usize,
+}
+
+impl TexelMarks {
+    /// Words before the bits.
+    pub const HEADER: usize = kernel::SEEN_BITS as usize;
+    /// Word that is not 0 if a texel was read that is not made.
+    pub const MISSED: usize = kernel::SEEN_MISSED as usize;
+
+    /// Memory for a map of `size` texels a side and an image of `pixels` pixels.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, size: usize, pixels: usize) -> Result<Self> {
+        let blocks = size.div_ceil(8).pow(2);
+        let words = Self::HEADER + 4 * blocks + pixels + 2;
+        Ok(Self { words: Buffer::storage(device, "seen_texels.words", words)?, blocks })
+    }
+
+    /// Words of bits.
+    pub fn bit_words(&self) -> usize {
+        2 * self.blocks
+    }
+
+    /// Records that the list of the uncertain pixels is copied behind the bits, for
+    /// [`SpsmQuery::record_recover`](super::spsm_query::SpsmQuery::record_recover).
+    pub fn take_list(&self, rec: &mut Recorder, pixels: &SpsmPixels) {
+        let at = Self::HEADER + 2 * self.bit_words();
+        rec.copy_words(pixels.list.raw(), 0, self.words.raw(), at as u64, pixels.list.len() as u64);
+    }
+
+    /// Whether a texel is marked, given the words and the map's size.
+    pub fn is_marked(words: &[u32], size: usize, [x, y]: [usize; 2]) -> bool {
+        let block = y / 8 * size.div_ceil(8) + x / 8;
+        words[Self::HEADER + 2 * block + y / 4 % 2] >> (8 * (y % 4) + x % 8) & 1 == 1
+    }
+
+    /// Whether the frame read a texel that is not made: rounding has put a pixel elsewhere than where it was looked for.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`].
+    pub fn missed(&self, gpu: &Gpu) -> Result<bool> {
+        Ok(self.words.read_first(gpu, Self::HEADER)?[Self::MISSED] != 0)
+    }
+}
+
+impl SeenTexels {
+    /// Builds the pipelines for what `options` ask of `texels`.
+    pub fn new(device: &wgpu::Device, options: Options, texels: &SpsmTexels) -> Self {
+        let many = ("MANY", f64::from(u32::from(options.many)));
+        let around = [
+            many,
+            ("REACH", f64::from(options.radius + options.stretch)),
+            ("ENCODING", f64::from(options.encoding)),
+            ("SPLIT", f64::from(u32::from(texels.is_split()))),
+            ("BIAS", f64::from(options.bias)),
+        ];
+        Self {
+            mark: Program::new(device, kernel::ENTRY_MARK, &[many]),
+            around: Program::new(device, kernel::ENTRY_AROUND, &around),
+            all: Program::new(device, kernel::ENTRY_ALL_TEXELS, &[]),
+        }
+    }
+
+    /// Marks the texels that all pixels fall into. The words must be 0 before.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(&self, stage: &mut Stage, frame: &wgpu::Buffer, seen: Seen, texels: &SpsmTexels) -> Result<()> {
+        let buffers = Self::buffers(frame, seen, texels);
+        stage.run(&self.mark, &buffers, Groups::Items(seen.id_keys.len() as u64))
+    }
+
+    /// Marks all texels. The words must be 0 before.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_all(&self, stage: &mut Stage, frame: &wgpu::Buffer, texels: &TexelMarks) -> Result<()> {
+        let buffers = [("frame", frame), ("seen", texels.words.raw())];
+        stage.run(&self.all, &buffers, Groups::Items(texels.bit_words() as u64))
+    }
+
+    /// Marks what the pixels ask for that [`super::spsm_query`] lists as not settled by these. The words of those asked for
+    /// last must be 0 before.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record_around(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        seen: Seen,
+        texels: &SpsmTexels,
+        pixels: &SpsmPixels,
+    ) -> Result<()> {
+        let mut buffers = Self::buffers(frame, seen, texels).to_vec();
+        let (kept, groups) = pixels.unsettled();
+        buffers.push(("kept", kept.raw()));
+        stage.run(&self.around, &buffers, groups)
+    }
+
+    fn buffers<'a>(
+        frame: &'a wgpu::Buffer,
+        seen: Seen<'a>,
+        texels: &'a SpsmTexels,
+    ) -> [(&'static str, &'a wgpu::Buffer); 9] {
+        [
+            ("frame", frame),
+            ("samples", seen.samples),
+            ("id_keys", seen.id_keys.raw()),
+            ("triangles", seen.triangles),
+            ("points", seen.points.raw()),
+            ("seen", texels.marks.words.raw()),
+            ("slopes", texels.slopes.raw()),
+            ("upper_records", texels.records[0].raw()),
+            ("lower_records", texels.records[1].raw()),
+        ]
+    }
+}
