@@ -13,6 +13,7 @@
 //@import front_split
 //@import conservative
 //@import span
+//@import block_bits
 
 const WORKGROUP = 64u;
 
@@ -40,24 +41,27 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     let block = block_of(light_rects[t], item - work_offsets[t]);
     let shape = cover_triangle(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
+    let corner = block.low & vec2(~7u);
+    var left = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         let row = f32(y) + 0.5;
         var cut = span_of(block.low.x, block.high.x);
         if shape.in_front && !shape.thin {
             cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
         }
-        let cells = cells_of(cut, block.low.x, block.high.x);
-        for (var x = cells.x; x <= cells.y; x++) {
-            let centre = vec2(f32(x) + 0.5, row);
-            if !covers(shape, centre) { continue; }
-            let texel = y * frame.map_size + x;
-            let first = nearest_keys[texel];
-            let second = second_keys[texel];
-            let split = split_depth(first, second);
-            let range = depth_range(shape, centre);
-            let parted = range.x > split || range.y < split;
-            if first == 0u || first == second || !shape.in_front || !parted { mark(x, y); }
-        }
+        add_cells(&left, y, cells_of(cut, block.low.x, block.high.x));
+    }
+    while any(left != vec2(0u)) {
+        let cell = corner + take_texel(&left);
+        let centre = vec2<f32>(cell) + 0.5;
+        if !covers(shape, centre) { continue; }
+        let texel = cell.y * frame.map_size + cell.x;
+        let first = nearest_keys[texel];
+        let second = second_keys[texel];
+        let split = split_depth(first, second);
+        let range = depth_range(shape, centre);
+        let parted = range.x > split || range.y < split;
+        if first == 0u || first == second || !shape.in_front || !parted { mark(cell.x, cell.y); }
     }
 }
 

@@ -11,6 +11,7 @@
 //@import work_items
 //@import front_split
 //@import span
+//@import block_bits
 
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
@@ -58,27 +59,32 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let cut_ab = vec3(turn * vec2(-ab.y, ab.x), turn * (ab.y * a.x - ab.x * a.y) + guard.x);
     let cut_bc = vec3(turn * vec2(-bc.y, bc.x), turn * (bc.y * b.x - bc.x * b.y) + guard.y);
     let cut_ca = vec3(turn * vec2(ac.y, -ac.x), turn * (ac.x * a.y - ac.y * a.x) + guard.z);
+    // Cells where the triangle may be; then they alone, one after another: lanes of a vector wait for the fullest block, not for
+    // the fullest of each row.
+    let corner = block.low & vec2(~7u);
+    var left = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         let row = f32(y) + 0.5;
         let cut = cut_span(cut_span(cut_span(span_of(block.low.x, block.high.x), cut_ab, row), cut_bc, row), cut_ca, row);
-        let cells = cells_of(cut, block.low.x, block.high.x);
-        for (var x = cells.x; x <= cells.y; x++) {
-            let at = vec2(f32(x) + 0.5, row);
-            let pa = at - a.xy;
-            let pb = at - b.xy;
-            let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);
-            if any(v < -guard) { continue; }
-            if BOTH != 0u && any(v <= guard) { mark(x, y); }
-            if any(v < vec3(0.0)) { continue; }
-            var depth = a.z;
-            if area != 0.0 {
-                depth = clamp(a.z + ((b.z - a.z) * v.z + (c.z - a.z) * v.x) / abs(area), nearest, farthest);
-            }
-            let key = key_of_depth(depth);
-            let texel = y * frame.map_size + x;
-            var beaten = key;
-            if atomicLoad(&nearest_keys[texel]) < key { beaten = min(atomicMax(&nearest_keys[texel], key), key); }
-            if BOTH != 0u && atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
+        add_cells(&left, y, cells_of(cut, block.low.x, block.high.x));
+    }
+    while any(left != vec2(0u)) {
+        let cell = corner + take_texel(&left);
+        let at = vec2<f32>(cell) + 0.5;
+        let pa = at - a.xy;
+        let pb = at - b.xy;
+        let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);
+        if any(v < -guard) { continue; }
+        if BOTH != 0u && any(v <= guard) { mark(cell.x, cell.y); }
+        if any(v < vec3(0.0)) { continue; }
+        var depth = a.z;
+        if area != 0.0 {
+            depth = clamp(a.z + ((b.z - a.z) * v.z + (c.z - a.z) * v.x) / abs(area), nearest, farthest);
         }
+        let key = key_of_depth(depth);
+        let texel = cell.y * frame.map_size + cell.x;
+        var beaten = key;
+        if atomicLoad(&nearest_keys[texel]) < key { beaten = min(atomicMax(&nearest_keys[texel], key), key); }
+        if BOTH != 0u && atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
     }
 }

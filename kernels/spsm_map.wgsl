@@ -77,8 +77,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
         if !shape.thin {
             cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
         }
-        let cells = cells_bits(cells_of(cut, block.low.x, block.high.x)) << (8u * (k & 3u));
-        left |= select(vec2(cells, 0u), vec2(0u, cells), k >= 4u);
+        add_cells(&left, k, cells_of(cut, block.low.x, block.high.x));
     }
     left &= asked;
     var bits = vec2(0u);
@@ -113,12 +112,6 @@ fn rows_of(bits: vec2<u32>) -> u32 {
     let one = (quarter | (quarter >> vec2(1u))) & vec2(0x01010101u);
     let packed = (one * 0x01020408u) >> vec2(24u);
     return (packed.x & 15u) | ((packed.y & 15u) << 4u);
-}
-
-// Cells of a block's row as eight bits.
-fn cells_bits(cells: vec2<u32>) -> u32 {
-    if cells.x > cells.y { return 0u; }
-    return (0xffu << (cells.x & 7u)) & (0xffu >> (7u - (cells.y & 7u)));
 }
 
 // The blocks won in this run, if all are listed.

@@ -122,6 +122,22 @@ fn goes_on_where_it_stopped() {
     assert!(line.contains("rows.jsonl") && line.contains("--fresh") && line.lines().count() == 1, "{line}");
 }
 
+/// A method that is added later finds the others in the picture.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn pictures_show_all_rows() {
+    let folder = Folder::new("pictures");
+    let (out, whole) = (folder.path("added"), folder.path("whole"));
+    let picture = |out: &str| std::fs::read(Path::new(out).join("pictures-plane.png")).expect("a picture");
+    let args = |methods: &'static str| ["plane", "--tessellate", "0", "--methods", methods];
+    report(&out, &args("facet-masks"));
+    let first = picture(&out);
+    report(&out, &args("facet-masks,shadow-map"));
+    report(&whole, &args("facet-masks,shadow-map"));
+    assert!(picture(&out) == picture(&whole), "the picture is another one than that of one run");
+    assert!(picture(&out) != first, "nothing was added");
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn bad_input_is_one_line_and_leaves_nothing() {

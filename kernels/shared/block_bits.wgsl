@@ -13,3 +13,15 @@ fn take_texel(texels: ptr<function, vec2<u32>>) -> vec2<u32> {
     if lower { (*texels).y = word & (word - 1u); } else { (*texels).x = word & (word - 1u); }
     return vec2(k & 7u, (k >> 3u) + select(0u, 4u, lower));
 }
+
+// Cells from x to y of a block's row as eight bits; none where the first exceeds the last.
+fn cells_bits(cells: vec2<u32>) -> u32 {
+    if cells.x > cells.y { return 0u; }
+    return (0xffu << (cells.x & 7u)) & (0xffu >> (7u - (cells.y & 7u)));
+}
+
+// Adds cells from x to y of row `y`.
+fn add_cells(texels: ptr<function, vec2<u32>>, y: u32, cells: vec2<u32>) {
+    let bits = cells_bits(cells) << (8u * (y & 3u));
+    *texels |= select(vec2(bits, 0u), vec2(0u, bits), (y & 4u) != 0u);
+}

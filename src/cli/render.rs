@@ -216,7 +216,9 @@ fn looks(report: &mut Report, options: &Options, rendered: &Rendered) {
     let key = CLASS_COLOURS.map(|(class, colour, _)| format!("{colour} {}", format!("{class:?}").to_lowercase()));
     let map = match options.method {
         MethodName::FacetMasks => "the nearer the brighter, orange where marked, dark blue without a caster",
-        MethodName::Spsm => "a hue for each closest triangle, the nearer the brighter, dark blue without a caster or not made",
+        MethodName::Spsm => {
+            "a hue for each closest triangle, the nearer the brighter, dark blue without a caster or not made"
+        }
         _ => "the nearer the brighter, dark blue without a caster",
     };
     let name = options.method.name();

@@ -115,14 +115,15 @@ fn measure(
         job.variants.iter().filter(|v| !journal.has(&case.row(v).key()) || (draw && shown(v))).cloned().collect();
     *done += job.variants.len() - missing.len();
     task.at(*done, all);
-    let mut panels = Vec::new();
+    // Of each variant that the picture shows what it rendered.
+    let mut pictures: Vec<Option<Vec<f32>>> = vec![None; job.variants.len()];
+    let place = |v: &Variant| job.variants.iter().position(|o| o == v);
     for group in missing.chunks(Bench::GROUP) {
         for (variant, mut found) in group.iter().zip(bench.measure(&case, &reference, group)?) {
             if found.row.failed.is_none() {
                 (found.row.matched, found.row.converged) = case.errors(&variant.settings, &found.visibility, None)?;
-                if shown(variant) {
-                    let truth = case.matched(&variant.settings, None)?.visibility().to_vec();
-                    panels.push(Panel { ours: found.visibility, truth });
+                if let Some(n) = place(variant).filter(|_| shown(variant)) {
+                    pictures[n] = Some(found.visibility);
                 }
             }
             journal.add(found.row)?;
@@ -131,9 +132,17 @@ fn measure(
         }
     }
     if let Some(path) = picture
-        && !panels.is_empty()
+        && pictures.iter().any(Option::is_some)
     {
-        side_by_side(&path, scope.size, &panels)?;
+        // Rows of former runs are in it, too.
+        for (n, variant) in job.variants.iter().enumerate().filter(|(_, v)| shown(v)) {
+            if pictures[n].is_none() && journal.get(&case.row(variant).key()).is_some_and(|r| r.failed.is_none()) {
+                pictures[n] = bench.picture(&case, variant)?;
+            }
+        }
+        let truth = case.matched(&reference.settings, None)?.visibility();
+        let panel = |ours| Panel { ours, truth: truth.to_vec() };
+        side_by_side(&path, scope.size, &pictures.into_iter().flatten().map(panel).collect::<Vec<_>>())?;
     }
     let mut rows = Vec::new();
     for like in &job.truths {

@@ -225,6 +225,18 @@ impl Bench<'_> {
         Ok(rows)
     }
 
+    /// One frame of a variant, unmeasured; `None` where the scene or the memory does not allow it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device fails.
+    pub fn picture(&self, case: &SceneCase, variant: &Variant) -> Result<Option<Vec<f32>>> {
+        match Subject::new(self.gpu, case, variant, self.budget).and_then(|mut s| s.render(self.gpu, case)) {
+            Ok(output) => Ok(Some(output.visibility)),
+            Err(error) if error.is_gpu() => Err(error),
+            Err(_) => Ok(None),
+        }
+    }
+
     /// Sets up a variant and renders its first frame, in which lists grow.
     fn set_up<'c>(&'c self, case: &'c SceneCase, variant: &Variant, row: &mut Row) -> Result<(Subject<'c>, Output)> {
         let before = self.allocated();
