@@ -112,15 +112,20 @@ fn recover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     let pixel = atomicLoad(&seen[list + item]);
     let r = receiver_of(pixel);
     var open = vec4(0u);    // samples still to be judged: those whose rays meet the plane
+    var around: Around;
+    around.middle = place_of(r, pixel_ray(pixel));
     for (var k = 0u; k < frame.sample_count; k++) {
         let bit = 1u << (k & 31u);
-        if sample_place(r, pixel, k).w != 0.0 { open[k >> 5u] |= bit; }
+        let ray = sample_ray(pixel, k);
+        if place_of(r, ray).w != 0.0 { open[k >> 5u] |= bit; }
+        if meets_triangle(r, ray) { around.own[k >> 5u] |= bit; }
     }
     let counted = open;
     var dark = vec4(0u);
     for (var w = 0u; w < WORDS; w++) {
         while open[w] != 0u {
-            let at = sample_place(r, pixel, 32u * w + firstTrailingBit(open[w]));
+            let first = 32u * w + firstTrailingBit(open[w]);
+            let at = sample_place(r, pixel, first);
             let texel = texel_of(at);
             var here = vec4(0u);
             for (var v = w; v < WORDS; v++) {
@@ -130,7 +135,7 @@ fn recover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
                 }
             }
             open &= ~here;
-            dark |= shadowed_of(r, pixel, texel, at, here);
+            dark |= shadowed_of(r, pixel, texel, at, first, here, around);
         }
     }
     tell_missed();

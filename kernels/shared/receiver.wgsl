@@ -14,6 +14,7 @@ struct Receiver {
     at: vec3<f32>,      // a point of it
     slope: vec2<f32>,   // depth per texel to the right and down
     far: f32,           // depth of the triangle's farthest corner
+    sides: array<vec3<f32>, 3>, // planes through the eye and its edges
 }
 
 fn depth_of(p: vec3<f32>) -> f32 {
@@ -45,6 +46,7 @@ fn receiver_of(pixel: u32) -> Receiver {
     r.normal = normal * sign(side);
     r.height = dot(r.normal, a);
     r.at = a;
+    r.sides = array(cross(a, b - a), cross(b, c - b), cross(c, a - c));
     if r.height >= 0.0 { return r; }
     r.seen = SEEN_OPEN;
     r.far = max(depth_of(a), max(depth_of(b), depth_of(c)));
@@ -74,6 +76,12 @@ fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
     return vec4(uvz, select(0.0, 1.0, front && abs(uvz.x) < 3.0e38 && abs(uvz.y) < 3.0e38));
 }
 
+// Whether a ray meets the triangle itself: beside it the plane need not be what the pixel shows.
+fn meets_triangle(r: Receiver, ray: vec3<f32>) -> bool {
+    let v = vec3(dot(r.sides[0], ray), dot(r.sides[1], ray), dot(r.sides[2], ray));
+    return all(v >= vec3(0.0)) || all(v <= vec3(0.0));
+}
+
 // Depth of the receiver around a texel's centre: per x, per y, at it.
 fn receiver_around(r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> vec3<f32> {
     return vec3(r.slope, at.z + dot(r.slope, centre - at.xy));
@@ -81,9 +89,13 @@ fn receiver_around(r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> vec3<f32> {
 
 fn middle_of(texel: vec2<i32>) -> vec2<f32> { return vec2<f32>(texel) + 0.5; }
 
-fn sample_place(r: Receiver, pixel: u32, k: u32) -> vec4<f32> {
+fn sample_ray(pixel: u32, k: u32) -> vec3<f32> {
     let pair = samples[k >> 1u];
-    return place_of(r, ray_at(pixel, select(pair.xy, pair.zw, (k & 1u) == 1u)));
+    return ray_at(pixel, select(pair.xy, pair.zw, (k & 1u) == 1u));
+}
+
+fn sample_place(r: Receiver, pixel: u32, k: u32) -> vec4<f32> {
+    return place_of(r, sample_ray(pixel, k));
 }
 
 // The texel of a place, held near the map.

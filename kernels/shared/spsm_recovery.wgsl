@@ -1,6 +1,21 @@
 // Samples of one texel of the light view, judged by the triangles around it and the border that links their outer edges (Lecocq
 // 2013, section 4.2). Needs shared/spsm_border, shared/spsm_search, the table `patterns`, and the overrides WORDS and MANY.
 
+// What of a pixel the search needs: the place of its centre, which is on the triangle, and which samples are.
+struct Around {
+    middle: vec4<f32>,
+    own: vec4<u32>,
+}
+
+// Samples for which the sheet of texel `here` counts. Beside its triangle a receiver's plane may run below the surface that is
+// there, into a hollow: such a neighbour lies before the plane at the sample, but not at the pixel's centre.
+fn counting(s: Sheet, r: Receiver, here: vec2<i32>, around: Around) -> vec4<u32> {
+    if MANY == 0u { return vec4(0xffffffffu); }
+    let there = around.middle.xy - middle_of(here);
+    let doubt = doubt_at(s, there) + step_doubt(s.depth.xy - r.slope) + bias_of(r);
+    return select(around.own, vec4(0xffffffffu), around.middle.z > dot(s.depth, vec3(there, 1.0)) + doubt);
+}
+
 // Samples of `open` that the sheet of the texel around `centre` shadows.
 fn hits_of(s: Sheet, r: Receiver, pixel: u32, at: vec4<f32>, centre: vec2<f32>, open: vec4<u32>) -> vec4<u32> {
     var dark = vec4(0u);
@@ -27,12 +42,15 @@ fn add_piece(p: Piece, gap: vec3<f32>, offset: vec2<f32>) {
     }
 }
 
-// Samples of `group`, all in one texel, that are in shadow.
-fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: vec4<u32>) -> vec4<u32> {
+// Samples of `group`, all in one texel, that are in shadow; `at` is the place of sample `first` of them.
+fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, first: u32, group: vec4<u32>, around: Around) -> vec4<u32> {
+    let bit = vec4(1u << (first & 31u)) & select(vec4(0u), vec4(0xffffffffu), vec4(0u, 1u, 2u, 3u) == vec4(first >> 5u));
     var mask = 0u;
     for (var k = 0; k < 9; k++) {
         let here = texel + vec2(k % 3 - 1, k / 3 - 1);
-        mask |= select(0u, 1u << u32(k), before_place(sheet_at(here), r, at, middle_of(here)));
+        let s = sheet_at(here);
+        let counts = any((bit & counting(s, r, here, around)) != vec4(0u));
+        mask |= select(0u, 1u << u32(k), counts && before_place(s, r, at, middle_of(here)));
     }
     if (mask & 16u) == 0u { return vec4(0u); }
     let pattern = patterns[mask];
@@ -43,10 +61,13 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
         let step = square_step(k);
         let here = texel + step;
         let s = sheet_at(here);
-        dark |= hits_of(s, r, pixel, at, middle_of(here), group & ~dark);
+        dark |= hits_of(s, r, pixel, at, middle_of(here), group & ~dark & counting(s, r, here, around));
         let inner = max(abs(step.x), abs(step.y)) <= 1;
         var linked = s.held && (!inner || (pattern.z & (1u << u32(max(3 * step.y + step.x + 4, 0)))) != 0u);
-        if RADIUS > 1 { linked = linked && (inner || before_place(s, r, at, middle_of(here))); }
+        if RADIUS > 1 {
+            let counts = any((bit & counting(s, r, here, around)) != vec4(0u));
+            linked = linked && (inner || (counts && before_place(s, r, at, middle_of(here))));
+        }
         if !linked { continue; }
         let offset = middle_of(here) - centre;
         let gap = s.depth - receiver_around(r, at, middle_of(here));
@@ -58,7 +79,8 @@ fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, group: 
     if STRETCH > 0 {
         for (var k = 0; k < 2 * STRETCH * i32(pattern.y); k++) {
             let here = texel + tangent_step(k, pattern);
-            dark |= hits_of(sheet_at(here), r, pixel, at, middle_of(here), group & ~dark);
+            let s = sheet_at(here);
+            dark |= hits_of(s, r, pixel, at, middle_of(here), group & ~dark & counting(s, r, here, around));
         }
     }
     if pattern.w == 1u { return group; }

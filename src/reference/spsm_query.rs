@@ -21,6 +21,15 @@ pub struct Query<'a> {
     pub noise: f64,
 }
 
+/// A place (texel x, y, depth) on the plane of a pixel's triangle, and whether it is on the triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Where it is.
+    pub at: DVec3,
+    /// Whether the pixel's ray there meets the triangle itself.
+    pub own: bool,
+}
+
 impl Sheet {
     fn inside(&self, at: DVec2) -> f64 {
         self.edges.iter().map(|e| e.dot(at.extend(1.0))).fold(f64::INFINITY, f64::min)
@@ -139,25 +148,36 @@ impl Query<'_> {
         })
     }
 
-    /// Whether a place (texel x, y, depth) on a receiver of this slope, whose triangle ends at depth `far`, is in shadow.
-    /// All places of a pixel in one texel share the border that is found for the `first` of them.
-    pub fn shadowed(&self, at: DVec3, first: DVec3, slope: DVec2, far: f64) -> bool {
+    /// Whether a place on a receiver of this slope, whose triangle ends at depth `far`, is in shadow. All places of a pixel in one
+    /// texel share the border that is found for the `first` of them. Beside the triangle its plane may run below the surface that
+    /// is there, into a hollow: what does not lie before it at the pixel's `centre` does not count there.
+    pub fn shadowed(&self, place: Place, first: Place, centre: DVec3, slope: DVec2, far: f64) -> bool {
+        let at = place.at;
         let texel = texel_of(at.truncate());
-        if !self.before_place(texel, first, slope, far) {
+        let counts = |own: bool, here: [i32; 2]| {
+            own || self.sheet(here).is_some_and(|s| {
+                let p = centre.truncate() - middle(here);
+                let gap = s.depth - around(centre, slope, here);
+                centre.z > s.depth_at(p) + self.bias(slope) + s.doubt_at(p) + self.step(gap)
+            })
+        };
+        let before = |here| counts(first.own, here) && self.before_place(here, first.at, slope, far);
+        if !before(texel) {
             return false;
         }
         let hit = |here: [i32; 2]| {
-            self.sheet(here).is_some_and(|s| {
-                let p = at.truncate() - middle(here);
-                let gap = s.depth - around(at, slope, here);
-                let bias = self.bias(slope) + s.doubt_at(p) + self.step(gap);
-                s.inside(p) >= 0.0 && at.z > s.depth_at(p) + bias
-            })
+            counts(place.own, here)
+                && self.sheet(here).is_some_and(|s| {
+                    let p = at.truncate() - middle(here);
+                    let gap = s.depth - around(at, slope, here);
+                    let bias = self.bias(slope) + s.doubt_at(p) + self.step(gap);
+                    s.inside(p) >= 0.0 && at.z > s.depth_at(p) + bias
+                })
         };
         let offsets = (0..9).map(|k| [k % 3 - 1, k / 3 - 1]);
-        let mask = offsets.enumerate().fold(0, |mask, (k, [x, y])| {
-            mask | u32::from(self.before_place([texel[0] + x, texel[1] + y], first, slope, far)) << k
-        });
+        let mask = offsets
+            .enumerate()
+            .fold(0, |mask, (k, [x, y])| mask | u32::from(before([texel[0] + x, texel[1] + y])) << k);
         let pattern = Pattern::of(mask);
         let towards = &pattern.towards_lit[..pattern.count as usize];
         if pattern.covered || self.around(texel).chain(self.along(texel, towards)).any(hit) {
@@ -168,11 +188,7 @@ impl Query<'_> {
             let Some(s) = self.sheet(here) else { continue };
             let [x, y] = [here[0] - texel[0], here[1] - texel[1]];
             let inner = x.abs().max(y.abs()) <= 1;
-            if if inner {
-                pattern.kept >> (3 * y + x + 4) & 1 == 0
-            } else {
-                !self.before_place(here, first, slope, far)
-            } {
+            if if inner { pattern.kept >> (3 * y + x + 4) & 1 == 0 } else { !before(here) } {
                 continue;
             }
             let offset = middle(here) - middle(texel);
