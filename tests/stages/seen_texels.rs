@@ -219,7 +219,7 @@ fn degenerate() {
         let camera = camera(DVec3::new(0.0, height, 40.0), DVec3::ZERO, 40.0);
         for light in [above(), Light::Directional { direction: [1.0, 0.01, 0.0] }] {
             for count in [1, 8] {
-                check(&World::new(gpu(), &mesh, camera.clone(), light, [40, 30], 100, samples(count)));
+                check(&World::new(gpu(), &mesh, camera, light, [40, 30], 100, samples(count)));
             }
         }
     }

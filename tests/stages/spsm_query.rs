@@ -317,7 +317,7 @@ fn a_bowl_does_not_shade_itself() {
     let light = Light::Directional { direction: [0.2, 1.0, 0.1] };
     let camera = camera(DVec3::new(0.3, 4.0, 2.0), DVec3::ZERO, 40.0);
     for map in [128, 512] {
-        let world = World::new(gpu(), &mesh, camera.clone(), light, [60, 45], map, samples(32));
+        let world = World::new(gpu(), &mesh, camera, light, [60, 45], map, samples(32));
         for lines in [false, true] {
             let ran = ask(&world, lines, [1, 2]);
             let dark = ran.visibility.iter().map(|v| 1.0 - f64::from(*v)).sum::<f64>() / ran.visibility.len() as f64;
