@@ -5,7 +5,7 @@ use glam::DVec2;
 /// Of a map of `size` texels a side those that any box, given by its least and its greatest corner in texels, touches, and
 /// `reach` texels around them; row by row.
 pub fn asked(boxes: impl IntoIterator<Item = [DVec2; 2]>, reach: u32, size: u32) -> Vec<bool> {
-    let mut texels = vec![false; (size * size) as usize];
+    let mut texels = vec![false; (size as usize).pow(2)];
     let (reach, side) = (f64::from(reach), f64::from(size));
     for [low, high] in boxes {
         let (low, high) = (low.floor() - reach, high.floor() + reach);

@@ -61,10 +61,11 @@ impl TexelMarks {
         rec.copy_words(pixels.list.raw(), 0, self.words.raw(), at as u64, pixels.list.len() as u64);
     }
 
-    /// Whether a texel is marked, given the words and the map's size.
+    /// Whether a texel is marked, given the words and the map's size; what they do not hold is not.
     pub fn is_marked(words: &[u32], size: usize, [x, y]: [usize; 2]) -> bool {
         let block = y / 8 * size.div_ceil(8) + x / 8;
-        words[Self::HEADER + 2 * block + y / 4 % 2] >> (8 * (y % 4) + x % 8) & 1 == 1
+        let word = words.get(Self::HEADER + 2 * block + y / 4 % 2);
+        x < size && y < size && word.is_some_and(|w| w >> (8 * (y % 4) + x % 8) & 1 == 1)
     }
 
     /// Whether the frame read a texel that is not made: rounding has put a pixel elsewhere than where it was looked for.
@@ -72,7 +73,7 @@ impl TexelMarks {
     /// # Errors
     /// [`crate::Error::Gpu`].
     pub fn missed(&self, gpu: &Gpu) -> Result<bool> {
-        Ok(self.words.read_first(gpu, Self::HEADER)?[Self::MISSED] != 0)
+        Ok(self.words.read_first(gpu, Self::HEADER)?.get(Self::MISSED).is_some_and(|w| *w != 0))
     }
 }
 

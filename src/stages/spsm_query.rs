@@ -6,7 +6,8 @@
 //! - **Guarantee.** Bit-equal from run to run. A pixel is settled as a whole or every sample of it is judged by itself. A texel
 //!   that is read and is not marked holds nothing, and is told ([`TexelMarks::missed`](super::seen_texels::TexelMarks::missed)).
 //! - **Cost.** One dispatch over pixels; a compaction; one over the pixels that have a closest triangle's plane before them and
-//!   are not covered by their own texel's triangle; a compaction; one over pixels that writes what the classes say; one over the uncertain pixels, which alone recover.
+//!   are not covered by their own texel's triangle; a compaction; one over pixels that writes what the classes say; one over the
+//!   uncertain pixels, which alone recover.
 
 use super::compact::{self, Compact, Flags};
 use super::spsm_map::SpsmTexels;
@@ -201,8 +202,8 @@ impl SpsmQuery {
         stage.run(&self.paint, &buffers, Groups::Items(count as u64))
     }
 
-    /// Records the recovery of the uncertain pixels, whose list must have been copied to
-    /// x.
+    /// Records the recovery of the uncertain pixels, whose list must have been taken
+    /// ([`TexelMarks::take_list`](super::seen_texels::TexelMarks::take_list)).
     ///
     /// # Errors
     /// None that input can cause.
