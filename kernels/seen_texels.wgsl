@@ -1,7 +1,7 @@
 // seen_texels: which texels of the light-view map are asked for, so that no other need be made.
 // `mark` marks for each pixel the texels that its footprint touches in the light view. `around` takes the list of the pixels that
-// these do not settle by their planes, and marks REACH texels around them, too, but where their outlines do; what was not marked before stands in the second half of `seen`
-// as well. `all_texels` marks everything.
+// these do not settle by their planes, and marks REACH texels around them, too, but where their outlines do; what was not marked
+// before stands in the second half of `seen` as well. `all_texels` marks everything.
 // Footprints are grown by SLACK: whoever reads computes them anew and may round otherwise. What is still not marked is told
 // by who reads it.
 
@@ -60,7 +60,8 @@ fn ask(low: vec2<f32>, high: vec2<f32>, last: bool) {
 }
 
 fn ask_for(f: Footprint, last: bool) {
-    let slack = SLACK + 0.001 * (f.high - f.low);
+    // Held to a texel: a footprint that goes on far outside the map shall not ask for all of it.
+    let slack = min(SLACK + 0.001 * (f.high - f.low), vec2(1.0));
     ask(f.low - slack, f.high + slack, last);
 }
 

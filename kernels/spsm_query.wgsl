@@ -1,11 +1,12 @@
 // spsm_query: shadows from the sub-pixel shadow map (Lecocq 2013, sections 4 and 5).
 // `classify` settles most pixels: nothing seen, dark, LIT where by its plane no closest triangle lies before the receiver in any
-// texel that the pixel's footprint touches, SHADOWED where the triangle of the pixel's own texel covers it. `settle` takes the list of the others: LIT where none lies before it by what of it
-// is in the texel; SHADOWED where one triangle around covers the footprint, or all nine around it lie before it by their
-// planes. What is left is UNCERTAIN. `paint` writes what the classes say. `recover` takes the list of the uncertain: for every
-// texel that samples of the pixel fall in, the triangles around it are tested (algorithm 1), the border's tangents looked up by
-// the pattern of depth tests (figures 7, 8), and what the triangles do not cover is judged by the piecewise linear border that
-// links their outer edges (figure 10), all samples from one reconstruction. Writes `visibility` and `lit` (WORDS words a pixel).
+// texel that the pixel's footprint touches, SHADOWED where the triangle of the pixel's own texel covers it. `settle` takes the
+// list of the others: LIT where none lies before it by what of it is in the texel; SHADOWED where one triangle around covers the
+// footprint, or all in and around its texels lie before it by their planes. What is left is UNCERTAIN. `paint` writes what the
+// classes say. `recover` takes the list of the uncertain, from behind the bits of `seen`: for every texel that samples of the
+// pixel fall in, the triangles around it are tested (algorithm 1), the border's tangents looked up by the pattern of depth tests
+// (figures 7, 8), and what the triangles do not cover is judged by the piecewise linear border that links their outer edges
+// (figure 10), all samples from one reconstruction. Writes `visibility` and `lit` (WORDS words a pixel).
 // Three dispatches, not one with early ends: lanes of a vector that are done wait for those that are not.
 
 //@import frame

@@ -42,17 +42,19 @@ fn covers_as(r: Receiver, f: Footprint, texel: vec2<i32>) -> u32 {
 
 // Whether the triangle of the pixel's own texel covers the footprint.
 fn covered_by_own(r: Receiver, f: Footprint) -> bool {
-    return (covers_as(r, f, vec2<i32>(floor(f.at.xy))) & COVERS_ONE) != 0u;
+    return (covers_as(r, f, texel_of(f.at)) & COVERS_ONE) != 0u;
 }
 
 // Whether one triangle around covers the footprint, or all in and around the texels of the footprint lie before it by their
-// planes: then every pattern of depth tests there is the covered one.
+// planes: then every pattern of depth tests there is the covered one. Of a footprint whose middle is outside the texels it was
+// held to, the first alone is asked, so that no loop goes from the one to the other.
 fn covered(r: Receiver, f: Footprint) -> bool {
-    let middle = vec2<i32>(floor(f.at.xy));
-    let low = min(f.first - 1, middle - RADIUS);
-    let high = max(f.last + 1, middle + RADIUS);
+    let middle = texel_of(f.at);
+    let held = all(middle >= f.first) && all(middle <= f.last);
+    let low = select(middle - RADIUS, min(f.first - 1, middle - RADIUS), held);
+    let high = select(middle + RADIUS, max(f.last + 1, middle + RADIUS), held);
     var one = false;
-    var all_before = true;
+    var all_before = held;
     for (var y = low.y; y <= high.y; y++) {
         for (var x = low.x; x <= high.x; x++) {
             let texel = vec2(x, y);

@@ -269,6 +269,12 @@ fn detects_corruption() {
     assert!(spoilt(&|r| r.first[full] &= !bit));
     assert!(spoilt(&|r| r.then[full] &= !bit));
     assert!(spoilt(&|r| r.missed = true));
+    // What the uncertain pixels ask for, as if it had not been.
+    assert!(spoilt(&|r| {
+        let bits = 2 * 25 * 25;
+        r.then[at + bits..at + 2 * bits].fill(0);
+        r.then[at..at + bits].copy_from_slice(&r.first[at..at + bits].to_vec());
+    }));
     let bits = 2 * 25 * 25;
     let bare = (at..at + bits).find(|&k| ran.then[k] == 0).expect("a word without marks");
     assert!(spoilt(&|r| {
