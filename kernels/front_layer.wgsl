@@ -8,12 +8,10 @@
 
 //@import frame
 //@import dispatch
-//@import rect
 //@import work_items
 //@import front_split
-//@import conservative
-//@import span
-//@import block_bits
+//@import cover_cells
+//@import mask_rows
 
 const WORKGROUP = 64u;
 
@@ -27,12 +25,6 @@ const WORKGROUP = 64u;
 @group(0) @binding(7) var<storage, read_write> mask: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> splits: array<f32>;
 
-fn mark(x: u32, y: u32) {
-    let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
-    let bit = 1u << (x % 32u);
-    if (atomicLoad(&mask[word]) & bit) == 0u { atomicOr(&mask[word], bit); }
-}
-
 @compute @workgroup_size(WORKGROUP)
 fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
@@ -42,17 +34,11 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     let shape = cover_triangle(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
     let corner = block.low & vec2(~7u);
-    var left = vec2(0u);
-    for (var y = block.low.y; y <= block.high.y; y++) {
-        let row = f32(y) + 0.5;
-        var cut = span_of(block.low.x, block.high.x);
-        if shape.in_front && !shape.thin {
-            cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
-        }
-        add_cells(&left, y, cells_of(cut, block.low.x, block.high.x));
-    }
+    var left = cover_cells(shape, block, 0xffu);
+    var marks = vec2(0u);
     while any(left != vec2(0u)) {
-        let cell = corner + take_texel(&left);
+        let place = take_texel(&left);
+        let cell = corner + place;
         let centre = vec2<f32>(cell) + 0.5;
         if !covers(shape, centre) { continue; }
         let texel = cell.y * frame.map_size + cell.x;
@@ -61,8 +47,9 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
         let split = split_depth(first, second);
         let range = depth_range(shape, centre);
         let parted = range.x > split || range.y < split;
-        if first == 0u || first == second || !shape.in_front || !parted { mark(cell.x, cell.y); }
+        if first == 0u || first == second || !shape.in_front || !parted { add_texel(&marks, place); }
     }
+    mark_rows(corner, marks);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -11,6 +11,8 @@
 //@import work_items
 //@import front_split
 //@import facing
+//@import span
+//@import mask_rows
 
 struct Edge { v0: u32, v1: u32, t0: u32, t1: u32 }
 
@@ -77,25 +79,35 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let by_x = abs(d.x) >= abs(d.y);
     let start = select(a.y, a.x, by_x);
     let length = select(d.y, d.x, by_x);
+    // Cells between the two lines beside the edge.
+    let line = vec3(-d.y, d.x, d.y * a.x - d.x * a.y);
+    let corner = block.low & vec2(~7u);
+    var left = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
-        for (var x = block.low.x; x <= block.high.x; x++) {
-            let centre = vec2(f32(x) + 0.5, f32(y) + 0.5);
-            let p = centre - a.xy;
-            if abs(d.x * p.y - d.y * p.x) > width { continue; }
-            let texel = y * frame.map_size + x;
-            let first = nearest_keys[texel];
-            if first != 0u {
-                var at = vec2(0.0, 1.0);
-                if abs(length) > 1e-3 {
-                    let middle = select(centre.y, centre.x, by_x) - start;
-                    at = clamp(vec2(middle - reach, middle + reach) / length, vec2(0.0), vec2(1.0));
-                }
-                let z = a.z + (b.z - a.z) * at;
-                if min(z.x, z.y) - frame.depth_margin > split_depth(first, second_keys[texel]) { continue; }
-            }
-            let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
-            let bit = 1u << (x % 32u);
-            if (atomicLoad(&mask[word]) & bit) == 0u { atomicOr(&mask[word], bit); }
-        }
+        let row = f32(y) + 0.5;
+        let wide = vec3(0.0, 0.0, width);
+        let cut = cut_span(cut_span(span_of(block.low.x, block.high.x), line + wide, row), wide - line, row);
+        add_cells(&left, y, cells_of(cut, block.low.x, block.high.x));
     }
+    var marks = vec2(0u);
+    while any(left != vec2(0u)) {
+        let place = take_texel(&left);
+        let cell = corner + place;
+        let centre = vec2<f32>(cell) + 0.5;
+        let p = centre - a.xy;
+        if abs(d.x * p.y - d.y * p.x) > width { continue; }
+        let texel = cell.y * frame.map_size + cell.x;
+        let first = nearest_keys[texel];
+        if first != 0u {
+            var at = vec2(0.0, 1.0);
+            if abs(length) > 1e-3 {
+                let middle = select(centre.y, centre.x, by_x) - start;
+                at = clamp(vec2(middle - reach, middle + reach) / length, vec2(0.0), vec2(1.0));
+            }
+            let z = a.z + (b.z - a.z) * at;
+            if min(z.x, z.y) - frame.depth_margin > split_depth(first, second_keys[texel]) { continue; }
+        }
+        add_texel(&marks, place);
+    }
+    mark_rows(corner, marks);
 }

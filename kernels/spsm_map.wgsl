@@ -10,17 +10,15 @@
 //@import frame
 //@import dispatch
 //@import pass
-//@import rect
 //@import work_items
-//@import conservative
-//@import span
+//@import cover_cells
 //@import spsm_record
 //@import seen_texels
-//@import block_bits
 
 override ENCODING: u32 = 1u;
 override SPLIT: u32 = 1u;
 const WORKGROUP = 64u;
+const TIE = 1e-5;   // of depth
 const LIFT = 2.0;   // times its own range of depths by which a triangle may count as nearer than it is
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -49,9 +47,17 @@ fn run_bits() -> u32 {
 // almost edge-on is nearest: it is at the border of what it belongs to, and the texel shall hold the border. LIFT keeps what
 // is far behind from coming before what hides it.
 fn key_at(shape: Cover, centre: vec2<f32>) -> u32 {
+    return key_of(least_at(shape, centre));
+}
+
+fn least_at(shape: Cover, centre: vec2<f32>) -> f32 {
     let least = dot(shape.depth, vec3(centre, 1.0)) - shape.half_range;
     let first = shape.nearest - LIFT * (shape.farthest - shape.nearest);
-    let bits = bitcast<u32>(select(max(least, first), first, shape.thin));
+    return select(max(least, first), first, shape.thin);
+}
+
+fn key_of(depth: f32) -> u32 {
+    let bits = bitcast<u32>(depth);
     return select(bits, ~(bits | 0x80000000u), (bits >> 31u) == 0u);
 }
 
@@ -64,54 +70,39 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let shape = cover_triangle_by(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
     if !shape.in_front { return; }
-    // Texels that are asked for, in the rows that have any, where the triangle may be; then they alone, one after another: lanes
-    // of a vector wait for the fullest block, not for the fullest of each row.
+    let second = (step.index & PASS_AGAIN) != 0u;
     let corner = block.low & vec2(~7u);
     let word = run_bits() + seen_place(corner).x;
     let asked = vec2(atomicLoad(&seen[word]), atomicLoad(&seen[word + 1u]));
-    var left = vec2(0u);
-    for (var rows = rows_of(asked) & cells_bits(vec2(block.low.y, block.high.y)); rows != 0u; rows &= rows - 1u) {
-        let k = firstTrailingBit(rows);
-        let row = f32(corner.y + k) + 0.5;
-        var cut = span_of(block.low.x, block.high.x);
-        if !shape.thin {
-            cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
-        }
-        add_cells(&left, k, cells_of(cut, block.low.x, block.high.x));
-    }
-    left &= asked;
+    var left = cover_cells(shape, block, rows_of(asked)) & asked;
+    // Where it may be nearest of all that have come; another of the same depth may have a lower index. The keys are raised in a
+    // loop of their own, of few turns: its depths may be rounded otherwise, by far less than TIE.
     var bits = vec2(0u);
     while any(left != vec2(0u)) {
         let place = take_texel(&left);
         let at = corner + place;
         let centre = vec2<f32>(at) + 0.5;
         if !covers(shape, centre) { continue; }
-        let key = key_at(shape, centre);
+        let held = atomicLoad(&depth_keys[at.y * frame.map_size + at.x]);
+        if held <= key_of(least_at(shape, centre) - TIE) { add_texel(&bits, place); }
+    }
+    left = bits;
+    while any(left != vec2(0u)) {
+        let at = corner + take_texel(&left);
+        let key = key_at(shape, vec2<f32>(at) + 0.5);
         let texel = at.y * frame.map_size + at.x;
-        if (step.index & PASS_AGAIN) == 0u {
-            let held = atomicLoad(&depth_keys[texel]);
-            if held < key { atomicMax(&depth_keys[texel], key); }
-            // Another of the same depth may have a lower index.
-            if held <= key { add_texel(&bits, place); }
+        if !second {
+            atomicMax(&depth_keys[texel], key);
         } else if atomicLoad(&depth_keys[texel]) == key {
             atomicMax(&id_keys[texel], ~t);
         }
     }
-    if any(bits != vec2(0u)) {
+    if !second && any(bits != vec2(0u)) {
         let slot = atomicAdd(&seen[SEEN_WON], 1u);
         if slot < arrayLength(&won) {
             won[slot] = vec4(t, (block.low.x >> BLOCK_SHIFT) | ((block.low.y >> BLOCK_SHIFT) << 16u), bits);
         }
     }
-}
-
-// Rows of a block in which a bit is set.
-fn rows_of(bits: vec2<u32>) -> u32 {
-    let half = bits | (bits >> vec2(4u));
-    let quarter = half | (half >> vec2(2u));
-    let one = (quarter | (quarter >> vec2(1u))) & vec2(0x01010101u);
-    let packed = (one * 0x01020408u) >> vec2(24u);
-    return (packed.x & 15u) | ((packed.y & 15u) << 4u);
 }
 
 // The blocks won in this run, if all are listed.

@@ -9,11 +9,8 @@
 //@import frame
 //@import dispatch
 //@import pass
-//@import rect
 //@import work_items
-//@import conservative
-//@import span
-//@import block_bits
+//@import cover_cells
 //@import append
 
 const WORKGROUP = 64u;
@@ -50,21 +47,16 @@ fn texels_of(t: u32, block: Rect) -> vec2<u32> {
     if texel_deepest[frame.map_size * frame.map_size + b] == 0u { return texels; }
     let shape = cover_triangle(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
-    for (var y = block.low.y; y <= block.high.y; y++) {
-        let row = f32(y) + 0.5;
-        var cut = span_of(block.low.x, block.high.x);
-        if shape.in_front && !shape.thin {
-            cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
-        }
-        let cells = cells_of(cut, block.low.x, block.high.x);
-        for (var x = cells.x; x <= cells.y; x++) {
-            let deepest = texel_deepest[y * frame.map_size + x];
-            if deepest == 0u { continue; }
-            let centre = vec2(f32(x) + 0.5, row);
-            if !covers(shape, centre) { continue; }
-            if shape.in_front && depth_range(shape, centre).x - frame.depth_margin > bitcast<f32>(deepest - 1u) { continue; }
-            add_texel(&texels, vec2(x, y) - block.low);
-        }
+    let corner = block.low & vec2(~7u);
+    var left = cover_cells(shape, block, 0xffu);
+    while any(left != vec2(0u)) {
+        let place = take_texel(&left);
+        let cell = corner + place;
+        let deepest = texel_deepest[cell.y * frame.map_size + cell.x];
+        let centre = vec2<f32>(cell) + 0.5;
+        if deepest == 0u || !covers(shape, centre) { continue; }
+        if shape.in_front && depth_range(shape, centre).x - frame.depth_margin > bitcast<f32>(deepest - 1u) { continue; }
+        add_texel(&texels, place);
     }
     return texels;
 }
@@ -73,7 +65,7 @@ fn texels_of(t: u32, block: Rect) -> vec2<u32> {
 fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
     var texels = found;
     while any(texels != vec2(0u)) {
-        let at = item.block.low + take_texel(&texels);
+        let at = (item.block.low & vec2(~7u)) + take_texel(&texels);
         let texel = at.y * frame.map_size + at.x;
         let place = pair_offsets[texel] + atomicAdd(&texel_counts[texel], 1u);
         if anew && place >= pair_offsets[texel + 1u] { continue; }
@@ -89,7 +81,7 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     var texels = texels_of(item.triangle, item.block);
     if index < step.index { touched[index] = texels; }
     while any(texels != vec2(0u)) {
-        let at = item.block.low + take_texel(&texels);
+        let at = (item.block.low & vec2(~7u)) + take_texel(&texels);
         atomicAdd(&texel_counts[at.y * frame.map_size + at.x], 1u);
     }
 }
@@ -115,7 +107,7 @@ fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     var texels = texels_of(item.triangle, item.block);
     var place = room_for(texels);
     while any(texels != vec2(0u)) {
-        let at = item.block.low + take_texel(&texels);
+        let at = (item.block.low & vec2(~7u)) + take_texel(&texels);
         if place < frame.triangle_texel_capacity {
             keys[place] = at.y * frame.map_size + at.x;
             values[place] = item.triangle;

@@ -25,3 +25,17 @@ fn add_cells(texels: ptr<function, vec2<u32>>, y: u32, cells: vec2<u32>) {
     let bits = cells_bits(cells) << (8u * (y & 3u));
     *texels |= select(vec2(bits, 0u), vec2(0u, bits), (y & 4u) != 0u);
 }
+
+// Rows of a block in which a bit is set.
+fn rows_of(texels: vec2<u32>) -> u32 {
+    let half = texels | (texels >> vec2(4u));
+    let quarter = half | (half >> vec2(2u));
+    let one = (quarter | (quarter >> vec2(1u))) & vec2(0x01010101u);
+    let packed = (one * 0x01020408u) >> vec2(24u);
+    return (packed.x & 15u) | ((packed.y & 15u) << 4u);
+}
+
+// The eight bits of row `y`.
+fn row_bits(texels: vec2<u32>, y: u32) -> u32 {
+    return (select(texels.x, texels.y, y >= 4u) >> (8u * (y & 3u))) & 0xffu;
+}

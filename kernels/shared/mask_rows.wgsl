@@ -1,0 +1,12 @@
+// Marks the texels of an 8 x 8 block in `mask` (one bit a texel, rows padded to 32), a row of the block at a time. Needs `frame`
+// and the array `mask` of atomic words.
+
+//@import block_bits
+
+fn mark_rows(corner: vec2<u32>, texels: vec2<u32>) {
+    let across = (frame.map_size + 31u) / 32u;
+    for (var rows = rows_of(texels); rows != 0u; rows &= rows - 1u) {
+        let k = firstTrailingBit(rows);
+        atomicOr(&mask[(corner.y + k) * across + corner.x / 32u], row_bits(texels, k) << (corner.x & 31u));
+    }
+}
