@@ -137,10 +137,16 @@ fn choose(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let shape = cover_triangle_by(
         map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
     var left = block.zw;
+    var nearest = vec2(0u);
     while any(left != vec2(0u)) {
-        let at = corner + take_texel(&left);
+        let place = take_texel(&left);
+        let at = corner + place;
         let texel = at.y * frame.map_size + at.x;
-        if atomicLoad(&depth_keys[texel]) == key_at(shape, vec2<f32>(at) + 0.5) { atomicMax(&id_keys[texel], ~t); }
+        if atomicLoad(&depth_keys[texel]) == key_at(shape, vec2<f32>(at) + 0.5) { add_texel(&nearest, place); }
+    }
+    while any(nearest != vec2(0u)) {
+        let at = corner + take_texel(&nearest);
+        atomicMax(&id_keys[at.y * frame.map_size + at.x], ~t);
     }
 }
 
