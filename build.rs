@@ -75,7 +75,10 @@ fn expand(folder: &Path, file: &Path, seen: &mut HashSet<String>) -> Result<Stri
 fn write_kernel(out: &mut String, stem: &str, source: &str) -> Result<(), String> {
     let module = naga::front::wgsl::parse_str(source)
         .map_err(|e| format!("kernels/{stem}.wgsl: {}", e.emit_to_string_with_path(source, stem)))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+    // Kernels for devices with 64-bit atomics are named so.
+    let wide = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
+    let allowed = if stem.ends_with("_64") { wide } else { Capabilities::empty() };
+    let info = Validator::new(ValidationFlags::all(), allowed)
         .validate(&module)
         .map_err(|e| format!("kernels/{stem}.wgsl: {}", e.emit_to_string_with_path(source, stem)))?;
     let describe = |e: std::fmt::Error| e.to_string();

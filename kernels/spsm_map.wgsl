@@ -10,16 +10,12 @@
 //@import frame
 //@import dispatch
 //@import pass
-//@import work_items
-//@import cover_cells
-//@import spsm_record
-//@import seen_texels
+//@import spsm_raster
+//@import spsm_encode
 
 override ENCODING: u32 = 1u;
 override SPLIT: u32 = 1u;
 const WORKGROUP = 64u;
-const TIE = 1e-5;   // of depth
-const LIFT = 2.0;   // times its own range of depths by which a triangle may count as nearer than it is
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
@@ -28,79 +24,40 @@ const LIFT = 2.0;   // times its own range of depths by which a triangle may cou
 @group(0) @binding(4) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> work_offsets: array<u32>;
-@group(0) @binding(7) var<storage, read_write> depth_keys: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> id_keys: array<atomic<u32>>;
-@group(0) @binding(9) var<storage, read_write> upper_records: array<vec4<u32>>;
-@group(0) @binding(10) var<storage, read_write> lower_records: array<vec4<u32>>;
-@group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;              // triangle, block, texels of it
-@group(0) @binding(12) var<storage, read_write> seen: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> keys: array<atomic<u32>>;         // of a texel complement of the triangle, depth key
+@group(0) @binding(8) var<storage, read_write> upper_records: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> lower_records: array<vec4<u32>>;
+@group(0) @binding(10) var<storage, read_write> seen: array<atomic<u32>>;
+@group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;         // triangle, block, texels of it
 
-const PASS_AGAIN = 1u;  // the triangles at depths already found
-const PASS_LAST = 2u;   // of the texels asked for last
 
-// Where the bits of the texels begin that this run makes.
-fn run_bits() -> u32 {
-    return SEEN_BITS + select(0u, seen_words(), (step.index & PASS_LAST) != 0u);
-}
+fn held_depth(texel: u32) -> u32 { return atomicLoad(&keys[2u * texel + 1u]); }
 
-// Least depth of the plane over the texel as a key that falls with it, whatever its sign. The plane of a triangle that is
-// almost edge-on is nearest: it is at the border of what it belongs to, and the texel shall hold the border. LIFT keeps what
-// is far behind from coming before what hides it.
-fn key_at(shape: Cover, centre: vec2<f32>) -> u32 {
-    return key_of(least_at(shape, centre));
-}
-
-fn least_at(shape: Cover, centre: vec2<f32>) -> f32 {
-    let least = dot(shape.depth, vec3(centre, 1.0)) - shape.half_range;
-    let first = shape.nearest - LIFT * (shape.farthest - shape.nearest);
-    return select(max(least, first), first, shape.thin);
-}
-
-fn key_of(depth: f32) -> u32 {
-    let bits = bitcast<u32>(depth);
-    return select(bits, ~(bits | 0x80000000u), (bits >> 31u) == 0u);
-}
+fn held_triangle(texel: u32) -> u32 { return atomicLoad(&keys[2u * texel]); }
 
 @compute @workgroup_size(WORKGROUP)
 fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
-    let shape = cover_triangle_by(
-        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
-    if !shape.in_front { return; }
     let second = (step.index & PASS_AGAIN) != 0u;
-    let corner = block.low & vec2(~7u);
-    let word = run_bits() + seen_place(corner).x;
-    let asked = vec2(atomicLoad(&seen[word]), atomicLoad(&seen[word + 1u]));
-    var left = cover_cells(shape, block, rows_of(asked)) & asked;
-    // Where it may be nearest of all that have come; another of the same depth may have a lower index. The keys are raised in a
-    // loop of their own, of few turns: its depths may be rounded otherwise, by far less than TIE.
-    var bits = vec2(0u);
+    let task = task_of(item);
+    let bits = may_win(task);
+    var left = bits;
     while any(left != vec2(0u)) {
-        let place = take_texel(&left);
-        let at = corner + place;
-        let centre = vec2<f32>(at) + 0.5;
-        if !covers(shape, centre) { continue; }
-        let held = atomicLoad(&depth_keys[at.y * frame.map_size + at.x]);
-        if held <= key_of(least_at(shape, centre) - TIE) { add_texel(&bits, place); }
-    }
-    left = bits;
-    while any(left != vec2(0u)) {
-        let at = corner + take_texel(&left);
-        let key = key_at(shape, vec2<f32>(at) + 0.5);
+        let at = task.corner + take_texel(&left);
+        let key = key_of(least_at(task.shape, vec2<f32>(at) + 0.5));
         let texel = at.y * frame.map_size + at.x;
         if !second {
-            atomicMax(&depth_keys[texel], key);
-        } else if atomicLoad(&depth_keys[texel]) == key {
-            atomicMax(&id_keys[texel], ~t);
+            atomicMax(&keys[2u * texel + 1u], key);
+        } else if held_depth(texel) == key {
+            atomicMax(&keys[2u * texel], ~task.t);
         }
     }
     if !second && any(bits != vec2(0u)) {
         let slot = atomicAdd(&seen[SEEN_WON], 1u);
         if slot < arrayLength(&won) {
-            won[slot] = vec4(t, (block.low.x >> BLOCK_SHIFT) | ((block.low.y >> BLOCK_SHIFT) << 16u), bits);
+            let block = task.corner >> vec2(BLOCK_SHIFT);
+            won[slot] = vec4(task.t, block.x | (block.y << 16u), bits);
         }
     }
 }
@@ -134,55 +91,17 @@ fn choose(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let block = won[atomicLoad(&seen[SEEN_BASE]) + item];
     let t = block.x;
     let corner = vec2(block.y & 0xffffu, block.y >> 16u) << vec2(BLOCK_SHIFT);
-    let shape = cover_triangle_by(
-        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
+    let shape = cover_of(t);
     var left = block.zw;
     var nearest = vec2(0u);
     while any(left != vec2(0u)) {
         let place = take_texel(&left);
         let at = corner + place;
         let texel = at.y * frame.map_size + at.x;
-        if atomicLoad(&depth_keys[texel]) == key_at(shape, vec2<f32>(at) + 0.5) { add_texel(&nearest, place); }
+        if held_depth(texel) == key_of(least_at(shape, vec2<f32>(at) + 0.5)) { add_texel(&nearest, place); }
     }
     while any(nearest != vec2(0u)) {
         let at = corner + take_texel(&nearest);
-        atomicMax(&id_keys[at.y * frame.map_size + at.x], ~t);
-    }
-}
-
-fn store(texel: u32, record: vec4<u32>) {
-    let upper = frame.map_size * upper_rows();
-    if SPLIT == 0u || texel < upper { upper_records[texel] = record; } else { lower_records[texel - upper] = record; }
-}
-
-// The record of a texel.
-fn made(texel: u32, centre: vec2<f32>) -> vec4<u32> {
-    let t = ~atomicLoad(&id_keys[texel]);
-    if t >= frame.triangle_count {
-        if atomicLoad(&depth_keys[texel]) != 0u { atomicStore(&seen[SEEN_LOST], 1u); }
-        return vec4(0u, 0u, 0u, EMPTY_WORD);
-    }
-    // Vertices in order of index, so that an edge has one code in both of its triangles.
-    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
-    if i.x > i.y { i = i.yxz; }
-    if i.y > i.z { i = i.xzy; }
-    if i.x > i.y { i = i.yxz; }
-    let shift = vec3(centre, 0.0);
-    return encode_record(Corners(map_points[i.x].xyz - shift, map_points[i.y].xyz - shift, map_points[i.z].xyz - shift), centre);
-}
-
-// One invocation the texels of a word of bits: 8 x 4.
-@compute @workgroup_size(WORKGROUP)
-fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let word = flat_invocation(group, groups, WORKGROUP, local);
-    if word >= seen_words() { return; }
-    let block = divided(word >> 1u, (frame.map_size + 7u) >> 3u);
-    let corner = vec2(8u * block.y, 8u * block.x + 4u * (word & 1u));
-    for (var left = atomicLoad(&seen[run_bits() + word]); left != 0u; left &= left - 1u) {
-        let bit = firstTrailingBit(left);
-        let at = corner + vec2(bit & 7u, bit >> 3u);
-        if any(at >= vec2(frame.map_size)) { continue; }
-        let texel = at.y * frame.map_size + at.x;
-        store(texel, made(texel, vec2<f32>(at) + 0.5));
+        atomicMax(&keys[2u * (at.y * frame.map_size + at.x)], ~t);
     }
 }

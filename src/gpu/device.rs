@@ -46,9 +46,13 @@ impl Gpu {
     /// Longest wait for a submission, after which the GPU counts as hung.
     pub const PATIENCE: Duration = Duration::from_secs(300);
 
+    /// What atomic operations on 64 bits need.
+    pub const WIDE_ATOMICS: wgpu::Features =
+        wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
+
     /// Features used where the adapter has them; none is required.
     pub fn optional_features() -> wgpu::Features {
-        wgpu::Features::TIMESTAMP_QUERY
+        wgpu::Features::TIMESTAMP_QUERY | Self::WIDE_ATOMICS
     }
 
     /// Every adapter of this machine.

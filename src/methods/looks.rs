@@ -8,7 +8,6 @@ use crate::Result;
 use crate::gpu::Gpu;
 use crate::stages::facet_classify::{Facets, State};
 use crate::stages::light_layers::Layers;
-use crate::stages::spsm_map::depth_of_key;
 use crate::stages::spsm_query::Class;
 
 /// What was known of a pixel before its samples were looked at, rising with what it asks of the method.
@@ -98,12 +97,11 @@ impl Looks {
 
     pub(super) fn of_spsm(gpu: &Gpu, method: &Spsm) -> Result<Self> {
         let texels = method.texels();
-        let triangles: Vec<u32> = texels.id_keys.read(gpu)?.into_iter().map(|key| !key).collect();
-        let depths = texels.depth_keys.read(gpu)?.into_iter();
+        let closest = texels.closest(gpu)?;
         let map = MapLook {
-            size: side(triangles.len()),
-            depths: depths.map(|key| if key == 0 { f32::NAN } else { depth_of_key(key) }).collect(),
-            triangles,
+            size: side(closest.len()),
+            depths: closest.iter().map(|c| c.map_or(f32::NAN, |(_, depth)| depth)).collect(),
+            triangles: closest.iter().map(|c| c.map_or(u32::MAX, |(triangle, _)| triangle)).collect(),
             marks: Vec::new(),
         };
         let classes = method.pixels().classes(gpu)?.into_iter().map(PixelClass::of_class).collect();

@@ -82,8 +82,7 @@ impl FixedMethod for Spsm {
 
     fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
-        rec.clear(self.texels.depth_keys.raw());
-        rec.clear(self.texels.id_keys.raw());
+        rec.clear(self.texels.keys.raw());
         rec.clear(self.texels.marks.words.raw());
         let seen = Seen {
             samples: inputs.samples,

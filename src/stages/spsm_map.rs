@@ -1,22 +1,22 @@
 //! The sub-pixel shadow map: the closest triangle that touches each texel, in 128 bits (Lecocq 2013, sections 3.2 to 3.4).
 //!
 //! - **Reads** triangles, light-view vertices, their texel rectangles and the scan of the rectangles' 8 × 8 blocks.
-//! - **Writes** `depth_keys` ([`depth_of_key`] of the least depth of any triangle's plane over the texel, at most twice the
-//!   triangle's own range of depths before its nearest corner; 0 where there is none), `id_keys` (complement of the
-//!   triangle), which must be 0 before, and the records; all of the texels that [`seen_texels`](super::seen_texels) marks, and
-//!   no other.
+//! - **Writes** `keys`, two words a texel, which must be 0 before: complement of the triangle, and [`depth_of_key`] of the least
+//!   depth of any triangle's plane over the texel, at most twice the triangle's own range of depths before its nearest corner;
+//!   0 where there is none; and the records; all of the texels that [`seen_texels`](super::seen_texels) marks, and no other.
 //! - **Guarantee.** Bit-equal from run to run: the least conservative depth, and of equal depths the lowest index. No caster
 //!   over a texel lies before the depth of its key. Triangles that are not wholly in front of the light are left out.
-//! - **Cost.** One indirect dispatch over blocks, one over those of them in which a triangle was nearest when it came, one over
-//!   words of marks, 32 texels each; where more blocks win than are listed, or a device rounds differently in the second, two
-//!   more over all blocks and words. 24 bytes a texel, 16 a listed block.
+//! - **Cost.** One indirect dispatch over blocks, one over words of marks, 32 texels each; 24 bytes a texel. On devices without
+//!   [`Gpu::WIDE_ATOMICS`](crate::gpu::Gpu::WIDE_ATOMICS) one more over those blocks in which a triangle was nearest when it
+//!   came; where more blocks win than are listed, or a device rounds differently in the second, two more over all blocks and
+//!   words; 16 bytes a listed block.
 
 use super::camera_visibility::{Blocks, Pass};
 use super::seen_texels::TexelMarks;
 use super::{DispatchArgs, dispatch_args};
 use crate::Result;
-use crate::gpu::kernels::spsm_map as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::kernels::{spsm_map as kernel, spsm_map_64 as wide};
+use crate::gpu::{Buffer, Gpu, Groups, Program, Stage, Uniforms};
 use crate::spsm_code::SlopeCode;
 
 pub use kernel::EMPTY_WORD;
@@ -30,31 +30,41 @@ pub fn depth_of_key(key: u32) -> f32 {
 #[derive(Debug)]
 pub struct SpsmMap {
     raster: Program,
+    encode: Program,
+    second: Option<Second>,
+    uniforms: Uniforms,
+}
+
+/// What finds the triangles at the depths, on devices whose atomics have 32 bits.
+#[derive(Debug)]
+struct Second {
     divide: Program,
     choose: Program,
     again: Program,
-    encode: Program,
     fold: DispatchArgs,
-    uniforms: Uniforms,
 }
 
 /// The memory of the map.
 #[derive(Debug)]
 pub struct SpsmTexels {
-    /// Least depth over each texel, as a key.
-    pub depth_keys: Buffer<u32>,
-    /// Complement of its triangle; 0 where there is none.
-    pub id_keys: Buffer<u32>,
+    /// Of each texel the complement of its triangle and the least depth as a key; 0 where there is none.
+    pub keys: Buffer<u32>,
     /// Records: all in the first, or those of the upper and the lower half of the map, which a binding cannot hold together
     /// at 4096 × 4096.
     pub records: [Buffer<[u32; 4]>; 2],
     /// Which texels are made.
     pub marks: TexelMarks,
+    list: Option<WonBlocks>,
+    /// Table of the slope code.
+    pub slopes: Buffer<[f32; 4]>,
+}
+
+/// The blocks that [`Second`] goes through.
+#[derive(Debug)]
+struct WonBlocks {
     won: Buffer<[u32; 4]>,
     requests: dispatch_args::Requests,
     args: Buffer<u32>,
-    /// Table of the slope code.
-    pub slopes: Buffer<[f32; 4]>,
 }
 
 impl SpsmTexels {
@@ -64,10 +74,14 @@ impl SpsmTexels {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: usize, pixels: usize, exponent: u32) -> Result<Self> {
-        Self::listing(device, queue, size, pixels, exponent, (size * size).min(Self::MOST_LISTED))
+        if !device.features().contains(Gpu::WIDE_ATOMICS) {
+            return Self::listing(device, queue, size, pixels, exponent, (size * size).min(Self::MOST_LISTED));
+        }
+        Self::with_list(device, queue, size, pixels, exponent, None)
     }
 
-    /// Likewise, with space for a list of `blocks` blocks; how many it holds changes what the map costs, not what is in it.
+    /// Likewise for atomics of 32 bits, whatever the device has, with space for a list of `blocks` blocks; how many it holds
+    /// changes what the map costs, not what is in it.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
@@ -79,26 +93,36 @@ impl SpsmTexels {
         exponent: u32,
         blocks: usize,
     ) -> Result<Self> {
+        let request =
+            |count, at| dispatch_args::Request::new(count, kernel::WORKGROUP, dispatch_args::Request::MAX_LIMIT, at);
+        let list = WonBlocks {
+            won: Buffer::storage(device, "spsm_map.won", blocks)?,
+            requests: DispatchArgs::requests(device, queue, &[request(Self::CHOSEN, 0)?, request(Self::AGAIN, 3)?])?,
+            args: Buffer::indirect(device, "spsm_map.args", 6)?,
+        };
+        Self::with_list(device, queue, size, pixels, exponent, Some(list))
+    }
+
+    fn with_list(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        size: usize,
+        pixels: usize,
+        exponent: u32,
+        list: Option<WonBlocks>,
+    ) -> Result<Self> {
         let slopes = Buffer::uniform(device, "spsm_map.slopes", 256)?;
         slopes.write(queue, &SlopeCode::new(exponent).words());
         let binding = device.limits().max_storage_buffer_binding_size;
         let rows = if (size * size * 16) as u64 <= binding { size } else { size.div_ceil(2) };
-        let request = |count, limit, at| dispatch_args::Request::new(count, kernel::WORKGROUP, limit, at);
-        let requests = [
-            request(Self::CHOSEN, dispatch_args::Request::MAX_LIMIT, 0)?,
-            request(Self::AGAIN, dispatch_args::Request::MAX_LIMIT, 3)?,
-        ];
         Ok(Self {
-            depth_keys: Buffer::storage(device, "spsm_map.depth_keys", size * size)?,
-            id_keys: Buffer::storage(device, "spsm_map.id_keys", size * size)?,
+            keys: Buffer::storage(device, "spsm_map.keys", 2 * size * size)?,
             records: [
                 Buffer::storage(device, "spsm_map.upper_records", rows * size)?,
                 Buffer::storage(device, "spsm_map.lower_records", (size - rows) * size)?,
             ],
             marks: TexelMarks::new(device, size, pixels)?,
-            won: Buffer::storage(device, "spsm_map.won", blocks)?,
-            requests: DispatchArgs::requests(device, queue, &requests)?,
-            args: Buffer::indirect(device, "spsm_map.args", 6)?,
+            list,
             slopes,
         })
     }
@@ -111,7 +135,16 @@ impl SpsmTexels {
 
     /// Whether the records are in two halves.
     pub fn is_split(&self) -> bool {
-        self.records[0].len() < self.depth_keys.len()
+        2 * self.records[0].len() < self.keys.len()
+    }
+
+    /// Of each texel triangle and depth; `None` where there is none.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device fails.
+    pub fn closest(&self, gpu: &Gpu) -> Result<Vec<Option<(u32, f32)>>> {
+        let words = self.keys.read(gpu)?;
+        Ok(words.chunks_exact(2).map(|w| (w[0] != 0).then(|| (!w[0], depth_of_key(w[1])))).collect())
     }
 }
 
@@ -119,13 +152,19 @@ impl SpsmMap {
     /// Builds the pipelines to fill `texels`; `encoding` is 0 for the paper's, 1 for edge lines.
     pub fn new(device: &wgpu::Device, encoding: u32, texels: &SpsmTexels) -> Self {
         let constants = [("ENCODING", f64::from(encoding)), ("SPLIT", f64::from(u32::from(texels.is_split())))];
+        let (raster, encode) = match texels.list {
+            None => (wide::ENTRY_RASTER, wide::ENTRY_ENCODE),
+            Some(_) => (kernel::ENTRY_RASTER, kernel::ENTRY_ENCODE),
+        };
         Self {
-            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
-            divide: Program::new(device, kernel::ENTRY_DIVIDE, &[]),
-            choose: Program::new(device, kernel::ENTRY_CHOOSE, &[]),
-            again: Program::new(device, kernel::ENTRY_AGAIN, &[]),
-            encode: Program::new(device, kernel::ENTRY_ENCODE, &constants),
-            fold: DispatchArgs::new(device),
+            raster: Program::new(device, raster, &[]),
+            encode: Program::new(device, encode, &constants),
+            second: texels.list.as_ref().map(|_| Second {
+                divide: Program::new(device, kernel::ENTRY_DIVIDE, &[]),
+                choose: Program::new(device, kernel::ENTRY_CHOOSE, &[]),
+                again: Program::new(device, kernel::ENTRY_AGAIN, &[]),
+                fold: DispatchArgs::new(device),
+            }),
             uniforms: Uniforms::default(),
         }
     }
@@ -161,19 +200,22 @@ impl SpsmMap {
         which: u32,
     ) -> Result<()> {
         let first = self.uniforms.get(stage.device, &Pass { index: which });
-        let again = self.uniforms.get(stage.device, &Pass { index: which | kernel::PASS_AGAIN });
         let buffers = Self::buffers(frame, &first, blocks, texels);
         let words = texels.marks.bit_words() as u64;
         stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
-        stage.run(&self.divide, &buffers, Groups::Workgroups(1))?;
-        self.fold.record(stage, &texels.marks.words, &texels.requests, &texels.args)?;
-        stage.run(&self.choose, &buffers, Groups::Indirect(texels.args.raw(), 0))?;
+        let (Some(second), Some(list)) = (&self.second, &texels.list) else {
+            return stage.run(&self.encode, &buffers, Groups::Items(words));
+        };
+        stage.run(&second.divide, &buffers, Groups::Workgroups(1))?;
+        second.fold.record(stage, &texels.marks.words, &list.requests, &list.args)?;
+        stage.run(&second.choose, &buffers, Groups::Indirect(list.args.raw(), 0))?;
         stage.run(&self.encode, &buffers, Groups::Items(words))?;
-        stage.run(&self.again, &buffers, Groups::Workgroups(1))?;
-        self.fold.record(stage, &texels.marks.words, &texels.requests, &texels.args)?;
+        stage.run(&second.again, &buffers, Groups::Workgroups(1))?;
+        second.fold.record(stage, &texels.marks.words, &list.requests, &list.args)?;
+        let again = self.uniforms.get(stage.device, &Pass { index: which | kernel::PASS_AGAIN });
         let rest = Self::buffers(frame, &again, blocks, texels);
-        stage.run(&self.raster, &rest, Groups::Indirect(texels.args.raw(), 3))?;
-        stage.run(&self.encode, &rest, Groups::Indirect(texels.args.raw(), 0))
+        stage.run(&self.raster, &rest, Groups::Indirect(list.args.raw(), 3))?;
+        stage.run(&self.encode, &rest, Groups::Indirect(list.args.raw(), 0))
     }
 
     fn buffers<'a>(
@@ -181,8 +223,8 @@ impl SpsmMap {
         step: &'a wgpu::Buffer,
         blocks: Blocks<'a>,
         texels: &'a SpsmTexels,
-    ) -> [(&'static str, &'a wgpu::Buffer); 13] {
-        [
+    ) -> Vec<(&'static str, &'a wgpu::Buffer)> {
+        let mut buffers = vec![
             ("frame", frame),
             ("step", step),
             ("slopes", texels.slopes.raw()),
@@ -190,12 +232,12 @@ impl SpsmMap {
             ("map_points", blocks.points.raw()),
             ("light_rects", blocks.rects.raw()),
             ("work_offsets", blocks.offsets.raw()),
-            ("depth_keys", texels.depth_keys.raw()),
-            ("id_keys", texels.id_keys.raw()),
+            ("keys", texels.keys.raw()),
             ("upper_records", texels.records[0].raw()),
             ("lower_records", texels.records[1].raw()),
-            ("won", texels.won.raw()),
             ("seen", texels.marks.words.raw()),
-        ]
+        ];
+        buffers.extend(texels.list.as_ref().map(|list| ("won", list.won.raw())));
+        buffers
     }
 }

@@ -16,7 +16,6 @@ use subpixel_shadows::reference::triangle_setup::Triangle;
 use subpixel_shadows::reference::view::Flat;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::spsm_code::SlopeCode;
-use subpixel_shadows::stages::spsm_map::SpsmTexels;
 
 fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32) -> World {
     let camera = camera(DVec3::new(0.5, 2.0, 5.0), DVec3::ZERO, 40.0);
@@ -40,7 +39,7 @@ fn fault(world: &World, made: &Made) -> Option<String> {
     for texel in 0..inner.len() {
         let at = format!("texel {} {}", texel as u32 % size, texel as u32 / size);
         let Some(t) = made.triangle(texel) else {
-            if inner[texel].is_some() || made.depth_keys[texel] != 0 {
+            if inner[texel].is_some() || made.keys[texel][1] != 0 {
                 return Some(format!("{at}: empty, {:?} expected", inner[texel]));
             }
             if made.records[texel][3] != EMPTY {
@@ -115,6 +114,8 @@ fn check(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32) -> [Made; 2] {
         if let Some(text) = fault(&world, &made) {
             panic!("lines {lines}, {light:?}, map {map}: {text}");
         }
+        let narrow = Made::with_list(&world, lines, 1 << 16);
+        assert!(narrow.keys == made.keys && narrow.records == made.records, "atomics of 32 bits make another map");
         made
     })
 }
@@ -134,7 +135,7 @@ fn one() {
     let mesh = soup(1, 1.0, &mut Random::new(3));
     for map in [1, 2, 7, 64] {
         let [made, _] = check(gpu(), &mesh, above(), map);
-        assert!(made.id_keys.contains(&u32::MAX), "map {map}: triangle 0 is nowhere");
+        assert!(made.keys.iter().any(|k| k[0] == u32::MAX), "map {map}: triangle 0 is nowhere");
     }
 }
 
@@ -195,8 +196,7 @@ fn list_of_won_blocks_too_short() {
     let mesh = doubled(random_scene(1, &mut Random::new(14)));
     let world = world(gpu(), &mesh, above(), 64);
     let with = |blocks| {
-        let texels = SpsmTexels::listing(&gpu().device, &gpu().queue, 64, 12, 5, blocks).expect("memory");
-        let made = Made::in_memory(&world, true, texels);
+        let made = Made::with_list(&world, true, blocks);
         let counts = made.texels.marks.words.read_first(gpu(), 4).expect("readback");
         (made, counts)
     };
@@ -207,7 +207,7 @@ fn list_of_won_blocks_too_short() {
     for blocks in [1, 63, won as usize / 2] {
         let (made, counts) = with(blocks);
         assert!(counts[1] == 2 * 8 * 8 && counts[2] > 0 && counts[3] == 1, "{blocks} listed: {counts:?}");
-        assert!(made.id_keys == whole.id_keys && made.records == whole.records, "{blocks} listed: another map");
+        assert!(made.keys == whole.keys && made.records == whole.records, "{blocks} listed: another map");
     }
 }
 
@@ -230,7 +230,7 @@ fn detects_corruption() {
         let made = Made::new(&world, lines);
         assert_eq!(fault(&world, &made), None);
         let again = Made::new(&world, lines);
-        assert!(made.records == again.records && made.id_keys == again.id_keys, "another result in a second run");
+        assert!(made.records == again.records && made.keys == again.keys, "another result in a second run");
         let full = (0..64 * 64).find(|&t| made.triangle(t).is_some()).expect("a texel");
         let bare = (0..64 * 64).find(|&t| made.triangle(t).is_none());
         let spoilt = |spoil: &dyn Fn(&mut Made)| {
@@ -238,13 +238,13 @@ fn detects_corruption() {
             spoil(&mut off);
             fault(&world, &off).is_some()
         };
-        assert!(spoilt(&|m| m.id_keys[full] = 0));
-        assert!(spoilt(&|m| m.depth_keys[full] -= 1 << 24));
+        assert!(spoilt(&|m| m.keys[full][0] = 0));
+        assert!(spoilt(&|m| m.keys[full][1] -= 1 << 24));
         assert!(spoilt(&|m| m.records[full][3] = EMPTY));
         assert!(spoilt(&|m| m.records[full][0] ^= 0x4000_0000), "lines {lines}");
         assert!(spoilt(&|m| m.records.truncate(9)));
         if let Some(bare) = bare {
-            assert!(spoilt(&|m| m.id_keys[bare] = u32::MAX));
+            assert!(spoilt(&|m| m.keys[bare][0] = u32::MAX));
         }
     }
 }

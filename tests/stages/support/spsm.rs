@@ -18,8 +18,8 @@ use subpixel_shadows::stages::spsm_query::{Options, SpsmPixels};
 pub struct Made {
     pub texels: SpsmTexels,
     pub coding: Coding,
-    pub depth_keys: Vec<u32>,
-    pub id_keys: Vec<u32>,
+    /// Of each texel complement of the triangle and depth key.
+    pub keys: Vec<[u32; 2]>,
     pub records: Vec<[u32; 4]>,
 }
 
@@ -34,6 +34,13 @@ impl Made {
     pub fn new(world: &World, lines: bool) -> Self {
         let size = world.view.map.map_size as usize;
         let texels = SpsmTexels::new(&world.gpu.device, &world.gpu.queue, size, pixels(world), 5);
+        Self::in_memory(world, lines, texels.expect("memory"))
+    }
+
+    /// Likewise with atomics of 32 bits and a list of so many blocks.
+    pub fn with_list(world: &World, lines: bool, blocks: usize) -> Self {
+        let size = world.view.map.map_size as usize;
+        let texels = SpsmTexels::listing(&world.gpu.device, &world.gpu.queue, size, pixels(world), 5, blocks);
         Self::in_memory(world, lines, texels.expect("memory"))
     }
 
@@ -54,11 +61,11 @@ impl Made {
             });
         });
         let total: u32 = world.facts.light_items.read(gpu).expect("readback").iter().sum();
-        assert!(total > 0 || texels.id_keys.read(gpu).expect("readback").iter().all(|&k| k == 0));
+        let keys = texels.keys.read(gpu).expect("readback");
+        assert!(total > 0 || keys.iter().all(|&k| k == 0));
         Self {
             coding: Coding { lines, slopes: SlopeCode::new(5), size },
-            depth_keys: texels.depth_keys.read(gpu).expect("readback"),
-            id_keys: texels.id_keys.read(gpu).expect("readback"),
+            keys: keys.chunks_exact(2).map(|w| [w[0], w[1]]).collect(),
             records: texels.records.iter().flat_map(|half| half.read(gpu).expect("readback")).collect(),
             texels,
         }
@@ -66,12 +73,12 @@ impl Made {
 
     /// The triangle of a texel.
     pub fn triangle(&self, texel: usize) -> Option<u32> {
-        (self.id_keys[texel] != 0).then(|| !self.id_keys[texel])
+        (self.keys[texel][0] != 0).then(|| !self.keys[texel][0])
     }
 
     /// Its conservative depth.
     pub fn depth(&self, texel: usize) -> f64 {
-        f64::from(depth_of_key(self.depth_keys[texel]))
+        f64::from(depth_of_key(self.keys[texel][1]))
     }
 }
 
