@@ -10,13 +10,13 @@ use subpixel_shadows::stages::camera_visibility::CameraVisibility;
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
     let stage = CameraVisibility::new(&gpu.device);
-    let (count, pixels) = (setup.casters.triangles.len(), setup.depth_keys.len());
+    let (count, pixels) = (setup.casters.triangles.len(), setup.seen_keys.len());
     Ok(vec![Case {
         name: "camera_visibility".to_owned(),
         size: count,
         bytes: 2 * (setup.in_camera.items * 96 + pixels * 4),
         atomics: 0,
         flops: 2 * setup.cells_seen * 6,
-        record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.seen(), &setup.depth_keys, &setup.id_keys)),
+        record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.seen(), &setup.seen_keys, &setup.id_keys)),
     }])
 }

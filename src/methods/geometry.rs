@@ -42,8 +42,8 @@ pub struct Geometry {
     pub map_points: Buffer<[f32; 4]>,
     /// Facing, rectangles and block counts of each triangle.
     pub facts: TriangleFacts,
-    /// Complement of the bits of the view depth at every pixel centre; 0 where nothing is seen.
-    pub depth_keys: Buffer<u32>,
+    /// Complements of the triangle and of the bits of the view depth at every pixel centre; 0 where nothing is seen.
+    pub seen_keys: Buffer<[u32; 2]>,
     /// Complement of the triangle at every pixel centre; 0 where there is none.
     pub id_keys: Buffer<u32>,
     camera_offsets: Buffer<u32>,
@@ -72,7 +72,7 @@ impl Geometry {
             points: Buffer::storage(device, "vertex_project.points", vertices)?,
             map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
             facts: TriangleFacts::new(device, triangles)?,
-            depth_keys: Buffer::storage(device, "camera_visibility.depth_keys", pixels)?,
+            seen_keys: Buffer::storage(device, "camera_visibility.keys", pixels)?,
             id_keys: Buffer::storage(device, "camera_visibility.id_keys", pixels)?,
             camera_offsets: Buffer::storage(device, "triangle_setup.camera_offsets", triangles + 2)?,
             light_offsets: Buffer::storage(device, "triangle_setup.light_offsets", triangles + 2)?,
@@ -131,10 +131,9 @@ impl Geometry {
         frame: &wgpu::Buffer,
         casters: &CasterBuffers,
     ) -> Result<()> {
-        rec.clear(self.depth_keys.raw());
-        rec.clear(self.id_keys.raw());
+        rec.clear(self.seen_keys.raw());
         let stage = &mut rec.stage("camera_visibility");
-        with.visibility.record(stage, frame, self.in_camera(casters), &self.depth_keys, &self.id_keys)
+        with.visibility.record(stage, frame, self.in_camera(casters), &self.seen_keys, &self.id_keys)
     }
 
     /// The triangles' blocks of pixels.

@@ -34,7 +34,7 @@ pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
-use crate::gpu::{Buffer, Recorder, Timer};
+use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::LightView;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines, Strip};
 use crate::methods::prepared::surfaces;
@@ -110,9 +110,9 @@ impl ShadowPass {
         wgpu::Features::empty()
     }
 
-    /// Features that are used where a device has them: time stamps.
+    /// Features that are used where a device has them: time stamps, and atomic operations on 64 bits.
     pub fn optional_features() -> wgpu::Features {
-        wgpu::Features::TIMESTAMP_QUERY
+        Gpu::optional_features()
     }
 
     /// Limits that a device must have: WebGPU's defaults. Large images and meshes need larger buffers and bindings.

@@ -1,15 +1,16 @@
 //! The nearest triangle at every pixel centre, by compute rasterization.
 //!
 //! - **Reads** triangles, projected vertices, their pixel rectangles and the scan of the rectangles' 8 × 8 blocks.
-//! - **Writes** `depth_keys` (complement of the bits of view depth in scaled units, 0 where nothing is seen) and `id_keys`
-//!   (complement of the triangle, 0 where nothing is seen). Both must be 0 before.
+//! - **Writes** `keys`, two words a pixel, which must be 0 before (complement of the triangle, and complement of the bits of view
+//!   depth in scaled units; 0 where nothing is seen), and the first of them as `id_keys`.
 //! - **Guarantee.** Bit-equal from run to run: the nearest depth, and of equal depths the lowest index. A centre on a shared
 //!   edge belongs to both triangles, so no closed surface has a hole there.
-//! - **Cost.** Two indirect dispatches; one invocation looks at up to 64 pixels.
+//! - **Cost.** One indirect dispatch, without [`Gpu::WIDE_ATOMICS`] two; one invocation looks at up to 64 pixels. One over the
+//!   pixels.
 
 use crate::Result;
-use crate::gpu::kernels::camera_visibility as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::kernels::{camera_visibility as kernel, camera_visibility_64 as wide};
+use crate::gpu::{Buffer, Gpu, Groups, Program, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
@@ -24,6 +25,8 @@ shared_struct! {
 #[derive(Debug)]
 pub struct CameraVisibility {
     raster: Program,
+    take: Program,
+    runs: usize,
     uniforms: Uniforms,
 }
 
@@ -43,12 +46,30 @@ pub struct Blocks<'a> {
 }
 
 impl CameraVisibility {
-    /// Builds the pipeline.
+    /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[]), uniforms: Uniforms::default() }
+        if !device.features().contains(Gpu::WIDE_ATOMICS) {
+            return Self::narrow(device);
+        }
+        Self {
+            raster: Program::new(device, wide::ENTRY_RASTER, &[]),
+            take: Program::new(device, wide::ENTRY_TAKE, &[]),
+            runs: 1,
+            uniforms: Uniforms::default(),
+        }
     }
 
-    /// Records both runs.
+    /// Likewise for atomics of 32 bits, whatever the device has.
+    pub fn narrow(device: &wgpu::Device) -> Self {
+        Self {
+            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            take: Program::new(device, kernel::ENTRY_TAKE, &[]),
+            runs: 2,
+            uniforms: Uniforms::default(),
+        }
+    }
+
+    /// Records all runs.
     ///
     /// # Errors
     /// None that input can cause.
@@ -57,23 +78,25 @@ impl CameraVisibility {
         stage: &mut Stage,
         frame: &wgpu::Buffer,
         blocks: Blocks,
-        depth_keys: &Buffer<u32>,
+        keys: &Buffer<[u32; 2]>,
         id_keys: &Buffer<u32>,
     ) -> Result<()> {
-        for index in 0..2 {
-            let pass = self.uniforms.get(stage.device, &Pass { index });
-            let buffers = [
+        let buffers = |pass| {
+            [
                 ("frame", frame),
-                ("step", &pass),
+                ("step", pass),
                 ("triangles", blocks.triangles),
                 ("points", blocks.points.raw()),
                 ("camera_rects", blocks.rects.raw()),
                 ("work_offsets", blocks.offsets.raw()),
-                ("depth_keys", depth_keys.raw()),
+                ("keys", keys.raw()),
                 ("id_keys", id_keys.raw()),
-            ];
-            stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
+            ]
+        };
+        let passes = [0, 1].map(|index| self.uniforms.get(stage.device, &Pass { index }));
+        for pass in passes.iter().take(self.runs) {
+            stage.run(&self.raster, &buffers(pass), Groups::Indirect(blocks.args.0, blocks.args.1))?;
         }
-        Ok(())
+        stage.run(&self.take, &buffers(&passes[0]), Groups::Items(id_keys.len() as u64))
     }
 }

@@ -48,7 +48,7 @@ struct Second {
 #[derive(Debug)]
 pub struct SpsmTexels {
     /// Of each texel the complement of its triangle and the least depth as a key; 0 where there is none.
-    pub keys: Buffer<u32>,
+    pub keys: Buffer<[u32; 2]>,
     /// Records: all in the first, or those of the upper and the lower half of the map, which a binding cannot hold together
     /// at 4096 × 4096.
     pub records: [Buffer<[u32; 4]>; 2],
@@ -116,7 +116,7 @@ impl SpsmTexels {
         let binding = device.limits().max_storage_buffer_binding_size;
         let rows = if (size * size * 16) as u64 <= binding { size } else { size.div_ceil(2) };
         Ok(Self {
-            keys: Buffer::storage(device, "spsm_map.keys", 2 * size * size)?,
+            keys: Buffer::storage(device, "spsm_map.keys", size * size)?,
             records: [
                 Buffer::storage(device, "spsm_map.upper_records", rows * size)?,
                 Buffer::storage(device, "spsm_map.lower_records", (size - rows) * size)?,
@@ -135,7 +135,7 @@ impl SpsmTexels {
 
     /// Whether the records are in two halves.
     pub fn is_split(&self) -> bool {
-        2 * self.records[0].len() < self.keys.len()
+        self.records[0].len() < self.keys.len()
     }
 
     /// Of each texel triangle and depth; `None` where there is none.
@@ -143,8 +143,8 @@ impl SpsmTexels {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn closest(&self, gpu: &Gpu) -> Result<Vec<Option<(u32, f32)>>> {
-        let words = self.keys.read(gpu)?;
-        Ok(words.chunks_exact(2).map(|w| (w[0] != 0).then(|| (!w[0], depth_of_key(w[1])))).collect())
+        let keys = self.keys.read(gpu)?;
+        Ok(keys.into_iter().map(|[id, depth]| (id != 0).then(|| (!id, depth_of_key(depth)))).collect())
     }
 }
 

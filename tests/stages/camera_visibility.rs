@@ -14,16 +14,16 @@ const DOUBT: Doubt = Doubt { edge: 1e-3, depth: 1e-5 };
 fn compare(case: &Case, ran: &Ran) -> Result<usize, String> {
     let wanted = case.wanted();
     let seen = nearest(&wanted.view, &wanted.triangles, DOUBT);
-    if seen.len() != ran.id_keys.len() || seen.len() != ran.depth_keys.len() {
+    if seen.len() != ran.id_keys.len() || seen.len() != ran.seen_keys.len() {
         return Err("another number of pixels".to_owned());
     }
     let mut open = 0;
     for (pixel, want) in seen.iter().enumerate() {
         let key = ran.id_keys[pixel];
         let got = (key != 0).then_some(!key);
-        let depth = f64::from(f32::from_bits(!ran.depth_keys[pixel]));
+        let depth = f64::from(f32::from_bits(!ran.seen_keys[pixel][1]));
         let at = format!("pixel {} {}", pixel as u32 % case.image[0], pixel as u32 / case.image[0]);
-        if (key == 0) != (ran.depth_keys[pixel] == 0) {
+        if (key == 0) != (ran.seen_keys[pixel][1] == 0) {
             return Err(format!("{at}: depth without a triangle, or a triangle without depth"));
         }
         if want.covered && got.is_none() {

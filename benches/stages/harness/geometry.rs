@@ -48,7 +48,7 @@ pub struct Setup {
     /// Texels likewise.
     pub cells_lit: usize,
     pub in_light: Work,
-    pub depth_keys: Buffer<u32>,
+    pub seen_keys: Buffer<[u32; 2]>,
     pub id_keys: Buffer<u32>,
     pub layers: Layers,
     pub edge_rects: Buffer<[u32; 2]>,
@@ -185,7 +185,7 @@ impl Setup {
             cells_seen,
             cells_lit,
             in_light,
-            depth_keys: Buffer::storage(device, "bench.depth_keys", pixels)?,
+            seen_keys: Buffer::storage(device, "bench.seen_keys", pixels)?,
             id_keys: Buffer::storage(device, "bench.id_keys", pixels)?,
             layers: Layers::new(device, MAP as usize)?,
             edge_rects,
@@ -200,7 +200,7 @@ impl Setup {
                 s,
                 setup.frame.raw(),
                 setup.seen(),
-                &setup.depth_keys,
+                &setup.seen_keys,
                 &setup.id_keys,
             )?;
             LightLayers::new(device).record(s, setup.frame.raw(), setup.lit(), &setup.layers)?;

@@ -124,7 +124,7 @@ pub struct Ran {
     pub light_rects: Vec<[u32; 2]>,
     pub camera_items: Vec<u32>,
     pub light_items: Vec<u32>,
-    pub depth_keys: Vec<u32>,
+    pub seen_keys: Vec<[u32; 2]>,
     pub id_keys: Vec<u32>,
     pub nearest_keys: Vec<u32>,
     pub second_keys: Vec<u32>,
@@ -151,11 +151,11 @@ impl Ran {
         for rects in [&self.camera_rects, &self.light_rects, &self.edge_rects] {
             words.extend(rects.iter().flatten());
         }
+        words.extend(self.seen_keys.iter().flatten());
         for list in [
             &self.facing,
             &self.camera_items,
             &self.light_items,
-            &self.depth_keys,
             &self.id_keys,
             &self.nearest_keys,
             &self.second_keys,
@@ -232,10 +232,6 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
 
     let (offsets, args) = work(gpu, &camera_items, kernels::camera_visibility::WORKGROUP);
     let pixels = (case.image[0] * case.image[1]) as usize;
-    let (depth_keys, id_keys) = (poisoned::<u32>(gpu, pixels), poisoned::<u32>(gpu, pixels));
-    for keys in [&depth_keys, &id_keys] {
-        keys.write(&gpu.queue, &vec![0; pixels]);
-    }
     let in_camera = Blocks {
         triangles: triangles.raw(),
         points: &points,
@@ -243,8 +239,15 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
         offsets: &offsets,
         args: (args.raw(), 0),
     };
-    let visibility = CameraVisibility::new(device);
-    run(gpu, |s| visibility.record(s, frame_buffer, in_camera, &depth_keys, &id_keys));
+    let seen = |visibility: &CameraVisibility| {
+        let (keys, id_keys) = (poisoned(gpu, pixels), poisoned(gpu, pixels));
+        keys.write(&gpu.queue, &vec![[0; 2]; pixels]);
+        run(gpu, |s| visibility.record(s, frame_buffer, in_camera, &keys, &id_keys));
+        (read(gpu, &keys), read(gpu, &id_keys))
+    };
+    let (seen_keys, id_keys) = seen(&CameraVisibility::new(device));
+    let narrow = seen(&CameraVisibility::narrow(device));
+    assert!((&seen_keys, &id_keys) == (&narrow.0, &narrow.1), "atomics of 32 bits see something else");
 
     let (offsets, args) = work(gpu, &light_items, kernels::light_layers::WORKGROUP);
     let in_light = Blocks {
@@ -293,8 +296,8 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
         light_rects: read(gpu, &facts.light_rects),
         camera_items,
         light_items,
-        depth_keys: read(gpu, &depth_keys),
-        id_keys: read(gpu, &id_keys),
+        seen_keys,
+        id_keys,
         nearest_keys: layers.nearest_keys.read(gpu).expect(all),
         second_keys: layers.second_keys.read(gpu).expect(all),
         marks: [after_layers, after_silhouettes, after_front],

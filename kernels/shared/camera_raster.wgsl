@@ -1,0 +1,67 @@
+// A caster's triangle in a block of pixels. Needs `frame`, `triangles`, `points`, `camera_rects` and `work_offsets`.
+// Edge functions go through the eye, so nothing is clipped and nothing divided; each edge is evaluated from its lower
+// vertex index, so both triangles at it get the same value, and a centre on it belongs to both.
+
+//@import rect
+//@import work_items
+//@import span
+
+// Edge function through the eye as (at the corner ray, per pixel right, per pixel down).
+fn edge(i: u32, j: u32) -> vec3<f32> {
+    let low = min(i, j);
+    let p = points[low].xyz;
+    let m = cross(p, points[max(i, j)].xyz - p) * select(-1.0, 1.0, i == low);
+    return vec3(dot(m, frame.ray_corner.xyz), dot(m, frame.ray_x.xyz), dot(m, frame.ray_y.xyz));
+}
+
+struct Seen {
+    t: u32,
+    block: Rect,
+    edges: array<vec3<f32>, 3>,
+    normal: vec3<f32>,      // at the corner ray, per pixel right, per pixel down
+    distance: f32,
+    nearest: f32,
+    farthest: f32,
+    known: bool,            // which sign is inside; a triangle edge-on to the eye is looked at cell by cell
+}
+
+fn seen_in(item: u32) -> Seen {
+    var s: Seen;
+    s.t = owner_of(item, frame.triangle_count);
+    s.block = block_of(camera_rects[s.t], item - work_offsets[s.t]);
+    let i = vec3(triangles[3u * s.t], triangles[3u * s.t + 1u], triangles[3u * s.t + 2u]);
+    s.edges = array(edge(i.x, i.y), edge(i.y, i.z), edge(i.z, i.x));
+    let a = points[i.x].xyz;
+    let b = points[i.y].xyz;
+    let c = points[i.z].xyz;
+    let normal = cross(b - a, c - a);
+    s.distance = dot(normal, a);
+    s.normal = vec3(dot(normal, frame.ray_corner.xyz), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
+    let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
+    s.nearest = max(min(depths.x, min(depths.y, depths.z)), frame.forward.w);
+    s.farthest = max(depths.x, max(depths.y, depths.z));
+    s.known = abs(s.distance) > 1e-5 * length(normal) * s.farthest;
+    return s;
+}
+
+// First and last pixel of row `y` where it may be.
+fn pixels_of_row(s: Seen, y: u32) -> vec2<u32> {
+    let row = f32(frame.first_row + y) + 0.5;
+    let turn = sign(s.distance);
+    var cut = span_of(s.block.low.x, s.block.high.x);
+    if s.known {
+        cut = cut_span(cut_span(cut_span(cut, turn * s.edges[0].yzx, row), turn * s.edges[1].yzx, row), turn * s.edges[2].yzx, row);
+    }
+    return cells_of(cut, s.block.low.x, s.block.high.x);
+}
+
+// Depth of the triangle at a pixel's centre as a key that falls with it; 0 where it is not seen there.
+fn key_at(s: Seen, x: u32, y: u32) -> u32 {
+    let at = vec3(1.0, f32(x) + 0.5, f32(frame.first_row + y) + 0.5);
+    let v = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at));
+    if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { return 0u; }
+    let depth = s.distance / dot(s.normal, at);
+    if !(depth >= frame.forward.w) { return 0u; }
+    // A sliver's plane is poorly known; its depth lies between its corners'.
+    return ~bitcast<u32>(clamp(depth, s.nearest, s.farthest));
+}
