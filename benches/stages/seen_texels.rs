@@ -6,9 +6,10 @@ use subpixel_shadows::Result;
 use subpixel_shadows::frame::sample_words;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::samples::Samples;
+use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::seen_texels::SeenTexels;
 use subpixel_shadows::stages::spsm_map::SpsmTexels;
-use subpixel_shadows::stages::spsm_query::{Options, Seen};
+use subpixel_shadows::stages::spsm_query::Options;
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };

@@ -6,7 +6,8 @@ use subpixel_shadows::Result;
 use subpixel_shadows::frame::sample_words;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::samples::Samples;
-use subpixel_shadows::stages::shadow_map::{Options, Seen, ShadowMap};
+use subpixel_shadows::stages::Seen;
+use subpixel_shadows::stages::shadow_map::{Options, ShadowMap};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut cases = Vec::new();

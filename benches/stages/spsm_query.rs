@@ -7,9 +7,10 @@ use subpixel_shadows::frame::sample_words;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder};
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::PrefixScan;
+use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::seen_texels::SeenTexels;
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
-use subpixel_shadows::stages::spsm_query::{Options, Seen, SpsmPixels, SpsmQuery};
+use subpixel_shadows::stages::spsm_query::{Options, SpsmPixels, SpsmQuery};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };

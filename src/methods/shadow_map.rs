@@ -10,8 +10,9 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
+use crate::stages::Seen;
 use crate::stages::light_layers::{Layers, LightLayers};
-use crate::stages::shadow_map::{Options, Seen, ShadowMap};
+use crate::stages::shadow_map::{Options, ShadowMap};
 
 /// Either method for one image, map and setting.
 #[derive(Debug)]

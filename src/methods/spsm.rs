@@ -14,9 +14,10 @@ use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::PrefixScan;
+use crate::stages::Seen;
 use crate::stages::seen_texels::SeenTexels;
 use crate::stages::spsm_map::{SpsmMap, SpsmTexels};
-use crate::stages::spsm_query::{Class, Options, Seen, SpsmPixels, SpsmQuery};
+use crate::stages::spsm_query::{Class, Options, SpsmPixels, SpsmQuery};
 
 /// The method for one image, map and setting.
 #[derive(Debug)]

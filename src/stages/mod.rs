@@ -47,6 +47,32 @@ pub use texel_group::TexelGroup;
 use crate::gpu::Buffer;
 use crate::{Error, Result};
 
+/// What stages that ask a map for shadows read of the pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// Sample offsets.
+    pub samples: &'a wgpu::Buffer,
+    /// Complement of the triangle at each pixel centre.
+    pub id_keys: &'a Buffer<u32>,
+    /// Vertex indices.
+    pub triangles: &'a wgpu::Buffer,
+    /// Vertices relative to the eye, scaled.
+    pub points: &'a Buffer<[f32; 4]>,
+}
+
+impl<'a> Seen<'a> {
+    /// What such a stage binds before the map's own.
+    fn buffers(self, frame: &'a wgpu::Buffer) -> Vec<(&'static str, &'a wgpu::Buffer)> {
+        vec![
+            ("frame", frame),
+            ("samples", self.samples),
+            ("id_keys", self.id_keys.raw()),
+            ("triangles", self.triangles),
+            ("points", self.points.raw()),
+        ]
+    }
+}
+
 /// How many items of a list count.
 #[derive(Clone, Copy, Debug)]
 pub enum Count<'a> {

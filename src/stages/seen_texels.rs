@@ -9,8 +9,9 @@
 //!   for listed pixels.
 //! - **Cost.** One dispatch over pixels, one over the listed ones. A quarter of a byte a texel.
 
+use super::Seen;
 use super::spsm_map::SpsmTexels;
-use super::spsm_query::{Options, Seen, SpsmPixels};
+use super::spsm_query::{Options, SpsmPixels};
 use crate::Result;
 use crate::gpu::kernels::seen_texels as kernel;
 use crate::gpu::{Buffer, Gpu, Groups, Program, Recorder, Stage};
@@ -126,7 +127,7 @@ impl SeenTexels {
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) -> Result<()> {
-        let mut buffers = Self::buffers(frame, seen, texels).to_vec();
+        let mut buffers = Self::buffers(frame, seen, texels);
         let (kept, groups) = pixels.unsettled();
         buffers.push(("kept", kept.raw()));
         stage.run(&self.around, &buffers, groups)
@@ -136,17 +137,9 @@ impl SeenTexels {
         frame: &'a wgpu::Buffer,
         seen: Seen<'a>,
         texels: &'a SpsmTexels,
-    ) -> [(&'static str, &'a wgpu::Buffer); 9] {
-        [
-            ("frame", frame),
-            ("samples", seen.samples),
-            ("id_keys", seen.id_keys.raw()),
-            ("triangles", seen.triangles),
-            ("points", seen.points.raw()),
-            ("seen", texels.marks.words.raw()),
-            ("slopes", texels.slopes.raw()),
-            ("upper_records", texels.records[0].raw()),
-            ("lower_records", texels.records[1].raw()),
-        ]
+    ) -> Vec<(&'static str, &'a wgpu::Buffer)> {
+        let mut buffers = seen.buffers(frame);
+        buffers.extend(texels.read_buffers());
+        buffers
     }
 }

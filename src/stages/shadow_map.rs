@@ -6,6 +6,7 @@
 //! - **Guarantee.** Bit-equal from run to run. Nothing is settled early and nothing is exact: the bias decides.
 //! - **Cost.** One dispatch over pixels; per sample one texel read, or as many as the kernel has.
 
+use super::Seen;
 use crate::Result;
 use crate::gpu::kernels::shadow_map as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage};
@@ -27,19 +28,6 @@ pub struct Options {
 #[derive(Debug)]
 pub struct ShadowMap {
     compare: Program,
-}
-
-/// What the stage reads of the pixels.
-#[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
-    /// Sample offsets.
-    pub samples: &'a wgpu::Buffer,
-    /// Complement of the triangle at each pixel centre.
-    pub id_keys: &'a Buffer<u32>,
-    /// Vertex indices.
-    pub triangles: &'a wgpu::Buffer,
-    /// Vertices relative to the eye, scaled.
-    pub points: &'a Buffer<[f32; 4]>,
 }
 
 impl ShadowMap {
@@ -66,15 +54,8 @@ impl ShadowMap {
         nearest_keys: &Buffer<u32>,
         visibility: &Buffer<f32>,
     ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("samples", seen.samples),
-            ("id_keys", seen.id_keys.raw()),
-            ("triangles", seen.triangles),
-            ("points", seen.points.raw()),
-            ("nearest_keys", nearest_keys.raw()),
-            ("visibility", visibility.raw()),
-        ];
+        let mut buffers = seen.buffers(frame);
+        buffers.extend([("nearest_keys", nearest_keys.raw()), ("visibility", visibility.raw())]);
         stage.run(&self.compare, &buffers, Groups::Items(visibility.len() as u64))
     }
 }

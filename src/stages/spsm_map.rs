@@ -138,6 +138,16 @@ impl SpsmTexels {
         self.records[0].len() < self.keys.len()
     }
 
+    /// What the queries bind of it.
+    pub(super) fn read_buffers(&self) -> [(&'static str, &wgpu::Buffer); 4] {
+        [
+            ("slopes", self.slopes.raw()),
+            ("upper_records", self.records[0].raw()),
+            ("lower_records", self.records[1].raw()),
+            ("seen", self.marks.words.raw()),
+        ]
+    }
+
     /// Of each texel triangle and depth; `None` where there is none.
     ///
     /// # Errors
@@ -227,16 +237,13 @@ impl SpsmMap {
         let mut buffers = vec![
             ("frame", frame),
             ("step", step),
-            ("slopes", texels.slopes.raw()),
             ("triangles", blocks.triangles),
             ("map_points", blocks.points.raw()),
             ("light_rects", blocks.rects.raw()),
             ("work_offsets", blocks.offsets.raw()),
             ("keys", texels.keys.raw()),
-            ("upper_records", texels.records[0].raw()),
-            ("lower_records", texels.records[1].raw()),
-            ("seen", texels.marks.words.raw()),
         ];
+        buffers.extend(texels.read_buffers());
         buffers.extend(texels.list.as_ref().map(|list| ("won", list.won.raw())));
         buffers
     }

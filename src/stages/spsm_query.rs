@@ -9,6 +9,7 @@
 //!   are not covered by their own texel's triangle; a compaction; one over pixels that writes what the classes say; one over the
 //!   uncertain pixels, which alone recover.
 
+use super::Seen;
 use super::compact::{self, Compact, Flags};
 use super::spsm_map::SpsmTexels;
 use super::{Count, DispatchArgs, PrefixScan, dispatch_args};
@@ -66,19 +67,6 @@ pub struct SpsmQuery {
     recover: Program,
     compact: Compact,
     fold: DispatchArgs,
-}
-
-/// What the stage reads of the pixels.
-#[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
-    /// Sample offsets.
-    pub samples: &'a wgpu::Buffer,
-    /// Complement of the triangle at each pixel centre.
-    pub id_keys: &'a Buffer<u32>,
-    /// Vertex indices.
-    pub triangles: &'a wgpu::Buffer,
-    /// Vertices relative to the eye, scaled.
-    pub points: &'a Buffer<[f32; 4]>,
 }
 
 /// What the stage writes.
@@ -225,22 +213,16 @@ impl SpsmQuery {
         texels: &'a SpsmTexels,
         pixels: &'a SpsmPixels,
         kept: &'a Buffer<u32>,
-    ) -> [(&'static str, &'a wgpu::Buffer); 14] {
-        [
-            ("frame", frame),
-            ("samples", seen.samples),
-            ("slopes", texels.slopes.raw()),
+    ) -> Vec<(&'static str, &'a wgpu::Buffer)> {
+        let mut buffers = seen.buffers(frame);
+        buffers.extend(texels.read_buffers());
+        buffers.extend([
             ("patterns", pixels.patterns.raw()),
-            ("id_keys", seen.id_keys.raw()),
-            ("triangles", seen.triangles),
-            ("points", seen.points.raw()),
-            ("upper_records", texels.records[0].raw()),
-            ("lower_records", texels.records[1].raw()),
             ("visibility", pixels.visibility.raw()),
             ("lit", pixels.lit.raw()),
             ("marks", pixels.marks.raw()),
             ("kept", kept.raw()),
-            ("seen", texels.marks.words.raw()),
-        ]
+        ]);
+        buffers
     }
 }

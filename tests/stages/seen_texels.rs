@@ -1,17 +1,20 @@
 //! Which texels the pixels ask for, against footprints in `f64`: what lies well within reach of one is marked, what lies well
 //! without is not.
 
-use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform};
+use crate::support::shadow::{
+    World, above, camera, folding_gpu, looked_down_on as world, random_light, random_scene, samples, sheet, uniform,
+};
 use crate::support::spsm::{footprint, pixels, take_list, with_blocks};
 use crate::support::{Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
-use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::reference::seen_texels::asked;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
+use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::seen_texels::{SeenTexels, TexelMarks};
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
-use subpixel_shadows::stages::spsm_query::{Class, Options, Seen, SpsmPixels, SpsmQuery};
+use subpixel_shadows::stages::spsm_query::{Class, Options, SpsmPixels, SpsmQuery};
 
 const REACH: u32 = 3;
 
@@ -144,15 +147,6 @@ fn fault(world: &World, ran: &Ran) -> Option<String> {
     ran.missed.then(|| "a texel is missed".to_owned())
 }
 
-fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, image: [u32; 2], map: u32, count: u32) -> World {
-    let camera = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
-    World::new(gpu, mesh, camera, light, image, map, samples(count))
-}
-
-fn above() -> Light {
-    Light::Directional { direction: [0.3, 1.0, 0.2] }
-}
-
 /// Checks the marks, and that the pixels are what they are where all texels are made.
 #[track_caller]
 fn check(world: &World) -> Ran {
@@ -273,7 +267,7 @@ fn detects_corruption() {
     assert!(spoilt(&|r| {
         let bits = 2 * 25 * 25;
         r.then[at + bits..at + 2 * bits].fill(0);
-        r.then[at..at + bits].copy_from_slice(&r.first[at..at + bits].to_vec());
+        r.then[at..at + bits].copy_from_slice(&r.first[at..at + bits]);
     }));
     let bits = 2 * 25 * 25;
     let bare = (at..at + bits).find(|&k| ran.then[k] == 0).expect("a word without marks");

@@ -2,17 +2,19 @@
 //! depth at the receiver's) makes an interval of visibility, in which the kernel's has to lie.
 
 use crate::support::shadow::{
-    World, add_triangle, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform,
+    World, above, add_triangle, camera, folding_gpu, looked_down_on as world, random_light, random_scene, samples,
+    sheet, uniform,
 };
 use crate::support::spsm::{noise, receiver};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
-use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::reference::shadow_map::Lookup;
 use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
-use subpixel_shadows::stages::shadow_map::{Options, Seen, ShadowMap};
+use subpixel_shadows::stages::shadow_map::{Options, ShadowMap};
 
 const PLAIN: Options = Options { kernel: 1, constant: 5e-5, slope: 1.05, receiver_plane: false };
 
@@ -116,15 +118,6 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
         }
     }
     Ok([compared, close])
-}
-
-fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, image: [u32; 2], map: u32, count: u32) -> World {
-    let camera = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
-    World::new(gpu, mesh, camera, light, image, map, samples(count))
-}
-
-fn above() -> Light {
-    Light::Directional { direction: [0.3, 1.0, 0.2] }
 }
 
 #[track_caller]

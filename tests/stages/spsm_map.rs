@@ -1,7 +1,7 @@
 //! The closest triangle of each texel and its record, against `f64`; and the codes themselves, bit for bit.
 
 use crate::support::shadow::{
-    World, add_triangle, camera, doubled, folding_gpu, random_light, random_scene, samples, sheet, soup, uniform,
+    World, above, add_triangle, camera, doubled, folding_gpu, random_light, random_scene, samples, sheet, soup, uniform,
 };
 use crate::support::spsm::{Made, middle, noise};
 use crate::support::{Random, gpu, run, sizes_around, upload};
@@ -20,10 +20,6 @@ use subpixel_shadows::spsm_code::SlopeCode;
 fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32) -> World {
     let camera = camera(DVec3::new(0.5, 2.0, 5.0), DVec3::ZERO, 40.0);
     World::new(gpu, mesh, camera, light, [4, 3], map, samples(1))
-}
-
-fn above() -> Light {
-    Light::Directional { direction: [0.3, 1.0, 0.2] }
 }
 
 /// Where the stage departs from its definition.

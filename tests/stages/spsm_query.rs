@@ -3,17 +3,19 @@
 
 use crate::support::geometry::ball;
 use crate::support::shadow::{
-    World, add_triangle, camera, folding_gpu, random_light, random_scene, samples, sheet, uniform,
+    World, above, add_triangle, camera, folding_gpu, looked_down_on as world, random_light, random_scene, samples,
+    sheet, uniform,
 };
 use crate::support::spsm::{Made, noise, receiver, take_list};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
-use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::reference::facet_classify::pixel_ray;
 use subpixel_shadows::reference::spsm_query::{Place, Query, texel_of};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::spsm_query::{Class, Options, Seen, SpsmPixels, SpsmQuery};
+use subpixel_shadows::stages::Seen;
+use subpixel_shadows::stages::spsm_query::{Class, Options, SpsmPixels, SpsmQuery};
 use subpixel_shadows::truth::{SceneTruth, Tracer};
 
 const BIAS: f32 = 1e-5;
@@ -215,15 +217,6 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
         }
     }
     Ok([compared, open])
-}
-
-fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, image: [u32; 2], map: u32, count: u32) -> World {
-    let camera = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
-    World::new(gpu, mesh, camera, light, image, map, samples(count))
-}
-
-fn above() -> Light {
-    Light::Directional { direction: [0.3, 1.0, 0.2] }
 }
 
 #[track_caller]

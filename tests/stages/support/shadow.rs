@@ -568,3 +568,14 @@ pub fn folding_gpu() -> &'static Gpu {
         Gpu::open_with_limits(None, Some(limits)).expect("a device with small limits")
     })
 }
+
+/// Light from almost straight above.
+pub fn above() -> Light {
+    Light::Directional { direction: [0.3, 1.0, 0.2] }
+}
+
+/// A mesh around the origin, seen from above.
+pub fn looked_down_on(gpu: &'static Gpu, mesh: &Mesh, light: Light, image: [u32; 2], map: u32, count: u32) -> World {
+    let camera = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
+    World::new(gpu, mesh, camera, light, image, map, samples(count))
+}
