@@ -40,9 +40,18 @@ fn table(folder: &Path) -> Result<String, String> {
     let mut all = String::new();
     for file in files {
         let stem = file.file_stem().and_then(|s| s.to_str()).ok_or("kernel file name")?.to_owned();
-        let source = expand(folder, &file, &mut HashSet::new())?;
-        write_kernel(&mut out, &stem, &source)?;
-        write!(all, "({stem:?}, {stem}::SOURCE, {stem}::ENTRIES), ").map_err(|e| e.to_string())?;
+        let mut imported = HashSet::new();
+        let source = expand(folder, &file, &mut imported, false)?;
+        let mut kernels = vec![(stem.clone(), source, Capabilities::empty())];
+        if imported.contains("keys") {
+            let source = expand(folder, &file, &mut HashSet::new(), true)?;
+            let wide = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
+            kernels.push((format!("{stem}_64"), source, wide));
+        }
+        for (stem, source, allowed) in kernels {
+            write_kernel(&mut out, &stem, &source, allowed)?;
+            write!(all, "({stem:?}, {stem}::SOURCE, {stem}::ENTRIES), ").map_err(|e| e.to_string())?;
+        }
     }
     writeln!(
         out,
@@ -52,15 +61,22 @@ fn table(folder: &Path) -> Result<String, String> {
     Ok(out)
 }
 
-/// The text of `file` with each line `//@import name` replaced by `shared/name.wgsl`, once.
-fn expand(folder: &Path, file: &Path, seen: &mut HashSet<String>) -> Result<String, String> {
+/// The text of `file` with each line `//@import name` replaced by `shared/name.wgsl`, once. A kernel that imports `keys` is there
+/// twice: as it stands, and `wide`, for devices with 64-bit atomics, under its name with `_64`. There `keys_64` stands for `keys`,
+/// and lines from `//@narrow` to `//@end` are left out.
+fn expand(folder: &Path, file: &Path, seen: &mut HashSet<String>, wide: bool) -> Result<String, String> {
     println!("cargo:rerun-if-changed={}", file.display());
     let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
     let mut out = String::new();
+    let mut narrow = false;
     for line in text.lines() {
         match line.strip_prefix("//@import ") {
+            _ if line == "//@narrow" => narrow = true,
+            _ if line == "//@end" => narrow = false,
+            _ if narrow && wide => {}
             Some(name) if seen.insert(name.trim().to_owned()) => {
-                out += &expand(folder, &folder.join("shared").join(format!("{}.wgsl", name.trim())), seen)?;
+                let name = if wide && name.trim() == "keys" { "keys_64" } else { name.trim() };
+                out += &expand(folder, &folder.join("shared").join(format!("{name}.wgsl")), seen, wide)?;
             }
             Some(_) => {}
             None => {
@@ -72,12 +88,9 @@ fn expand(folder: &Path, file: &Path, seen: &mut HashSet<String>) -> Result<Stri
     Ok(out)
 }
 
-fn write_kernel(out: &mut String, stem: &str, source: &str) -> Result<(), String> {
+fn write_kernel(out: &mut String, stem: &str, source: &str, allowed: Capabilities) -> Result<(), String> {
     let module = naga::front::wgsl::parse_str(source)
         .map_err(|e| format!("kernels/{stem}.wgsl: {}", e.emit_to_string_with_path(source, stem)))?;
-    // Kernels for devices with 64-bit atomics are named so.
-    let wide = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
-    let allowed = if stem.ends_with("_64") { wide } else { Capabilities::empty() };
     let info = Validator::new(ValidationFlags::all(), allowed)
         .validate(&module)
         .map_err(|e| format!("kernels/{stem}.wgsl: {}", e.emit_to_string_with_path(source, stem)))?;

@@ -1,15 +1,17 @@
 // spsm_map: the sub-pixel shadow map (Lecocq 2013, sections 3.2 and 3.3): of each texel the closest triangle that touches it.
 // Only texels that are asked for (`seen`, see seen_texels) are made.
 // `raster` finds over the casters' 8 x 8 blocks of texels the least depth that any triangle's plane has over each texel
-// (conservative), and lists in `won` each block in which its triangle was nearest when it came, with the texels where it was.
-// `choose` goes through that list alone and finds the lowest triangle index at the least depth. `encode` writes the record of
-// each texel, and says if one has a depth but no triangle: the list was too short, or `choose`, which is compiled for itself,
-// rounds otherwise than `raster`. Then `again` has `raster` run once more over all blocks, and `encode` over all texels.
+// (conservative), and the lowest triangle index at it. `encode` writes the record of each texel.
+// Atomics of 32 bits find the depth alone in that run: it lists in `won` each block in which its triangle was nearest when it came,
+// with the texels where it was. `choose` goes through that list and finds the triangles. `encode` says if a texel has a depth but
+// no triangle: the list was too short, or `choose`, which is compiled for itself, rounds otherwise than `raster`. Then `again` has
+// `raster` run once more over all blocks, and `encode` over all texels.
 // A triangle that is not wholly in front of the light is left out.
 
 //@import frame
 //@import dispatch
 //@import pass
+//@import keys
 //@import spsm_raster
 //@import spsm_encode
 
@@ -24,16 +26,13 @@ const WORKGROUP = 64u;
 @group(0) @binding(4) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> work_offsets: array<u32>;
-@group(0) @binding(7) var<storage, read_write> keys: array<atomic<u32>>;         // of a texel complement of the triangle, depth key
+@group(0) @binding(7) var<storage, read_write> keys: array<atomic<Key>>;
 @group(0) @binding(8) var<storage, read_write> upper_records: array<vec4<u32>>;
 @group(0) @binding(9) var<storage, read_write> lower_records: array<vec4<u32>>;
 @group(0) @binding(10) var<storage, read_write> seen: array<atomic<u32>>;
-@group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;         // triangle, block, texels of it
-
-
-fn held_depth(texel: u32) -> u32 { return atomicLoad(&keys[2u * texel + 1u]); }
-
-fn held_triangle(texel: u32) -> u32 { return atomicLoad(&keys[2u * texel]); }
+//@narrow
+@group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;  // triangle, block, texels of it
+//@end
 
 @compute @workgroup_size(WORKGROUP)
 fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -45,14 +44,9 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     var left = bits;
     while any(left != vec2(0u)) {
         let at = task.corner + take_texel(&left);
-        let key = key_of(least_at(task.shape, vec2<f32>(at) + 0.5));
-        let texel = at.y * frame.map_size + at.x;
-        if !second {
-            atomicMax(&keys[2u * texel + 1u], key);
-        } else if held_depth(texel) == key {
-            atomicMax(&keys[2u * texel], ~task.t);
-        }
+        raise(at.y * frame.map_size + at.x, key_of(least_at(task.shape, vec2<f32>(at) + 0.5)), task.t, second);
     }
+//@narrow
     if !second && any(bits != vec2(0u)) {
         let slot = atomicAdd(&seen[SEEN_WON], 1u);
         if slot < arrayLength(&won) {
@@ -60,8 +54,10 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             won[slot] = vec4(task.t, block.x | (block.y << 16u), bits);
         }
     }
+//@end
 }
 
+//@narrow
 // The blocks won in this run, if all are listed.
 @compute @workgroup_size(1)
 fn divide() {
@@ -102,6 +98,8 @@ fn choose(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     }
     while any(nearest != vec2(0u)) {
         let at = corner + take_texel(&nearest);
-        atomicMax(&keys[2u * (at.y * frame.map_size + at.x)], ~t);
+        let texel = at.y * frame.map_size + at.x;
+        raise(texel, held_depth(texel), t, true);
     }
 }
+//@end

@@ -69,6 +69,11 @@ impl CameraVisibility {
         }
     }
 
+    /// How often it goes through the casters.
+    pub fn runs(&self) -> usize {
+        self.runs
+    }
+
     /// Records all runs.
     ///
     /// # Errors
