@@ -29,7 +29,9 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     for (var y = seen.block.low.y; y <= seen.block.high.y; y++) {
         let cells = pixels_of_row(seen, y);
         for (var x = cells.x; x <= cells.y; x++) {
-            raise(y * frame.image_size.x + x, key_at(seen, x, y), seen.t, step.index != 0u);
+            let pixel = y * frame.image_size.x + x;
+            let key = key_at(seen, x, y);
+            if key != 0u && held_depth(pixel) <= key { raise(pixel, key, seen.t, step.index != 0u); }
         }
     }
 }

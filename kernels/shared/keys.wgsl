@@ -8,11 +8,11 @@ fn held_depth(cell: u32) -> u32 { return atomicLoad(&keys[2u * cell + 1u]); }
 
 fn held_triangle(cell: u32) -> u32 { return atomicLoad(&keys[2u * cell]); }
 
+// Of callers that have looked whether the cell holds a depth farther away, or as far.
 fn raise(cell: u32, depth_key: u32, triangle: u32, second: bool) {
-    let held = held_depth(cell);
     if !second {
-        if held < depth_key { atomicMax(&keys[2u * cell + 1u], depth_key); }
-    } else if held == depth_key && depth_key != 0u {
+        atomicMax(&keys[2u * cell + 1u], depth_key);
+    } else if held_depth(cell) == depth_key {
         atomicMax(&keys[2u * cell], ~triangle);
     }
 }

@@ -7,6 +7,5 @@ fn held_depth(cell: u32) -> u32 { return u32(atomicLoad(&keys[cell]) >> 32u); }
 fn held_triangle(cell: u32) -> u32 { return u32(atomicLoad(&keys[cell])); }
 
 fn raise(cell: u32, depth_key: u32, triangle: u32, second: bool) {
-    let key = (u64(depth_key) << 32u) | u64(~triangle);
-    if depth_key != 0u && atomicLoad(&keys[cell]) < key { atomicMax(&keys[cell], key); }
+    atomicMax(&keys[cell], (u64(depth_key) << 32u) | u64(~triangle));
 }
