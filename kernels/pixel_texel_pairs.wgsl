@@ -15,6 +15,7 @@
 //@import rect
 //@import work_items
 //@import facet
+//@import facet_outline
 //@import facing
 //@import only_receiver
 //@import front_split
@@ -52,7 +53,7 @@ fn item_of(invocation: u32) -> Item {
 fn texels_of(item: Item) -> vec2<u32> {
     let facet = facets[item.facet];
     let block = item.block;
-    var outline = facet_outline(facet.pixel, part_of(facet.span), facet.plane, facet.limit);
+    let outline = facet_outline(facet.pixel, part_of(facet.span), facet.plane, facet.limit);
     var reach = 0.5 + frame.map_margin;
     // With validity masks even the facet's own sheet is looked at: its triangles may cut samples off.
     var skip_front = (frame.flags & (FLAG_ALL_UNDECIDED | FLAG_VALIDITY)) == 0u;
@@ -66,7 +67,7 @@ fn texels_of(item: Item) -> vec2<u32> {
             let split = splits[y * frame.map_size + x];
             if split == UNCOVERED { continue; }
             if split != MARKED && skip_front && facet.farthest + frame.depth_margin < split { continue; }
-            if !outline_touches(&outline, vec2(f32(x) + 0.5, f32(y) + 0.5), reach) { continue; }
+            if !outline_touches(outline, vec2(f32(x) + 0.5, f32(y) + 0.5), reach) { continue; }
             add_texel(&texels, vec2(x, y) - block.low);
         }
     }

@@ -29,14 +29,6 @@ const STATE_MERGED = 5u;     // before facets are classified: of several triangl
 
 const PIXEL_REACH = 0.50390625;  // half a pixel and 1/256: samples lie well inside the outline
 
-struct Outline {
-    corners: array<vec2<f32>, 5>,  // in texels, in order around
-    count: u32,
-    farthest: f32,
-    in_front: bool,                // the whole outline lies in front of the light
-    whole: bool,                   // every ray of the pixel meets the plane in front of the limit
-}
-
 // A word of the mask of all samples.
 fn full_word(word: u32) -> u32 {
     let left = frame.sample_count - 32u * word;
@@ -47,71 +39,4 @@ fn full_word(word: u32) -> u32 {
 fn part_of(packed: vec2<u32>) -> vec4<f32> {
     if all(packed == vec2(0u)) { return vec4(-PIXEL_REACH, -PIXEL_REACH, PIXEL_REACH, PIXEL_REACH); }
     return vec4(unpack2x16snorm(packed.x), unpack2x16snorm(packed.y));
-}
-
-// The footprint on `plane` of a part of the pixel as the light sees it, cut off where view depth exceeds `limit`.
-fn facet_outline(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> Outline {
-    var out: Outline;
-    out.in_front = true;
-    out.whole = true;
-    out.farthest = -3.0e38;
-    let centre = pixel_ray(pixel);
-    // A ray meets the plane nearer than the limit where `over <= 0`.
-    let bound = plane.w / limit;
-    var offsets = array<vec2<f32>, 4>(span.xy, span.zy, span.zw, span.xw);
-    for (var k = 0u; k < 4u; k++) {
-        let ray = centre + (offsets[k].x * frame.ray_x.xyz + offsets[k].y * frame.ray_y.xyz);
-        let next = offsets[(k + 1u) & 3u];
-        let ray_next = centre + (next.x * frame.ray_x.xyz + next.y * frame.ray_y.xyz);
-        let over = dot(plane.xyz, ray) - bound;
-        let over_next = dot(plane.xyz, ray_next) - bound;
-        if over <= 0.0 { outline_add(&out, ray * (plane.w / dot(plane.xyz, ray))); } else { out.whole = false; }
-        if (over <= 0.0) != (over_next <= 0.0) {
-            let cut = mix(ray, ray_next, over / (over - over_next));
-            outline_add(&out, cut * limit);
-        }
-    }
-    return out;
-}
-
-fn outline_add(out: ptr<function, Outline>, point: vec3<f32>) {
-    let p = vec4(point, 1.0);
-    var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
-    if (frame.flags & FLAG_PERSPECTIVE) != 0u {
-        let w = dot(frame.map_w, p);
-        if w <= frame.light_low.w {
-            (*out).in_front = false;
-            return;
-        }
-        uvz /= w;
-    }
-    if (*out).count < 5u {
-        (*out).corners[(*out).count] = uvz.xy;
-        (*out).count += 1u;
-    }
-    (*out).farthest = max((*out).farthest, uvz.z);
-}
-
-// Whether the outline touches the texel around `centre`: separating axes across the outline's edges (Pan 2009, section
-// 3.3, figure 5), the texel grown by the margin; the texel's own axes are settled by the rectangle.
-fn outline_touches(out: ptr<function, Outline>, centre: vec2<f32>, reach: f32) -> bool {
-    let count = (*out).count;
-    if count < 3u || !(*out).in_front { return true; }
-    var low = vec2(3.0e38);
-    var high = vec2(-3.0e38);
-    var left = true;
-    var right = true;
-    for (var k = 0u; k < count; k++) {
-        let a = (*out).corners[k];
-        var b = (*out).corners[0];
-        if k + 1u < count { b = (*out).corners[k + 1u]; }
-        let d = b - a;
-        let e = d.x * (centre.y - a.y) - d.y * (centre.x - a.x);
-        let slack = reach * (abs(d.x) + abs(d.y));
-        left = left && e >= -slack;
-        right = right && e <= slack;
-        low = min(low, a);
-        high = max(high, a);
-    }
-    return (left || right) && all(centre >= low - reach) && all(centre <= high + reach);
 }
