@@ -44,6 +44,7 @@ mod triangle_texel_pairs;
 mod vertex_project;
 mod visibility_masks;
 mod visibility_texture;
+mod work_owners;
 
 use harness::{Ceilings, Options, Row};
 use subpixel_shadows::Result;
@@ -65,7 +66,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 28] = [
+    let without_textures: [Maker; 29] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -73,6 +74,7 @@ fn run(options: &Options) -> Result<()> {
         sorted_pairs::cases,
         texel_group::cases,
         dispatch_args::cases,
+        work_owners::cases,
         caster_positions::cases,
         vertex_project::cases,
         triangle_setup::cases,

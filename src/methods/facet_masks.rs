@@ -23,7 +23,7 @@ use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
 use crate::stages::visibility_masks::VisibilityMasks;
-use crate::stages::{Count, PrefixScan, SortedPairs, SummedArea};
+use crate::stages::{Count, PrefixScan, SortedPairs, SummedArea, WorkOwners};
 use crate::{Error, Result};
 use glam::DVec3;
 use memory::{Arg, Memory, frames, requests, unsorted};
@@ -52,6 +52,7 @@ pub struct Pipelines {
     resolve: Resolve,
     sorted: Option<SortedPairs>,
     scan: PrefixScan,
+    owners: WorkOwners,
     fold: Program,
 }
 
@@ -91,6 +92,7 @@ impl Pipelines {
             resolve: Resolve::new(device, words),
             sorted: sorted.then(|| SortedPairs::new(device, &scan)),
             scan,
+            owners: WorkOwners::new(device),
             fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
         }
     }
@@ -175,15 +177,16 @@ impl FacetMasks {
         if capacities.facets != m.facets.list.len() {
             let (pixels, words) = (self.settings.pixels(), self.settings.samples.words() as usize);
             m.facets = Facets::new(device, capacities.facets, pixels, words)?;
-            m.facet_offsets = Buffer::storage(device, "facets.offsets", capacities.facets + 2)?;
+            m.facet_offsets =
+                Buffer::storage(device, "facets.offsets", WorkOwners::words(capacities.facets, size * size))?;
             m.scan_scratch = PrefixScan::scratch(device, m.scan_scratch.capacity().max(capacities.facets))?;
         }
         if let Some(every_surface) = &mut self.every_surface {
             every_surface.resize(device, queue, &self.settings, capacities)?;
         }
         m.frames = frames(device, capacities)?;
-        let totals = [m.edge_offsets.len(), m.facet_offsets.len()];
-        m.requests = requests(device, queue, totals.map(|len| len - 2), capacities)?;
+        let totals = [m.edge_items.len(), m.facets.items.len()];
+        m.requests = requests(device, queue, totals, capacities)?;
         m.status = Buffer::storage(device, "status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?;
         self.capacities = capacities;
         Ok(())
@@ -317,6 +320,7 @@ impl FacetMasks {
                 casters.edges.len(),
             )?;
             self.scan(stage, &m.edge_items, &m.edge_offsets, casters.edges.len())?;
+            self.with.owners.record(stage, &m.edge_offsets, casters.edges.len())?;
             self.args(stage, Arg::Edges, &m.edge_offsets)?;
             let args = (m.args.raw(), Arg::Edges.word());
             self.with.silhouettes.record_raster(
@@ -346,7 +350,8 @@ impl FacetMasks {
             }
             let count = m.facets.list.len();
             self.with.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, count)?;
-            self.scan(stage, &m.facets.items, &m.facet_offsets, m.facets.list.len())?;
+            self.scan(stage, &m.facets.items, &m.facet_offsets, count)?;
+            self.with.owners.record(stage, &m.facet_offsets, count)?;
             self.args(stage, Arg::Facets, &m.facet_offsets)?;
         }
         for band in 0..self.capacities.bands {

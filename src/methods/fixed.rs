@@ -110,7 +110,7 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
             prepared,
             settings: settings.clone(),
             with: GeometryPipelines::new(&gpu.device),
-            geometry: Geometry::new(&gpu.device, &gpu.queue, &casters, settings.pixels())?,
+            geometry: Geometry::new(&gpu.device, &gpu.queue, &casters, settings.pixels(), settings.texels())?,
             frame: Buffer::uniform(&gpu.device, "frame", 1)?,
             samples,
             timer: Timer::new(gpu),

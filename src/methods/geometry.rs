@@ -8,7 +8,7 @@ use crate::gpu::{Buffer, Groups, Program, Recorder, Stage};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility};
 use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use crate::stages::vertex_project::VertexProject;
-use crate::stages::{Count, PrefixScan, prefix_scan};
+use crate::stages::{Count, PrefixScan, WorkOwners, prefix_scan};
 
 /// The pipelines.
 #[derive(Debug)]
@@ -17,6 +17,7 @@ pub struct GeometryPipelines {
     setup: TriangleSetup,
     visibility: CameraVisibility,
     scan: PrefixScan,
+    owners: WorkOwners,
     fold: Program,
 }
 
@@ -28,6 +29,7 @@ impl GeometryPipelines {
             setup: TriangleSetup::new(device),
             visibility: CameraVisibility::new(device),
             scan: PrefixScan::new(device),
+            owners: WorkOwners::new(device),
             fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
         }
     }
@@ -58,24 +60,31 @@ const CAMERA_ARGS: u32 = 0;
 const LIGHT_ARGS: u32 = 3;
 
 impl Geometry {
-    /// Makes the memory for an image of `pixels` pixels.
+    /// Makes the memory for an image of `pixels` pixels and a map of `texels` texels.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &CasterBuffers, pixels: usize) -> Result<Self> {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        casters: &CasterBuffers,
+        pixels: usize,
+        texels: usize,
+    ) -> Result<Self> {
         let (vertices, triangles) = (casters.positions.len(), casters.triangles.len());
         let request = |group: u32, at: u32| {
             let words = [triangles as u32, group, u32::MAX, at];
             Buffer::from_slice(device, queue, "dispatch_args.request", &[words])
         };
+        let offsets = |label: &str, cells: usize| Buffer::storage(device, label, WorkOwners::words(triangles, cells));
         Ok(Self {
             points: Buffer::storage(device, "vertex_project.points", vertices)?,
             map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
             facts: TriangleFacts::new(device, triangles)?,
             seen_keys: Buffer::storage(device, "camera_visibility.keys", pixels)?,
             id_keys: Buffer::storage(device, "camera_visibility.id_keys", pixels)?,
-            camera_offsets: Buffer::storage(device, "triangle_setup.camera_offsets", triangles + 2)?,
-            light_offsets: Buffer::storage(device, "triangle_setup.light_offsets", triangles + 2)?,
+            camera_offsets: offsets("triangle_setup.camera_offsets", pixels)?,
+            light_offsets: offsets("triangle_setup.light_offsets", texels)?,
             scan_scratch: PrefixScan::scratch(device, triangles)?,
             requests: [
                 request(camera_visibility::WORKGROUP, CAMERA_ARGS)?,
@@ -115,6 +124,7 @@ impl Geometry {
     ) -> Result<()> {
         let count = items.len();
         with.scan.record(stage, items, offsets, (offsets, count), &self.scan_scratch, Count::Exactly(count))?;
+        with.owners.record(stage, offsets, count)?;
         let request = &self.requests[view];
         let buffers = [("counts", offsets.raw()), ("requests", request.raw()), ("args", self.args.raw())];
         stage.run(&with.fold, &buffers, Groups::Workgroups(1))

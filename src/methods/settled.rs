@@ -19,7 +19,7 @@ use crate::stages::resolve::Resolve;
 use crate::stages::shadow_rays::{Scene, TreeBuffers};
 use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
-use crate::stages::{Count, DispatchArgs, PrefixScan, SummedArea, prefix_scan, summed_area};
+use crate::stages::{Count, DispatchArgs, PrefixScan, SummedArea, WorkOwners, prefix_scan, summed_area};
 use glam::DVec3;
 
 /// Facets, the tree of casters, and the way from masks to the picture.
@@ -52,6 +52,7 @@ struct Proof {
     edge_rects: Buffer<[u32; 2]>,
     edge_items: Buffer<u32>,
     edge_offsets: Buffer<u32>,
+    owners: WorkOwners,
     scan_scratch: prefix_scan::Scratch,
     sat_scratch: summed_area::Scratch,
     requests: Requests,
@@ -205,7 +206,8 @@ impl Proof {
             fold: DispatchArgs::new(device),
             edge_rects: Buffer::storage(device, "settled.edge_rects", edges)?,
             edge_items: Buffer::storage(device, "settled.edge_items", edges)?,
-            edge_offsets: Buffer::storage(device, "settled.edge_offsets", edges + 2)?,
+            edge_offsets: Buffer::storage(device, "settled.edge_offsets", WorkOwners::words(edges, map * map))?,
+            owners: WorkOwners::new(device),
             scan_scratch: PrefixScan::scratch(device, edges)?,
             sat_scratch: summed_area.scratch(device, map, map)?,
             requests: DispatchArgs::requests(device, queue, &[request])?,
@@ -236,6 +238,7 @@ impl Proof {
             let facing = &geometry.facts.facing;
             self.silhouettes.record_classify(stage, frame, edges, facing, points, rects, items, status, count)?;
             self.scan.record(stage, items, offsets, (offsets, count), &self.scan_scratch, Count::Exactly(count))?;
+            self.owners.record(stage, offsets, count)?;
             self.fold.record(stage, offsets, &self.requests, &self.args)?;
             let args = (self.args.raw(), 0);
             self.silhouettes.record_raster(stage, frame, edges, points, rects, offsets, args, layers)?;

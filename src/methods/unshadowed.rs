@@ -118,7 +118,7 @@ fn record(gpu: &Gpu, rec: &mut Recorder, casters: &CasterBuffers, settings: &Set
     let samples = Buffer::uniform(device, "samples", 64)?;
     samples.write(queue, &sample_words(&settings.samples));
     let made = Made {
-        geometry: Geometry::new(device, queue, casters, pixels)?,
+        geometry: Geometry::new(device, queue, casters, pixels, settings.texels())?,
         facets: Facets::new(device, pixels, pixels, words as usize)?,
         status: Buffer::storage(device, "status", status::BANDS + 4)?,
         visibility: Buffer::storage(device, "resolve.visibility", pixels)?,

@@ -35,3 +35,4 @@ pub mod vertex_project;
 pub mod view;
 pub mod visibility_masks;
 pub mod visibility_texture;
+pub mod work_owners;

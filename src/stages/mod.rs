@@ -35,6 +35,7 @@ pub mod triangle_texel_pairs;
 pub mod vertex_project;
 pub mod visibility_masks;
 pub mod visibility_texture;
+pub mod work_owners;
 
 pub use compact::Compact;
 pub use dispatch_args::DispatchArgs;
@@ -43,6 +44,7 @@ pub use radix_sort::RadixSort;
 pub use sorted_pairs::SortedPairs;
 pub use summed_area::SummedArea;
 pub use texel_group::TexelGroup;
+pub use work_owners::WorkOwners;
 
 use crate::gpu::Buffer;
 use crate::{Error, Result};

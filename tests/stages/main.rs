@@ -34,3 +34,4 @@ mod triangle_texel_pairs;
 mod vertex_project;
 mod visibility_masks;
 mod visibility_texture;
+mod work_owners;

@@ -12,7 +12,7 @@ use crate::stages::candidate_pairs::tally;
 use crate::stages::facet_classify::Facets;
 use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::PairLists;
-use crate::stages::{PrefixScan, SortedPairs, SummedArea, prefix_scan, sorted_pairs, summed_area};
+use crate::stages::{PrefixScan, SortedPairs, SummedArea, WorkOwners, prefix_scan, sorted_pairs, summed_area};
 
 /// How the lists of a frame are sized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,15 +124,15 @@ impl Memory {
             samples,
             table: Buffer::from_slice(device, queue, "visibility_masks.table", &table)?,
             frames: frames(device, capacities)?,
-            geometry: Geometry::new(device, queue, casters, pixels)?,
+            geometry: Geometry::new(device, queue, casters, pixels, map * map)?,
             layers: Layers::new(device, map)?,
             edge_rects: Buffer::storage(device, "silhouette_mask.edge_rects", edges)?,
             edge_items: words_of("silhouette_mask.edge_items", edges)?,
-            edge_offsets: words_of("silhouette_mask.edge_offsets", edges + 2)?,
+            edge_offsets: words_of("silhouette_mask.edge_offsets", WorkOwners::words(edges, map * map))?,
             sat: words_of("summed_area.sat", map * map)?,
             sat_scratch: summed_area.scratch(device, map, map)?,
             facets: Facets::new(device, facets, pixels, words)?,
-            facet_offsets: words_of("facets.offsets", facets + 2)?,
+            facet_offsets: words_of("facets.offsets", WorkOwners::words(facets, map * map))?,
             lists: PairLists::new(
                 device,
                 map,

@@ -1,0 +1,62 @@
+//! Owners of work items: which triangle, edge or facet every eighth item of a list belongs to.
+//!
+//! - **Purpose.** The items of a list (the 8 × 8 blocks of triangles, edges and facets) are known by the scan of their counts
+//!   alone. A kernel that goes through them finds the owner of each by a search; with the table it searches among few.
+//! - **Reads** the scan of the items of each owner, with its total.
+//! - **Writes** a table and its length behind the scan, in the same buffer, as far as there is room ([`WorkOwners::words`]); what
+//!   has no room is searched among all owners (`kernels/shared/work_items.wgsl`), and all is where the length is 0.
+//! - **Guarantee.** Exact: an owner is found with the table where it is without.
+//! - **Cost.** One dispatch, a search for every eighth item.
+
+use super::holds;
+use crate::gpu::kernels::work_owners as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::{Result, shared_struct};
+
+pub use kernel::STRIDE;
+
+shared_struct! {
+    /// Parameters of the kernel.
+    "work_owners" => pub struct Params {
+        /// Owners.
+        pub owners: u32,
+        /// Unused.
+        pub pad_0: u32,
+        /// Unused.
+        pub pad_1: u32,
+        /// Unused.
+        pub pad_2: u32,
+    }
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct WorkOwners {
+    list: Program,
+    uniforms: Uniforms,
+}
+
+impl WorkOwners {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { list: Program::new(device, kernel::ENTRY_LIST, &[]), uniforms: Uniforms::default() }
+    }
+
+    /// Words of a buffer for the scan of `owners` counts and a table as long as it takes for owners of small extent on a grid of
+    /// `cells` pixels or texels: four items an owner, or 16 for each block of the grid.
+    pub fn words(owners: usize, cells: usize) -> usize {
+        owners + kernel::HEAD as usize + (4 * owners + cells / 4) / STRIDE as usize + 2
+    }
+
+    /// Records the table behind the scan of `owners` counts.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if `offsets` does not hold the scan.
+    pub fn record(&self, stage: &mut Stage, offsets: &Buffer<u32>, owners: usize) -> Result<()> {
+        let head = owners + kernel::HEAD as usize;
+        holds("work_owners", "work_offsets", offsets.len(), head)?;
+        let params = self.uniforms.get(stage.device, &Params { owners: owners as u32, ..Params::default() });
+        let buffers = [("params", &params), ("work_offsets", offsets.raw())];
+        stage.run(&self.list, &buffers, Groups::Items((offsets.len() - head).max(1) as u64))
+    }
+}

@@ -1,0 +1,181 @@
+//! Owners of work items against their definition: the table itself, and what kernels find with it and without.
+
+use crate::support::shadow::with_total;
+use crate::support::{POISON, Random, assert_same, difference, gpu, run, sizes_around, small_gpu, upload};
+use std::sync::OnceLock;
+use subpixel_shadows::gpu::program::{Access, Binding};
+use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program, Recorder};
+use subpixel_shadows::reference::work_owners::{owners, table};
+use subpixel_shadows::stages::WorkOwners;
+use subpixel_shadows::stages::work_owners::STRIDE;
+
+/// Writes the owner of every item.
+const FIND: Entry = Entry {
+    kernel: "find",
+    name: "find",
+    source: concat!(
+        include_str!("../../kernels/shared/dispatch.wgsl"),
+        include_str!("../../kernels/shared/work_items.wgsl"),
+        "@group(0) @binding(0) var<storage, read> work_offsets: array<u32>;
+        @group(0) @binding(1) var<storage, read_write> found: array<u32>;
+        @group(0) @binding(2) var<storage, read> owners: array<u32>;
+        @compute @workgroup_size(64)
+        fn find(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
+                @builtin(local_invocation_index) local: u32) {
+            let item = flat_invocation(group, groups, 64u, local);
+            if item < work_offsets[owners[0]] { found[item] = owner_of(item, owners[0]); }
+        }"
+    ),
+    workgroup: [64, 1, 1],
+    bindings: &[
+        Binding { index: 0, name: "work_offsets", access: Access::Read },
+        Binding { index: 1, name: "found", access: Access::ReadWrite },
+        Binding { index: 2, name: "owners", access: Access::Read },
+    ],
+};
+
+fn stage() -> &'static WorkOwners {
+    static STAGE: OnceLock<WorkOwners> = OnceLock::new();
+    STAGE.get_or_init(|| WorkOwners::new(&gpu().device))
+}
+
+/// The scan of `counts`, with a poisoned word for the table's length and `room` for its places.
+fn offsets(gpu: &Gpu, counts: &[u32], room: usize) -> Buffer<u32> {
+    let mut words = with_total(counts);
+    words.resize(words.len() + 1 + room, POISON);
+    // No padding, whose words would count as room.
+    words.resize(words.len().next_multiple_of(4), POISON);
+    upload(gpu, &words)
+}
+
+/// The table that the stage makes in `offsets`.
+fn made(gpu: &Gpu, stage: &WorkOwners, offsets: &Buffer<u32>, owners: usize) -> Vec<u32> {
+    run(gpu, |s| stage.record(s, offsets, owners));
+    let words = offsets.read(gpu).expect("readback");
+    let table = &words[owners + 3..];
+    let places = words[owners + 2] as usize;
+    assert!(table[places..].iter().all(|&w| w == POISON), "written beyond the table");
+    table[..places].to_vec()
+}
+
+/// What kernels find for `items` items.
+fn found(gpu: &Gpu, offsets: &Buffer<u32>, owners: usize, items: usize) -> Vec<u32> {
+    let program = Program::new(&gpu.device, FIND, &[]);
+    let (found, owners) = (upload(gpu, &vec![POISON; items.max(1)]), upload(gpu, &[owners as u32]));
+    let buffers = [("work_offsets", offsets.raw()), ("found", found.raw()), ("owners", owners.raw())];
+    run(gpu, |s| s.run(&program, &buffers, Groups::Items(items as u64)));
+    let mut found = found.read(gpu).expect("readback");
+    found.truncate(items);
+    found
+}
+
+/// Compares the table, and the owners found with all of it, a part of it, and none.
+#[track_caller]
+fn check(gpu: &Gpu, stage: &WorkOwners, counts: &[u32]) -> usize {
+    let want = owners(counts);
+    let whole = table(counts, STRIDE as usize, usize::MAX).len();
+    for room in [whole + 5, whole, whole / 2] {
+        let offsets = offsets(gpu, counts, room);
+        let room = offsets.len() - counts.len() - 3;
+        let what = format!("{} items, room for {room}", want.len());
+        assert_same(&what, &made(gpu, stage, &offsets, counts.len()), &table(counts, STRIDE as usize, room));
+        assert_same(&what, &found(gpu, &offsets, counts.len(), want.len()), &want);
+    }
+    // Where the stage did not run: the length is 0, or there is no word for it.
+    for spare in [0, 1] {
+        let words = [with_total(counts), vec![0; spare]].concat();
+        assert_same("no table", &found(gpu, &upload(gpu, &words), counts.len(), want.len()), &want);
+    }
+    want.len()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    assert_eq!(check(gpu(), stage(), &[]), 0);
+    assert_eq!(check(gpu(), stage(), &[0; 100]), 0);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    for count in [1, 7, 8, 9, 500] {
+        assert_eq!(check(gpu(), stage(), &[count]), count as usize);
+        check(gpu(), stage(), &[0, 0, count, 0]);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    for size in sizes_around(64) {
+        check(gpu(), stage(), &vec![1; size]);
+        check(gpu(), stage(), &vec![8; size]);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    let mut random = Random::new(191);
+    let mut items = 0;
+    for round in 0..40 {
+        let most = [1, 2, 3, 20, 300][round % 5];
+        // Many owners of none in a row, as among facets.
+        let count = |random: &mut Random| if random.below(4) > round as u32 % 4 { 0 } else { random.below(most + 1) };
+        let len = random.below(2000) as usize;
+        let counts: Vec<u32> = (0..len).map(|_| count(&mut random)).collect();
+        items += check(gpu(), stage(), &counts);
+    }
+    assert!(items > 20_000, "{items}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    // One owner of almost all, first, last or between; owners of none at both ends.
+    let (many, ones) = (100_000, vec![1; 70]);
+    check(gpu(), stage(), &[vec![many], ones.clone()].concat());
+    check(gpu(), stage(), &[ones.clone(), vec![many]].concat());
+    check(gpu(), stage(), &[vec![0; 3000], ones.clone(), vec![many], ones, vec![0; 3000]].concat());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    // Rooms around the length of the table are in `check`; no room at all, and a buffer that does not hold the scan.
+    let counts = vec![3; 129];
+    let offsets = upload(gpu(), &[with_total(&counts), vec![POISON]].concat());
+    assert_eq!(offsets.len() % 4, 0);
+    assert!(made(gpu(), stage(), &offsets, 129).is_empty());
+    assert_same("no room", &found(gpu(), &offsets, 129, 387), &owners(&counts));
+    let mut encoder = gpu().encoder();
+    let mut recorder = Recorder::new(&gpu().device, &mut encoder, None);
+    assert!(stage().record(&mut recorder.stage("test"), &offsets, 129).is_ok());
+    assert!(stage().record(&mut recorder.stage("test"), &offsets, 130).is_err());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    let small = small_gpu(10, 1 << 22);
+    let stage = WorkOwners::new(&small.device);
+    let mut random = Random::new(192);
+    let counts = random.list(2000, 7);
+    assert!(check(&small, &stage, &counts) > 8 * 64 * 10, "more workgroups than fit along a dimension");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let counts = Random::new(193).list(300, 5);
+    let want = owners(&counts);
+    let offsets = offsets(gpu(), &counts, 1000);
+    let table = made(gpu(), stage(), &offsets, 300);
+    assert_eq!(difference(&found(gpu(), &offsets, 300, want.len()), &want), None);
+    // A place of the table that names another owner is seen in what is found.
+    let mut words = offsets.read(gpu()).expect("readback");
+    words[300 + 3 + table.len() / 2] = 0;
+    offsets.write(&gpu().queue, &words);
+    assert!(difference(&found(gpu(), &offsets, 300, want.len()), &want).is_some());
+}
