@@ -7,7 +7,7 @@ struct Outline {
     c: vec2<f32>,
     d: vec2<f32>,
     e: vec2<f32>,
-    known: bool,  // three corners at the least, all in front of the light
+    known: bool,  // three corners to five, all in front of the light
 }
 
 // Its place in the light view, and whether that is in front of the light.
@@ -51,7 +51,8 @@ fn facet_outline(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> O
                 add_corner(&out, count, seen_from_light(mix(rays[k], rays[next], over[k] / (over[k] - over[next])) * limit));
             }
         }
-        out.known = out.known && count >= 3u;
+        // More than five there are only by rounding.
+        out.known = out.known && count >= 3u && count <= 5u;
     }
     return out;
 }
