@@ -5,6 +5,7 @@
 // last (see shared/work_items).
 
 //@import dispatch
+//@import work_items
 
 struct Params {
     owners: u32,
@@ -14,8 +15,6 @@ struct Params {
 }
 
 const WORKGROUP = 64u;
-const STRIDE = 8u;
-const HEAD = 3u;  // words between the offsets and the table
 
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read_write> work_offsets: array<u32>;
@@ -30,11 +29,5 @@ fn list(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     if k == 0u { work_offsets[table - 1u] = places; }
     if k >= places { return; }
     let item = select(STRIDE * k, total - 1u, k == last);
-    var low = 0u;
-    var high = params.owners;
-    while low < high {
-        let middle = (low + high) >> 1u;
-        if work_offsets[middle] <= item { low = middle + 1u; } else { high = middle; }
-    }
-    work_offsets[table + k] = low - 1u;
+    work_offsets[table + k] = owner_between(item, 0u, params.owners);
 }
