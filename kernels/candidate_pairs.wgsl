@@ -1,21 +1,26 @@
 // candidate_pairs: lists the (facet, triangle) pairs that are worth evaluating.
-// One invocation a pixel-texel pair walks the triangles of its texel, ROUND_LENGTH of them from `round` on, and keeps those
+// One invocation a pixel-texel pair walks the triangles of its place, ROUND_LENGTH of them from `round` on, and keeps those
 // that touch the box of the facet's outline in the light view and rise over the facet's plane there. Both tests are
-// conservative by the frame's margins: what they drop casts nothing on the facet, nor cuts it within its pixel.
+// conservative by the frame's margins: what they drop casts nothing on the facet, nor cuts it within its pixel. Of a tile the
+// word before the triangle tells first whether it may touch what the facet has of the tile, and lie before it.
 // A triangle that covers the whole box and lies wholly before the facet settles it: its occluded mask is filled and the
 // walk ends.
 // Writes `candidates` (facet, triangle), never beyond the capacity, and counts into its `tally`; their order is not defined.
-// A pair that shares several texels is met in each. `seen` remembers what was listed lately: a slot holds one pair, which
-// slot and content together name without doubt, so what is left out was listed, and what was forgotten is listed again.
+// A pair that shares several places is met in each. `seen` remembers what was met lately: a slot holds one pair, which slot
+// and content together name without doubt, so what is left out was tested, and what was forgotten is tested again.
 
 //@import frame
 //@import dispatch
 //@import facet
 //@import candidates
+//@import rect
+//@import places
+//@import tile_cells
+//@import divide
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
-const ROUND_LENGTH = 1024u;
+const ROUND_LENGTH = 4096u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> facets: array<Facet>;
@@ -36,9 +41,9 @@ const COVERS = 2u;
 const SEEN_BITS = 16u;  // SEEN = 1 << SEEN_BITS
 const KNOWN = 0x80000000u;
 
-// Whether the pair was listed, as far as `seen` remembers; it does from now on. A facet of 25 bits and the high bits of a
+// Whether the pair was met before, as far as `seen` remembers; it does from now on. A facet of 25 bits and the high bits of a
 // triangle of 22 fill a slot; the low bits of the triangle, and they, choose it.
-fn is_listed(f: u32, t: u32) -> bool {
+fn was_met(f: u32, t: u32) -> bool {
     if f >= (1u << 25u) || t >= (1u << (SEEN_BITS + 6u)) { return false; }
     let content = KNOWN | f | ((t >> SEEN_BITS) << 25u);
     let slot = (t ^ ((content * 2654435769u) >> (32u - SEEN_BITS))) & (SEEN - 1u);
@@ -85,45 +90,77 @@ fn effect(t: u32, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest
     return select(MATTERS, e, in_front);
 }
 
+fn triangle_at(n: u32) -> u32 {
+    if TILE_SHIFT == 0u { return pair_triangles[n]; }
+    return pair_triangles[2u * n + 1u];
+}
+
+// Of the triangles from `first` to before `end`, which are not more than 32, those that may touch `cells` and lie before `depth`.
+fn near(first: u32, end: u32, cells: u32, depth: u32) -> u32 {
+    if TILE_SHIFT == 0u { return 0xffffffffu >> (32u - (end - first)); }
+    var found = 0u;
+    for (var n = first; n < end; n++) {
+        let word = pair_triangles[2u * n];
+        found |= select(0u, 1u << (n - first), (word & cells) != 0u && (word >> 16u) <= depth);
+    }
+    return found;
+}
+
+// Of the triangles behind `first` that `asked` has a bit for, those that the facet did not meet before.
+fn unmet(f: u32, own: u32, first: u32, asked: u32) -> u32 {
+    var found = 0u;
+    for (var left = asked; left != 0u; left &= left - 1u) {
+        let t = triangle_at(first + firstTrailingBit(left));
+        found |= select(left & (0u - left), 0u, t == own || was_met(f, t));
+    }
+    return found;
+}
+
 fn walk(pair: vec2<u32>) -> u32 {
-    let list = triangle_offsets[pair.y];
-    let list_end = min(triangle_offsets[pair.y + 1u], frame.triangle_texel_capacity);
+    let f = pair.x;
+    var place = pair.y;
+    if TILE_SHIFT != 0u { place = pair.y >> 4u; }
+    let list = triangle_offsets[place];
+    let list_end = min(triangle_offsets[place + 1u], frame.triangle_texel_capacity);
     if list_end > list + ROUND_LENGTH { atomicMax(&candidates.tally[TALLY_LONGEST], list_end - list); }
     let first = list + frame.round * ROUND_LENGTH;
     let end = min(list_end, first + ROUND_LENGTH);
     if first >= end { return 0u; }
-    let f = pair.x;
     let own = facets[f].triangle;
-    let middle = 0.5 * (facets[f].box_low + facets[f].box_high);
-    let half = 0.5 * (facets[f].box_high - facets[f].box_low);
+    let low = facets[f].box_low;
+    let high = facets[f].box_high;
+    let middle = 0.5 * (low + high);
+    let half = 0.5 * (high - low);
     let slope = facets[f].slope;
     let farthest = facets[f].farthest;
-    // What a triangle does is found without a branch; what follows from it, which few do, in loops of their own: vector
-    // machines pay for code that no lane takes.
+    var cells = 0u;
+    if TILE_SHIFT != 0u {
+        cells = texel_cells(pair.y & 15u) & box_cells(divided(place, places_across()).yx, 0.5 * low, 0.5 * high);
+    }
+    let depth = depth_code(farthest + frame.depth_margin);
+    // One loop a question, each over what the ones before left: vector machines pay for code that no lane takes. What costs less
+    // comes first: of texels most pairs are new, of tiles most are not.
     for (var batch = first; batch < end; batch += 32u) {
+        var left = near(batch, min(end, batch + 32u), cells, depth);
+        if TILE_SHIFT != 0u { left = unmet(f, own, batch, left); }
         var kept = 0u;
         var covered = false;
-        let stop = min(end, batch + 32u);
-        for (var n = batch; n < stop; n++) {
-            let t = pair_triangles[n];
+        for (; left != 0u; left &= left - 1u) {
+            let t = triangle_at(batch + firstTrailingBit(left));
             let e = effect(t, middle, half, slope, farthest);
-            kept |= select(0u, 1u << (n - batch), e == MATTERS && t != own);
+            kept |= select(0u, left & (0u - left), e == MATTERS && t != own);
             covered = covered || (e == COVERS && t != own);
         }
         if covered {
-            // Every sample is occluded, whatever else there is; the other texels of the facet find it too.
+            // Every sample is occluded, whatever else there is.
             for (var w = 0u; w < WORDS; w++) { atomicOr(&masks[3u * WORDS * f + WORDS + w], 0xffffffffu); }
             return end - first;
         }
-        var fresh = 0u;
-        for (var left = kept; left != 0u; left &= left - 1u) {
-            let bit = left & (0u - left);
-            if !is_listed(f, pair_triangles[batch + firstTrailingBit(left)]) { fresh |= bit; }
-        }
-        if fresh == 0u { continue; }
-        var at = atomicAdd(&candidates.tally[TALLY_CANDIDATES], countOneBits(fresh));
-        for (; fresh != 0u; fresh &= fresh - 1u) {
-            if at < frame.candidate_capacity { candidates.list[at] = vec2(f, pair_triangles[batch + firstTrailingBit(fresh)]); }
+        if TILE_SHIFT == 0u { kept = unmet(f, own, batch, kept); }
+        if kept == 0u { continue; }
+        var at = atomicAdd(&candidates.tally[TALLY_CANDIDATES], countOneBits(kept));
+        for (; kept != 0u; kept &= kept - 1u) {
+            if at < frame.candidate_capacity { candidates.list[at] = vec2(f, triangle_at(batch + firstTrailingBit(kept))); }
             at += 1u;
         }
     }

@@ -1,12 +1,13 @@
-// pixel_texel_pairs: lists, texel by texel, the undecided facets whose light-view outline touches it (Pan 2009, section
-// 3.3). `count` counts; after a scan `emit` and `emit_rest` write. The texels of the first `step.index` blocks are kept in
-// `touched` from counting to emitting, those of the rest are found anew.
-// Counting writes `texel_counts` (pairs of each texel) and `texel_deepest` (one more than the bits of the farthest facet's
-// depth, 0 where there is no pair; after the texels, one word for each 8 x 8 block of them, not 0 where any has a pair).
-// Emitting writes `pairs` (facet, texel) at `pair_offsets`, never beyond the capacity; order inside a texel is not defined.
-// Instead of all three, `append` lists the pairs as they come: texels in `keys`, facets in `values`, their number in `appended`,
-// to be sorted (the paper's way); it writes `texel_deepest` as counting does.
-// A texel that a facet touches makes no pair where no caster is, nor, without validity masks, where the facet of a caster lies
+// pixel_texel_pairs: lists, place by place, the undecided facets whose light-view outline touches it (Pan 2009, section
+// 3.3). A place is a texel, or a tile of 2 x 2 of them. `count` counts; after a scan `emit` and `emit_rest` write. The texels of
+// the first `step.index` blocks are kept in `touched` from counting to emitting, those of the rest are found anew.
+// Counting writes `place_counts` (pairs of each place) and `place_deepest` (one more than the bits of the farthest facet's
+// depth, 0 where there is no pair; after the places, one word for each 8 x 8 block of texels, not 0 where any has a pair).
+// Emitting writes `pairs` (facet, texel; or facet, tile and one bit for each of its texels that are touched) at `pair_offsets`,
+// never beyond the capacity; order inside a place is not defined.
+// Instead of all three, `append` lists the pairs of texels as they come: texels in `keys`, facets in `values`, their number in
+// `appended`, to be sorted (the paper's way); it writes `place_deepest` as counting does.
+// A texel that a facet touches is in no pair where no caster is, nor, without validity masks, where the facet of a caster lies
 // before the split depth.
 
 //@import frame
@@ -20,6 +21,7 @@
 //@import only_receiver
 //@import front_split
 //@import block_bits
+//@import places
 //@import append
 
 const WORKGROUP = 64u;
@@ -29,8 +31,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(2) var<storage, read> facets: array<Facet>;
 @group(0) @binding(3) var<storage, read> work_offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> splits: array<f32>;
-@group(0) @binding(5) var<storage, read_write> texel_counts: array<atomic<u32>>;
-@group(0) @binding(6) var<storage, read_write> texel_deepest: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> place_counts: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> place_deepest: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read> pair_offsets: array<u32>;
 @group(0) @binding(8) var<storage, read_write> pairs: array<vec2<u32>>;
 @group(0) @binding(9) var<storage, read_write> appended: array<atomic<u32>>;  // pairs appended; not 0 if more than 2^32
@@ -49,7 +51,7 @@ fn item_of(invocation: u32) -> Item {
     return Item(f, block_of(facets[f].rect, item - work_offsets[f]));
 }
 
-// The texels of the block, one bit each row by row, that make a pair with the facet.
+// The texels of the block, one bit each row by row, where a caster may shadow the facet.
 fn texels_of(item: Item) -> vec2<u32> {
     let facet = facets[item.facet];
     let block = item.block;
@@ -61,6 +63,7 @@ fn texels_of(item: Item) -> vec2<u32> {
         reach = 0.5 + margin_beyond(reach_beyond(facet.pixel, part_of(facet.span), facet.plane, facet.limit));
         skip_front = false;
     }
+    let corner = block.low & vec2(~7u);
     var texels = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         for (var x = block.low.x; x <= block.high.x; x++) {
@@ -68,18 +71,32 @@ fn texels_of(item: Item) -> vec2<u32> {
             if split == UNCOVERED { continue; }
             if split != MARKED && skip_front && facet.farthest + frame.depth_margin < split { continue; }
             if !outline_touches(outline, vec2(f32(x) + 0.5, f32(y) + 0.5), reach) { continue; }
-            add_texel(&texels, vec2(x, y) - block.low);
+            add_texel(&texels, vec2(x, y) - corner);
         }
     }
     return texels;
 }
 
-// Remembers the farthest facet of a texel, and that its block has one.
-fn note_depth(at: vec2<u32>, texel: u32, deepest: u32) {
-    if atomicLoad(&texel_deepest[texel]) < deepest { atomicMax(&texel_deepest[texel], deepest); }
-    let across = (frame.map_size + BLOCK - 1u) / BLOCK;
-    let b = frame.map_size * frame.map_size + (at.y >> BLOCK_SHIFT) * across + (at.x >> BLOCK_SHIFT);
-    if atomicLoad(&texel_deepest[b]) == 0u { atomicOr(&texel_deepest[b], 1u); }
+// Where a pair meets: which place, and what of it, which is what the pair says.
+struct Meeting { place: u32, name: u32 }
+
+// Takes the first meeting out of a block's texels, of which there must be one.
+fn take_meeting(texels: ptr<function, vec2<u32>>, block: Rect) -> Meeting {
+    let corner = block.low & vec2(~7u);
+    if TILE_SHIFT == 0u {
+        let place = place_index(corner + take_texel(texels));
+        return Meeting(place, place);
+    }
+    let tile = take_tile(texels);
+    let place = place_index((corner >> vec2(1u)) + tile.xy);
+    return Meeting(place, (place << 4u) | tile.z);
+}
+
+// Remembers the farthest facet of a place, and that its block has one.
+fn note_depth(block: Rect, place: u32, deepest: u32) {
+    if atomicLoad(&place_deepest[place]) < deepest { atomicMax(&place_deepest[place], deepest); }
+    let b = block_word(block.low);
+    if atomicLoad(&place_deepest[b]) == 0u { atomicOr(&place_deepest[b], 1u); }
 }
 
 fn deepest_of(f: u32) -> u32 {
@@ -90,11 +107,10 @@ fn deepest_of(f: u32) -> u32 {
 fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
     var texels = found;
     while any(texels != vec2(0u)) {
-        let at = item.block.low + take_texel(&texels);
-        let texel = at.y * frame.map_size + at.x;
-        let place = pair_offsets[texel] + atomicAdd(&texel_counts[texel], 1u);
-        if anew && place >= pair_offsets[texel + 1u] { continue; }
-        if place < frame.pixel_texel_capacity { pairs[place] = vec2(item.facet, texel); }
+        let at = take_meeting(&texels, item.block);
+        let place = pair_offsets[at.place] + atomicAdd(&place_counts[at.place], 1u);
+        if anew && place >= pair_offsets[at.place + 1u] { continue; }
+        if place < frame.pixel_texel_capacity { pairs[place] = vec2(item.facet, at.name); }
     }
 }
 
@@ -107,10 +123,9 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     var texels = texels_of(item);
     if index < step.index { touched[index] = texels; }
     while any(texels != vec2(0u)) {
-        let at = item.block.low + take_texel(&texels);
-        let texel = at.y * frame.map_size + at.x;
-        atomicAdd(&texel_counts[texel], 1u);
-        note_depth(at, texel, deepest);
+        let place = take_meeting(&texels, item.block).place;
+        atomicAdd(&place_counts[place], 1u);
+        note_depth(item.block, place, deepest);
     }
 }
 
@@ -136,11 +151,10 @@ fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     var texels = texels_of(item);
     var place = room_for(texels);
     while any(texels != vec2(0u)) {
-        let at = item.block.low + take_texel(&texels);
-        let texel = at.y * frame.map_size + at.x;
-        note_depth(at, texel, deepest);
+        let at = take_meeting(&texels, item.block);
+        note_depth(item.block, at.place, deepest);
         if place < frame.pixel_texel_capacity {
-            keys[place] = texel;
+            keys[place] = at.place;
             values[place] = item.facet;
         }
         place++;

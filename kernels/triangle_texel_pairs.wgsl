@@ -1,16 +1,20 @@
-// triangle_texel_pairs: lists, texel by texel, the casters that touch a texel with pixel-texel pairs (Pan 2009, section
-// 3.3). `count` counts into `texel_counts`; after a scan `emit` and `emit_rest` write the triangles to `pair_triangles` at
-// `pair_offsets`, never beyond the capacity; order inside a texel is not defined. The texels of the first `step.index` blocks
-// are kept in `touched` from counting to emitting, those of the rest are found anew.
-// Instead of all three, `append` lists the pairs as they come: texels in `keys`, triangles in `values`, their number in
+// triangle_texel_pairs: lists, place by place, the casters that touch a place with pixel-texel pairs (Pan 2009, section
+// 3.3). A place is a texel, or a tile of 2 x 2 of them. `count` counts into `place_counts`; after a scan `emit` and `emit_rest`
+// write the triangles to `pair_triangles` at `pair_offsets`, never beyond the capacity; order inside a place is not defined. Of a
+// tile a word goes before the triangle: the cells of the tile that it may touch (tile_cells), and from bit 16 on its least depth
+// there. The places of the first `step.index` blocks are kept in `touched` from counting to emitting, those of the rest are
+// found anew.
+// Instead of all three, `append` lists the pairs of texels as they come: texels in `keys`, triangles in `values`, their number in
 // `appended`, to be sorted (the paper's way).
-// A caster that lies behind the farthest facet of the texel makes no pair.
+// A caster that lies behind the farthest facet of the place makes no pair.
 
 //@import frame
 //@import dispatch
 //@import pass
 //@import work_items
 //@import cover_cells
+//@import places
+//@import tile_cells
 //@import append
 
 const WORKGROUP = 64u;
@@ -21,8 +25,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
-@group(0) @binding(6) var<storage, read> texel_deepest: array<u32>;
-@group(0) @binding(7) var<storage, read_write> texel_counts: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read> place_deepest: array<u32>;
+@group(0) @binding(7) var<storage, read_write> place_counts: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read> pair_offsets: array<u32>;
 @group(0) @binding(9) var<storage, read_write> pair_triangles: array<u32>;
 @group(0) @binding(10) var<storage, read_write> appended: array<atomic<u32>>;  // pairs appended; not 0 if more than 2^32
@@ -39,37 +43,87 @@ fn item_of(item: u32) -> Item {
     return Item(t, block_of(light_rects[t], item - work_offsets[t]));
 }
 
-// The texels of the block, one bit each row by row, that make a pair with triangle `t`.
-fn texels_of(t: u32, block: Rect) -> vec2<u32> {
-    var texels = vec2(0u);
-    let across = (frame.map_size + BLOCK - 1u) / BLOCK;
-    let b = (block.low.y >> BLOCK_SHIFT) * across + (block.low.x >> BLOCK_SHIFT);
-    if texel_deepest[frame.map_size * frame.map_size + b] == 0u { return texels; }
-    let shape = cover_triangle(
-        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
-    let corner = block.low & vec2(~7u);
-    var left = cover_cells(shape, block, 0xffu);
+// The places of the block, in places.
+fn places_of(block: Rect) -> Rect {
+    return Rect(block.low >> vec2(TILE_SHIFT), block.high >> vec2(TILE_SHIFT));
+}
+
+// The triangle as places are asked for it, which are units of length.
+fn cover_of(t: u32) -> Cover {
+    let a = map_points[triangles[3u * t]];
+    let b = map_points[triangles[3u * t + 1u]];
+    let c = map_points[triangles[3u * t + 2u]];
+    if TILE_SHIFT == 0u { return cover_triangle(a, b, c); }
+    let half = vec4(0.5, 0.5, 1.0, 1.0);
+    return cover_triangle_by(half * a, half * b, half * c, 0.5 * frame.map_margin);
+}
+
+// No depth of the triangle in the place is less.
+fn nearest_in(shape: Cover, at: vec2<u32>) -> f32 {
+    return select(-3.0e38, depth_range(shape, vec2<f32>(at) + 0.5).x - frame.depth_margin, shape.in_front);
+}
+
+// The places of the block that make a pair with triangle `t`, one bit each, row by row of the 8 x 8 places they lie in.
+fn shared_places(t: u32, block: Rect) -> vec2<u32> {
+    var found = vec2(0u);
+    if place_deepest[block_word(block.low)] == 0u { return found; }
+    let shape = cover_of(t);
+    let places = places_of(block);
+    let corner = places.low & vec2(~7u);
+    var left = cover_cells(shape, places, 0xffu);
     while any(left != vec2(0u)) {
-        let place = take_texel(&left);
-        let cell = corner + place;
-        let deepest = texel_deepest[cell.y * frame.map_size + cell.x];
-        let centre = vec2<f32>(cell) + 0.5;
-        if deepest == 0u || !covers(shape, centre) { continue; }
-        if shape.in_front && depth_range(shape, centre).x - frame.depth_margin > bitcast<f32>(deepest - 1u) { continue; }
-        add_texel(&texels, place);
+        let at = take_texel(&left);
+        let place = corner + at;
+        let deepest = place_deepest[place_index(place)];
+        if deepest == 0u || !covers(shape, vec2<f32>(place) + 0.5) { continue; }
+        if nearest_in(shape, place) > bitcast<f32>(deepest - 1u) { continue; }
+        add_texel(&found, at);
     }
-    return texels;
+    return found;
+}
+
+// The cells of a tile that the triangle may touch. Its edges are those of tiles, a cell's centre three eighths from them.
+fn cells_in(s: Cover, tile: vec2<u32>) -> u32 {
+    if !s.in_front { return 0xffffu; }
+    let boxed = box_cells(tile, s.low + 0.5, s.high - 0.5);
+    if s.thin { return boxed; }
+    let x = vec3(s.edges[0].x, s.edges[1].x, s.edges[2].x);
+    let y = vec3(s.edges[0].y, s.edges[1].y, s.edges[2].y);
+    let at = vec3(vec2<f32>(tile) + 0.125, 1.0);
+    let first = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at)) - 0.375 * (abs(x) + abs(y));
+    var cells = 0u;
+    for (var row = 0u; row < 4u; row++) {
+        let e0 = first + (0.25 * f32(row)) * y;
+        let e1 = e0 + 0.25 * x;
+        let e2 = e0 + 0.5 * x;
+        let e3 = e0 + 0.75 * x;
+        let inside = vec4(
+            min(e0.x, min(e0.y, e0.z)), min(e1.x, min(e1.y, e1.z)), min(e2.x, min(e2.y, e2.z)), min(e3.x, min(e3.y, e3.z)));
+        let bits = select(vec4(0u), vec4(1u, 2u, 4u, 8u), inside >= vec4(0.0));
+        cells |= (bits.x | bits.y | bits.z | bits.w) << (4u * row);
+    }
+    return cells & boxed;
 }
 
 // `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within what was counted.
 fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
-    var texels = found;
-    while any(texels != vec2(0u)) {
-        let at = (item.block.low & vec2(~7u)) + take_texel(&texels);
-        let texel = at.y * frame.map_size + at.x;
-        let place = pair_offsets[texel] + atomicAdd(&texel_counts[texel], 1u);
-        if anew && place >= pair_offsets[texel + 1u] { continue; }
-        if place < frame.triangle_texel_capacity { pair_triangles[place] = item.triangle; }
+    var left = found;
+    if all(left == vec2(0u)) { return; }
+    let corner = places_of(item.block).low & vec2(~7u);
+    var shape: Cover;
+    if TILE_SHIFT != 0u { shape = cover_of(item.triangle); }
+    while any(left != vec2(0u)) {
+        let at = corner + take_texel(&left);
+        let k = place_index(at);
+        let place = pair_offsets[k] + atomicAdd(&place_counts[k], 1u);
+        if anew && place >= pair_offsets[k + 1u] { continue; }
+        if place >= frame.triangle_texel_capacity { continue; }
+        if TILE_SHIFT == 0u {
+            pair_triangles[place] = item.triangle;
+        } else {
+            pair_triangles[2u * place] = cells_in(shape, at) | (depth_code(nearest_in(shape, at)) << 16u);
+            pair_triangles[2u * place + 1u] = item.triangle;
+        }
     }
 }
 
@@ -78,12 +132,10 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let item = item_of(index);
     if item.triangle == NO_TRIANGLE { return; }
-    var texels = texels_of(item.triangle, item.block);
-    if index < step.index { touched[index] = texels; }
-    while any(texels != vec2(0u)) {
-        let at = (item.block.low & vec2(~7u)) + take_texel(&texels);
-        atomicAdd(&texel_counts[at.y * frame.map_size + at.x], 1u);
-    }
+    var found = shared_places(item.triangle, item.block);
+    if index < step.index { touched[index] = found; }
+    let corner = places_of(item.block).low & vec2(~7u);
+    while any(found != vec2(0u)) { atomicAdd(&place_counts[place_index(corner + take_texel(&found))], 1u); }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -97,19 +149,20 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 @compute @workgroup_size(WORKGROUP)
 fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
-    if item.triangle != NO_TRIANGLE { write_pairs(item, texels_of(item.triangle, item.block), true); }
+    if item.triangle != NO_TRIANGLE { write_pairs(item, shared_places(item.triangle, item.block), true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
     if item.triangle == NO_TRIANGLE { return; }
-    var texels = texels_of(item.triangle, item.block);
-    var place = room_for(texels);
-    while any(texels != vec2(0u)) {
-        let at = (item.block.low & vec2(~7u)) + take_texel(&texels);
+    var found = shared_places(item.triangle, item.block);
+    var place = room_for(found);
+    let corner = places_of(item.block).low & vec2(~7u);
+    while any(found != vec2(0u)) {
+        let at = corner + take_texel(&found);
         if place < frame.triangle_texel_capacity {
-            keys[place] = at.y * frame.map_size + at.x;
+            keys[place] = place_index(at);
             values[place] = item.triangle;
         }
         place++;

@@ -337,7 +337,8 @@ fn a_device_that_binds_little_renders_in_strips() {
     }
 }
 
-/// Sorted or grouped, the pairs are the same, with room for all from the start, with none, and in bands.
+/// By tiles or by texels, sorted or grouped, what comes of the pairs is the same, with room for all from the start, with none, and
+/// in bands.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn how_pairs_are_brought_together_does_not_matter() {
@@ -348,16 +349,21 @@ fn how_pairs_are_brought_together_does_not_matter() {
             let settings = Settings { pairs, facets, ..settings(true) };
             render_with(&scene.mesh, &scene.camera, &scene.light, &settings, budget)
         };
+        let tiled = with(PairVariant::Tiled, Budget::default());
         let grouped = with(PairVariant::Grouped, Budget::default());
         let sorted = with(PairVariant::Sorted, Budget::default());
         assert!(grouped.counts.visibility_evaluations > 0, "{name}: nothing was evaluated");
         // Evaluations are not compared: a facet that is covered takes no more, and that depends on the order.
         let pairs = |o: &Output| (o.counts.pixel_texel_pairs, o.counts.triangle_texel_pairs, o.counts.candidate_tests);
         assert_eq!(pairs(&sorted), pairs(&grouped), "{name}");
+        assert!(pairs(&tiled).0 < pairs(&grouped).0, "{name}: tiles do not bring texels together");
         failures.compare(&format!("{name}, {facets:?}, sorted"), &grouped, &sorted);
-        let grown = with(PairVariant::Sorted, Budget { start: Some(1), ..Budget::default() });
-        assert!(grown.lists[0].runs > 1, "{name}: the lists did not grow");
-        failures.compare(&format!("{name}, {facets:?}, sorted, lists begun at 1"), &grouped, &grown);
+        failures.compare(&format!("{name}, {facets:?}, tiled"), &grouped, &tiled);
+        for variant in [PairVariant::Tiled, PairVariant::Sorted] {
+            let grown = with(variant, Budget { start: Some(1), ..Budget::default() });
+            assert!(grown.lists[0].runs > 1, "{name}: the lists did not grow");
+            failures.compare(&format!("{name}, {facets:?}, {variant:?}, lists begun at 1"), &grouped, &grown);
+        }
     }
     failures.report();
 }

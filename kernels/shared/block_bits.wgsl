@@ -14,6 +14,19 @@ fn take_texel(texels: ptr<function, vec2<u32>>) -> vec2<u32> {
     return vec2(k & 7u, (k >> 3u) + select(0u, 4u, lower));
 }
 
+// Takes the first tile of 2 x 2 texels out, of which there must be one: its place in the block, and its texels as four bits.
+fn take_tile(texels: ptr<function, vec2<u32>>) -> vec3<u32> {
+    let lower = (*texels).x == 0u;
+    let word = select((*texels).x, (*texels).y, lower);
+    let k = firstTrailingBit(word);
+    let tile = vec2((k & 7u) >> 1u, k >> 4u);
+    let at = 16u * tile.y + 2u * tile.x;
+    let rest = word & ~(0x303u << at);
+    if lower { (*texels).y = rest; } else { (*texels).x = rest; }
+    let bits = word >> at;
+    return vec3(tile + vec2(0u, select(0u, 2u, lower)), (bits & 3u) | ((bits >> 6u) & 12u));
+}
+
 // Cells from x to y of a block's row as eight bits; none where the first exceeds the last.
 fn cells_bits(cells: vec2<u32>) -> u32 {
     if cells.x > cells.y { return 0u; }

@@ -98,7 +98,8 @@ pub struct Options {
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: Masks,
-    /// How facet-masks brings pairs together by texel: counted and written to their places, or sorted, as in the paper
+    /// How facet-masks brings pairs together: by tiles of 2 x 2 texels or by texels, counted and written to their places, or by
+    /// texels sorted, as in the paper
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub pairs: PairsBy,
     /// How facet-masks turns shadows into lines of the image: planes through the eye, or the paper's two projections, which
@@ -330,6 +331,7 @@ pub enum Masks {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PairsBy {
     #[default]
+    Tiled,
     Grouped,
     Sorted,
 }
@@ -394,6 +396,7 @@ impl Options {
                 Masks::Table => MaskVariant::TABLE,
             },
             pairs: match self.pairs {
+                PairsBy::Tiled => PairVariant::Tiled,
                 PairsBy::Grouped => PairVariant::Grouped,
                 PairsBy::Sorted => PairVariant::Sorted,
             },

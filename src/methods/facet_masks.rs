@@ -72,7 +72,7 @@ impl Pipelines {
         let two_step = settings.projection == ProjectionVariant::TwoStep;
         let words = settings.samples.words();
         let scan = PrefixScan::new(device);
-        let sorted = settings.pairs == PairVariant::Sorted;
+        let (sorted, places) = (settings.pairs == PairVariant::Sorted, settings.pairs.places());
         Self {
             words,
             facets: settings.facets,
@@ -85,9 +85,9 @@ impl Pipelines {
             silhouettes: SilhouetteMask::new(device),
             summed_area: SummedArea::new(device, Texels::Bits),
             classify: FacetClassify::specialised(device, words, clamp, receivers),
-            pixel_pairs: PixelTexelPairs::new(device),
-            triangle_pairs: TriangleTexelPairs::new(device),
-            candidates: CandidatePairs::new(device, words),
+            pixel_pairs: PixelTexelPairs::new(device, places),
+            triangle_pairs: TriangleTexelPairs::new(device, places),
+            candidates: CandidatePairs::new(device, words, places),
             masks: VisibilityMasks::specialised(device, words, settings.masks.size(), two_step, !clamp),
             resolve: Resolve::new(device, words),
             sorted: sorted.then(|| SortedPairs::new(device, &scan)),
@@ -169,10 +169,10 @@ impl FacetMasks {
     /// # Errors
     /// As [`FacetMasks::new`].
     pub fn resize(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, capacities: Capacities) -> Result<()> {
-        let size = self.settings.map as usize;
+        let (size, places) = (self.settings.map as usize, self.settings.pairs.places());
+        let Capacities { pixel_pairs, triangle_pairs, candidates, .. } = capacities;
         let m = &mut self.memory;
-        m.lists =
-            PairLists::new(device, size, capacities.pixel_pairs, capacities.triangle_pairs, capacities.candidates)?;
+        m.lists = PairLists::new(device, size, places, pixel_pairs, triangle_pairs, candidates)?;
         m.unsorted = unsorted(device, &self.settings, capacities)?;
         if capacities.facets != m.facets.list.len() {
             let (pixels, words) = (self.settings.pixels(), self.settings.samples.words() as usize);

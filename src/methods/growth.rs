@@ -11,7 +11,7 @@ use crate::{Error, Result};
 
 /// Most bands a frame may be split into.
 pub const MAX_BANDS: u32 = 4096;
-/// Most rounds of triangles a texel may take.
+/// Most rounds of triangles a place of the map may take.
 pub const MAX_ROUNDS: u32 = 256;
 /// Most rounds of triangles a pixel may take.
 pub const MAX_CAMERA_ROUNDS: u32 = 2048;
@@ -54,7 +54,7 @@ pub fn wanted(
     let rounds = (longest as u32).div_ceil(ROUND_LENGTH).max(1);
     if rounds > MAX_ROUNDS {
         return Err(Error::Memory {
-            what: format!("triangles of one texel ({longest} of them)"),
+            what: format!("triangles of one place of the map ({longest} of them)"),
             needed: u64::from(rounds),
             limit: u64::from(MAX_ROUNDS),
         });
@@ -74,9 +74,10 @@ pub fn wanted(
         let (p, t) = (grown(pixel_pairs, now.pixel_pairs), grown(triangle_pairs, now.triangle_pairs));
         (p, t, grown(candidates, now.candidates))
     };
+    let triangle_pair = triangle_pair_bytes(settings);
     let bytes_of = |lists: (u64, u64, u64)| pair_bytes(settings, lists);
     let fits = |(p, t, c): (u64, u64, u64)| {
-        bytes_of((p, t, c)) <= budget && p * 8 <= binding && t * 4 <= binding && c * 8 <= binding
+        bytes_of((p, t, c)) <= budget && p * 8 <= binding && t * triangle_pair <= binding && c * 8 <= binding
     };
     // An eighth more than was needed if there is room for it; no less than there is, unless another list needs the room.
     let least = lists(|_| 0, true);
@@ -99,10 +100,14 @@ pub fn wanted(
 /// Bytes of lists of so many pixel-texel pairs, triangle-texel pairs and candidates, with what it takes to sort them.
 fn pair_bytes(settings: &Settings, (p, t, c): (u64, u64, u64)) -> u64 {
     let sorted = match settings.pairs {
-        PairVariant::Grouped => 0,
+        PairVariant::Tiled | PairVariant::Grouped => 0,
         PairVariant::Sorted => t * SortedPairs::BYTES[0] + p * SortedPairs::BYTES[1],
     };
-    p * 8 + t * 4 + c * 12 + sorted
+    p * 8 + t * triangle_pair_bytes(settings) + c * 12 + sorted
+}
+
+fn triangle_pair_bytes(settings: &Settings) -> u64 {
+    4 * settings.pairs.places().words() as u64
 }
 
 /// The capacities with which the camera's lists hold every surface, if they are not the ones in use. What comes after
@@ -196,7 +201,9 @@ pub fn ahead(
     let [p, t, c] = [more.pixel_pairs, more.triangle_pairs, more.candidates].map(|n| n as u64);
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let fits = pair_bytes(settings, (p, t, c)) <= budget
-        && [p * 8, t * 4, c * 8 + 4 * TALLY_WORDS as u64].iter().all(|&bytes| bytes <= binding);
+        && [p * 8, t * triangle_pair_bytes(settings), c * 8 + 4 * TALLY_WORDS as u64]
+            .iter()
+            .all(|&bytes| bytes <= binding);
     if fits && wanted.bands == now.bands { more } else { wanted }
 }
 
@@ -263,7 +270,7 @@ fn camera_needs(words: &[u32]) -> [u64; 3] {
         .map(|at| if words[at + 1] != 0 { u64::from(u32::MAX) } else { u64::from(words[at]) })
 }
 
-/// Pixel-texel pairs, triangle-texel pairs and candidates that the largest band needed, and the longest list of a texel.
+/// Pixel-texel pairs, triangle-texel pairs and candidates that the largest band needed, and the longest list of a place.
 fn needs(words: &[u32], bands: u32) -> [u64; 4] {
     let mut most = [0; 4];
     for b in 0..bands as usize {

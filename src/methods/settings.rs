@@ -5,6 +5,7 @@ use crate::light_view::{LightView, Receivers};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
 use crate::scene::{Light, Mesh};
+use crate::stages::pixel_texel_pairs::Places;
 use crate::{Error, Result};
 
 /// How many facets a pixel has.
@@ -20,11 +21,23 @@ pub enum FacetMode {
 /// How pairs are brought together by texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PairVariant {
-    /// Counted, scanned, written to their places.
+    /// By tiles of 2 × 2 texels: counted, scanned, written to their places.
     #[default]
+    Tiled,
+    /// By texels: counted, scanned, written to their places.
     Grouped,
-    /// Listed as they come and sorted (Pan 2009, section 3.3).
+    /// By texels: listed as they come and sorted (Pan 2009, section 3.3).
     Sorted,
+}
+
+impl PairVariant {
+    /// Where pairs meet.
+    pub fn places(self) -> Places {
+        match self {
+            Self::Tiled => Places::Tiles,
+            Self::Grouped | Self::Sorted => Places::Texels,
+        }
+    }
 }
 
 /// How the shadow of a triangle on a facet becomes lines of the image.
@@ -220,7 +233,7 @@ impl Settings {
             validity: true,
             cull_back: false,
             masks: MaskVariant::Exact,
-            pairs: PairVariant::Grouped,
+            pairs: PairVariant::default(),
             projection: ProjectionVariant::Pencil,
             settle: true,
             spsm: SpsmSettings::default(),

@@ -3,6 +3,7 @@
 use super::front_layer::Margin;
 use super::triangle_setup::{Reach, Triangle};
 use super::view::centre;
+use glam::DVec2;
 use rayon::prelude::*;
 
 /// The triangles (rising) that touch each texel of a map of `size` texels a side where `deepest` is some depth, and do not
@@ -38,4 +39,71 @@ pub fn pairs(triangles: &[Triangle], deepest: &[Option<f64>], size: u32, margin:
         texels
     };
     rows.par_iter().enumerate().flat_map_iter(row).collect()
+}
+
+/// A triangle in a tile of 2 × 2 texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TilePair {
+    /// The triangle.
+    pub triangle: u32,
+    /// The cells that it touches: 4 × 4, half a texel a side, row by row.
+    pub cells: u32,
+    /// No depth of it over the tile is less.
+    pub nearest: f64,
+}
+
+/// The triangles (rising) that touch each tile where `deepest` is some depth, and do not lie behind that depth by more than the
+/// margin. Tiles row by row, as many as it takes to hold a map of `size` texels a side.
+pub fn tile_pairs(triangles: &[Triangle], deepest: &[Option<f64>], size: u32, margin: Margin) -> Vec<Vec<TilePair>> {
+    let across = size.div_ceil(2);
+    let mut tiles = vec![Vec::new(); deepest.len()];
+    for (t, triangle) in triangles.iter().enumerate() {
+        let Some([x0, y0, x1, y1]) = triangle.texels(size, margin.texels) else { continue };
+        for (x, y) in (y0 / 2..=y1 / 2).flat_map(|y| (x0 / 2..=x1 / 2).map(move |x| (x, y))) {
+            let tile = (y * across + x) as usize;
+            let Some(deepest) = deepest[tile] else { continue };
+            let corner = 2.0 * DVec2::new(f64::from(x), f64::from(y));
+            let (cells, nearest) = match triangle.map {
+                Reach::Nowhere => (0, 0.0),
+                Reach::Everywhere => (0xffff, f64::NEG_INFINITY),
+                Reach::Flat(flat) => {
+                    let touches = |cell: u32| {
+                        let at = 0.5 * DVec2::new(f64::from(cell % 4), f64::from(cell / 4)) + 0.25;
+                        flat.touches(corner + at, 0.25 + margin.texels)
+                    };
+                    let cells = (0..16).filter(|&cell| touches(cell)).map(|cell| 1 << cell).sum();
+                    (cells, flat.depth_range(corner + 1.0, 1.0 + margin.texels, margin.depth).0)
+                }
+            };
+            if cells != 0 && nearest <= deepest + margin.depth {
+                tiles[tile].push(TilePair { triangle: t as u32, cells, nearest });
+            }
+        }
+    }
+    tiles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::view::Flat;
+
+    /// What a triangle does to a tile is what it does to the tile's texels.
+    #[test]
+    fn a_tile_is_its_texels() {
+        let corners = [[0.2, 0.3, 1.0], [4.9, 1.1, 2.0], [1.7, 4.6, 3.0]].map(glam::DVec3::from);
+        let triangle = Triangle { map: Reach::Flat(Flat::new(corners)), ..Triangle::DROPPED };
+        let margin = Margin::default();
+        let texels = pairs(&[triangle], &[Some(9.0); 25], 5, margin);
+        let tiles = tile_pairs(&[triangle], &[Some(9.0); 9], 5, margin);
+        for (texel, set) in texels.iter().enumerate() {
+            let (x, y) = (texel % 5, texel / 5);
+            let block = 0x33 << (8 * (y % 2) + 2 * (x % 2));
+            let touched = tiles[y / 2 * 3 + x / 2].iter().any(|p| p.cells & block != 0);
+            assert_eq!(touched, !set.is_empty(), "texel {x}, {y}");
+        }
+        let cells: u32 = tiles.iter().flatten().map(|p| p.cells.count_ones()).sum();
+        assert!((40..100).contains(&cells), "{cells} cells of 144");
+        assert!(tiles[0][0].nearest >= 1.0 && tiles[0][0].nearest < 1.5, "{tiles:?}");
+    }
 }

@@ -4,13 +4,14 @@
 //! - **Writes** `candidates` (facet, triangle) and, before them, how many were needed and how many tests were made; the
 //!   occluded mask of a facet that one triangle covers wholly, which then needs no candidates.
 //! - **Guarantee.** Conservative: a triangle that casts on a facet, or cuts it within its pixel, is kept. The order is not
-//!   defined, and of a pair that shares several texels most but not all repetitions are left out (which is why the count
+//!   defined, and of a pair that shares several places most but not all repetitions are left out (which is why the count
 //!   may differ a little from run to run); what is made of it depends on neither. Nothing is written beyond the capacity.
-//! - **Capacity.** [`ROUND_LENGTH`] triangles of a texel a dispatch; longer lists take more rounds.
-//! - **Cost.** One indirect dispatch a round; per test about 60 flop and 12 words read.
+//! - **Capacity.** [`ROUND_LENGTH`] triangles of a place a dispatch; longer lists take more rounds.
+//! - **Cost.** One indirect dispatch a round. Of tiles one word a test leaves out most; what remains takes one atomic, and once
+//!   for each pair about 60 flop and 12 words read.
 
 use super::facet_classify::Facets;
-use super::pixel_texel_pairs::PairLists;
+use super::pixel_texel_pairs::{PairLists, Places};
 use crate::Result;
 use crate::gpu::kernels::candidate_pairs as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage};
@@ -28,18 +29,25 @@ pub mod tally {
 #[derive(Debug)]
 pub struct CandidatePairs {
     cull: Program,
+    places: Places,
 }
 
 impl CandidatePairs {
-    /// Builds the pipeline for masks of `words` words.
-    pub fn new(device: &wgpu::Device, words: u32) -> Self {
-        Self { cull: Program::new(device, kernel::ENTRY_CULL, &[("WORDS", f64::from(words))]) }
+    /// Builds the pipeline for masks of `words` words and pairs that meet at `places`.
+    pub fn new(device: &wgpu::Device, words: u32, places: Places) -> Self {
+        let constants = [("WORDS", f64::from(words)), places.constant()];
+        Self { cull: Program::new(device, kernel::ENTRY_CULL, &constants), places }
+    }
+
+    /// Where pairs meet.
+    pub fn places(&self) -> Places {
+        self.places
     }
 
     /// Records one round over all pixel-texel pairs, whose number is in word 0 of the tally.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`Error::Config`](crate::Error::Config) if the lists are of other places.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record(
         &self,
@@ -51,6 +59,7 @@ impl CandidatePairs {
         args: (&wgpu::Buffer, u64),
         lists: &PairLists,
     ) -> Result<()> {
+        lists.check(self.places)?;
         let buffers = [
             ("frame", frame),
             ("facets", facets.list.raw()),

@@ -1,19 +1,20 @@
-//! Pixel-texel pairs: texel by texel, the undecided facets whose light-view outline touches it (Pan 2009, section 3.3).
+//! Pixel-texel pairs: texel by texel, the undecided facets whose light-view outline touches it (Pan 2009, section 3.3). Where
+//! pairs meet by tiles of 2 × 2 texels ([`Places::Tiles`]), those texels of a tile are one pair.
 //!
 //! - **Reads** facets, the scan of their blocks, the split depths.
-//! - **Writes** on counting `texel_counts` and `texel_deepest`, on emitting `pairs` (facet, texel) grouped by texel; or all at
-//!   once `texel_deepest` and the pairs as they come, for [`SortedPairs`](super::SortedPairs).
-//! - **Guarantee.** Conservative: every texel in which a caster may shadow the facet makes a pair. Nothing is written beyond
-//!   the capacity. The order inside a texel is not defined; what is made of it does not depend on it.
+//! - **Writes** on counting `place_counts` and `place_deepest`, on emitting `pixel_pairs` grouped by place; or all at once
+//!   `place_deepest` and the pairs as they come, for [`SortedPairs`](super::SortedPairs).
+//! - **Guarantee.** Conservative: every texel in which a caster may shadow the facet is in a pair. Nothing is written beyond
+//!   the capacity. The order inside a place is not defined; what is made of it does not depend on it.
 //! - **Cost.** One indirect dispatch to count, two to emit; one invocation looks at up to 64 texels, once, as long as
 //!   [`PairLists::touched`] has room for what it found.
 
 use super::camera_visibility::Pass;
 use super::facet_classify::Facets;
 use super::sorted_pairs;
-use crate::Result;
 use crate::gpu::kernels::{candidate_pairs::SEEN, pixel_texel_pairs as kernel};
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::{Error, Result};
 
 /// The pipeline.
 #[derive(Debug)]
@@ -23,25 +24,67 @@ pub struct PixelTexelPairs {
     emit_rest: Program,
     append: Program,
     uniforms: Uniforms,
+    places: Places,
 }
 
-/// Lists of pairs by texel.
+/// Where pairs meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Places {
+    /// At texels of the map (Pan 2009).
+    Texels,
+    /// At tiles of 2 × 2 texels. A pair says which part of the tile it is about, so that most pairs that share a tile and
+    /// nothing in it are told by one word.
+    #[default]
+    Tiles,
+}
+
+impl Places {
+    /// How many there are in a map of `size` texels a side.
+    pub fn count(self, size: usize) -> usize {
+        size.div_ceil(1 << self.shift()).pow(2)
+    }
+
+    /// Words of a triangle-texel pair.
+    pub fn words(self) -> usize {
+        match self {
+            Self::Texels => 1,
+            Self::Tiles => 2,
+        }
+    }
+
+    /// The constant of the kernels that says so.
+    pub(super) fn constant(self) -> (&'static str, f64) {
+        ("TILE_SHIFT", f64::from(self.shift()))
+    }
+
+    fn shift(self) -> u32 {
+        match self {
+            Self::Texels => 0,
+            Self::Tiles => 1,
+        }
+    }
+}
+
+/// Lists of pairs by place.
 #[derive(Debug)]
 pub struct PairLists {
-    /// Pairs of each texel; 0 before each of the four runs.
-    pub texel_counts: Buffer<u32>,
-    /// Farthest facet of each texel (bits of depth plus 1), then one word for each 8 × 8 block of texels.
-    pub texel_deepest: Buffer<u32>,
-    /// Scan of the pixel-texel pairs of each texel, their number, and the overflow flag.
+    /// Where they meet.
+    pub places: Places,
+    /// Pairs of each place; 0 before each of the four runs.
+    pub place_counts: Buffer<u32>,
+    /// Farthest facet of each place (bits of depth plus 1), then one word for each 8 × 8 block of texels.
+    pub place_deepest: Buffer<u32>,
+    /// Scan of the pixel-texel pairs of each place, their number, and the overflow flag.
     pub pixel_offsets: Buffer<u32>,
-    /// Scan of the triangle-texel pairs of each texel, their number, and the overflow flag.
+    /// Scan of the triangle-texel pairs of each place, their number, and the overflow flag.
     pub triangle_offsets: Buffer<u32>,
-    /// Pixel-texel pairs: facet, texel.
+    /// Pixel-texel pairs: facet, and texel; or tile × 16 and one bit for each of its texels, row by row.
     pub pixel_pairs: Buffer<[u32; 2]>,
-    /// Triangle-texel pairs: triangle.
+    /// Triangle-texel pairs: triangle; of tiles before it a word of the 4 × 4 cells, half a texel a side, that the triangle may
+    /// touch (bits 0 to 15, row by row) and the upper half of the bits of its least depth there (16 to 31, rounded down).
     pub triangle_pairs: Buffer<u32>,
-    /// Texels that a block of a facet or caster makes pairs in, one bit each, from counting to emitting; what finds no room
-    /// is found twice.
+    /// Places that a block of a facet (of it always texels) or caster makes pairs in, one bit each, from counting to emitting;
+    /// what finds no room is found twice.
     pub touched: Buffer<[u32; 2]>,
     /// Counters of the band at work and pairs listed lately (see `kernels/shared/candidates.wgsl`), then facet and triangle
     /// of each pair worth evaluating.
@@ -54,49 +97,66 @@ pub struct PairLists {
 pub const TALLY_WORDS: usize = 16 + SEEN as usize;
 
 impl PairLists {
-    /// Memory for a map of `size` texels a side and this many pairs.
+    /// Memory for a map of `size` texels a side and this many pairs, which meet at `places`.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(
         device: &wgpu::Device,
         size: usize,
+        places: Places,
         pixel_pairs: usize,
         triangle_pairs: usize,
         candidates: usize,
     ) -> Result<Self> {
-        let (texels, blocks) = (size * size, size.div_ceil(kernel::BLOCK as usize).pow(2));
+        let (count, blocks) = (places.count(size), size.div_ceil(kernel::BLOCK as usize).pow(2));
         Ok(Self {
-            texel_counts: Buffer::storage(device, "pairs.texel_counts", texels)?,
-            texel_deepest: Buffer::storage(device, "pairs.texel_deepest", texels + blocks)?,
-            pixel_offsets: Buffer::storage(device, "pairs.pixel_offsets", texels + 2)?,
-            triangle_offsets: Buffer::storage(device, "pairs.triangle_offsets", texels + 2)?,
+            places,
+            place_counts: Buffer::storage(device, "pairs.place_counts", count)?,
+            place_deepest: Buffer::storage(device, "pairs.place_deepest", count + blocks)?,
+            pixel_offsets: Buffer::storage(device, "pairs.pixel_offsets", count + 2)?,
+            triangle_offsets: Buffer::storage(device, "pairs.triangle_offsets", count + 2)?,
             pixel_pairs: Buffer::storage(device, "pairs.pixel_pairs", pixel_pairs)?,
-            triangle_pairs: Buffer::storage(device, "pairs.triangle_pairs", triangle_pairs)?,
+            triangle_pairs: Buffer::storage(device, "pairs.triangle_pairs", places.words() * triangle_pairs)?,
             // A block makes several pairs as a rule.
             touched: Buffer::storage(device, "pairs.touched", (pixel_pairs + triangle_pairs) / 4)?,
             candidates: Buffer::storage(device, "pairs.candidates", TALLY_WORDS + 2 * candidates)?,
             doubts: Buffer::storage(device, "pairs.doubts", candidates)?,
         })
     }
+
+    /// That a stage made for `places` may use them.
+    pub(super) fn check(&self, places: Places) -> Result<()> {
+        if self.places == places {
+            return Ok(());
+        }
+        Err(Error::Config(format!("pairs of {:?} in a stage made for {places:?}", self.places)))
+    }
 }
 
 impl PixelTexelPairs {
-    /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
+    /// Builds the pipeline for pairs that meet at `places`.
+    pub fn new(device: &wgpu::Device, places: Places) -> Self {
+        let program = |entry| Program::new(device, entry, &[places.constant()]);
         Self {
-            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
-            emit: Program::new(device, kernel::ENTRY_EMIT, &[]),
-            emit_rest: Program::new(device, kernel::ENTRY_EMIT_REST, &[]),
+            count: program(kernel::ENTRY_COUNT),
+            emit: program(kernel::ENTRY_EMIT),
+            emit_rest: program(kernel::ENTRY_EMIT_REST),
             append: Program::new(device, kernel::ENTRY_APPEND, &[]),
             uniforms: Uniforms::default(),
+            places,
         }
+    }
+
+    /// Where pairs meet.
+    pub fn places(&self) -> Places {
+        self.places
     }
 
     /// Records run `index`: 0 counts, 1 emits.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`Error::Config`] if the lists are of other places.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record(
         &self,
@@ -109,6 +169,7 @@ impl PixelTexelPairs {
         splits: &Buffer<f32>,
         lists: &PairLists,
     ) -> Result<()> {
+        lists.check(self.places)?;
         let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 });
         let buffers = [
             ("frame", frame),
@@ -116,8 +177,8 @@ impl PixelTexelPairs {
             ("facets", facets.list.raw()),
             ("work_offsets", offsets.raw()),
             ("splits", splits.raw()),
-            ("texel_counts", lists.texel_counts.raw()),
-            ("texel_deepest", lists.texel_deepest.raw()),
+            ("place_counts", lists.place_counts.raw()),
+            ("place_deepest", lists.place_deepest.raw()),
             ("pair_offsets", lists.pixel_offsets.raw()),
             ("pairs", lists.pixel_pairs.raw()),
             ("touched", lists.touched.raw()),
@@ -126,10 +187,11 @@ impl PixelTexelPairs {
         programs.into_iter().try_for_each(|program| stage.run(program, &buffers, Groups::Indirect(args.0, args.1)))
     }
 
-    /// Records the listing of pairs as they come, to be sorted; the capacity of `frame` may not be above that of `to`.
+    /// Records the listing of pairs as they come, texel by texel, to be sorted; the capacity of `frame` may not be above that
+    /// of `to`.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`Error::Config`] if the lists are of tiles.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record_append(
         &self,
@@ -142,12 +204,13 @@ impl PixelTexelPairs {
         lists: &PairLists,
         to: &sorted_pairs::Scratch,
     ) -> Result<()> {
+        lists.check(Places::Texels)?;
         let buffers = [
             ("frame", frame),
             ("facets", facets.list.raw()),
             ("work_offsets", offsets.raw()),
             ("splits", splits.raw()),
-            ("texel_deepest", lists.texel_deepest.raw()),
+            ("place_deepest", lists.place_deepest.raw()),
             ("appended", to.appended.raw()),
             ("keys", to.keys.raw()),
             ("values", to.values.raw()),

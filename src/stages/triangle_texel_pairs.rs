@@ -1,15 +1,17 @@
-//! Triangle-texel pairs: texel by texel, the casters that touch it, where pixel-texel pairs are (Pan 2009, section 3.3).
+//! Triangle-texel pairs: place by place, the casters that touch it, where pixel-texel pairs are (Pan 2009, section 3.3). A place
+//! is a texel, or a tile of 2 × 2 texels ([`Places`]).
 //!
-//! - **Reads** the casters' blocks, `texel_deepest` of the pixel-texel pairs.
-//! - **Writes** on counting `texel_counts`, on emitting `triangle_pairs` grouped by texel; or all at once the pairs as they
+//! - **Reads** the casters' blocks, `place_deepest` of the pixel-texel pairs.
+//! - **Writes** on counting `place_counts`, on emitting `triangle_pairs` grouped by place; or all at once the pairs as they
 //!   come, for [`SortedPairs`](super::SortedPairs).
-//! - **Guarantee.** Conservative: every caster that may shadow a facet listed at a texel is listed there. Nothing is written
-//!   beyond the capacity. The order inside a texel is not defined; what is made of it does not depend on it.
-//! - **Cost.** One indirect dispatch to count, two to emit; one invocation looks at up to 64 texels, once, as long as
+//! - **Guarantee.** Conservative: every caster that may shadow a facet listed at a place is listed there, with every cell of a
+//!   tile that it touches. Nothing is written beyond the capacity. The order inside a place is not defined; what is made of it
+//!   does not depend on it.
+//! - **Cost.** One indirect dispatch to count, two to emit; one invocation looks at up to 64 places, once, as long as
 //!   [`PairLists::touched`] has room for what it found.
 
 use super::camera_visibility::{Blocks, Pass};
-use super::pixel_texel_pairs::PairLists;
+use super::pixel_texel_pairs::{PairLists, Places};
 use super::sorted_pairs;
 use crate::Result;
 use crate::gpu::kernels::triangle_texel_pairs as kernel;
@@ -23,24 +25,32 @@ pub struct TriangleTexelPairs {
     emit_rest: Program,
     append: Program,
     uniforms: Uniforms,
+    places: Places,
 }
 
 impl TriangleTexelPairs {
-    /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
+    /// Builds the pipeline for pairs that meet at `places`.
+    pub fn new(device: &wgpu::Device, places: Places) -> Self {
+        let program = |entry| Program::new(device, entry, &[places.constant()]);
         Self {
-            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
-            emit: Program::new(device, kernel::ENTRY_EMIT, &[]),
-            emit_rest: Program::new(device, kernel::ENTRY_EMIT_REST, &[]),
+            count: program(kernel::ENTRY_COUNT),
+            emit: program(kernel::ENTRY_EMIT),
+            emit_rest: program(kernel::ENTRY_EMIT_REST),
             append: Program::new(device, kernel::ENTRY_APPEND, &[]),
             uniforms: Uniforms::default(),
+            places,
         }
+    }
+
+    /// Where pairs meet.
+    pub fn places(&self) -> Places {
+        self.places
     }
 
     /// Records run `index`: 0 counts, 1 emits.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`Error::Config`](crate::Error::Config) if the lists are of other places.
     pub fn record(
         &self,
         stage: &mut Stage,
@@ -49,6 +59,7 @@ impl TriangleTexelPairs {
         blocks: Blocks,
         lists: &PairLists,
     ) -> Result<()> {
+        lists.check(self.places)?;
         let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 });
         let buffers = [
             ("frame", frame),
@@ -57,8 +68,8 @@ impl TriangleTexelPairs {
             ("map_points", blocks.points.raw()),
             ("light_rects", blocks.rects.raw()),
             ("work_offsets", blocks.offsets.raw()),
-            ("texel_deepest", lists.texel_deepest.raw()),
-            ("texel_counts", lists.texel_counts.raw()),
+            ("place_deepest", lists.place_deepest.raw()),
+            ("place_counts", lists.place_counts.raw()),
             ("pair_offsets", lists.triangle_offsets.raw()),
             ("pair_triangles", lists.triangle_pairs.raw()),
             ("touched", lists.touched.raw()),
@@ -68,10 +79,11 @@ impl TriangleTexelPairs {
         programs.into_iter().try_for_each(run)
     }
 
-    /// Records the listing of pairs as they come, to be sorted; the capacity of `frame` may not be above that of `to`.
+    /// Records the listing of pairs as they come, texel by texel, to be sorted; the capacity of `frame` may not be above that
+    /// of `to`.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`Error::Config`](crate::Error::Config) if the lists are of tiles.
     pub fn record_append(
         &self,
         stage: &mut Stage,
@@ -80,13 +92,14 @@ impl TriangleTexelPairs {
         lists: &PairLists,
         to: &sorted_pairs::Scratch,
     ) -> Result<()> {
+        lists.check(Places::Texels)?;
         let buffers = [
             ("frame", frame),
             ("triangles", blocks.triangles),
             ("map_points", blocks.points.raw()),
             ("light_rects", blocks.rects.raw()),
             ("work_offsets", blocks.offsets.raw()),
-            ("texel_deepest", lists.texel_deepest.raw()),
+            ("place_deepest", lists.place_deepest.raw()),
             ("appended", to.appended.raw()),
             ("keys", to.keys.raw()),
             ("values", to.values.raw()),

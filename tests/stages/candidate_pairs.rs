@@ -6,19 +6,22 @@
 
 use crate::support::shadow::{
     World, append, camera, folding_gpu, indirect, random_light, random_scene, samples, uniform, unit, vector,
+    with_total,
 };
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::candidate_pairs::matters;
 use subpixel_shadows::reference::facet_classify::{Facet, Surroundings, classify};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
+use subpixel_shadows::reference::pixel_texel_pairs::pairs;
+use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, tile_pairs};
 use subpixel_shadows::scene::Mesh;
 use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
 use subpixel_shadows::stages::facet_classify::State;
-use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, TALLY_WORDS};
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, Places, TALLY_WORDS};
 use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
 
-/// What the GPU made of one map of one texel: (facet, triangle) rising, the tally, and the facets it settled.
+/// What the GPU made of the lists: (facet, triangle) rising, the tally, and the facets it settled.
 struct Got {
     kept: Vec<[u32; 2]>,
     tally: Vec<u32>,
@@ -43,7 +46,7 @@ fn cull(world: &World, stage: &CandidatePairs, listed: &[(u32, Option<u32>)], ca
     cull_in(1, world, stage, listed, capacity, len)
 }
 
-/// As [`cull`], each facet being paired with the texel `times` times, as with so many texels of one list.
+/// As [`cull`], each pair of facet and place being listed `times` times.
 fn cull_in(
     times: usize,
     world: &World,
@@ -52,25 +55,42 @@ fn cull_in(
     capacity: u32,
     len: usize,
 ) -> Got {
+    cull_lists(world, stage, listed, times, capacity, len, |_| {})
+}
+
+/// As [`cull_in`], with the words of the triangle-texel pairs as `change` leaves them.
+fn cull_lists(
+    world: &World,
+    stage: &CandidatePairs,
+    listed: &[(u32, Option<u32>)],
+    times: usize,
+    capacity: u32,
+    len: usize,
+    change: impl Fn(&mut [u32]),
+) -> Got {
     let gpu = world.gpu;
     let facets = world.classify(listed, &[true; MAP * MAP], &[Split::Marked; MAP * MAP]);
     let states = facets.list.read(gpu).expect("readback");
     let undecided = |f: &u32| states[*f as usize].state == State::Undecided as u32;
-    let once: Vec<[u32; 2]> = (0..listed.len() as u32).filter(undecided).map(|f| [f, 0]).collect();
+    let undecided: Vec<u32> = (0..listed.len() as u32).filter(undecided).collect();
+    let (once, offsets, mut words) = match stage.places() {
+        Places::Texels => in_one_texel(world, &undecided),
+        Places::Tiles => in_tiles(world, listed, &undecided),
+    };
+    change(&mut words);
     let pairs = once.repeat(times);
-    let triangles = world.prepared.mesh.triangles.len() as u32;
-    let lists = PairLists::new(&gpu.device, MAP, pairs.len(), triangles as usize, len).expect("memory");
+    let triangles = words.len() / stage.places().words();
+    let lists = PairLists::new(&gpu.device, MAP, stage.places(), pairs.len(), triangles, len).expect("memory");
     lists.pixel_pairs.write(&gpu.queue, &pairs);
-    lists.triangle_pairs.write(&gpu.queue, &(0..triangles).collect::<Vec<_>>());
-    // All triangles are in the list of texel 0, and so is every facet.
-    lists.triangle_offsets.write(&gpu.queue, &[vec![0], vec![triangles; MAP * MAP], vec![0]].concat());
+    lists.triangle_pairs.write(&gpu.queue, &words);
+    lists.triangle_offsets.write(&gpu.queue, &offsets);
     let mut content = vec![0; TALLY_WORDS];
     content[0] = pairs.len() as u32;
     content.extend(vec![POISON; 2 * len]);
     lists.candidates.write(&gpu.queue, &content);
     let mut frame = world.frame;
     frame.pixel_texel_capacity = pairs.len() as u32;
-    frame.triangle_texel_capacity = triangles;
+    frame.triangle_texel_capacity = triangles as u32;
     frame.candidate_capacity = capacity;
     let frame = uniform(gpu, &frame);
     let args = indirect(gpu, pairs.len() as u32);
@@ -83,23 +103,62 @@ fn cull_in(
     let mut kept: Vec<_> = list[..(words[1].min(capacity) as usize).min(len)].to_vec();
     kept.sort_unstable();
     let masks = facets.masks.read(gpu).expect("readback");
-    let settled = (0..listed.len()).map(|f| undecided(&(f as u32)) && masks[3 * f] & !masks[3 * f + 1] == 0).collect();
+    let settled =
+        (0..listed.len()).map(|f| undecided.contains(&(f as u32)) && masks[3 * f] & !masks[3 * f + 1] == 0).collect();
     Got { kept, tally: words[..TALLY_WORDS].to_vec(), settled, list }
+}
+
+/// Pixel-texel pairs, offsets of the places' triangles, and their words.
+type Lists = (Vec<[u32; 2]>, Vec<u32>, Vec<u32>);
+
+/// All facets and all triangles in the first texel, wherever they are.
+fn in_one_texel(world: &World, undecided: &[u32]) -> Lists {
+    let triangles = world.prepared.mesh.triangles.len() as u32;
+    let pairs = undecided.iter().map(|&f| [f, 0]).collect();
+    (pairs, [vec![0], vec![triangles; MAP * MAP], vec![0]].concat(), (0..triangles).collect())
+}
+
+/// Facets and triangles in the tiles that they touch.
+fn in_tiles(world: &World, listed: &[(u32, Option<u32>)], undecided: &[u32]) -> Lists {
+    let margin = world.margin();
+    let mut facets = classified(world, listed, margin);
+    // What the GPU knows as undecided is listed, and nothing else.
+    for (f, facet) in facets.iter_mut().enumerate() {
+        use subpixel_shadows::reference::facet_classify::State as Reference;
+        facet.state = if undecided.contains(&(f as u32)) { Reference::Undecided } else { Reference::Empty };
+    }
+    let texels = pairs(&facets, &[Split::Marked; MAP * MAP], MAP as u32, margin, false);
+    let mut parts = std::collections::BTreeMap::<(u32, usize), u32>::new();
+    for (texel, set) in texels.iter().enumerate() {
+        let (x, y) = (texel % MAP, texel / MAP);
+        for &f in set {
+            *parts.entry((f, y / 2 * (MAP / 2) + x / 2)).or_default() |= 1 << (y % 2 * 2 + x % 2);
+        }
+    }
+    let list = parts.into_iter().map(|((f, tile), bits)| [f, (tile as u32) << 4 | bits]).collect();
+    let everywhere = vec![Some(f64::INFINITY); MAP * MAP / 4];
+    let tiles = tile_pairs(&world.triangles, &everywhere, MAP as u32, margin);
+    let counts: Vec<u32> = tiles.iter().map(|t| t.len() as u32).collect();
+    let code = |p: &TilePair| (p.nearest.max(0.0) as f32).to_bits() >> 16 << 16;
+    let words = tiles.iter().flatten().flat_map(|p| [p.cells | code(p), p.triangle]).collect();
+    (list, with_total(&counts), words)
+}
+
+/// Facets by their definition.
+fn classified(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> Vec<Facet> {
+    let around = Surroundings {
+        triangles: &world.triangles,
+        marked: &[true; MAP * MAP],
+        splits: &[Split::Marked; MAP * MAP],
+        samples: world.samples.offsets(),
+        casters: u32::MAX,
+    };
+    classify(&world.view, &around, listed, margin, false)
 }
 
 /// Pairs that matter and were dropped, settled facets that are not all dark, and pairs kept for nothing.
 fn faults(world: &World, listed: &[(u32, Option<u32>)], got: &Got) -> [usize; 3] {
-    let by = |margin: Margin| -> Vec<Facet> {
-        let around = Surroundings {
-            triangles: &world.triangles,
-            marked: &[true; MAP * MAP],
-            splits: &[Split::Marked; MAP * MAP],
-            samples: world.samples.offsets(),
-            casters: u32::MAX,
-        };
-        classify(&world.view, &around, listed, margin, false)
-    };
-    let exact = by(Margin::default());
+    let exact = classified(world, listed, Margin::default());
     let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
     let [w, h] = world.view.image;
     let truth = FacetTruth::new(&tracer, &world.camera, &world.light, &world.samples, w, h).expect("truth");
@@ -146,14 +205,26 @@ impl IntoReference for State {
     }
 }
 
-fn stage() -> &'static CandidatePairs {
-    static STAGE: std::sync::OnceLock<CandidatePairs> = std::sync::OnceLock::new();
-    STAGE.get_or_init(|| CandidatePairs::new(&gpu().device, 1))
+const PLACES: [Places; 2] = [Places::Texels, Places::Tiles];
+
+/// One for each kind of places.
+fn stages() -> &'static [CandidatePairs; 2] {
+    static STAGES: std::sync::OnceLock<[CandidatePairs; 2]> = std::sync::OnceLock::new();
+    STAGES.get_or_init(|| PLACES.map(|places| CandidatePairs::new(&gpu().device, 1, places)))
+}
+
+/// As `check`, with pairs that meet by texel and by tile.
+#[track_caller]
+fn check_both(world: &World, listed: &[(u32, Option<u32>)]) -> (usize, usize) {
+    let [texels, tiles] = stages().each_ref().map(|stage| check(world, stage, listed));
+    assert!(texels.0 == 0 || tiles.0 > 0, "{} pairs by texel, none by tile", texels.0);
+    tiles
 }
 
 #[track_caller]
 fn check(world: &World, stage: &CandidatePairs, listed: &[(u32, Option<u32>)]) -> (usize, usize) {
-    let room = listed.len() * world.triangles.len() + 1;
+    // A pair may be listed again in another place.
+    let room = 4 * listed.len() * world.triangles.len() + 1;
     let got = cull(world, stage, listed, room as u32, room);
     assert_eq!(got.kept.len(), got.tally[1] as usize);
     assert_eq!(faults(world, listed, &got)[..2], [0, 0], "dropped, settled wrongly");
@@ -165,8 +236,8 @@ fn check(world: &World, stage: &CandidatePairs, listed: &[(u32, Option<u32>)]) -
 fn empty() {
     let mut random = Random::new(71);
     let world = world(gpu(), &random_scene(0, &mut random), &mut random);
-    assert_eq!(check(&world, stage(), &[]), (0, 0));
-    assert_eq!(check(&world, stage(), &[(3, None)]), (0, 0));
+    assert_eq!(check_both(&world, &[]), (0, 0));
+    assert_eq!(check_both(&world, &[(3, None)]), (0, 0));
 }
 
 #[test]
@@ -176,7 +247,7 @@ fn one() {
     for kind in 0..4 {
         let world = world(gpu(), &random_scene(kind, &mut random), &mut random);
         let seen: Vec<_> = world.seen().into_iter().filter(|s| s.1.is_some()).take(1).collect();
-        check(&world, stage(), &seen);
+        check_both(&world, &seen);
     }
 }
 
@@ -187,7 +258,7 @@ fn every_size_around_workgroup() {
     let world = world(gpu(), &crate::support::shadow::soup(20, 0.6, &mut random), &mut random);
     let any = world.anything(193, &mut random);
     for size in sizes_around(64) {
-        check(&world, stage(), &any[..size.min(any.len())]);
+        check_both(&world, &any[..size.min(any.len())]);
     }
 }
 
@@ -198,7 +269,7 @@ fn random_seeded() {
     let (mut kept, mut settled) = (0, 0);
     for kind in 0..24 {
         let world = world(gpu(), &random_scene(kind, &mut random), &mut random);
-        let (k, s) = check(&world, stage(), &world.seen());
+        let (k, s) = check_both(&world, &world.seen());
         (kept, settled) = (kept + k, settled + s);
     }
     assert!(kept > 1_000 && settled > 0, "{kept} kept, {settled} settled");
@@ -218,7 +289,7 @@ fn degenerate() {
         mesh.triangles.push([1, 1, 1]);
         append(&mut mesh, crate::support::shadow::sheet(1, 2.0, |_, _| -0.6, |p| p));
         let world = world(gpu(), &mesh, &mut random);
-        check(&world, stage(), &if round % 2 == 0 { world.seen() } else { world.anything(100, &mut random) });
+        check_both(&world, &if round % 2 == 0 { world.seen() } else { world.anything(100, &mut random) });
     }
 }
 
@@ -228,13 +299,21 @@ fn overflow_by_one() {
     let mut random = Random::new(76);
     let world = world(gpu(), &crate::support::shadow::soup(40, 0.8, &mut random), &mut random);
     let any = world.anything(60, &mut random);
-    let whole = cull(&world, stage(), &any, u32::MAX, 60 * 40);
+    // Which repetitions of a pair are left out is not the same each time; in one texel there are none.
+    let stage = &stages()[0];
+    let whole = cull(&world, stage, &any, u32::MAX, 60 * 40);
     let needed = whole.tally[1];
     assert!(needed > 5, "{needed}");
     for capacity in [needed - 1, needed, needed + 1] {
-        let got = cull(&world, stage(), &any, capacity, needed as usize + 5);
+        let got = cull(&world, stage, &any, capacity, needed as usize + 5);
         assert_eq!(got.tally[1], needed, "the need does not depend on the capacity");
         let (inside, beyond) = got.list.split_at(capacity.min(needed) as usize);
+        assert!(inside.iter().all(|p| *p != [POISON; 2]), "capacity {capacity}: a candidate is not written");
+        assert!(beyond.iter().all(|p| *p == [POISON; 2]), "capacity {capacity}: written past the end");
+    }
+    for capacity in [0, 1, 5] {
+        let got = cull(&world, &stages()[1], &any, capacity, needed as usize);
+        let (inside, beyond) = got.list.split_at(capacity as usize);
         assert!(inside.iter().all(|p| *p != [POISON; 2]), "capacity {capacity}: a candidate is not written");
         assert!(beyond.iter().all(|p| *p == [POISON; 2]), "capacity {capacity}: written past the end");
     }
@@ -244,47 +323,65 @@ fn overflow_by_one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn repetitions_are_left_out_and_nothing_else() {
     let mut random = Random::new(79);
-    let (mut once, mut repeated) = (0, 0);
-    for kind in 0..8 {
-        let world = world(gpu(), &random_scene(kind, &mut random), &mut random);
-        let listed = world.seen();
-        let single = cull(&world, stage(), &listed, 1 << 20, 1 << 18);
-        let mut many = cull_in(6, &world, stage(), &listed, 1 << 20, 1 << 18);
-        once += single.kept.len();
-        repeated += many.kept.len();
-        many.kept.dedup();
-        // A facet that one triangle settled may have listed others first, or not.
-        let open = |got: &Got| got.kept.iter().filter(|[f, _]| !got.settled[*f as usize]).copied().collect::<Vec<_>>();
-        assert!(open(&many) == open(&single), "another set of pairs");
+    for stage in stages() {
+        let (mut once, mut repeated) = (0, 0);
+        for kind in 0..8 {
+            let world = world(gpu(), &random_scene(kind, &mut random), &mut random);
+            let listed = world.seen();
+            let mut single = cull(&world, stage, &listed, 1 << 20, 1 << 18);
+            let mut many = cull_in(6, &world, stage, &listed, 1 << 20, 1 << 18);
+            repeated += many.kept.len();
+            single.kept.dedup();
+            many.kept.dedup();
+            once += single.kept.len();
+            // A facet that one triangle settled may have listed others first, or not.
+            let open =
+                |got: &Got| got.kept.iter().filter(|[f, _]| !got.settled[*f as usize]).copied().collect::<Vec<_>>();
+            assert!(open(&many) == open(&single), "another set of pairs");
+        }
+        assert!(once > 1_000 && repeated < once + once / 2, "{once} pairs, with repetitions {repeated}");
     }
-    assert!(once > 1_000 && repeated < once + once / 2, "{once} pairs, with repetitions {repeated}");
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
     let mut random = Random::new(77);
-    let small = CandidatePairs::new(&folding_gpu().device, 1);
+    let small = PLACES.map(|places| CandidatePairs::new(&folding_gpu().device, 1, places));
     let world = world(folding_gpu(), &crate::support::shadow::soup(30, 0.8, &mut random), &mut random);
     let any = world.anything(500, &mut random);
     assert!(any.len() > 3 * 64);
-    check(&world, &small, &any);
+    for stage in &small {
+        check(&world, stage, &any);
+    }
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn detects_corruption() {
     let mut random = Random::new(78);
-    let mut seen = 0;
+    let (mut seen, mut spoilt) = (0, 0);
     for kind in 0..4 {
         let world = world(gpu(), &random_scene(kind, &mut random), &mut random);
         let listed = world.seen();
-        let mut got = cull(&world, stage(), &listed, 1 << 16, 1 << 16);
-        assert_eq!(faults(&world, &listed, &got)[..2], [0, 0]);
-        got.kept.clear();
-        seen += faults(&world, &listed, &got)[0];
-        got.settled.fill(true);
-        seen += faults(&world, &listed, &got)[1];
+        for stage in stages() {
+            let mut got = cull(&world, stage, &listed, 1 << 16, 1 << 16);
+            assert_eq!(faults(&world, &listed, &got)[..2], [0, 0]);
+            got.kept.clear();
+            seen += faults(&world, &listed, &got)[0];
+            got.settled.fill(true);
+            seen += faults(&world, &listed, &got)[1];
+        }
+        // Without cells, and behind all, triangles are not looked at.
+        let [cells, depths] = [|w: &mut u32| *w &= !0xffff, |w: &mut u32| *w |= 0xffff << 16].map(|change| {
+            let got = cull_lists(&world, &stages()[1], &listed, 1, 1 << 16, 1 << 16, |words| {
+                words.iter_mut().step_by(2).for_each(change);
+            });
+            assert!(got.kept.is_empty(), "{} pairs kept", got.kept.len());
+            faults(&world, &listed, &got)[0]
+        });
+        spoilt += cells.min(depths);
     }
     assert!(seen > 100, "dropping all candidates and settling all facets shows {seen} times");
+    assert!(spoilt > 100, "spoiling the words of tiles shows {spoilt} times");
 }

@@ -1,6 +1,8 @@
 //! Pixel-texel pairs: no exact pair is missing, none is farther than twice the margin.
 
-use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, sheet, unit, vector};
+use crate::support::shadow::{
+    World, camera, folding_gpu, place_of, random_light, random_scene, samples, sheet, unit, vector,
+};
 use crate::support::{POISON, Random, difference, gpu, sizes_around};
 use std::sync::OnceLock;
 use subpixel_shadows::glam::DVec3;
@@ -10,11 +12,18 @@ use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::pixel_texel_pairs::pairs;
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{self, Facets};
-use subpixel_shadows::stages::pixel_texel_pairs::PixelTexelPairs;
+use subpixel_shadows::stages::pixel_texel_pairs::{PixelTexelPairs, Places};
 
-fn stage() -> &'static PixelTexelPairs {
-    static STAGE: OnceLock<PixelTexelPairs> = OnceLock::new();
-    STAGE.get_or_init(|| PixelTexelPairs::new(&gpu().device))
+/// One for each kind of places.
+fn stages() -> &'static [PixelTexelPairs; 2] {
+    static STAGES: OnceLock<[PixelTexelPairs; 2]> = OnceLock::new();
+    STAGES.get_or_init(|| [Places::Texels, Places::Tiles].map(|places| PixelTexelPairs::new(&gpu().device, places)))
+}
+
+/// As `check`, with pairs that meet by texel and by tile.
+#[track_caller]
+fn check_both(world: &World, listed: &[(u32, Option<u32>)], splits: &[Split]) -> usize {
+    stages().iter().map(|stage| check(world, stage, listed, splits)).sum()
 }
 
 fn world(gpu: &'static Gpu, kind: u32, random: &mut Random) -> World {
@@ -79,19 +88,24 @@ fn check(world: &World, stage: &PixelTexelPairs, listed: &[(u32, Option<u32>)], 
     let mut most = pairs(&wide, splits, size, world.margin().times(2.0), skip);
     let total: usize = 1 << 21;
     let listed_pairs = world.pixel_pairs(stage, &on_gpu, splits, total);
-    let mut got = listed_pairs.sets();
+    let mut got = listed_pairs.texel_sets(stage.places(), size as usize);
     for sets in [&mut least, &mut got, &mut most] {
         sets.iter_mut().for_each(|s| s.retain(|&f| clear(f as usize)));
     }
     assert!(got.iter().all(|s| s.windows(2).all(|w| w[0] < w[1])), "a pair is listed twice");
     assert_eq!(faults(&least, &got, &most), (0, 0), "missing, too far");
-    // What later stages read of each texel.
-    let (across, count) = (size.div_ceil(8), size * size);
-    for (texel, set) in listed_pairs.sets().iter().enumerate() {
+    // What later stages read of each place, and of each block of texels.
+    let sets = listed_pairs.sets();
+    for (place, set) in sets.iter().enumerate() {
+        assert!(set.windows(2).all(|w| w[0] < w[1]), "place {place}: a facet is listed twice");
         let deepest = set.iter().map(|&f| states[f as usize].farthest.max(0.0).to_bits() + 1).max().unwrap_or(0);
-        assert_eq!(listed_pairs.deepest[texel], deepest, "texel {texel}");
-        let block = count + texel as u32 / size / 8 * across + texel as u32 % size / 8;
-        assert!(set.is_empty() || listed_pairs.deepest[block as usize] != 0, "texel {texel}: its block has no pair");
+        assert_eq!(listed_pairs.deepest[place], deepest, "place {place}");
+    }
+    let (size, across) = (size as usize, size.div_ceil(8) as usize);
+    for texel in 0..size * size {
+        let empty = sets[place_of(stage.places(), size, texel)].is_empty();
+        let block = sets.len() + texel / size / 8 * across + texel % size / 8;
+        assert!(empty || listed_pairs.deepest[block] != 0, "texel {texel}: its block has no pair");
     }
     got.iter().map(Vec::len).sum()
 }
@@ -102,9 +116,9 @@ fn empty() {
     let mut random = Random::new(21);
     let world = world(gpu(), 0, &mut random);
     let splits = vec![Split::Marked; (world.view.map.map_size as usize).pow(2)];
-    assert_eq!(check(&world, stage(), &[(3, None), (4, None)], &splits), 0);
+    assert_eq!(check_both(&world, &[(3, None), (4, None)], &splits), 0);
     let splits = vec![Split::Uncovered; splits.len()];
-    assert_eq!(check(&world, stage(), &world.seen(), &splits), 0, "where no caster is, there is no pair");
+    assert_eq!(check_both(&world, &world.seen(), &splits), 0, "where no caster is, there is no pair");
 }
 
 #[test]
@@ -117,7 +131,7 @@ fn one() {
         let splits = vec![Split::Marked; (world.view.map.map_size as usize).pow(2)];
         let seen = world.seen();
         let middle: Vec<_> = seen.into_iter().filter(|s| s.1.is_some()).skip(40).take(1).collect();
-        found += check(&world, stage(), &middle, &splits);
+        found += check_both(&world, &middle, &splits);
     }
     assert!(found > 0);
 }
@@ -129,7 +143,7 @@ fn every_size_around_workgroup() {
     let world = world(gpu(), 1, &mut random);
     let splits = any_splits(&world, &mut random);
     for size in sizes_around(64) {
-        check(&world, stage(), &world.seen()[..size], &splits);
+        check_both(&world, &world.seen()[..size], &splits);
     }
 }
 
@@ -142,7 +156,7 @@ fn random_seeded() {
         let world = world(gpu(), kind, &mut random);
         let splits = any_splits(&world, &mut random);
         let listed = if kind % 2 == 0 { world.seen() } else { world.anything(300, &mut random) };
-        found += check(&world, stage(), &listed, &splits);
+        found += check_both(&world, &listed, &splits);
     }
     assert!(found > 5_000, "{found} pairs");
 }
@@ -157,7 +171,7 @@ fn what_only_receives() {
         let mut world = world(gpu(), kind, &mut random);
         (world.frame.triangle_count, world.frame.flags) = (0, world.frame.flags & !(2 | 8));
         let splits = any_splits(&world, &mut random);
-        found += check(&world, stage(), &world.seen(), &splits);
+        found += check_both(&world, &world.seen(), &splits);
     }
     assert!(found > 2_000, "{found} pairs");
 }
@@ -181,7 +195,7 @@ fn degenerate() {
                 samples(8),
             );
             let splits = vec![Split::Marked; 64 * 64];
-            check(&world, stage(), &world.seen(), &splits);
+            check_both(&world, &world.seen(), &splits);
         }
     }
 }
@@ -194,35 +208,36 @@ fn overflow_by_one() {
     let world = world(gpu(), 1, &mut random);
     let splits = vec![Split::Marked; (world.view.map.map_size as usize).pow(2)];
     let (facets, _) = facets(&world, &world.seen(), Margin::default());
-    let whole = world.pixel_pairs(stage(), &facets, &splits, 1 << 21);
-    let needed: u32 = whole.counts.iter().sum();
-    assert!(needed > 100);
-    for capacity in [needed as usize - 1, needed as usize, needed as usize + 1] {
-        let mut padded = world.pixel_pairs(stage(), &facets, &splits, capacity);
-        assert_eq!(padded.counts, whole.counts, "the need does not depend on the capacity");
-        assert!(padded.list[..capacity.min(needed as usize)].iter().all(|p| p.0 != POISON), "capacity {capacity}");
-        padded.list.drain(..needed.min(capacity as u32) as usize);
-        assert!(padded.list.iter().all(|&p| p == (POISON, POISON)), "capacity {capacity}: written past the need");
+    for stage in stages() {
+        let whole = world.pixel_pairs(stage, &facets, &splits, 1 << 21);
+        let needed: u32 = whole.counts.iter().sum();
+        assert!(needed > 100);
+        for capacity in [needed as usize - 1, needed as usize, needed as usize + 1] {
+            let mut padded = world.pixel_pairs(stage, &facets, &splits, capacity);
+            assert_eq!(padded.counts, whole.counts, "the need does not depend on the capacity");
+            assert!(padded.list[..capacity.min(needed as usize)].iter().all(|p| p.0 != POISON), "capacity {capacity}");
+            padded.list.drain(..needed.min(capacity as u32) as usize);
+            assert!(padded.list.iter().all(|&p| p == (POISON, POISON)), "capacity {capacity}: written past the need");
+        }
+        // A list with room behind its capacity keeps what stands there.
+        let half = needed as usize / 2;
+        let listed = world.pixel_pairs_in(stage, &facets, &splits, half, needed as usize);
+        assert!(listed[half..].iter().all(|&p| p == [POISON; 2]), "written past the capacity");
+        assert!(listed[..half].iter().all(|&p| p != [POISON; 2]));
     }
-    // A list with room behind its capacity keeps what stands there.
-    let mut frame_short = world;
-    frame_short.frame.pixel_texel_capacity = 0;
-    let half = needed as usize / 2;
-    let listed = frame_short.pixel_pairs_in(stage(), &facets, &splits, half, needed as usize);
-    assert!(listed[half..].iter().all(|&p| p == [POISON; 2]), "written past the capacity");
-    assert!(listed[..half].iter().all(|&p| p != [POISON; 2]));
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
     let mut random = Random::new(27);
-    let small = PixelTexelPairs::new(&folding_gpu().device);
+    let small = [Places::Texels, Places::Tiles].map(|places| PixelTexelPairs::new(&folding_gpu().device, places));
     let mut found = 0;
     for kind in 0..4 {
         let world = world(folding_gpu(), kind, &mut random);
         let splits = vec![Split::Marked; (world.view.map.map_size as usize).pow(2)];
-        found += check(&world, &small, &world.seen()[..100 + 50 * kind as usize], &splits);
+        let listed = &world.seen()[..100 + 50 * kind as usize];
+        found += small.iter().map(|stage| check(&world, stage, listed, &splits)).sum::<usize>();
     }
     assert!(found > 0);
 }

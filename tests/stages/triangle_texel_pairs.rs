@@ -1,18 +1,28 @@
 //! Triangle-texel pairs: no exact pair is missing, none is farther than twice the margin.
 
-use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, unit, vector};
+use crate::support::shadow::{
+    World, camera, deepest_of, folding_gpu, random_light, random_scene, samples, unit, vector,
+};
 use crate::support::{POISON, Random, gpu, sizes_around};
 use std::sync::OnceLock;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::front_layer::Margin;
-use subpixel_shadows::reference::triangle_texel_pairs::pairs;
+use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, pairs, tile_pairs};
 use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::stages::pixel_texel_pairs::Places;
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
 
-fn stage() -> &'static TriangleTexelPairs {
-    static STAGE: OnceLock<TriangleTexelPairs> = OnceLock::new();
-    STAGE.get_or_init(|| TriangleTexelPairs::new(&gpu().device))
+/// One for each kind of places.
+fn stages() -> &'static [TriangleTexelPairs; 2] {
+    static STAGES: OnceLock<[TriangleTexelPairs; 2]> = OnceLock::new();
+    STAGES.get_or_init(|| [Places::Texels, Places::Tiles].map(|places| TriangleTexelPairs::new(&gpu().device, places)))
+}
+
+/// As `check`, with pairs that meet by texel and by tile.
+#[track_caller]
+fn check_both(world: &World, deepest: &[Option<f32>]) -> usize {
+    stages().iter().map(|stage| check(world, stage, deepest)).sum()
 }
 
 const MAPS: [u32; 4] = [1, 2, 33, 64];
@@ -45,6 +55,24 @@ fn faults(least: &[Vec<u32>], got: &[Vec<u32>], most: &[Vec<u32>]) -> (usize, us
 
 #[track_caller]
 fn check(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> usize {
+    match stage.places() {
+        Places::Texels => check_texels(world, stage, deepest),
+        Places::Tiles => check_tiles(world, stage, deepest),
+    }
+}
+
+/// Whether single precision may not know the triangle's orientation: it lists what its edges' lines touch in its box.
+fn thin(world: &World, t: u32) -> bool {
+    world.triangles[t as usize].flat().is_some_and(|f| {
+        let [a, b, c] = f.corners.map(DVec3::truncate);
+        let (ab, ac) = (b - a, c - a);
+        let size = (ab.x.abs() + ab.y.abs()).max(ac.x.abs() + ac.y.abs());
+        ab.perp_dot(ac).abs() <= 1e-5 * (f.bounds().1.length() + f.bounds().0.length() + size) * size
+    })
+}
+
+#[track_caller]
+fn check_texels(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> usize {
     let size = world.view.map.map_size;
     let exact: Vec<Option<f64>> = deepest.iter().map(|d| d.map(f64::from)).collect();
     let by = |margin: Margin| pairs(&world.triangles, &exact, size, margin);
@@ -52,21 +80,68 @@ fn check(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> 
     let needed: usize = world.triangle_pairs(stage, deepest, 0).counts.iter().map(|&c| c as usize).sum();
     let got = world.triangle_pairs(stage, deepest, needed).sets();
     assert!(got.iter().all(|s| s.windows(2).all(|w| w[0] < w[1])), "a pair is listed twice");
-    // Where single precision does not know a triangle's orientation it lists what its edges' lines touch in its box.
-    let thin = |t: u32| {
-        world.triangles[t as usize].flat().is_some_and(|f| {
-            let [a, b, c] = f.corners.map(DVec3::truncate);
-            let (ab, ac) = (b - a, c - a);
-            let size = (ab.x.abs() + ab.y.abs()).max(ac.x.abs() + ac.y.abs());
-            ab.perp_dot(ac).abs() <= 1e-5 * (f.bounds().1.length() + f.bounds().0.length() + size) * size
-        })
-    };
     for (most, got) in most.iter_mut().zip(&got) {
-        most.extend(got.iter().copied().filter(|&t| thin(t)));
+        most.extend(got.iter().copied().filter(|&t| thin(world, t)));
         most.sort_unstable();
     }
     assert_eq!(faults(&least, &got, &most), (0, 0), "missing, too far");
     got.iter().map(Vec::len).sum()
+}
+
+#[track_caller]
+fn check_tiles(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> usize {
+    let size = world.view.map.map_size;
+    let exact: Vec<Option<f64>> = deepest.iter().map(|d| d.map(f64::from)).collect();
+    let exact = deepest_of(Places::Tiles, size as usize, &exact);
+    let by = |margin: Margin| tile_pairs(&world.triangles, &exact, size, margin);
+    let (least, most) = (by(Margin::default()), by(world.margin().times(2.0)));
+    let needed: usize = world.triangle_pairs(stage, deepest, 0).counts.iter().map(|&c| c as usize).sum();
+    let listed = world.triangle_pairs(stage, deepest, needed);
+    let mut got = vec![Vec::new(); exact.len()];
+    for (&(t, tile), &word) in listed.list.iter().zip(&listed.parts).filter(|(p, _)| p.0 != POISON) {
+        let nearest = f64::from(f32::from_bits(word >> 16 << 16));
+        got[tile as usize].push(TilePair { triangle: t, cells: word & 0xffff, nearest });
+    }
+    got.iter_mut().for_each(|set| set.sort_unstable_by_key(|p| p.triangle));
+    let twice = |set: &Vec<TilePair>| set.windows(2).any(|w| w[0].triangle == w[1].triangle);
+    assert!(!got.iter().any(twice), "a pair is listed twice");
+    assert_eq!(tile_faults(&least, &got, &most, |t| thin(world, t)), [0; 3], "missing, too far, depths");
+    got.iter().map(Vec::len).sum()
+}
+
+/// Pairs and cells that are missing, pairs and cells that are too far, and depths that are too far or too near, of a list of
+/// tiles between two others. What is `thin` may have more.
+fn tile_faults(
+    least: &[Vec<TilePair>],
+    got: &[Vec<TilePair>],
+    most: &[Vec<TilePair>],
+    thin: impl Fn(u32) -> bool,
+) -> [u32; 3] {
+    let of = |set: &[TilePair], t: u32| set.iter().find(|p| p.triangle == t).copied();
+    let mut faults = [0; 3];
+    for ((least, got), most) in least.iter().zip(got).zip(most) {
+        for a in least {
+            match of(got, a.triangle) {
+                Some(b) => {
+                    faults[0] += (a.cells & !b.cells).count_ones();
+                    faults[2] += u32::from(b.nearest > a.nearest.max(0.0));
+                }
+                None => faults[0] += 1,
+            }
+        }
+        for b in got.iter().filter(|b| !thin(b.triangle)) {
+            match of(most, b.triangle) {
+                Some(a) => {
+                    faults[1] += (b.cells & !a.cells).count_ones();
+                    // Rounded down to eight bits, of which the first is not written.
+                    faults[2] += u32::from(b.nearest < a.nearest.max(0.0) * (1.0 - 1.0 / 128.0) - 1e-6);
+                }
+                // A tile of which its margin alone is touched may be listed with no cell.
+                None => faults[1] += u32::from(b.cells != 0),
+            }
+        }
+    }
+    faults
 }
 
 #[test]
@@ -75,9 +150,9 @@ fn empty() {
     let mut random = Random::new(31);
     let world = world(gpu(), 0, &mut random);
     let texels = (world.view.map.map_size as usize).pow(2);
-    assert_eq!(check(&world, stage(), &vec![None; texels]), 0, "no facet, no pair");
+    assert_eq!(check_both(&world, &vec![None; texels]), 0, "no facet, no pair");
     let none = of_mesh(gpu(), &Mesh::default(), Light::Directional { direction: [0.0, 1.0, 0.1] }, 8, &mut random);
-    assert_eq!(check(&none, stage(), &[Some(1.0); 64]), 0);
+    assert_eq!(check_both(&none, &[Some(1.0); 64]), 0);
 }
 
 #[test]
@@ -93,7 +168,7 @@ fn one() {
         mesh.triangles.push([3, 4, 5]);
         let light = random_light(map % 2 == 0, &mut random);
         let world = of_mesh(gpu(), &mesh, light, map, &mut random);
-        found += check(&world, stage(), &vec![Some(3.0); (map * map) as usize]);
+        found += check_both(&world, &vec![Some(3.0); (map * map) as usize]);
     }
     assert!(found > 0);
 }
@@ -107,7 +182,7 @@ fn every_size_around_workgroup() {
         let mesh = crate::support::shadow::soup(size, 0.1, &mut random);
         let light = random_light(size % 2 == 0, &mut random);
         let world = of_mesh(gpu(), &mesh, light, 8, &mut random);
-        check(&world, stage(), &[Some(3.0); 64]);
+        check_both(&world, &[Some(3.0); 64]);
     }
 }
 
@@ -118,7 +193,7 @@ fn random_seeded() {
     let mut found = 0;
     for kind in 0..60 {
         let world = world(gpu(), kind, &mut random);
-        found += check(&world, stage(), &any_depths(&world, &mut random));
+        found += check_both(&world, &any_depths(&world, &mut random));
     }
     assert!(found > 10_000, "{found} pairs");
 }
@@ -149,7 +224,7 @@ fn degenerate() {
             Light::Directional { direction: (vector(&mut random)).as_vec3().into() }
         };
         let world = of_mesh(gpu(), &mesh, light, MAPS[random.below(4) as usize], &mut random);
-        check(&world, stage(), &any_depths(&world, &mut random));
+        check_both(&world, &any_depths(&world, &mut random));
     }
 }
 
@@ -159,15 +234,19 @@ fn overflow_by_one() {
     let mut random = Random::new(36);
     let world = world(gpu(), 1, &mut random);
     let deepest = vec![Some(2.0); (world.view.map.map_size as usize).pow(2)];
-    let counts = world.triangle_pairs(stage(), &deepest, 0).counts;
-    let needed = counts.iter().sum::<u32>() as usize;
-    assert!(needed > 10);
-    for capacity in [needed - 1, needed, needed + 1] {
-        let listed = world.triangle_pairs_in(stage(), &deepest, capacity, needed + 9);
-        assert_eq!(listed.counts, counts, "the need does not depend on the capacity");
-        let (inside, beyond) = listed.list.split_at(capacity.min(needed));
-        assert!(inside.iter().all(|p| p.0 != POISON), "capacity {capacity}: a pair is not written");
-        assert!(beyond.iter().all(|p| p.0 == POISON), "capacity {capacity}: written past the end");
+    for stage in stages() {
+        let counts = world.triangle_pairs(stage, &deepest, 0).counts;
+        let needed = counts.iter().sum::<u32>() as usize;
+        assert!(needed > 10);
+        for capacity in [needed - 1, needed, needed + 1] {
+            let listed = world.triangle_pairs_in(stage, &deepest, capacity, needed + 9);
+            assert_eq!(listed.counts, counts, "the need does not depend on the capacity");
+            let (inside, beyond) = listed.list.split_at(capacity.min(needed));
+            assert!(inside.iter().all(|p| p.0 != POISON), "capacity {capacity}: a pair is not written");
+            assert!(beyond.iter().all(|p| p.0 == POISON), "capacity {capacity}: written past the end");
+            let mut parts = listed.parts[inside.len()..].iter();
+            assert!(stage.places() == Places::Texels || parts.all(|&p| p == POISON), "capacity {capacity}: a word");
+        }
     }
 }
 
@@ -175,11 +254,14 @@ fn overflow_by_one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
     let mut random = Random::new(37);
-    let small = TriangleTexelPairs::new(&folding_gpu().device);
+    let small = [Places::Texels, Places::Tiles].map(|places| TriangleTexelPairs::new(&folding_gpu().device, places));
     let mesh = crate::support::shadow::soup(150, 0.1, &mut random);
     let light = random_light(true, &mut random);
     let world = of_mesh(folding_gpu(), &mesh, light, 33, &mut random);
-    assert!(check(&world, &small, &any_depths(&world, &mut random)) > 150);
+    for stage in &small {
+        let found = check(&world, stage, &any_depths(&world, &mut random));
+        assert!(found > 150, "{:?}: {found} pairs", stage.places());
+    }
 }
 
 #[test]
@@ -189,6 +271,15 @@ fn detects_corruption() {
     assert_eq!(faults(&least, &[vec![1, 4]], &most), (0, 0));
     assert_eq!(faults(&least, &[vec![4]], &most), (1, 0), "a missing pair is seen");
     assert_eq!(faults(&least, &[vec![1, 4, 7]], &most), (0, 1), "a spare one too");
+    let pair = TilePair { triangle: 4, cells: 0x0330, nearest: 0.5 };
+    let by = |pairs: &[TilePair]| tile_faults(&[vec![pair]], &[pairs.to_vec()], &[vec![pair]], |_| false);
+    assert_eq!(by(&[pair]), [0; 3]);
+    assert_eq!(by(&[]), [1, 0, 0], "a missing pair is seen");
+    assert_eq!(by(&[TilePair { cells: 0x0130, ..pair }]), [1, 0, 0], "a missing cell");
+    assert_eq!(by(&[TilePair { cells: 0x8330, ..pair }]), [0, 1, 0], "a spare cell");
+    assert_eq!(by(&[pair, TilePair { triangle: 5, ..pair }]), [0, 1, 0], "a spare pair");
+    assert_eq!(by(&[TilePair { nearest: 0.51, ..pair }]), [0, 0, 1], "a depth that is too far");
+    assert_eq!(by(&[TilePair { nearest: 0.49, ..pair }]), [0, 0, 1], "and one that is too near");
     let mut random = Random::new(38);
     let world = world(gpu(), 1, &mut random);
     let depths = vec![Some(2.0); (world.view.map.map_size as usize).pow(2)];

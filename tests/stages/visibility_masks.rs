@@ -21,7 +21,7 @@ use subpixel_shadows::reference::visibility_masks::two_step;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::facet_classify::State;
-use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, TALLY_WORDS};
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, Places, TALLY_WORDS};
 use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
 use subpixel_shadows::truth::AMBIGUITY;
 
@@ -45,7 +45,7 @@ fn evaluate_by(stage: &VisibilityMasks, world: &World, listed: &List, validity: 
         .filter(undecided)
         .flat_map(|f| (0..triangles).filter(move |&t| t != list_triangle(listed, f)).map(move |t| [f as u32, t]))
         .collect();
-    let lists = PairLists::new(&gpu.device, 1, 1, 1, pairs.len()).expect("memory");
+    let lists = PairLists::new(&gpu.device, 1, Places::default(), 1, 1, pairs.len()).expect("memory");
     let mut content = vec![0; TALLY_WORDS];
     content[1] = pairs.len() as u32;
     content.extend(pairs.iter().flatten());
@@ -374,7 +374,7 @@ fn overflow_by_one() {
     let stage = stage(gpu(), 1);
     let reach = |capacity: u32, counted: u32| {
         let facets = classify(&world, &listed);
-        let lists = PairLists::new(&gpu().device, 1, 1, 1, 8).expect("memory");
+        let lists = PairLists::new(&gpu().device, 1, Places::default(), 1, 1, 8).expect("memory");
         let mut content = vec![0; TALLY_WORDS];
         content[1] = counted;
         // A facet on a triangle in the same place eight times over: candidates 3 and later are some other facet's.

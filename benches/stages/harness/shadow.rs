@@ -9,9 +9,12 @@ use subpixel_shadows::reference::prefix_scan;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
 use subpixel_shadows::stages::facet_classify::{FacetClassify, Facets, Surroundings};
-use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_WORDS};
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, Places, TALLY_WORDS};
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
 use subpixel_shadows::wgpu;
+
+/// Where pairs meet, as by default.
+pub const PLACES: Places = Places::Tiles;
 
 /// Everything that the stages read and write.
 pub struct Shadow {
@@ -28,7 +31,7 @@ pub struct Shadow {
     pub candidate_args: Buffer<u32>,
     /// Pixel-texel pairs, triangle-texel pairs, candidates.
     pub counts: [usize; 3],
-    /// Facets and triangles of one texel, of all texels.
+    /// Facets and triangles of one place, of all places.
     pub tests: usize,
     /// Work items of the facets.
     pub items: usize,
@@ -57,6 +60,7 @@ impl Shadow {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(None) };
         let (device, queue) = (&gpu.device, &gpu.queue);
         let (pixels, texels) = ((IMAGE[0] * IMAGE[1]) as usize, (MAP * MAP) as usize);
+        let places = PLACES.count(MAP as usize);
         let mut content = setup.frame.read(gpu)?[0];
         content.flags |= Frame::ALL_UNDECIDED;
         (content.facets_total, content.facet_count) = (pixels as u32, pixels as u32);
@@ -82,10 +86,10 @@ impl Shadow {
         let (words, items) = scanned(gpu, &facets.items)?;
         let facet_offsets = Buffer::from_slice(device, queue, "bench.facet_offsets", &words)?;
         let facet_args = args(gpu, items)?;
-        let pixel_stage = PixelTexelPairs::new(device);
-        let triangle_stage = TriangleTexelPairs::new(device);
+        let pixel_stage = PixelTexelPairs::new(device, PLACES);
+        let triangle_stage = TriangleTexelPairs::new(device, PLACES);
         let mut shadow = Self {
-            lists: PairLists::new(device, MAP as usize, 1, 1, 1)?,
+            lists: PairLists::new(device, MAP as usize, PLACES, 1, 1, 1)?,
             pair_args: args(gpu, 0)?,
             candidate_args: args(gpu, 0)?,
             counts: [0; 3],
@@ -101,17 +105,17 @@ impl Shadow {
             items,
         };
         submit(gpu, |s| shadow.pixel_pairs(s, &pixel_stage, 0))?;
-        let (pixel_offsets, pixel_count) = scanned(gpu, &shadow.lists.texel_counts)?;
-        shadow.lists.texel_counts.write(queue, &vec![0; texels]);
+        let (pixel_offsets, pixel_count) = scanned(gpu, &shadow.lists.place_counts)?;
+        shadow.lists.place_counts.write(queue, &vec![0; places]);
         submit(gpu, |s| shadow.triangle_pairs(s, &triangle_stage, 0))?;
-        let (triangle_offsets, triangle_count) = scanned(gpu, &shadow.lists.texel_counts)?;
+        let (triangle_offsets, triangle_count) = scanned(gpu, &shadow.lists.place_counts)?;
         let lengths =
-            |offsets: &[u32]| offsets.windows(2).map(|w| (w[1] - w[0]) as usize).take(texels).collect::<Vec<_>>();
+            |offsets: &[u32]| offsets.windows(2).map(|w| (w[1] - w[0]) as usize).take(places).collect::<Vec<_>>();
         shadow.tests = lengths(&pixel_offsets).iter().zip(lengths(&triangle_offsets)).map(|(p, t)| p * t).sum();
-        let deepest = shadow.lists.texel_deepest.read(gpu)?;
+        let deepest = shadow.lists.place_deepest.read(gpu)?;
         let room = (8 * pixel_count).max(1 << 16);
-        shadow.lists = PairLists::new(device, MAP as usize, pixel_count, triangle_count, room)?;
-        shadow.lists.texel_deepest.write(queue, &deepest);
+        shadow.lists = PairLists::new(device, MAP as usize, PLACES, pixel_count, triangle_count, room)?;
+        shadow.lists.place_deepest.write(queue, &deepest);
         shadow.lists.pixel_offsets.write(queue, &pixel_offsets);
         shadow.lists.triangle_offsets.write(queue, &triangle_offsets);
         content.pixel_texel_capacity = pixel_count as u32;
@@ -119,14 +123,14 @@ impl Shadow {
         content.candidate_capacity = room as u32;
         shadow.frame.write(queue, &[content]);
         submit(gpu, |s| shadow.pixel_pairs(s, &pixel_stage, 1))?;
-        shadow.lists.texel_counts.write(queue, &vec![0; texels]);
+        shadow.lists.place_counts.write(queue, &vec![0; places]);
         submit(gpu, |s| shadow.triangle_pairs(s, &triangle_stage, 1))?;
-        shadow.lists.texel_counts.write(queue, &vec![0; texels]);
+        shadow.lists.place_counts.write(queue, &vec![0; places]);
         let mut tally = vec![0; TALLY_WORDS];
         tally[0] = pixel_count as u32;
         shadow.lists.candidates.write(queue, &tally);
         shadow.pair_args = args(gpu, pixel_count)?;
-        submit(gpu, |s| shadow.candidates(s, &CandidatePairs::new(device, 1)))?;
+        submit(gpu, |s| shadow.candidates(s, &CandidatePairs::new(device, 1, PLACES)))?;
         let found = shadow.lists.candidates.read_first(gpu, 2)?[1] as usize;
         shadow.candidate_args = args(gpu, found.min(room))?;
         shadow.counts = [pixel_count, triangle_count, found.min(room)];

@@ -20,16 +20,16 @@ impl FacetMasks {
         band: u32,
     ) -> Result<()> {
         let m = &self.memory;
-        let texels = m.lists.texel_counts.len();
+        let places = m.lists.place_counts.len();
         let frame_of = |round: u32| m.frames[(band * self.capacities.rounds + round) as usize].raw();
-        rec.clear(m.lists.texel_deepest.raw());
+        rec.clear(m.lists.place_deepest.raw());
         match &m.unsorted {
             None => self.record_grouped(rec, frame_of(0), in_light)?,
             Some(unsorted) => self.record_sorted(rec, frame_of(0), in_light, unsorted)?,
         }
         rec.copy_words(
             m.lists.pixel_offsets.raw(),
-            texels as u64,
+            places as u64,
             m.lists.candidates.raw(),
             u64::from(tally::TALLY_PAIRS),
             1,
@@ -69,8 +69,8 @@ impl FacetMasks {
             self.with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;
         }
         let slot = (status::BANDS + status::BAND_WORDS * band as usize) as u64;
-        rec.copy_words(m.lists.pixel_offsets.raw(), texels as u64, m.status.raw(), slot, 2);
-        rec.copy_words(m.lists.triangle_offsets.raw(), texels as u64, m.status.raw(), slot + 2, 2);
+        rec.copy_words(m.lists.pixel_offsets.raw(), places as u64, m.status.raw(), slot, 2);
+        rec.copy_words(m.lists.triangle_offsets.raw(), places as u64, m.status.raw(), slot + 2, 2);
         rec.copy_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), m.status.raw(), slot + 4, 3);
         rec.copy_words(
             m.lists.candidates.raw(),
@@ -85,23 +85,23 @@ impl FacetMasks {
     /// The pairs of one band, counted, scanned and written to their places.
     fn record_grouped(&self, rec: &mut Recorder, frame: &wgpu::Buffer, in_light: Blocks) -> Result<()> {
         let m = &self.memory;
-        let (texels, facet_args) = (m.lists.texel_counts.len(), (m.args.raw(), Arg::Facets.word()));
+        let (places, facet_args) = (m.lists.place_counts.len(), (m.args.raw(), Arg::Facets.word()));
         for run in 0..2 {
-            rec.clear(m.lists.texel_counts.raw());
+            rec.clear(m.lists.place_counts.raw());
             let stage = &mut rec.stage("pixel_texel_pairs");
             let splits = &m.layers.splits;
             let offsets = &m.facet_offsets;
             self.with.pixel_pairs.record(stage, run, frame, &m.facets, offsets, facet_args, splits, &m.lists)?;
             if run == 0 {
-                self.scan(stage, &m.lists.texel_counts, &m.lists.pixel_offsets, texels)?;
+                self.scan(stage, &m.lists.place_counts, &m.lists.pixel_offsets, places)?;
             }
         }
         for run in 0..2 {
-            rec.clear(m.lists.texel_counts.raw());
+            rec.clear(m.lists.place_counts.raw());
             let stage = &mut rec.stage("triangle_texel_pairs");
             self.with.triangle_pairs.record(stage, run, frame, in_light, &m.lists)?;
             if run == 0 {
-                self.scan(stage, &m.lists.texel_counts, &m.lists.triangle_offsets, texels)?;
+                self.scan(stage, &m.lists.place_counts, &m.lists.triangle_offsets, places)?;
             }
         }
         Ok(())
@@ -117,11 +117,11 @@ impl FacetMasks {
     ) -> Result<()> {
         let m = &self.memory;
         let Some(sorted) = &self.with.sorted else { return Ok(()) };
-        let (counts, args) = (&m.lists.texel_counts, (m.args.raw(), Arg::Facets.word()));
-        let (texels, splits) = (counts.len(), &m.layers.splits);
+        let (counts, args) = (&m.lists.place_counts, (m.args.raw(), Arg::Facets.word()));
+        let (places, splits) = (counts.len(), &m.layers.splits);
         let counted = |rec: &mut Recorder, from: &sorted_pairs::Scratch, offsets: &Buffer<u32>| {
             // Of pairs beyond the capacity it is known only that they are there.
-            rec.copy_words(from.appended.raw(), 0, offsets.raw(), texels as u64, 2);
+            rec.copy_words(from.appended.raw(), 0, offsets.raw(), places as u64, 2);
         };
         for list in [of_pixels, of_triangles] {
             rec.clear(list.appended.raw());
@@ -132,7 +132,7 @@ impl FacetMasks {
             let offsets = &m.facet_offsets;
             self.with.pixel_pairs.record_append(stage, frame, &m.facets, offsets, args, splits, &m.lists, of_pixels)?;
             sorted.record(stage, of_pixels, Sorted::Pairs(&m.lists.pixel_pairs), counts)?;
-            self.scan(stage, counts, &m.lists.pixel_offsets, texels)?;
+            self.scan(stage, counts, &m.lists.pixel_offsets, places)?;
         }
         counted(rec, of_pixels, &m.lists.pixel_offsets);
         rec.clear(counts.raw());
@@ -140,7 +140,7 @@ impl FacetMasks {
             let stage = &mut rec.stage("triangle_texel_pairs");
             self.with.triangle_pairs.record_append(stage, frame, in_light, &m.lists, of_triangles)?;
             sorted.record(stage, of_triangles, Sorted::Items(&m.lists.triangle_pairs), counts)?;
-            self.scan(stage, counts, &m.lists.triangle_offsets, texels)?;
+            self.scan(stage, counts, &m.lists.triangle_offsets, places)?;
         }
         counted(rec, of_triangles, &m.lists.triangle_offsets);
         Ok(())

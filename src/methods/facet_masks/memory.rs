@@ -136,6 +136,7 @@ impl Memory {
             lists: PairLists::new(
                 device,
                 map,
+                settings.pairs.places(),
                 capacities.pixel_pairs,
                 capacities.triangle_pairs,
                 capacities.candidates,
@@ -161,7 +162,7 @@ pub fn unsorted(
     settings: &Settings,
     c: Capacities,
 ) -> Result<Option<[sorted_pairs::Scratch; 2]>> {
-    if settings.pairs == PairVariant::Grouped {
+    if settings.pairs != PairVariant::Sorted {
         return Ok(None);
     }
     let of_pixels = SortedPairs::scratch(device, c.pixel_pairs, true)?;

@@ -96,6 +96,7 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("facets=all masks=table", Settings { masks: MaskVariant::TABLE, ..all });
                 let projection = ProjectionVariant::TwoStep;
                 add("facets=one projection=two-step", Settings { projection, ..settings.clone() });
+                add("facets=one pairs=grouped", Settings { pairs: PairVariant::Grouped, ..settings.clone() });
                 add("facets=one pairs=sorted", Settings { pairs: PairVariant::Sorted, ..settings.clone() });
             }
         }

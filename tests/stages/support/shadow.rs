@@ -21,7 +21,7 @@ use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets, Surroundings};
 use subpixel_shadows::stages::front_layer::{MARKED, UNCOVERED};
-use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs};
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, Places};
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
 use subpixel_shadows::stages::vertex_project::VertexProject;
@@ -322,7 +322,8 @@ impl World {
     pub fn pixel_pairs(&self, stage: &PixelTexelPairs, facets: &Facets, splits: &[Split], capacity: usize) -> Listed {
         let gpu = self.gpu;
         let (map, count) = (self.view.map.map_size as usize, facets.list.len());
-        let mut lists = PairLists::new(&gpu.device, map, capacity.max(1), 1, 1).expect("memory");
+        let places = stage.places();
+        let mut lists = PairLists::new(&gpu.device, map, places, capacity.max(1), 1, 1).expect("memory");
         let items = facets.items.read(gpu).expect("readback");
         let (offsets, args, total) = self.items(&items);
         let splits = self.splits(splits);
@@ -339,13 +340,13 @@ impl World {
                 lists.touched = Buffer::storage(&gpu.device, "test.touched", room as usize).expect("memory");
                 lists.pixel_pairs.write(&gpu.queue, &vec![[POISON; 2]; capacity.max(1)]);
             }
-            lists.texel_counts.write(&gpu.queue, &vec![0; map * map]);
+            lists.place_counts.write(&gpu.queue, &vec![0; places.count(map)]);
             if total > 0 {
                 run(gpu, |s| stage.record(s, pass, frame.raw(), facets, &offsets, (args.raw(), 0), &splits, &lists));
             }
-            counts.push(lists.texel_counts.read(gpu).expect("readback"));
+            counts.push(lists.place_counts.read(gpu).expect("readback"));
             if pass == 0 {
-                deepest = lists.texel_deepest.read(gpu).expect("readback");
+                deepest = lists.place_deepest.read(gpu).expect("readback");
                 lists.pixel_offsets.write(&gpu.queue, &with_total(&counts[0]));
             } else if counts[0].iter().sum::<u32>() as usize <= capacity {
                 let mut list = lists.pixel_pairs.read(gpu).expect("readback");
@@ -355,16 +356,19 @@ impl World {
         }
         assert!(counts.iter().all(|c| *c == counts[0]), "all runs find the same pairs");
         let list = lists.pixel_pairs.read(gpu).expect("readback");
-        // Appended instead, they are the same.
-        lists.texel_deepest.write(&gpu.queue, &vec![0; deepest.len()]);
-        let unsorted = unsorted(gpu, capacity);
-        if total > 0 {
-            let args = (args.raw(), 0);
-            run(gpu, |s| stage.record_append(s, frame.raw(), facets, &offsets, args, &splits, &lists, &unsorted));
+        if places == Places::Texels {
+            // Appended instead, they are the same.
+            lists.place_deepest.write(&gpu.queue, &vec![0; deepest.len()]);
+            let unsorted = unsorted(gpu, capacity);
+            if total > 0 {
+                let args = (args.raw(), 0);
+                run(gpu, |s| stage.record_append(s, frame.raw(), facets, &offsets, args, &splits, &lists, &unsorted));
+            }
+            check_appended(gpu, &unsorted, capacity, &counts[0], list.iter().map(|&[facet, texel]| (texel, facet)));
+            assert_eq!(lists.place_deepest.read(gpu).expect("readback"), deepest, "appended: the same depths");
         }
-        check_appended(gpu, &unsorted, capacity, &counts[0], list.iter().map(|&[facet, texel]| (texel, facet)));
-        assert_eq!(lists.texel_deepest.read(gpu).expect("readback"), deepest, "appended: the same depths");
-        Listed { counts: counts.swap_remove(0), deepest, list: list.into_iter().map(|[a, b]| (a, b)).collect() }
+        let list = list.into_iter().map(|[a, b]| (a, b)).collect();
+        Listed { counts: counts.swap_remove(0), deepest, list, parts: Vec::new() }
     }
 
     /// The list of pairs in a buffer of `len` when its capacity is said to be less.
@@ -380,7 +384,8 @@ impl World {
         let map = self.view.map.map_size as usize;
         // Nothing is kept from counting.
         let touched = Buffer::storage(&gpu.device, "test.touched", 0).expect("memory");
-        let lists = PairLists { touched, ..PairLists::new(&gpu.device, map, len, 1, 1).expect("memory") };
+        let lists =
+            PairLists { touched, ..PairLists::new(&gpu.device, map, stage.places(), len, 1, 1).expect("memory") };
         let (offsets, args, _) = self.items(&facets.items.read(gpu).expect("readback"));
         let splits_on_gpu = self.splits(splits);
         let mut frame = self.frame;
@@ -409,16 +414,19 @@ impl World {
     ) -> Listed {
         let gpu = self.gpu;
         let map = self.view.map.map_size as usize;
-        let mut lists = PairLists::new(&gpu.device, map, 1, len, 1).expect("memory");
+        let places = stage.places();
+        let (count, words_each) = (places.count(map), places.words());
+        let mut lists = PairLists::new(&gpu.device, map, places, 1, len, 1).expect("memory");
         let items = self.facts.light_items.read(gpu).expect("readback");
         let (offsets, args, total) = self.items(&items);
         let across = map.div_ceil(8);
-        let mut words: Vec<u32> = deepest.iter().map(|d| d.map_or(0, |d| d.to_bits() + 1)).collect();
-        words.resize(map * map + across * across, 0);
+        let mut words: Vec<u32> =
+            deepest_of(places, map, deepest).iter().map(|d| d.map_or(0, |d| d.to_bits() + 1)).collect();
+        words.resize(count + across * across, 0);
         for texel in (0..map * map).filter(|&t| deepest[t].is_some()) {
-            words[map * map + texel / map / 8 * across + texel % map / 8] = 1;
+            words[count + texel / map / 8 * across + texel % map / 8] = 1;
         }
-        lists.texel_deepest.write(&gpu.queue, &words);
+        lists.place_deepest.write(&gpu.queue, &words);
         let mut frame = self.frame;
         frame.triangle_texel_capacity = capacity as u32;
         let frame = uniform(gpu, &frame);
@@ -435,35 +443,39 @@ impl World {
         for (room, pass) in [0, total / 2, total + 1].into_iter().flat_map(|room| [(room, 0), (room, 1)]) {
             if pass == 0 {
                 lists.touched = Buffer::storage(&gpu.device, "test.touched", room as usize).expect("memory");
-                lists.triangle_pairs.write(&gpu.queue, &vec![POISON; len]);
+                lists.triangle_pairs.write(&gpu.queue, &vec![POISON; words_each * len]);
             }
-            lists.texel_counts.write(&gpu.queue, &vec![0; map * map]);
+            lists.place_counts.write(&gpu.queue, &vec![0; places.count(map)]);
             if total > 0 {
                 run(gpu, |s| stage.record(s, pass, frame.raw(), blocks, &lists));
             }
-            counts.push(lists.texel_counts.read(gpu).expect("readback"));
+            counts.push(lists.place_counts.read(gpu).expect("readback"));
             if pass == 0 {
                 lists.triangle_offsets.write(&gpu.queue, &with_total(&counts[0]));
             } else if counts[0].iter().sum::<u32>() as usize <= capacity {
-                let mut list = lists.triangle_pairs.read(gpu).expect("readback");
+                let mut list = triangle_list(gpu, &lists);
                 let offsets = with_total(&counts[0]);
-                offsets[..=map * map].windows(2).for_each(|w| list[w[0] as usize..w[1] as usize].sort_unstable());
+                offsets[..=count].windows(2).for_each(|w| list[w[0] as usize..w[1] as usize].sort_unstable());
                 assert_eq!(*kept.get_or_insert_with(|| list.clone()), list, "what is kept of {total} blocks: {room}");
             }
         }
         assert!(counts.iter().all(|c| *c == counts[0]), "all runs find the same pairs");
         let offsets = with_total(&counts[0]);
-        let list = lists.triangle_pairs.read(gpu).expect("readback");
-        let owner = |k: usize| offsets[..map * map].partition_point(|&o| o as usize <= k) as u32 - 1;
-        let list = list.into_iter().enumerate().map(|(k, t)| (t, if t == POISON { POISON } else { owner(k) }));
-        let list: Vec<(u32, u32)> = list.collect();
-        // Appended instead, they are the same.
-        let unsorted = unsorted(gpu, capacity);
-        if total > 0 {
-            run(gpu, |s| stage.record_append(s, frame.raw(), blocks, &lists, &unsorted));
+        let owner = |k: usize| offsets[..count].partition_point(|&o| o as usize <= k) as u32 - 1;
+        let (list, parts): (Vec<_>, Vec<_>) = triangle_list(gpu, &lists)
+            .into_iter()
+            .enumerate()
+            .map(|(k, (t, part))| ((t, if t == POISON { POISON } else { owner(k) }), part))
+            .unzip();
+        if places == Places::Texels {
+            // Appended instead, they are the same.
+            let unsorted = unsorted(gpu, capacity);
+            if total > 0 {
+                run(gpu, |s| stage.record_append(s, frame.raw(), blocks, &lists, &unsorted));
+            }
+            check_appended(gpu, &unsorted, capacity, &counts[0], list.iter().map(|&(t, texel)| (texel, t)));
         }
-        check_appended(gpu, &unsorted, capacity, &counts[0], list.iter().map(|&(t, texel)| (texel, t)));
-        Listed { counts: counts.swap_remove(0), deepest: Vec::new(), list }
+        Listed { counts: counts.swap_remove(0), deepest: Vec::new(), list, parts }
     }
 
     /// Scan of work items with its total and flag, and indirect arguments for them.
@@ -479,25 +491,77 @@ impl World {
 
 /// What a pair stage listed.
 pub struct Listed {
-    /// Pairs of each texel.
+    /// Pairs of each place.
     pub counts: Vec<u32>,
     /// As the kernel leaves it.
     pub deepest: Vec<u32>,
-    /// The list with what was in it before: (facet or triangle, texel).
+    /// The list with what was in it before: (facet, texel or part of a tile) or (triangle, place).
     pub list: Vec<(u32, u32)>,
+    /// Of triangles and tiles: the words before the triangles.
+    pub parts: Vec<u32>,
 }
 
 impl Listed {
-    /// The pairs of each texel, rising.
+    /// The pairs of each place, rising.
     pub fn sets(&self) -> Vec<Vec<u32>> {
         let offsets = with_total(&self.counts);
-        let set = |texel: usize| {
+        let set = |place: usize| {
             let mut set: Vec<u32> =
-                self.list[offsets[texel] as usize..offsets[texel + 1] as usize].iter().map(|p| p.0).collect();
+                self.list[offsets[place] as usize..offsets[place + 1] as usize].iter().map(|p| p.0).collect();
             set.sort_unstable();
             set
         };
         (0..self.counts.len()).map(set).collect()
+    }
+
+    /// Facets of each texel, rising, whatever places they met at.
+    pub fn texel_sets(&self, places: Places, map: usize) -> Vec<Vec<u32>> {
+        if places == Places::Texels {
+            return self.sets();
+        }
+        let (offsets, across) = (with_total(&self.counts), map.div_ceil(2));
+        let mut sets = vec![Vec::new(); map * map];
+        for (tile, ends) in offsets[..=self.counts.len()].windows(2).enumerate() {
+            for &(facet, name) in &self.list[ends[0] as usize..ends[1] as usize] {
+                assert!(name >> 4 == tile as u32 && name & 15 != 0, "facet {facet}, tile {tile}: named {name:x}");
+                for bit in (0..4).filter(|bit| name & (1 << bit) != 0) {
+                    let (x, y) = (tile % across * 2 + bit % 2, tile / across * 2 + bit / 2);
+                    assert!(x < map && y < map, "facet {facet}, tile {tile}: beyond the map");
+                    sets[y * map + x].push(facet);
+                }
+            }
+        }
+        sets.iter_mut().for_each(|set| set.sort_unstable());
+        sets
+    }
+}
+
+/// The place of a texel.
+pub fn place_of(places: Places, map: usize, texel: usize) -> usize {
+    match places {
+        Places::Texels => texel,
+        Places::Tiles => texel / map / 2 * map.div_ceil(2) + texel % map / 2,
+    }
+}
+
+/// The greatest depth of each place.
+pub fn deepest_of<T: Copy + PartialOrd>(places: Places, map: usize, texels: &[Option<T>]) -> Vec<Option<T>> {
+    let mut deepest = vec![None; places.count(map)];
+    for (texel, &depth) in texels.iter().enumerate() {
+        let place = &mut deepest[place_of(places, map, texel)];
+        if depth > *place {
+            *place = depth;
+        }
+    }
+    deepest
+}
+
+/// Triangles and the words before them, 0 where there are none.
+fn triangle_list(gpu: &Gpu, lists: &PairLists) -> Vec<(u32, u32)> {
+    let words = lists.triangle_pairs.read(gpu).expect("readback");
+    match lists.places {
+        Places::Texels => words.into_iter().map(|t| (t, 0)).collect(),
+        Places::Tiles => words.chunks_exact(2).map(|w| (w[1], w[0])).collect(),
     }
 }
 
