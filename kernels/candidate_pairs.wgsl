@@ -27,7 +27,7 @@ const ROUND_LENGTH = 4096u;
 @group(0) @binding(2) var<storage, read> pairs: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> triangle_offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> pair_triangles: array<u32>;
-@group(0) @binding(5) var<storage, read> triangles: array<u32>;
+@group(0) @binding(5) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(6) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> candidates: Candidates;
 @group(0) @binding(8) var<storage, read_write> masks: array<atomic<u32>>;
@@ -60,9 +60,10 @@ fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, middle: vec2<f32>, half: vec2
 
 // What a triangle may do to a facet: nothing, something, or cover all of it.
 fn effect(t: u32, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest: f32) -> u32 {
-    let a = map_points[triangles[3u * t]];
-    let b = map_points[triangles[3u * t + 1u]];
-    let c = map_points[triangles[3u * t + 2u]];
+    let i = triangles[t];
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
     let low = min(min(a.xy, b.xy), c.xy);
     let high = max(max(a.xy, b.xy), c.xy);
     let apart = any(low > middle + half) || any(high < middle - half);

@@ -26,7 +26,7 @@ struct Params {
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> vertices: array<u32>;
 @group(0) @binding(2) var<storage, read> places: array<vec2<u32>>;
-@group(0) @binding(3) var<storage, read_write> positions: array<f32>;
+@group(0) @binding(3) var<storage, read_write> positions: array<vec3<f32>>;
 @group(0) @binding(4) var<storage, read_write> faults: array<atomic<u32>>;
 
 fn word(at: u32) -> u32 {
@@ -56,7 +56,7 @@ fn gather(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     if any(bits != taken(places[v].y)) { atomicAdd(&faults[FAULT_PARTED], 1u); }
     if places[v].y != v { return; }
     for (var k = 0u; k < 3u; k++) {
-        positions[3u * place + k] = within(bits[k], params.box_low[k], params.box_high[k]);
+        positions[place][k] = within(bits[k], params.box_low[k], params.box_high[k]);
     }
     let p = bitcast<vec3<f32>>(bits);
     if !(all_finite(p) && all(p >= params.box_low) && all(p <= params.box_high)) {

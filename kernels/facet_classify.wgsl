@@ -36,8 +36,8 @@ const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(3) var<storage, read> triangles: array<u32>;
-@group(0) @binding(4) var<storage, read> positions: array<f32>;
+@group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(4) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(5) var<storage, read> sat: array<u32>;
 @group(0) @binding(6) var<storage, read> splits: array<f32>;
 @group(0) @binding(7) var<storage, read_write> facets: array<Facet>;

@@ -16,7 +16,7 @@
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> triangles: array<u32>;
+@group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(2) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> work_offsets: array<u32>;
@@ -31,8 +31,8 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     if item >= work_offsets[frame.triangle_count] { return; }
     let t = owner_of(item, frame.triangle_count);
     let block = block_of(light_rects[t], item - work_offsets[t]);
-    let shape = cover_triangle(
-        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]]);
+    let i = triangles[t];
+    let shape = cover_triangle(map_points[i.x], map_points[i.y], map_points[i.z]);
     let corner = block.low & vec2(~7u);
     var left = cover_cells(shape, block, 0xffu);
     var marks = vec2(0u);

@@ -17,7 +17,7 @@ const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> triangles: array<u32>;
+@group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(2) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> work_offsets: array<u32>;
@@ -39,7 +39,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let t = owner_of(item, frame.triangle_count);
     let block = block_of(light_rects[t], item - work_offsets[t]);
     // Vertices in order of index, so that an edge has one value in both of its triangles.
-    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    var i = triangles[t];
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }

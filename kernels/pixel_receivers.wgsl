@@ -43,8 +43,8 @@ struct Params {
 @group(0) @binding(4) var ids: texture_2d<u32>;
 @group(0) @binding(5) var<storage, read> numbers: array<u32>;
 @group(0) @binding(6) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(7) var<storage, read_write> triangles: array<u32>;
-@group(0) @binding(8) var<storage, read_write> positions: array<f32>;
+@group(0) @binding(7) var<storage, read_write> triangles: array<vec3<u32>>;
+@group(0) @binding(8) var<storage, read_write> positions: array<vec3<f32>>;
 @group(0) @binding(9) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(10) var<storage, read_write> faults: array<atomic<u32>>;
 
@@ -52,7 +52,7 @@ struct Params {
 
 // Whether the surface is that of triangle `t`: on its plane and, seen from the eye, in it, give or take `reach` pixels.
 fn shows(t: u32, p: Place, ray: vec3<f32>, reach: f32) -> bool {
-    let i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let i = triangles[t];
     let normal = cross(edge_of(i.x, i.y), edge_of(i.x, i.z));
     let size = largest(normal);
     if !(size > 0.0) { return false; }
@@ -136,8 +136,8 @@ fn write_triangle(pixel: u32, p: Place, n: vec3<f32>) {
         q[j] += corners[c].y * leg;
         q[k] -= (n[i] * (q[i] - p.world[i]) + n[j] * (q[j] - p.world[j])) / n[k];
         let v = frame.vertex_count + 3u * pixel + c;
-        for (var a = 0u; a < 3u; a++) { positions[3u * v + a] = q[a]; }
-        triangles[3u * (frame.triangle_count + pixel) + c] = v;
+        positions[v] = q;
+        triangles[frame.triangle_count + pixel][c] = v;
     }
 }
 

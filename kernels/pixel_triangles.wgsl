@@ -23,7 +23,7 @@ const STATUS_LONGEST = 25u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
-@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(0) @binding(2) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> camera_rects: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
@@ -62,7 +62,7 @@ fn middle() -> vec2<f32> {
 
 fn seen_triangle(t: u32) -> Seen {
     var s: Seen;
-    let i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let i = triangles[t];
     let ray = frame.ray_corner.xyz + middle().x * frame.ray_x.xyz + middle().y * frame.ray_y.xyz;
     let a = points[i.x].xyz;
     let b = points[i.y].xyz;

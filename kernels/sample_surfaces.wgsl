@@ -41,13 +41,13 @@ const ROUND_LENGTH = 512u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> step: Step;
-@group(0) @binding(3) var<storage, read> triangles: array<u32>;
+@group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> pixel_offsets: array<u32>;
 @group(0) @binding(6) var<storage, read> pixel_list: array<u32>;
 @group(0) @binding(7) var<storage, read> complex_pixels: array<u32>;
 @group(0) @binding(8) var<storage, read> complex_total: array<u32>;
-@group(0) @binding(9) var<storage, read> positions: array<f32>;
+@group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(10) var<storage, read_write> sample_keys: array<u32>;
 @group(0) @binding(17) var<storage, read_write> rivals_found: array<u32>;
 @group(0) @binding(22) var<storage, read_write> crowds: array<atomic<u32>>;  // how many pixels have crowded samples; of each slot and pixel

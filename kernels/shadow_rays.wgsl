@@ -31,8 +31,8 @@ const WORK_HEAD = 4u;
 @group(0) @binding(5) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read> nodes: array<vec4<u32>>;
 @group(0) @binding(7) var<storage, read> casters: array<vec4<f32>>;  // a vertex, two edges from it; w: bits of the indices
-@group(0) @binding(8) var<storage, read> triangles: array<u32>;
-@group(0) @binding(9) var<storage, read> positions: array<f32>;
+@group(0) @binding(8) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(10) var<storage, read_write> masks: array<atomic<u32>>;  // coverage, occluded, invalid: WORDS words each
 
 //@import shadow_lines

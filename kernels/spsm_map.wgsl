@@ -22,7 +22,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
 @group(0) @binding(2) var<uniform> slopes: array<vec4<f32>, 256>;
-@group(0) @binding(3) var<storage, read> triangles: array<u32>;
+@group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(4) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> work_offsets: array<u32>;

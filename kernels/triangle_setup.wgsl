@@ -14,7 +14,7 @@
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> triangles: array<u32>;
+@group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(2) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> facing: array<u32>;
@@ -85,7 +85,7 @@ fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> vec2<u32> {
 fn setup(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let t = flat_invocation(group, groups, WORKGROUP, local);
     if t >= frame.triangle_count { return; }
-    let i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let i = triangles[t];
     let bad = max(max(i.x, i.y), i.z) >= frame.vertex_count || i.x == i.y || i.y == i.z || i.z == i.x;
     let a = points[min(i.x, frame.vertex_count - 1u)];
     let b = points[min(i.y, frame.vertex_count - 1u)];

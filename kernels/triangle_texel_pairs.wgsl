@@ -21,7 +21,7 @@ const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
-@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(0) @binding(2) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
@@ -50,9 +50,10 @@ fn places_of(block: Rect) -> Rect {
 
 // The triangle as places are asked for it, which are units of length.
 fn cover_of(t: u32) -> Cover {
-    let a = map_points[triangles[3u * t]];
-    let b = map_points[triangles[3u * t + 1u]];
-    let c = map_points[triangles[3u * t + 2u]];
+    let i = triangles[t];
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
     if TILE_SHIFT == 0u { return cover_triangle(a, b, c); }
     let half = vec4(0.5, 0.5, 1.0, 1.0);
     return cover_triangle_by(half * a, half * b, half * c, 0.5 * frame.map_margin);

@@ -11,7 +11,7 @@
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
+@group(0) @binding(1) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(2) var<storage, read_write> points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> map_points: array<vec4<f32>>;
 
@@ -19,7 +19,7 @@ const WORKGROUP = 64u;
 fn project(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let v = flat_invocation(group, groups, WORKGROUP, local);
     if v >= frame.vertex_count { return; }
-    let world = vec3(positions[3u * v], positions[3u * v + 1u], positions[3u * v + 2u]);
+    let world = positions[v];
     let point = ((world - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
     if !all_finite(point) {
         points[v] = vec4(0.0);

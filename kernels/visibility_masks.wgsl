@@ -33,8 +33,8 @@ const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> facets: array<Facet>;
 @group(0) @binding(3) var<storage, read_write> candidates: Candidates;
-@group(0) @binding(4) var<storage, read> triangles: array<u32>;
-@group(0) @binding(5) var<storage, read> positions: array<f32>;
+@group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(5) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(8) var<storage, read> table: array<u32>;
 @group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> doubts: array<u32>;
@@ -46,7 +46,7 @@ const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 //@import facet_masks
 
 fn rising(t: u32) -> vec3<u32> {
-    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    var i = triangles[t];
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }

@@ -29,7 +29,7 @@ fn seen_in(item: u32) -> Seen {
     var s: Seen;
     s.t = owner_of(item, frame.triangle_count);
     s.block = block_of(camera_rects[s.t], item - work_offsets[s.t]);
-    let i = vec3(triangles[3u * s.t], triangles[3u * s.t + 1u], triangles[3u * s.t + 2u]);
+    let i = triangles[s.t];
     s.edges = array(edge(i.x, i.y), edge(i.y, i.z), edge(i.z, i.x));
     let a = points[i.x].xyz;
     let b = points[i.y].xyz;

@@ -19,7 +19,7 @@ struct Shape {
 fn shape_of(t: u32) -> Shape {
     var s: Shape;
     s.triangle = t;
-    s.given = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    s.given = triangles[t];
     var i = s.given;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }

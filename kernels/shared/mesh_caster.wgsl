@@ -2,7 +2,7 @@
 
 fn caster_of(k: u32) -> Caster {
     var c: Caster;
-    c.vertices = vec3(triangles[3u * k], triangles[3u * k + 1u], triangles[3u * k + 2u]);
+    c.vertices = triangles[k];
     c.at = point_of(c.vertices.x);
     c.ab = edge_of(c.vertices.x, c.vertices.y);
     c.ac = edge_of(c.vertices.x, c.vertices.z);

@@ -19,7 +19,7 @@ var<private> opens: array<u32, BATCH>;
 const BATCH = 8u;
 
 fn corners_of(t: u32) -> vec3<u32> {
-    return vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    return triangles[t];
 }
 
 fn sample_offset(k: u32) -> vec2<f32> {

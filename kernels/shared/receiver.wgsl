@@ -28,7 +28,7 @@ fn receiver_of(pixel: u32) -> Receiver {
     var r: Receiver;
     let t = ~id_keys[pixel];
     if t >= frame.triangle_count { return r; }
-    let given = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let given = triangles[t];
     var i = given;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }

@@ -30,7 +30,7 @@ const OPEN = -3.0e38;
 fn ground_of(k: u32) -> Ground {
     let f = facets[k];
     var g: Ground;
-    var i = vec3(triangles[3u * f.triangle], triangles[3u * f.triangle + 1u], triangles[3u * f.triangle + 2u]);
+    var i = triangles[f.triangle];
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }

@@ -18,7 +18,7 @@ fn made(texel: u32, centre: vec2<f32>) -> vec4<u32> {
         return vec4(0u, 0u, 0u, EMPTY_WORD);
     }
     // Vertices in order of index, so that an edge has one code in both of its triangles.
-    var i = vec3(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    var i = triangles[t];
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }

@@ -32,8 +32,8 @@ fn key_of(depth: f32) -> u32 {
 }
 
 fn cover_of(t: u32) -> Cover {
-    return cover_triangle_by(
-        map_points[triangles[3u * t]], map_points[triangles[3u * t + 1u]], map_points[triangles[3u * t + 2u]], place_noise());
+    let i = triangles[t];
+    return cover_triangle_by(map_points[i.x], map_points[i.y], map_points[i.z], place_noise());
 }
 
 // A triangle in a block, and the texels there that it touches and that are asked for.

@@ -1,7 +1,7 @@
 // Vertices as they were given, relative to the eye and scaled. Needs `frame` and the array `positions`.
 
 fn world_of(v: u32) -> vec3<f32> {
-    return vec3(positions[3u * v], positions[3u * v + 1u], positions[3u * v + 2u]);
+    return positions[v];
 }
 
 fn to_eye(world: vec3<f32>) -> vec3<f32> {

@@ -76,25 +76,31 @@ fn marked(surfaces: &[u32]) -> Vec<u32> {
 }
 
 /// Positions and triangles of a mesh, uploaded.
-type Surfaces = (Buffer<[f32; 3]>, Buffer<[u32; 3]>);
+type Surfaces = (Buffer<[f32; 4]>, Buffer<[u32; 4]>);
+
+/// As kernels read them, 16 bytes each: an adapter that goes through lanes one by one pays by load, not by word.
+pub fn padded<T: Copy + Default>(elements: &[[T; 3]]) -> Vec<[T; 4]> {
+    elements.iter().map(|&[x, y, z]| [x, y, z, T::default()]).collect()
+}
 
 /// Uploads positions and triangles, with room behind them for `room` triangles with vertices of their own.
 ///
 /// # Errors
 /// As [`Buffer::storage`].
 pub fn surfaces(device: &wgpu::Device, queue: &wgpu::Queue, mesh: &Mesh, room: usize) -> Result<Surfaces> {
-    let positions = Buffer::with_room(device, queue, "casters.positions", &mesh.positions, 3 * room)?;
-    let triangles = Buffer::with_room(device, queue, "casters.triangles", &mesh.triangles, room)?;
+    let (positions, triangles) = (padded(&mesh.positions), padded(&mesh.triangles));
+    let positions = Buffer::with_room(device, queue, "casters.positions", &positions, 3 * room)?;
+    let triangles = Buffer::with_room(device, queue, "casters.triangles", &triangles, room)?;
     Ok((positions, triangles))
 }
 
 /// A mesh on the GPU.
 #[derive(Debug)]
 pub struct CasterBuffers {
-    /// Positions, world units.
-    pub positions: Buffer<[f32; 3]>,
-    /// Vertex indices of each triangle.
-    pub triangles: Buffer<[u32; 3]>,
+    /// Positions, world units, and 0.
+    pub positions: Buffer<[f32; 4]>,
+    /// Vertex indices of each triangle, and 0.
+    pub triangles: Buffer<[u32; 4]>,
     /// Edges with their two triangles.
     pub edges: Buffer<Edge>,
     /// Whether the mesh is closed.

@@ -115,7 +115,7 @@ impl CasterPositions {
         vertices: Vertices,
         places: &Buffer<[u32; 2]>,
         bounds: [[f32; 3]; 2],
-        positions: &Buffer<[f32; 3]>,
+        positions: &Buffer<[f32; 4]>,
         faults: &Buffer<u32>,
     ) -> Result<()> {
         super::holds("caster_positions", "faults", faults.len(), 2)?;

@@ -61,9 +61,9 @@ pub struct Surfaces<'a> {
     /// The casters' number of each triangle of the application.
     pub numbers: &'a Buffer<u32>,
     /// Vertex indices.
-    pub triangles: &'a Buffer<[u32; 3]>,
+    pub triangles: &'a Buffer<[u32; 4]>,
     /// Positions, world units.
-    pub positions: &'a Buffer<[f32; 3]>,
+    pub positions: &'a Buffer<[f32; 4]>,
 }
 
 /// The pipeline.
@@ -100,8 +100,8 @@ impl PixelReceivers {
         let (triangles, positions) = (surfaces.triangles, surfaces.positions);
         super::holds("pixel_receivers", "faults", faults.len(), FAULT_UNUSABLE as usize + 1)?;
         super::holds("pixel_receivers", "id_keys", id_keys.len(), pixels)?;
-        super::holds("pixel_receivers", "triangles", room(triangles.bytes(), 12, triangles.len()), pixels)?;
-        super::holds("pixel_receivers", "positions", room(positions.bytes(), 12, positions.len()), 3 * pixels)?;
+        super::holds("pixel_receivers", "triangles", room(triangles.bytes(), 16, triangles.len()), pixels)?;
+        super::holds("pixel_receivers", "positions", room(positions.bytes(), 16, positions.len()), 3 * pixels)?;
         let params = self.uniforms.get(stage.device, &params);
         let resources = [
             ("frame", frame.as_entire_binding()),

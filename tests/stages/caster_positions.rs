@@ -51,9 +51,9 @@ impl Case {
             words[at..at + 3].copy_from_slice(&p.map(f32::to_bits));
         }
         let (source, places) = (upload(gpu, &words), upload(gpu, &self.places));
-        let positions: Buffer<[f32; 3]> =
+        let positions: Buffer<[f32; 4]> =
             Buffer::storage(&gpu.device, "test.positions", self.count + 1).expect("memory");
-        positions.write(&gpu.queue, &vec![[f32::from_bits(POISON); 3]; self.count + 1]);
+        positions.write(&gpu.queue, &vec![[f32::from_bits(POISON); 4]; self.count + 1]);
         let faults = poisoned(gpu, 3);
         faults.write(&gpu.queue, &[0, 0]);
         let vertices = Vertices { buffer: source.raw(), offset: 4 * first as u64, stride: 4 * stride as u64 };
@@ -62,10 +62,11 @@ impl Case {
         let mut got = positions.read(gpu).expect("readback");
         let faults = faults.read(gpu).expect("readback");
         let beyond = got.pop().expect("one more");
-        if beyond.map(f32::to_bits) != [POISON; 3] || faults[2] != POISON {
+        if beyond.map(f32::to_bits) != [POISON; 4] || faults[2] != POISON {
             return Err("something was written past the end".to_owned());
         }
-        Ok(Gathered { positions: got, outside: faults[FAULT_OUTSIDE as usize], parted: faults[FAULT_PARTED as usize] })
+        let positions = got.into_iter().map(|[x, y, z, _]| [x, y, z]).collect();
+        Ok(Gathered { positions, outside: faults[FAULT_OUTSIDE as usize], parted: faults[FAULT_PARTED as usize] })
     }
 
     fn wanted(&self) -> Gathered {

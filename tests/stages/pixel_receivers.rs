@@ -5,6 +5,7 @@ use crate::support::{Random, difference, gpu, poisoned, read_padded, run, sizes_
 use std::sync::OnceLock;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::methods::prepared::padded;
 use subpixel_shadows::reference::pixel_receivers::{Given, Ids, Pixel, Places, Shown, pixels};
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::pixel_receivers::{
@@ -168,10 +169,10 @@ fn ask(world: &World, case: &Case) -> Got {
     (params.first, params.none) = (first, none);
     let ids = texture(gpu, size, wgpu::TextureFormat::R32Uint, bytemuck::cast_slice(&texels));
     // One more than there is room for.
-    let spare = |count: usize| [mesh.triangles.clone(), vec![[0xdead; 3]; count]].concat();
+    let spare = |count: usize| [padded(&mesh.triangles), vec![[0xdead; 4]; count]].concat();
     let all_triangles = Buffer::from_slice(device, queue, "test", &spare(pixels + 1)).expect("memory");
-    let triangles = Buffer::with_room(device, queue, "test", &mesh.triangles, pixels + 1).expect("memory");
-    let positions = Buffer::with_room(device, queue, "test", &mesh.positions, 3 * pixels + 1).expect("memory");
+    let triangles = Buffer::with_room(device, queue, "test", &padded(&mesh.triangles), pixels + 1).expect("memory");
+    let positions = Buffer::with_room(device, queue, "test", &padded(&mesh.positions), 3 * pixels + 1).expect("memory");
     let mut encoder = gpu.encoder();
     encoder.copy_buffer_to_buffer(all_triangles.raw(), 0, triangles.raw(), 0, all_triangles.bytes());
     gpu.submit_and_wait(encoder).expect("the copy runs");
@@ -186,11 +187,11 @@ fn ask(world: &World, case: &Case) -> Got {
     });
     // What lies behind the casters is not seen through buffers of their length.
     let behind = |raw: &wgpu::Buffer, len: usize| {
-        let all = Buffer::<[u32; 3]>::storage(device, "test.copy", len).expect("memory");
+        let all = Buffer::<[u32; 4]>::storage(device, "test.copy", len).expect("memory");
         let mut encoder = gpu.encoder();
-        encoder.copy_buffer_to_buffer(raw, 0, all.raw(), 0, 12 * len as u64);
+        encoder.copy_buffer_to_buffer(raw, 0, all.raw(), 0, 16 * len as u64);
         gpu.submit_and_wait(encoder).expect("the copy runs");
-        all.read(gpu).expect("readback")
+        all.read(gpu).expect("readback").into_iter().map(|[x, y, z, _]| [x, y, z]).collect::<Vec<_>>()
     };
     let (t, v) = (mesh.triangles.len(), mesh.positions.len());
     let triangles = behind(triangles.raw(), t + pixels + 1);

@@ -8,6 +8,7 @@ use subpixel_shadows::glam::{DVec2, DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels, recorder::fold_within};
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::prepared::padded;
 use subpixel_shadows::reference::front_layer::Margin;
 use subpixel_shadows::reference::light_layers::{self, Layer};
 use subpixel_shadows::reference::triangle_setup::{self, Triangle};
@@ -210,8 +211,8 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
     uniform.write(&gpu.queue, &[frame]);
     let frame_buffer = uniform.raw();
-    let positions = super::upload(gpu, case.positions());
-    let triangles = super::upload(gpu, &case.prepared.mesh.triangles);
+    let positions = super::upload(gpu, &padded(case.positions()));
+    let triangles = super::upload(gpu, &padded(&case.prepared.mesh.triangles));
     let edges = super::upload(gpu, &case.prepared.edges);
     let (vertex_count, count, edge_count) = (positions.len(), triangles.len(), edges.len());
 

@@ -5,6 +5,7 @@ use super::{POISON, poisoned, read_padded, run, upload};
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::gpu::kernels::sample_surfaces::STATE_MERGED;
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels, recorder::fold_within};
+use subpixel_shadows::methods::prepared::padded;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Mesh as Scene;
 use subpixel_shadows::stages::camera_visibility::Blocks;
@@ -111,8 +112,8 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     let offsets_of_samples = Buffer::uniform(device, "samples", 64).expect("memory");
     offsets_of_samples.write(&gpu.queue, &sample_words(samples));
     let frame = uniform.raw();
-    let positions = upload(gpu, case.positions());
-    let triangles = upload(gpu, &case.prepared.mesh.triangles);
+    let positions = upload(gpu, &padded(case.positions()));
+    let triangles = upload(gpu, &padded(&case.prepared.mesh.triangles));
     let (vertices, count) = (positions.len(), triangles.len());
     let pixels = (case.image[0] * case.image[1]) as usize;
     let memory = "memory";
