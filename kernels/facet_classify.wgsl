@@ -14,6 +14,8 @@
 // A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle. With
 // FLAG_CLAMP all facets have only such samples, but for FLAG_BEYOND: their rectangles are cut to their triangles. A merged facet
 // (STATE_MERGED) has samples of other triangles in its plane, and is followed as far as those reach.
+// Of several views of the light all after the first have FLAG_FURTHER_VIEW: what a facet is in all of them is put together, its
+// masks are kept, and its rectangle and what it is evaluated by are those of the view at hand.
 
 //@import frame
 //@import dispatch
@@ -72,7 +74,9 @@ fn begin() {
 fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let f = flat_invocation(group, groups, WORKGROUP, local);
     if f >= frame.facets_total { return; }
-    for (var w = WORDS; w < 3u * WORDS; w++) { masks[3u * WORDS * f + w] = 0u; }
+    if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
+        for (var w = WORDS; w < 3u * WORDS; w++) { masks[3u * WORDS * f + w] = 0u; }
+    }
     let triangle = facets[f].triangle;
     if triangle == NO_TRIANGLE {
         facets[f].state = STATE_EMPTY;

@@ -10,6 +10,8 @@
 //@import dispatch
 //@import rect
 //@import facing
+//@import view_sides
+//@import front_part
 
 const WORKGROUP = 64u;
 
@@ -70,13 +72,16 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
     return pixels_touched(low, high);
 }
 
-fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> vec2<u32> {
-    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 {
-        if a.w < 0.0 && b.w < 0.0 && c.w < 0.0 { return EMPTY_RECT; }
-        return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
+// `beyond`: sides of the view that all three lie beyond.
+fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32> {
+    let part = front_part(a, b, c);
+    if !part.whole {
+        if max(a.w, max(b.w, c.w)) < -2.0 * frame.light_low.w { return EMPTY_RECT; }
+        if (frame.flags & FLAG_PERSPECTIVE) != 0u && beyond != 0u { return EMPTY_RECT; }
+        if !part.any { return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))); }
     }
-    let low = min(min(a.xy, b.xy), c.xy);
-    let high = max(max(a.xy, b.xy), c.xy);
+    let low = min(min(part.a.xy, part.b.xy), min(part.c.xy, part.d.xy));
+    let high = max(max(part.a.xy, part.b.xy), max(part.c.xy, part.d.xy));
     let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     return cells_touched(low - slack, high + slack, vec2(frame.map_size));
 }
@@ -103,7 +108,8 @@ fn setup(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     let in_camera = camera_rect(a.xyz, b.xyz, c.xyz);
     camera_rects[t] = in_camera;
     camera_items[t] = block_count(in_camera);
-    var in_light = light_rect(map_points[i.x], map_points[i.y], map_points[i.z]);
+    var in_light = light_rect(
+        map_points[i.x], map_points[i.y], map_points[i.z], sides_beyond(a.xyz) & sides_beyond(b.xyz) & sides_beyond(c.xyz));
     if (frame.flags & FLAG_CULL_BACK) != 0u && side == BACK { in_light = EMPTY_RECT; }
     light_rects[t] = in_light;
     light_items[t] = block_count(in_light);

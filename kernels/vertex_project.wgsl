@@ -1,7 +1,7 @@
 // vertex_project: brings vertices into the frame's eye-relative, scaled space and into the light view.
-// Reads `positions` (3 words a vertex, world units). Writes `points` (xyz; w 1 where finite, else 0) and
-// `map_points` (texel x, y, depth, w; w is 0 for a vertex that is not surely in front of the light, or projects to no
-// number, and negative for one that is surely behind it).
+// Reads `positions` (world units). Writes `points` (xyz; w 1 where finite, else 0) and `map_points` (texel x, y, depth, w; for a
+// vertex that is not surely in front of the light the first three times w, and how much w is less than it would have to be,
+// which is not above 0; 0 for one that projects to no number).
 // The subtraction of the eye is the only rounding of `points`: half an ulp of the difference.
 
 //@import frame
@@ -33,7 +33,7 @@ fn project(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {
         let w = dot(frame.map_w, p);
         seen = vec4(uvz / w, w);
-        if !(w > frame.light_low.w) { seen = vec4(vec3(0.0), select(0.0, -1.0, w < -frame.light_low.w)); }
+        if !(w > frame.light_low.w) { seen = vec4(uvz, min(w - frame.light_low.w, 0.0)); }
     }
     if !all_finite(seen.xyz) || !is_finite(seen.w) { seen = vec4(0.0); }
     map_points[v] = seen;

@@ -101,6 +101,12 @@ impl Frame {
     pub const BEYOND: u32 = 32;
     /// The mesh is closed, and the light outside: triangles that turn away from the light are dark on both sides.
     pub const CLOSED: u32 = 64;
+    /// The view is one of several: see [`LightView::cube_side`].
+    pub const CUBE_SIDE: u32 = 512;
+    /// Another view of the light follows.
+    pub const MORE_VIEWS: u32 = 128;
+    /// This is not the first view of the light: what was found of facets is kept.
+    pub const FURTHER_VIEW: u32 = 256;
 
     /// The frame of a camera, a light and its view of a scene that lies between two corners.
     /// Counts of the mesh, lists and bands are left at 0.
@@ -155,7 +161,9 @@ impl Frame {
             image_size: [width, height],
             map_size: view.map_size,
             sample_count: samples.count(),
-            flags: if view.perspective { Self::PERSPECTIVE } else { 0 } | if view.closed { Self::CLOSED } else { 0 },
+            flags: if view.perspective { Self::PERSPECTIVE } else { 0 }
+                | if view.closed { Self::CLOSED } else { 0 }
+                | if view.cube_side { Self::CUBE_SIDE } else { 0 },
             map_margin: map_margin as f32,
             depth_margin: depth_margin as f32,
             ..Self::default()

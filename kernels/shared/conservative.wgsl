@@ -2,6 +2,8 @@
 // A texel is tested with its square grown by frame.map_margin, which is far above the rounding of the projection and of
 // the edge functions; large coordinates grow it further.
 
+//@import front_part
+
 struct Cover {
     edges: array<vec3<f32>, 3>,  // inside where dot((x, y, 1), edge) >= 0 for a texel centre, reach included
     low: vec2<f32>,
@@ -11,7 +13,7 @@ struct Cover {
     reach: f32,                  // half a texel, margins included
     nearest: f32,
     farthest: f32,
-    in_front: bool,              // all corners lie in front of the light; else every texel counts as touched
+    in_front: bool,              // what lies in front of the light is known; else every texel counts as touched
     thin: bool,                  // too thin for its orientation to be known: touched where an edge is
 }
 
@@ -26,33 +28,35 @@ fn cover_triangle(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> Cover {
 
 fn cover_triangle_by(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     var s: Cover;
-    s.in_front = a.w > 0.0 && b.w > 0.0 && c.w > 0.0;
-    let low = min(min(a.xy, b.xy), c.xy);
-    let high = max(max(a.xy, b.xy), c.xy);
+    let part = front_part(a, b, c);
+    let low = min(min(part.a.xy, part.b.xy), min(part.c.xy, part.d.xy));
+    let high = max(max(part.a.xy, part.b.xy), max(part.c.xy, part.d.xy));
     let extent = max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     let reach = 0.5 + margin + 4e-6 * extent;
     s.reach = reach;
     s.low = low - reach;
     s.high = high + reach;
-    let ab = b.xy - a.xy;
-    let ac = c.xy - a.xy;
+    let ab = part.b.xy - part.a.xy;
+    let ac = part.d.xy - part.a.xy;
     let area = ab.x * ac.y - ab.y * ac.x;
     let size = max(abs(ab.x) + abs(ab.y), abs(ac.x) + abs(ac.y));
     s.thin = abs(area) <= 4e-6 * (extent + size) * size;
+    // What is cut off reaches far: which way it turns may not be known though it is wide.
+    s.in_front = part.any && (part.whole || !s.thin);
     let turn = select(-1.0, 1.0, area > 0.0);
-    s.edges[0] = cover_edge(a.xy, b.xy, turn, reach);
-    s.edges[1] = cover_edge(b.xy, c.xy, turn, reach);
-    s.edges[2] = cover_edge(c.xy, a.xy, turn, reach);
-    s.nearest = min(a.z, min(b.z, c.z)) - frame.depth_margin;
-    s.farthest = max(a.z, max(b.z, c.z)) + frame.depth_margin;
+    s.edges[0] = cover_edge(part.a.xy, part.b.xy, turn, reach);
+    s.edges[1] = cover_edge(part.b.xy, part.c.xy, turn, reach);
+    s.edges[2] = cover_edge(part.d.xy, part.a.xy, turn, reach);
+    s.nearest = min(min(part.a.z, part.b.z), min(part.c.z, part.d.z)) - frame.depth_margin;
+    s.farthest = max(max(part.a.z, part.b.z), max(part.c.z, part.d.z)) + frame.depth_margin;
     if s.thin {
         s.depth = vec3(0.0, 0.0, 0.5 * (s.nearest + s.farthest));
         s.half_range = s.farthest - s.nearest;
     } else {
-        let za = b.z - a.z;
-        let zc = c.z - a.z;
+        let za = part.b.z - part.a.z;
+        let zc = part.d.z - part.a.z;
         let slope = vec2(za * ac.y - zc * ab.y, zc * ab.x - za * ac.x) / area;
-        s.depth = vec3(slope, a.z - dot(slope, a.xy));
+        s.depth = vec3(slope, part.a.z - dot(slope, part.a.xy));
         s.half_range = (reach + 4e-6 * extent) * (abs(slope.x) + abs(slope.y)) + frame.depth_margin;
     }
     return s;

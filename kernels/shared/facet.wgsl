@@ -26,6 +26,9 @@ const STATE_LIT = 2u;        // settled: nothing between it and the light
 const STATE_SHADOWED = 3u;   // settled: one sheet covers all of it
 const STATE_UNDECIDED = 4u;  // to be evaluated
 const STATE_MERGED = 5u;     // before facets are classified: of several triangles, which reach no farther than `limit`
+const STATE_BITS = 7u;
+const WAS_SETTLED = 16u;     // likewise: it is lit or shadowed whatever other views tell
+const WAS_MERGED = 8u;       // beside the state, while views follow: it was STATE_MERGED
 
 const PIXEL_REACH = 0.50390625;  // half a pixel and 1/256: samples lie well inside the outline
 

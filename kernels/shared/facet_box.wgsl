@@ -1,5 +1,7 @@
 // The box of a facet's outline in the light view. Needs `frame` and facet.
 
+//@import view_sides
+
 // The box of the outline, without its corners.
 struct OutlineBox {
     low: vec2<f32>,
@@ -7,11 +9,12 @@ struct OutlineBox {
     nearest: f32,
     farthest: f32,
     ahead: f32,      // largest divisor
+    beyond: u32,     // sides of the view that all of it lies beyond, of a light at a point
     in_front: bool,
     whole: bool,
 }
 
-const NO_BOX = OutlineBox(vec2(3.0e38), vec2(-3.0e38), 3.0e38, -3.0e38, -3.0e38, true, true);
+const NO_BOX = OutlineBox(vec2(3.0e38), vec2(-3.0e38), 3.0e38, -3.0e38, -3.0e38, 15u, true, true);
 
 fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
     let p = vec4(point, 1.0);
@@ -19,6 +22,7 @@ fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {
         let w = dot(frame.map_w, p);
         if w <= frame.light_low.w { (*out).in_front = false; }
+        (*out).beyond &= sides_beyond(point);
         (*out).ahead = max((*out).ahead, w);
         uvz /= w;
     }

@@ -52,15 +52,28 @@ struct Found {
     farthest: f32,
     rect: vec2<u32>,
     span: vec2<u32>,
+    here: bool,
 }
 
 // Finds where a facet of a triangle lies that turns to light and eye as told, and what is known of it. What is stored is stored in
 // one place: vector machines pay for each store in the text, whichever lanes take it.
 fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     var found: Found;
-    let state = state_of(f, shape, turns, &found);
-    let undecided = state == STATE_UNDECIDED;
+    let merged = is_clamped() && (facets[f].state == STATE_MERGED || (facets[f].state & WAS_MERGED) != 0u);
+    var state = state_of(f, shape, turns, merged, &found);
+    if (frame.flags & FLAG_FURTHER_VIEW) != 0u {
+        // Settled in one view it is so; to be evaluated in one, though there is nothing before it in another.
+        let known = facets[f].state & ~WAS_MERGED;
+        if (known & WAS_SETTLED) != 0u || state == STATE_LIT { state = known; }
+    }
+    // To be evaluated in this view.
+    let undecided = state == STATE_UNDECIDED && found.here;
     let rect = select(EMPTY_RECT, found.rect, undecided);
+    if (frame.flags & FLAG_MORE_VIEWS) != 0u {
+        if merged { state |= WAS_MERGED; }
+    } else {
+        state &= STATE_BITS;
+    }
     facets[f].state = state;
     facets[f].rect = rect;
     facet_items[f] = block_count(rect);
@@ -84,7 +97,7 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     facets[f].span = found.span;
 }
 
-fn state_of(f: u32, shape: Shape, turns: vec2<f32>, found: ptr<function, Found>) -> u32 {
+fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<function, Found>) -> u32 {
     let away = turns.x * select(1.0, -1.0, is_reversed(shape.given, shape.i)) < 0.0;
     if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) { return STATE_DARK; }
     let pixel = facets[f].pixel;
@@ -103,10 +116,8 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, found: ptr<function, Found>)
     let clamped = is_clamped();
     let near = clamped && (frame.flags & FLAG_BEYOND) == 0u;
     var reached = far_corner;
-    var merged = false;
     var span = vec2(0u);
     if clamped {
-        merged = facets[f].state == STATE_MERGED;
         if merged { reached = max(far_corner, facets[f].limit); }
         span = span_of_samples(f);
     }
@@ -131,19 +142,22 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, found: ptr<function, Found>)
         farthest += frame.depth_margin * reach;
         outline.nearest -= frame.depth_margin * (reach + 1.0);
     }
+    if !outline.in_front && outline.beyond != 0u && (frame.flags & FLAG_PERSPECTIVE) != 0u { return STATE_LIT; }
     if outline.in_front {
         rect = cells_touched(low - margin, high + margin, vec2(frame.map_size));
     } else {
         rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
     if is_empty(rect) { return STATE_LIT; }
-    if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front {
+    // What lies in part beyond one of several views is settled in none of them.
+    let inside = all(low >= vec2(margin)) && all(high <= vec2(f32(frame.map_size) - margin));
+    let whole = inside || (frame.flags & FLAG_CUBE_SIDE) == 0u;
+    if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front && whole {
         let r = unpack_rect(rect);
         let unmarked = rect_sum(vec2(frame.map_size), r.low, r.high) == 0u;
         if unmarked && receives {
-            let inside = all(low >= vec2(margin)) && all(high <= vec2(f32(frame.map_size) - margin));
             let state = behind_splits(r, outline.nearest, inside);
-            if state != STATE_UNDECIDED { return state; }
+            if state != STATE_UNDECIDED { return state | WAS_SETTLED; }
         } else if unmarked {
             let p = vec4(ray * depth, 1.0);
             var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
@@ -151,11 +165,11 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, found: ptr<function, Found>)
             let texel = floor(uvz.xy);
             if all(texel >= vec2(0.0)) && all(texel < vec2(f32(frame.map_size))) {
                 let split = splits[u32(texel.y) * frame.map_size + u32(texel.x)];
-                return select(STATE_SHADOWED, STATE_LIT, split == UNCOVERED || uvz.z < split);
+                return WAS_SETTLED | select(STATE_SHADOWED, STATE_LIT, split == UNCOVERED || uvz.z < split);
             }
         }
     }
-    *found = Found(plane, ray, depth, limit, low - margin, high + margin, farthest, rect, span);
+    *found = Found(plane, ray, depth, limit, low - margin, high + margin, farthest, rect, span, true);
     return STATE_UNDECIDED;
 }
 

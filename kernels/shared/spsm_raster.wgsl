@@ -33,7 +33,13 @@ fn key_of(depth: f32) -> u32 {
 
 fn cover_of(t: u32) -> Cover {
     let i = triangles[t];
-    return cover_triangle_by(map_points[i.x], map_points[i.y], map_points[i.z], place_noise());
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
+    var shape = cover_triangle_by(a, b, c, place_noise());
+    // A texel cannot hold what is cut off at the light.
+    shape.in_front = min(a.w, min(b.w, c.w)) > 0.0;
+    return shape;
 }
 
 // A triangle in a block, and the texels there that it touches and that are asked for.

@@ -206,7 +206,7 @@ fn plane_of_light(light: &Light, p: DVec3, q: DVec3, other: DVec3) -> DVec3 {
 }
 
 /// Leaves of a convex polygon where `inside`, which is linear, is not below 0.
-fn clip(polygon: &mut Vec<DVec3>, inside: impl Fn(DVec3) -> f64) {
+pub(super) fn clip(polygon: &mut Vec<DVec3>, inside: impl Fn(DVec3) -> f64) {
     let mut out = Vec::with_capacity(polygon.len() + 1);
     for (k, &p) in polygon.iter().enumerate() {
         let q = polygon[(k + 1) % polygon.len()];

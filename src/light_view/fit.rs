@@ -1,7 +1,7 @@
 //! Fitting the light view: the narrowest view that holds every caster where it can shadow something.
 
 use super::casters::caster_points;
-use super::{LightView, Receivers};
+use super::{LightView, Receivers, Window};
 use crate::scene::{Light, Mesh};
 use crate::{Error, Result};
 use glam::{DVec3, DVec4};
@@ -136,6 +136,7 @@ impl LightView {
             clear: 0.0,
             perspective: false,
             complete: true,
+            cube_side: false,
             closed: false,
         }
     }
@@ -157,7 +158,15 @@ impl LightView {
             complete &= q.dot(axis) > 0.0 && raw == at;
             (lo, hi) = (lo.min(at), hi.max(at));
         }
-        let (lo, size) = padded(lo, hi);
+        let window = Window { low: lo, high: hi, near, far, clear: nearest };
+        Self { complete, ..Self::through(window, light, axis, map_size) }
+    }
+
+    /// The view from a point along `axis`.
+    pub(super) fn through(window: Window, light: DVec3, axis: DVec3, map_size: u32) -> Self {
+        let Window { low, high, near, far, clear } = window;
+        let (right, up) = axes(axis);
+        let (lo, size) = padded(low, high);
         let (scale, pad) = inside(map_size);
         let origin = |axis: DVec3| axis.extend(-axis.dot(light));
         let w = origin(axis);
@@ -172,16 +181,17 @@ impl LightView {
             z,
             w,
             near,
-            clear: nearest,
+            clear,
             perspective: true,
-            complete,
+            complete: true,
+            cube_side: false,
             closed: false,
         }
     }
 }
 
 /// Whether light and map can be used.
-fn check(light: &Light, map_size: u32) -> Result<()> {
+pub(super) fn check(light: &Light, map_size: u32) -> Result<()> {
     light.check()?;
     if !(1..=LightView::LARGEST_MAP).contains(&map_size) {
         return Err(Error::Config(format!(

@@ -1,6 +1,7 @@
 //! The light view: which part of the scene the light's map covers.
 
 mod casters;
+mod cube;
 mod fit;
 
 use crate::{Error, Result};
@@ -28,9 +29,21 @@ pub struct LightView {
     /// Whether the view holds every caster that can shadow something. Where it does not, a receiver outside the map may
     /// be in shadow all the same.
     pub complete: bool,
+    /// One of several views: what is proved of a surface counts only where all of it lies in the view.
+    pub cube_side: bool,
     /// Whether triangles that turn away from the light are never lit, whatever side of them is seen: the mesh is closed, and the
     /// light outside.
     pub closed: bool,
+}
+
+/// What a view of a light at a point looks through: across at distance 1, and along its axis.
+struct Window {
+    low: DVec3,
+    high: DVec3,
+    near: f64,
+    far: f64,
+    /// See [`LightView::clear`].
+    clear: f64,
 }
 
 /// What may be in shadow: what lies outside the view is lit.
@@ -60,8 +73,8 @@ impl LightView {
             return Ok(());
         }
         Err(Error::Scene(
-            "the light stands among its casters: one view of at most 160 degrees does not hold them, and a cube of views \
-             is not supported yet"
+            "the light stands among its casters: one view of at most 160 degrees does not hold them; facet-masks alone takes \
+             a cube of views"
                 .to_owned(),
         ))
     }

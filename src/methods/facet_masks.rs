@@ -17,7 +17,7 @@ use crate::stages::candidate_pairs::CandidatePairs;
 use crate::stages::facet_classify::{FacetClassify, Facets, Surroundings};
 use crate::stages::front_layer::FrontLayer;
 use crate::stages::light_layers::{Layers, LightLayers};
-use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_WORDS};
+use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_COUNTERS, TALLY_WORDS};
 use crate::stages::resolve::Resolve;
 use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
@@ -187,15 +187,16 @@ impl FacetMasks {
         m.frames = frames(device, capacities)?;
         let totals = [m.edge_items.len(), m.facets.items.len()];
         m.requests = requests(device, queue, totals, capacities)?;
-        m.status = Buffer::storage(device, "status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?;
+        m.status = Buffer::storage(device, "status", status::words(capacities))?;
         self.capacities = capacities;
         Ok(())
     }
 
-    /// Writes what the next frame is computed from: camera, light and its view, and which rows of the image it is.
+    /// Writes what the next frame is computed from: camera, light and its views, as many as [`Capacities::views`], and which rows
+    /// of the image it is.
     ///
     /// # Errors
-    /// [`Error::Scene`] if camera or light cannot be used.
+    /// [`Error::Scene`] if camera or light cannot be used, [`Error::Config`] for another number of views.
     #[expect(clippy::too_many_arguments, reason = "one argument a thing it depends on")]
     pub fn prepare(
         &self,
@@ -203,11 +204,11 @@ impl FacetMasks {
         casters: &CasterBuffers,
         camera: &Camera,
         light: &Light,
-        view: &LightView,
+        views: &[LightView],
         bounds: (DVec3, DVec3),
         strip: Strip,
     ) -> Result<()> {
-        let frames = self.frames_for(casters, camera, light, view, bounds, strip)?;
+        let frames = self.frames_for(casters, camera, light, views, bounds, strip)?;
         frames.iter().zip(&self.memory.frames).for_each(|(frame, buffer)| buffer.write(queue, &[*frame]));
         Ok(())
     }
@@ -221,33 +222,40 @@ impl FacetMasks {
         casters: &CasterBuffers,
         camera: &Camera,
         light: &Light,
-        view: &LightView,
+        views: &[LightView],
         bounds: (DVec3, DVec3),
         strip: Strip,
     ) -> Result<Vec<Frame>> {
         camera.check()?;
         light.check()?;
         let s = &self.settings;
-        let mut frame = Frame::new(camera, light, view, bounds, strip.image, &s.samples);
-        (frame.image_size, frame.first_row) = (s.size, strip.first_row);
+        let have = self.capacities.views as usize;
+        if views.len() != have {
+            return Err(Error::Config(format!("{} views of the light in a frame made for {have}", views.len())));
+        }
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
-        frame.flags |= flag(s.cull_back && casters.closed, Frame::CULL_BACK)
+        let flags = flag(s.cull_back && casters.closed, Frame::CULL_BACK)
             | flag(s.validity && s.samples.count() > 1 && s.facets == FacetMode::One, Frame::VALIDITY)
             | flag(s.facets == FacetMode::All, Frame::CLAMP)
             | flag(!s.settle, Frame::ALL_UNDECIDED);
-        frame.vertex_count = casters.positions.len() as u32;
-        frame.triangle_count = casters.triangles.len() as u32;
-        frame.edge_count = casters.edges.len() as u32;
-        frame.facets_total = self.memory.facets.list.len() as u32;
-        frame.pixel_texel_capacity = self.capacities.pixel_pairs as u32;
-        frame.triangle_texel_capacity = self.capacities.triangle_pairs as u32;
-        frame.candidate_capacity = self.capacities.candidates as u32;
-        frame.pixel_triangle_capacity = self.capacities.pixel_triangles as u32;
-        frame.complex_capacity = self.capacities.complex_pixels as u32;
-        let share = frame.facets_total.div_ceil(self.capacities.bands);
         let mut frames = Vec::with_capacity(self.memory.frames.len());
-        for band in 0..self.capacities.bands {
-            for round in 0..self.capacities.rounds {
+        for (k, view) in views.iter().enumerate() {
+            let mut frame = Frame::new(camera, light, view, bounds, strip.image, &s.samples);
+            (frame.image_size, frame.first_row) = (s.size, strip.first_row);
+            frame.flags |= flags | flag(k > 0, Frame::FURTHER_VIEW) | flag(k + 1 < have, Frame::MORE_VIEWS);
+            frame.vertex_count = casters.positions.len() as u32;
+            frame.triangle_count = casters.triangles.len() as u32;
+            frame.edge_count = casters.edges.len() as u32;
+            frame.facets_total = self.memory.facets.list.len() as u32;
+            frame.pixel_texel_capacity = self.capacities.pixel_pairs as u32;
+            frame.triangle_texel_capacity = self.capacities.triangle_pairs as u32;
+            frame.candidate_capacity = self.capacities.candidates as u32;
+            frame.pixel_triangle_capacity = self.capacities.pixel_triangles as u32;
+            frame.complex_capacity = self.capacities.complex_pixels as u32;
+            let share = frame.facets_total.div_ceil(self.capacities.bands);
+            for (band, round) in
+                (0..self.capacities.bands).flat_map(|band| (0..self.capacities.rounds).map(move |round| (band, round)))
+            {
                 frame.first_facet = (band * share).min(frame.facets_total);
                 frame.facet_count = share.min(frame.facets_total - frame.first_facet);
                 frame.round = round;
@@ -272,17 +280,12 @@ impl FacetMasks {
     pub fn record_seen(&self, rec: &mut Recorder, casters: &CasterBuffers, seen: Seen) -> Result<()> {
         let m = &self.memory;
         let frame = m.frames[0].raw();
-        let triangles = casters.triangles.raw();
-        for zero in [&m.layers.nearest_keys, &m.layers.second_keys] {
-            rec.clear(zero.raw());
-        }
-        rec.clear(m.layers.mask.raw());
         rec.clear(m.status.raw());
         rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
         let geometry = &m.geometry;
         geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
-        let (in_camera, in_light) = (geometry.in_camera(casters), geometry.in_light(casters));
+        let in_camera = geometry.in_camera(casters);
         match (&self.every_surface, seen) {
             (None, Seen::Centres(write)) => write(rec, frame)?,
             (None, _) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
@@ -304,6 +307,27 @@ impl FacetMasks {
                 )?;
             }
         }
+        for view in 0..self.capacities.views {
+            self.record_view(rec, casters, view)?;
+        }
+        self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
+    }
+
+    /// What one view of the light adds to the facets and their masks.
+    fn record_view(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
+        let (m, geometry) = (&self.memory, &self.memory.geometry);
+        let frame = m.frames[self.frame_at(view, 0, 0)].raw();
+        let triangles = casters.triangles.raw();
+        if view > 0 {
+            // A facet and a triangle that had nothing in common in the view before may have in this one.
+            rec.clear_words(m.lists.candidates.raw(), TALLY_COUNTERS as u64, (TALLY_WORDS - TALLY_COUNTERS) as u64);
+            geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
+        }
+        for zero in [&m.layers.nearest_keys, &m.layers.second_keys] {
+            rec.clear(zero.raw());
+        }
+        rec.clear(m.layers.mask.raw());
+        let in_light = geometry.in_light(casters);
         self.with.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers)?;
         {
             let stage = &mut rec.stage("silhouette_mask");
@@ -340,12 +364,13 @@ impl FacetMasks {
             self.with.front.record_settle(stage, frame, &m.layers)?;
         }
         self.with.summed_area.record(&mut rec.stage("summed_area"), &m.layers.mask, &m.sat, &m.sat_scratch)?;
-        rec.copy_words(m.sat.raw(), m.sat.len() as u64 - 1, m.status.raw(), status::TEXELS as u64, 1);
+        let texels = status::band(view, 0, self.capacities.bands) + status::BAND_TEXELS;
+        rec.copy_words(m.sat.raw(), m.sat.len() as u64 - 1, m.status.raw(), texels as u64, 1);
         {
             let stage = &mut rec.stage("facet_classify");
             let around =
                 Surroundings { triangles, positions: casters.positions.raw(), sat: &m.sat, splits: &m.layers.splits };
-            if self.every_surface.is_none() {
+            if view == 0 && self.every_surface.is_none() {
                 self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets)?;
             }
             let count = m.facets.list.len();
@@ -355,9 +380,14 @@ impl FacetMasks {
             self.args(stage, Arg::Facets, &m.facet_offsets)?;
         }
         for band in 0..self.capacities.bands {
-            self.record_band(rec, casters, in_light, band)?;
+            self.record_band(rec, casters, in_light, view, band)?;
         }
-        self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
+        Ok(())
+    }
+
+    /// Which of the frames is that of a view, band and round.
+    fn frame_at(&self, view: u32, band: u32, round: u32) -> usize {
+        ((view * self.capacities.bands + band) * self.capacities.rounds + round) as usize
     }
 
     /// Records the stage `camera_visibility` alone, for what takes its place to look at; after `triangle_setup`, as in what
@@ -388,7 +418,7 @@ impl FacetMasks {
         stage.run(&self.with.fold, &buffers, Groups::Workgroups(1))
     }
 
-    /// The uniform `frame` of each band and round.
+    /// The uniform `frame` of each view, band and round.
     pub fn frames(&self) -> &[Buffer<Frame>] {
         &self.memory.frames
     }

@@ -27,6 +27,7 @@ pub fn first(settings: &Settings, budget: Budget) -> Capacities {
         triangle_pairs: start,
         candidates: start,
         bands: 1,
+        views: 1,
         rounds: 1,
         facets: if all { camera(pixels * 3 / 2) } else { pixels },
         pixel_triangles: camera(pixels * 3),
@@ -50,7 +51,7 @@ pub fn wanted(
     if let Some(wanted) = wanted_of_camera(words, now, settings, limits)? {
         return Ok(Some(wanted));
     }
-    let [pixel_pairs, triangle_pairs, candidates, longest] = needs(words, now.bands);
+    let [pixel_pairs, triangle_pairs, candidates, longest] = needs(words, now);
     let rounds = (longest as u32).div_ceil(ROUND_LENGTH).max(1);
     if rounds > MAX_ROUNDS {
         return Err(Error::Memory {
@@ -176,7 +177,7 @@ pub fn ahead(
     budget: u64,
 ) -> Capacities {
     let share = |needed: u64, had: usize| (needed as f64 / had.max(1) as f64).max(1.0);
-    let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now.bands);
+    let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now);
     let camera = match settings.facets {
         FacetMode::One => 1.0,
         FacetMode::All => {
@@ -214,6 +215,7 @@ pub fn larger(a: Capacities, b: Capacities) -> Capacities {
         triangle_pairs: a.triangle_pairs.max(b.triangle_pairs),
         candidates: a.candidates.max(b.candidates),
         bands: a.bands.max(b.bands),
+        views: a.views,
         rounds: a.rounds.max(b.rounds),
         facets: a.facets.max(b.facets),
         pixel_triangles: a.pixel_triangles.max(b.pixel_triangles),
@@ -224,13 +226,11 @@ pub fn larger(a: Capacities, b: Capacities) -> Capacities {
 
 /// What a frame with the capacities `now` counted.
 pub fn counts(words: &[u32], now: Capacities) -> Counts {
-    let sum = |offset: usize| {
-        (0..now.bands as usize).map(|b| u64::from(words[status::BANDS + status::BAND_WORDS * b + offset])).sum::<u64>()
-    };
+    let sum = |offset: usize| bands(now).map(|first| u64::from(words[first + offset])).sum::<u64>();
     let state = |s: State| u64::from(words[status::STATES + s as usize]);
     Counts {
         silhouette_edges: u64::from(words[status::EDGES]),
-        silhouette_texels: u64::from(words[status::TEXELS]),
+        silhouette_texels: sum(status::BAND_TEXELS),
         silhouette_pixels: state(State::Undecided),
         pixel_texel_pairs: sum(0),
         triangle_texel_pairs: sum(2),
@@ -248,7 +248,7 @@ pub fn counts(words: &[u32], now: Capacities) -> Counts {
 
 /// How the lists of a frame with the capacities `now` fared, after `runs` runs.
 pub fn lists(words: &[u32], now: Capacities, facets: FacetMode, runs: u32) -> Vec<ListUse> {
-    let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now.bands);
+    let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now);
     let list = |name, needed, capacity: usize| ListUse { name, needed, capacity: capacity as u64, runs };
     let mut lists = vec![
         list("pixel_texel_pairs", pixel_pairs, now.pixel_pairs),
@@ -270,11 +270,15 @@ fn camera_needs(words: &[u32]) -> [u64; 3] {
         .map(|at| if words[at + 1] != 0 { u64::from(u32::MAX) } else { u64::from(words[at]) })
 }
 
+/// First words of all bands of all views.
+fn bands(now: Capacities) -> impl Iterator<Item = usize> {
+    (0..now.views).flat_map(move |view| (0..now.bands).map(move |band| status::band(view, band, now.bands)))
+}
+
 /// Pixel-texel pairs, triangle-texel pairs and candidates that the largest band needed, and the longest list of a place.
-fn needs(words: &[u32], bands: u32) -> [u64; 4] {
+fn needs(words: &[u32], now: Capacities) -> [u64; 4] {
     let mut most = [0; 4];
-    for b in 0..bands as usize {
-        let first = status::BANDS + status::BAND_WORDS * b;
+    for first in bands(now) {
         let band = &words[first..first + status::BAND_WORDS];
         // A set flag: more than 2^32 pairs. No list can hold them, but those of a part of the facets may fit.
         let of = |count: u32, flag: u32| if flag != 0 { u64::from(u32::MAX) } else { u64::from(count) };

@@ -1,7 +1,7 @@
 //! Computing one frame of `facet-masks` on the GPU and reading it back: records, submits, looks at what the lists needed,
 //! grows them and runs again until nothing is left out.
 
-use super::facet_masks::{FacetMasks, Pipelines, Settings};
+use super::facet_masks::{Capacities, FacetMasks, Pipelines, Settings};
 use super::growth;
 use super::prepared::{CasterBuffers, Prepared};
 use super::settings::LastView;
@@ -179,11 +179,11 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Renderer::render`], and those of `look`.
     pub fn render_and(&mut self, camera: &Camera, light: &Light, look: Look) -> Result<Output> {
-        let view = self.view.of(&self.settings, self.prepared, light)?;
+        let views = self.view.all_of(&self.settings, self.prepared, light)?;
         'image: loop {
             let mut image: Option<Output> = None;
             for rows in self.strips.rows() {
-                let Some(output) = self.strip(camera, light, &view, rows)? else { continue 'image };
+                let Some(output) = self.strip(camera, light, &views, rows)? else { continue 'image };
                 look(&self.method, rows)?;
                 match &mut image {
                     None => image = Some(output),
@@ -195,13 +195,17 @@ impl<'a> Renderer<'a> {
     }
 
     /// One strip; `None` if its lists fit no binding, and there are more strips now.
-    fn strip(&mut self, camera: &Camera, light: &Light, view: &LightView, rows: Rows) -> Result<Option<Output>> {
+    fn strip(&mut self, camera: &Camera, light: &Light, views: &[LightView], rows: Rows) -> Result<Option<Output>> {
         let bounds = self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let mut runs = 0;
+        let now = self.method.capacities();
+        if now.views as usize != views.len() {
+            self.method.resize(device, queue, Capacities { views: views.len() as u32, ..now })?;
+        }
         loop {
             runs += 1;
-            self.method.prepare(queue, &self.casters, camera, light, view, bounds, rows.strip(self.settings.size))?;
+            self.method.prepare(queue, &self.casters, camera, light, views, bounds, rows.strip(self.settings.size))?;
             let (dispatches, wall_ms) = self.run_once()?;
             let words = self.method.status().read(self.gpu)?;
             let (now, limits) = (self.method.capacities(), device.limits());

@@ -212,6 +212,15 @@ impl Settings {
         LightView::fit_for(mesh, light, self.map, receivers)
     }
 
+    /// The light's views of a mesh: one, or of a light that stands among its casters a [cube](LightView::cube) of them.
+    ///
+    /// # Errors
+    /// As [`LightView::fit`].
+    pub fn light_views(&self, mesh: &Mesh, closed: bool, light: &Light) -> Result<Vec<LightView>> {
+        let view = self.light_view(mesh, closed, light)?;
+        if view.complete { Ok(vec![view]) } else { LightView::cube(mesh, light, self.map) }
+    }
+
     /// Texels of the light-view map.
     pub fn texels(&self) -> usize {
         (self.map as usize).pow(2)
@@ -263,24 +272,36 @@ impl Settings {
     }
 }
 
-/// The light's view that was fitted last, which goes through all triangles: kept while the light is the same.
+/// The light's views that were fitted last, which goes through all triangles: kept while the light is the same.
 #[derive(Debug, Default)]
-pub(super) struct LastView(Option<(Light, LightView)>);
+pub(super) struct LastView(Option<(Light, Vec<LightView>)>);
 
 impl LastView {
-    /// That of `light`.
+    /// The one view of `light`.
     ///
     /// # Errors
     /// As [`LightView::fit`] and [`LightView::check`].
     pub fn of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<LightView> {
-        if let Some((of, view)) = &self.0
-            && of == light
-        {
-            return Ok(*view);
+        let one = || {
+            let view = settings.light_view(&prepared.mesh, prepared.closed, light)?;
+            view.check()?;
+            Ok(vec![view])
+        };
+        Ok(self.kept(light, one)?[0])
+    }
+
+    /// All views of `light`.
+    ///
+    /// # Errors
+    /// As [`Settings::light_views`].
+    pub fn all_of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<Vec<LightView>> {
+        self.kept(light, || settings.light_views(&prepared.mesh, prepared.closed, light)).map(<[_]>::to_vec)
+    }
+
+    fn kept(&mut self, light: &Light, views: impl FnOnce() -> Result<Vec<LightView>>) -> Result<&[LightView]> {
+        if self.0.as_ref().is_none_or(|(of, _)| of != light) {
+            self.0 = Some((*light, views()?));
         }
-        let view = settings.light_view(&prepared.mesh, prepared.closed, light)?;
-        view.check()?;
-        self.0 = Some((*light, view));
-        Ok(view)
+        Ok(self.0.as_ref().map_or(&[], |(_, views)| views))
     }
 }

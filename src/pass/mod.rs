@@ -96,7 +96,7 @@ pub struct ShadowPass {
     in_flight: InFlight,
     known: VecDeque<FrameStatus>,
     wanted: Option<Capacities>,
-    view: Option<(Light, bool, LightView)>,
+    views: Option<(Light, bool, Vec<LightView>)>,
     frame: u64,
     generation: u64,
 }
@@ -157,7 +157,7 @@ impl ShadowPass {
                 in_flight: InFlight::default(),
                 known: VecDeque::new(),
                 wanted: None,
-                view: None,
+                views: None,
                 frame: 0,
                 generation: 0,
             })
@@ -210,7 +210,7 @@ impl ShadowPass {
         if let Some(casters) = casters {
             self.casters = casters;
         }
-        (self.wanted, self.view) = (None, None);
+        (self.wanted, self.views) = (None, None);
         self.generation += 1;
         Ok(())
     }
@@ -221,7 +221,7 @@ impl ShadowPass {
     /// Apart from the growth of lists that overflowed, one small staging buffer is made for the frame, and bind groups.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a camera or light that cannot be used (a light among its casters); [`Error::Config`] for textures
+    /// [`Error::Scene`] for a camera or light that cannot be used; [`Error::Config`] for textures
     /// and buffers of a wrong format, size or usage, and for inputs that do not go with the settings; [`Error::Memory`] and
     /// [`Error::Gpu`] if there is no memory for larger lists. Nothing is recorded then.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs, target: &Target) -> Result<u64> {
@@ -230,13 +230,14 @@ impl ShadowPass {
         target.check(self.settings.size, self.method.lit().len() as u64 * 4)?;
         self.check_gbuffer(&inputs.gbuffer)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
-        let view = self.view_for(inputs, bounds)?;
+        let views = self.views_for(inputs, bounds)?;
         if self.grows {
             self.grow()?;
         }
+        self.make_room_for(views.len() as u32)?;
         let mut frames = {
             let strip = Strip::whole(self.settings.size);
-            self.method.frames_for(&self.casters.buffers, inputs.camera, inputs.light, &view, bounds, strip)?
+            self.method.frames_for(&self.casters.buffers, inputs.camera, inputs.light, &views, bounds, strip)?
         };
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
@@ -340,22 +341,38 @@ impl ShadowPass {
         }
     }
 
-    /// The light's view of the casters; that of static ones is kept while the light is.
-    fn view_for(&mut self, inputs: &Inputs, bounds: (DVec3, DVec3)) -> Result<LightView> {
+    /// The light's views of the casters, a cube of them if it stands among these; those of static ones are kept while the light is.
+    fn views_for(&mut self, inputs: &Inputs, bounds: (DVec3, DVec3)) -> Result<Vec<LightView>> {
         let (light, map) = (inputs.light, self.settings.map);
         // What shadows no caster may shadow what is none.
         let all = matches!(inputs.gbuffer, GBuffer::Surfaces(_));
-        let view = match (&self.view, inputs.moved) {
-            (_, Some(_)) => LightView::around(bounds, light, map)?,
-            (Some((of, of_all, view)), None) if (of, *of_all) == (light, all) => *view,
-            (_, None) if all => LightView::fit_all(&self.casters.mesh, light, map)?,
-            (_, None) => self.settings.light_view(&self.casters.mesh, self.casters.buffers.closed, light)?,
-        };
-        view.check()?;
-        if inputs.moved.is_none() {
-            self.view = Some((*light, all, view));
+        if inputs.moved.is_some() {
+            let view = LightView::around(bounds, light, map)?;
+            return if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) };
         }
-        Ok(view)
+        if let Some((of, of_all, views)) = &self.views
+            && (of, *of_all) == (light, all)
+        {
+            return Ok(views.clone());
+        }
+        let mesh = &self.casters.mesh;
+        let views = if all {
+            let view = LightView::fit_all(mesh, light, map)?;
+            if view.complete { vec![view] } else { LightView::cube(mesh, light, map)? }
+        } else {
+            self.settings.light_views(mesh, self.casters.buffers.closed, light)?
+        };
+        self.views = Some((*light, all, views.clone()));
+        Ok(views)
+    }
+
+    /// Makes the lists anew if the frame has another number of views than the one before.
+    fn make_room_for(&mut self, views: u32) -> Result<()> {
+        let now = self.method.capacities();
+        if now.views == views {
+            return Ok(());
+        }
+        self.method.resize(&self.device, &self.queue, Capacities { views, ..now })
     }
 
     /// How the oldest frame came out that the GPU is done with and that was not asked for yet; `None` if there is none. Does

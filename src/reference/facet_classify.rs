@@ -26,8 +26,10 @@ pub enum State {
 /// The footprint of a pixel on a plane as the light sees it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
-    /// Corners in texels, in order around.
+    /// Corners in texels, in order around, of those in front of the light.
     pub corners: Vec<DVec2>,
+    /// All corners as points of the frame, where some do not lie in front of the light.
+    pub points: Vec<DVec3>,
     /// Least depth from the light of what is in front of it.
     pub nearest: f64,
     /// Largest depth from the light.
@@ -53,6 +55,8 @@ pub struct Facet {
     pub plane: DVec4,
     /// What is known.
     pub state: State,
+    /// Lit or shadowed by what is known of the texels around it, not because nothing is there.
+    pub settled: bool,
     /// Texels its outline may touch: first and last column and row; `None` unless undecided.
     pub rect: Option<[u32; 4]>,
     /// Its outline.
@@ -163,6 +167,7 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
         triangle,
         plane: DVec4::ZERO,
         state: State::Empty,
+        settled: false,
         rect: None,
         outline: Outline::default(),
         coverage: seen_by.map_or(every, |mask| mask & every),
@@ -217,6 +222,10 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
             return facet;
         }
     }
+    if view.beyond(&facet.outline.points) {
+        facet.state = State::Lit;
+        return facet;
+    }
     let rect = if facet.outline.in_front {
         cells_touched(low - texels, high + texels, [size; 2])
     } else {
@@ -227,13 +236,15 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
         return facet;
     };
     facet.state = State::Undecided;
-    if settle && facet.outline.in_front && rect_sum(sat, size as usize, rect.map(|v| v as usize)) == 0 {
+    let inside = low.min_element() >= texels && high.max_element() <= f64::from(size) - texels;
+    let whole = inside || !view.map.cube_side;
+    if settle && facet.outline.in_front && whole && rect_sum(sat, size as usize, rect.map(|v| v as usize)) == 0 {
         if receives {
-            let inside = low.min_element() >= texels && high.max_element() <= f64::from(size) - texels;
             behind_splits(around.splits, size, rect, inside, &mut facet);
         } else {
             settle_unmarked(view, around.splits, ray * depth, &mut facet);
         }
+        facet.settled = facet.state != State::Undecided;
     }
     if facet.state == State::Undecided {
         facet.rect = Some(rect);
@@ -347,7 +358,9 @@ fn outline_of(view: &View, pixel: u32, plane: DVec4, limit: f64, [low, high]: [D
     let rays = offsets.map(|o| pixel_ray(view, pixel, o));
     // A ray meets the plane nearer than the limit where this is not positive.
     let over = |ray: DVec3| normal.dot(ray) - plane.w / limit;
+    let mut points = Vec::with_capacity(5);
     let mut add = |point: DVec3| {
+        points.push(point);
         out.ahead = out.ahead.max(view.map.w.dot(point.extend(1.0)));
         match view.on_map(point) {
             Some(at) => {
@@ -378,6 +391,9 @@ fn outline_of(view: &View, pixel: u32, plane: DVec4, limit: f64, [low, high]: [D
     }
     out.whole = whole;
     out.open |= open;
+    if !out.in_front {
+        out.points = points;
+    }
     out
 }
 

@@ -94,7 +94,9 @@ pub struct PairLists {
 }
 
 /// Words before the list of candidates.
-pub const TALLY_WORDS: usize = 16 + SEEN as usize;
+pub const TALLY_WORDS: usize = TALLY_COUNTERS + SEEN as usize;
+/// Counters at their beginning.
+pub const TALLY_COUNTERS: usize = 16;
 
 impl PairLists {
     /// Memory for a map of `size` texels a side and this many pairs, which meet at `places`.

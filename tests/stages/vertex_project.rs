@@ -22,13 +22,20 @@ fn fault(case: &Case, ran: &Ran) -> Option<String> {
     for (v, vertex) in wanted.vertices.iter().enumerate() {
         let got = Vec4::from(ran.map_points[v]).as_dvec4();
         let Some(map) = vertex.map else {
+            let (map, Some(p)) = (&wanted.view.map, vertex.point.filter(|_| wanted.view.map.perspective)) else {
+                if got != DVec4::ZERO {
+                    return Some(format!("vertex {v} at {got}, none expected"));
+                }
+                continue;
+            };
             // The near plane itself may go either way.
-            let near = vertex
-                .point
-                .is_some_and(|p| (wanted.view.map.w.dot(p.extend(1.0)) / wanted.view.map.near - 1.0).abs() < 1e-3);
-            let behind = DVec4::new(0.0, 0.0, 0.0, if vertex.behind { -1.0 } else { 0.0 });
-            if got != behind && !near {
-                return Some(format!("vertex {v} at {got}, none expected"));
+            let p = p.extend(1.0);
+            let short = map.w.dot(p) - map.near;
+            let raw = DVec4::new(map.u.dot(p), map.v.dot(p), map.z.dot(p), short.min(0.0));
+            let rows = [map.u, map.v, map.z, map.w].map(|row| 1e-6 * (row.abs().dot(p.abs()) + map.near));
+            let off = (got - raw).abs();
+            if (0..4).any(|k| off[k] > rows[k]) && short.abs() > 1e-3 * map.near {
+                return Some(format!("vertex {v} at {got}, {raw} expected before the division"));
             }
             continue;
         };

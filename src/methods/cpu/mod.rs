@@ -4,6 +4,7 @@
 //! fit memory. How masks are looked up and how pairs are brought together ([`Settings::masks`], [`Settings::pairs`]) are
 //! matters of the GPU: here every sample is decided.
 
+mod light_side;
 mod seen;
 mod shadows;
 
@@ -12,16 +13,13 @@ use super::looks::{Looks, MapLook, PixelClass};
 use super::prepared::Prepared;
 use super::render::{Counts, ListUse, Output};
 use super::unshadowed::nothing_seen;
-use crate::Result;
-use crate::reference::facet_classify::{State, Surroundings, classify_parts, marks_table};
+use crate::reference::facet_classify::State;
 use crate::reference::front_layer::Margin;
 use crate::reference::resolve::{Masks, pixel};
-use crate::reference::triangle_setup::setup;
-use crate::reference::vertex_project::project;
-use crate::reference::view::View;
 use crate::scene::{Camera, Light};
-use crate::truth::{FacetTruth, Progress, Tracer, join_mask, split_mask};
-use glam::DVec3;
+use crate::truth::{FacetTruth, Progress, Tracer, split_mask};
+use crate::{Error, Result};
+use light_side::{LightSide, join};
 use std::time::Instant;
 
 /// How far conservative tests reach out: far above the rounding of `f64`, far below anything that costs time.
@@ -103,29 +101,17 @@ pub fn render(
     let mut clock = Clock::default();
     let mesh = &prepared.mesh;
     let size = if request.unshadowed { 1 } else { settings.map };
-    let map = Settings { map: size, ..settings.clone() }.light_view(mesh, prepared.closed, light)?;
-    map.check()?;
-    let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-    let cull_back = settings.cull_back && prepared.closed;
-    let view = View::new(camera, light, &map, bounds, settings.size, cull_back);
-    let (vertices, triangles) = clock.time("triangle_setup", || {
-        let vertices = project(&view, &mesh.positions);
-        let triangles = setup(&view, &vertices, &mesh.triangles);
-        (vertices, triangles)
-    });
-    let known = if request.unshadowed {
-        shadows::Known::nothing()
-    } else {
-        shadows::Known::new(&mut clock, &view, &prepared.edges, &vertices, &triangles, request.looks)
+    let of_light = Settings { map: size, ..settings.clone() };
+    let maps = match request.unshadowed {
+        true => vec![of_light.light_view(mesh, prepared.closed, light)?],
+        false => of_light.light_views(mesh, prepared.closed, light)?,
     };
-    let sat = clock.time("summed_area", || marks_table(&known.marked, size));
-    let around = Surroundings {
-        triangles: &triangles,
-        marked: &known.marked,
-        splits: &known.splits,
-        samples: settings.samples.offsets(),
-        casters: u32::MAX,
+    let side = |clock: &mut Clock, map| LightSide::new(clock, prepared, settings, camera, light, map, &request);
+    // What the first view tells is kept; further ones, which take as much each, come one at a time.
+    let (Some(map), further_maps) = (maps.first(), maps.get(1..).unwrap_or_default()) else {
+        return Err(Error::Scene("the light has no view".to_owned()));
     };
+    let first_side = side(&mut clock, map);
     let tracer = Tracer::new(mesh)?;
     let truth = FacetTruth::new(&tracer, camera, light, &settings.samples, settings.size[0], settings.size[1])?;
     let validity = settings.validity && settings.samples.count() > 1;
@@ -137,45 +123,46 @@ pub fn render(
         facets: Vec::new(),
         looks: request.looks.then(|| Looks {
             classes: vec![PixelClass::Empty; settings.pixels()],
-            map: (!request.unshadowed).then(|| known.look(size)),
+            map: (!request.unshadowed && maps.len() == 1).then(|| first_side.known.look(size)),
         }),
     };
-    let counts = &mut frame.output.counts;
-    *counts = Counts {
-        silhouette_edges: known.silhouette_edges,
-        silhouette_texels: known.marked.iter().filter(|m| **m).count() as u64,
-        ..Counts::default()
-    };
+    frame.output.counts = Counts::default();
+    first_side.add_counts(&mut frame.output.counts);
     let mut pairs = shadows::Pairs::default();
     let [width, height] = settings.size;
     let rows = (BAND / width).max(1);
     let mut first = 0;
     while first < height {
         let band = first..(first + rows).min(height);
-        let seen = seen::Seen::new(&mut clock, &view, &triangles, settings, band.clone());
-        let settle = settings.settle;
-        let mut facets =
-            clock.time("facet_classify", || classify_parts(&view, &around, &sat, &seen.parts, MARGIN, settle));
-        if request.unshadowed {
-            facets.iter_mut().filter(|f| f.state == State::Undecided).for_each(|f| f.state = State::Lit);
-        }
+        let seen = seen::Seen::new(&mut clock, &first_side.view, &first_side.triangles, settings, band.clone());
         let (done, of_band) = ((first * width) as usize, (band.end - first) as usize * width as usize);
-        let report = |k: usize, n: usize| {
-            if let Some(progress) = request.progress {
-                progress(done + of_band * k / n.max(1), settings.pixels());
+        let mut masks: Vec<(Masks, bool)> = Vec::new();
+        for k in 0..maps.len() {
+            let further = (k > 0).then(|| side(&mut clock, &further_maps[k - 1]));
+            if let Some(further) = further.as_ref().filter(|_| first == 0) {
+                further.add_counts(&mut frame.output.counts);
             }
-        };
-        let skip_front = settings.settle && !validity;
-        let results = pairs.masks(&mut clock, &known, &truth, &facets, &triangles, size, skip_front, Some(&report));
-        clock.time("resolve", || {
-            let of = |k: usize| {
-                let (facet, result) = (&facets[k], &results[k]);
-                let (occluded, invalid) = result
-                    .as_ref()
-                    .map_or((0, 0), |r| (join_mask(r.occluded), if validity { !join_mask(r.valid) } else { 0 }));
-                Masks { state: facet.state, coverage: facet.coverage, occluded, invalid }
+            let report = |n: usize, of: usize| {
+                if let Some(progress) = request.progress {
+                    progress(done + of_band * (k * of + n) / (of.max(1) * maps.len()), settings.pixels());
+                }
             };
-            seen.add_to(&mut frame, settings.samples.words() as usize, request.facets, &of);
+            let found = further.as_ref().unwrap_or(&first_side).masks(
+                &mut clock,
+                &mut pairs,
+                &seen.parts,
+                settings,
+                (&truth, validity),
+                request.unshadowed,
+                Some(&report),
+            );
+            match k {
+                0 => masks = found,
+                _ => masks.iter_mut().zip(found).for_each(|(known, further)| join(known, further)),
+            }
+        }
+        clock.time("resolve", || {
+            seen.add_to(&mut frame, settings.samples.words() as usize, request.facets, &|k| masks[k].0);
         });
         first = band.end;
     }

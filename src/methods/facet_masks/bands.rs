@@ -11,17 +11,18 @@ use crate::stages::sorted_pairs::{self, Sorted};
 use crate::stages::visibility_masks::Casters;
 
 impl FacetMasks {
-    /// The pairs of one band of facets, and their evaluation.
+    /// The pairs of one band of facets in one view, and their evaluation.
     pub(super) fn record_band(
         &self,
         rec: &mut Recorder,
         casters: &CasterBuffers,
         in_light: Blocks,
+        view: u32,
         band: u32,
     ) -> Result<()> {
         let m = &self.memory;
         let places = m.lists.place_counts.len();
-        let frame_of = |round: u32| m.frames[(band * self.capacities.rounds + round) as usize].raw();
+        let frame_of = |round: u32| m.frames[self.frame_at(view, band, round)].raw();
         rec.clear(m.lists.place_deepest.raw());
         match &m.unsorted {
             None => self.record_grouped(rec, frame_of(0), in_light)?,
@@ -68,7 +69,7 @@ impl FacetMasks {
             let args = (m.args.raw(), Arg::Doubts.word());
             self.with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;
         }
-        let slot = (status::BANDS + status::BAND_WORDS * band as usize) as u64;
+        let slot = status::band(view, band, self.capacities.bands) as u64;
         rec.copy_words(m.lists.pixel_offsets.raw(), places as u64, m.status.raw(), slot, 2);
         rec.copy_words(m.lists.triangle_offsets.raw(), places as u64, m.status.raw(), slot + 2, 2);
         rec.copy_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), m.status.raw(), slot + 4, 3);

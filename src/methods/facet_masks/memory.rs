@@ -25,6 +25,8 @@ pub struct Capacities {
     pub candidates: usize,
     /// Bands of facets that are evaluated one after the other.
     pub bands: u32,
+    /// Views of the light.
+    pub views: u32,
     /// Rounds of [`candidate_pairs::ROUND_LENGTH`] triangles.
     pub rounds: u32,
     /// Facets.
@@ -45,8 +47,6 @@ pub mod status {
     pub const TESTS: usize = 10;
     /// Facets by state.
     pub const STATES: usize = 16;
-    /// Marked texels.
-    pub const TEXELS: usize = 24;
     /// First word of the bands.
     pub const BANDS: usize = 32;
     /// Longest list of triangles of a pixel.
@@ -57,8 +57,21 @@ pub mod status {
     pub const COMPLEX_PIXELS: usize = 28;
     /// Facets, and a flag: more than 2^32.
     pub const FACETS: usize = 30;
-    /// Words of a band: pixel-texel pairs and flag, triangle-texel pairs and flag, candidates, doubts, longest list, unused.
+    /// Words of a band of a view: pixel-texel pairs and flag, triangle-texel pairs and flag, candidates, doubts, longest list,
+    /// marked texels (of the first band).
     pub const BAND_WORDS: usize = 8;
+    /// Which of them that is.
+    pub const BAND_TEXELS: usize = 7;
+
+    /// The first word of a band of a view, of which there are `bands`.
+    pub(crate) fn band(view: u32, band: u32, bands: u32) -> usize {
+        BANDS + BAND_WORDS * (view * bands + band) as usize
+    }
+
+    /// All words.
+    pub(crate) fn words(of: super::Capacities) -> usize {
+        band(of.views, 0, of.bands)
+    }
 }
 
 /// Indirect arguments, by position.
@@ -145,7 +158,7 @@ impl Memory {
             scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
             args: Buffer::indirect(device, "dispatch_args.args", 15)?,
             requests: requests(device, queue, [edges, facets], capacities)?,
-            status: words_of("status", status::BANDS + status::BAND_WORDS * capacities.bands as usize)?,
+            status: words_of("status", status::words(capacities))?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,
         })
@@ -153,7 +166,7 @@ impl Memory {
 }
 
 pub fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>> {
-    (0..c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
+    (0..c.views * c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
 }
 
 /// Memory for pairs as they come, of facets and of triangles, if `settings` want them sorted.

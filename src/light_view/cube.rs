@@ -1,0 +1,192 @@
+//! A cube of views around a light that stands among its casters.
+
+use super::casters::clip;
+use super::fit::{axes, check};
+use super::{LightView, Window};
+use crate::Result;
+use crate::scene::{Light, Mesh};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Half the width of a side's view at distance 1: a little more than the side, so that what lies on an edge of the cube lies well
+/// inside both views.
+const HALF: f64 = 1.0 + 1.0 / 64.0;
+
+/// Nearest distance along a view's axis that is looked at by depth, as a share of the farthest. What reaches nearer is looked at
+/// everywhere.
+const NEAREST: f64 = 1.0 / 1024.0;
+
+const SIDES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+
+impl LightView {
+    /// Views that together hold every caster of `mesh` around a point or spot light, whatever they shadow of one another: one for
+    /// each side of a cube in which a caster is, as narrow as the casters there allow. A sample in none of them is lit; one at a
+    /// cube's edge lies in two, and each tells what shadows it.
+    ///
+    /// # Errors
+    /// As [`LightView::fit`]; [`Error::Scene`](crate::Error::Scene) for a directional light, which has no place to be seen from.
+    pub fn cube(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Vec<Self>> {
+        mesh.check("mesh")?;
+        let corners = |t: usize| mesh.corners(t);
+        cube_of(mesh.triangles.len(), &corners, light, map_size)
+    }
+
+    /// The same of a box that holds all casters, between its lowest and its highest corner.
+    ///
+    /// # Errors
+    /// As [`LightView::cube`].
+    pub fn cube_around((low, high): (DVec3, DVec3), light: &Light, map_size: u32) -> Result<Vec<Self>> {
+        // All six sides, up to the farthest corner, and next to the light.
+        check(light, map_size)?;
+        let at = position(light)?;
+        let far = (low - at).abs().max((high - at).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
+        let whole = Reach { low: [-HALF; 2], high: [HALF; 2], nearest: 0.0, farthest: far };
+        Ok(SIDES.iter().map(|&side| whole.view(at, side, map_size)).collect())
+    }
+}
+
+fn position(light: &Light) -> Result<DVec3> {
+    if light.is_directional() {
+        return Err(crate::Error::Scene("a directional light stands nowhere: no cube of views".to_owned()));
+    }
+    Ok(light.homogeneous().truncate())
+}
+
+fn cube_of(
+    count: usize,
+    corners: &(dyn Fn(usize) -> [DVec3; 3] + Sync),
+    light: &Light,
+    map_size: u32,
+) -> Result<Vec<LightView>> {
+    check(light, map_size)?;
+    let at = position(light)?;
+    let of_side = |&side: &DVec3| {
+        let reach = (0..count)
+            .into_par_iter()
+            .map(|t| Reach::of(corners(t).map(|p| p - at), side))
+            .reduce(|| Reach::NONE, Reach::join);
+        (reach.low[0] <= reach.high[0]).then(|| reach.view(at, side, map_size))
+    };
+    Ok(SIDES.iter().filter_map(of_side).collect())
+}
+
+/// What casters take of a side: across and along its axis.
+#[derive(Clone, Copy)]
+struct Reach {
+    low: [f64; 2],
+    high: [f64; 2],
+    nearest: f64,
+    farthest: f64,
+}
+
+impl Reach {
+    const NONE: Self = Self {
+        low: [f64::INFINITY; 2],
+        high: [f64::NEG_INFINITY; 2],
+        nearest: f64::INFINITY,
+        farthest: f64::NEG_INFINITY,
+    };
+
+    /// Of the part of a triangle, relative to the light, that lies in the pyramid of a side.
+    fn of(triangle: [DVec3; 3], side: DVec3) -> Self {
+        let (right, up) = axes(side);
+        let mut part = triangle.to_vec();
+        for across in [right, -right, up, -up] {
+            clip(&mut part, |p| HALF * p.dot(side) - p.dot(across));
+        }
+        let of_point = |p: &DVec3| {
+            let w = p.dot(side).max(0.0);
+            // At the light itself it is everywhere.
+            let [low, high] = if w > 0.0 {
+                let at = [p.dot(right) / w, p.dot(up) / w].map(|v| v.clamp(-HALF, HALF));
+                [at, at]
+            } else {
+                [[-HALF; 2], [HALF; 2]]
+            };
+            Self { low, high, nearest: w, farthest: w }
+        };
+        part.iter().map(of_point).fold(Self::NONE, Self::join)
+    }
+
+    fn join(self, o: Self) -> Self {
+        Self {
+            low: [self.low[0].min(o.low[0]), self.low[1].min(o.low[1])],
+            high: [self.high[0].max(o.high[0]), self.high[1].max(o.high[1])],
+            nearest: self.nearest.min(o.nearest),
+            farthest: self.farthest.max(o.farthest),
+        }
+    }
+
+    fn view(self, light: DVec3, side: DVec3, map_size: u32) -> LightView {
+        let far = self.farthest.max(f64::MIN_POSITIVE.sqrt());
+        let near = (0.5 * self.nearest).max(NEAREST * far);
+        let [low, high] = [self.low, self.high].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let window = Window { low, high, near, far, clear: self.nearest };
+        LightView { cube_side: true, ..LightView::through(window, light, side, map_size) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn random_mesh(count: usize) -> Mesh {
+        let mut state = 12345u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f32::from_bits(0x3f80_0000 | state >> 9) * 2.0 - 3.0
+        };
+        let mut mesh = Mesh::default();
+        for t in 0..count as u32 {
+            let middle = [4.0 * next(), 4.0 * next(), 4.0 * next()];
+            for _ in 0..3 {
+                mesh.positions.push(middle.map(|m| m + next()));
+            }
+            mesh.triangles.push([3 * t, 3 * t + 1, 3 * t + 2]);
+        }
+        mesh
+    }
+
+    #[test]
+    fn every_point_of_every_caster_lies_in_a_view() {
+        let mesh = random_mesh(300);
+        let light = Light::Point { position: [0.1, -0.2, 0.3] };
+        let views = LightView::cube(&mesh, &light, 64).unwrap();
+        assert_eq!(views.len(), 6);
+        assert!(LightView::fit(&mesh, &light, 64).unwrap().check().is_err(), "one view is enough");
+        let mut twice = 0;
+        for t in 0..mesh.triangles.len() {
+            let [a, b, c] = mesh.corners(t);
+            for (i, j) in (0..=8).flat_map(|i| (0..=8 - i).map(move |j| (i, j))) {
+                let p = a + (b - a) * (f64::from(i) / 8.0) + (c - a) * (f64::from(j) / 8.0);
+                let inside = |view: &&LightView| {
+                    let q = p.extend(1.0);
+                    let (u, v, w) = (view.u.dot(q), view.v.dot(q), view.w.dot(q));
+                    w >= 0.0 && u >= 0.0 && v >= 0.0 && u <= 64.0 * w && v <= 64.0 * w
+                };
+                let found = views.iter().filter(inside).count();
+                assert!(found >= 1, "{p} lies in no view");
+                twice += usize::from(found > 1);
+            }
+        }
+        assert!(twice > 0, "no point at an edge of the cube");
+    }
+
+    #[test]
+    fn sides_without_casters_have_no_view_and_others_are_as_narrow_as_what_is_there() {
+        let small = |x: f32, y: f32, z: f32| [[x, y, z], [x + 0.5, y, z], [x, y + 0.5, z]];
+        let corners: Vec<_> = [small(0.0, 0.0, 5.0), small(0.0, 0.0, -4.0)].concat();
+        let mesh = Mesh { positions: corners, triangles: vec![[0, 1, 2], [3, 4, 5]] };
+        let views = LightView::cube(&mesh, &Light::Point { position: [0.0; 3] }, 64).unwrap();
+        assert_eq!(views.len(), 2);
+        for (view, p) in views.iter().zip([DVec3::new(0.5, 0.0, 5.0), DVec3::new(0.5, 0.0, -4.0)]) {
+            let at = view.project(p).unwrap();
+            assert!(at.x < 1.1 || at.x > 62.9, "{at}");
+            assert!(at.z.abs() <= 1.0 + 1e-9 && view.near > 1.9, "{at} {}", view.near);
+        }
+        assert!(LightView::cube(&mesh, &Light::Directional { direction: [0.0, 1.0, 0.0] }, 64).is_err());
+        let around =
+            LightView::cube_around((DVec3::splat(-1.0), DVec3::splat(2.0)), &Light::Point { position: [0.0; 3] }, 8);
+        assert_eq!(around.unwrap().len(), 6);
+    }
+}

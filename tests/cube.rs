@@ -1,0 +1,277 @@
+//! Lights that stand among their casters: a cube of views against traced rays, against one view where one is enough, and changes
+//! that must not change a bit.
+
+#[path = "shared/device.rs"]
+mod device;
+
+use device::gpu;
+use std::sync::{Arc, OnceLock};
+use subpixel_shadows::gpu::Recorder;
+use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
+use subpixel_shadows::methods::render::{Budget, Output, Renderer};
+use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, cpu};
+use subpixel_shadows::report::{FacetErrors, FacetSet};
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
+use subpixel_shadows::truth::{SceneTruth, Tracer, join_mask};
+
+const SIZE: [u32; 2] = [64, 48];
+
+fn settings(facets: FacetMode, samples: u32) -> Settings {
+    let samples = Samples::new(Pattern::LowDiscrepancy, samples).expect("a pattern");
+    Settings { facets, ..Settings::new(SIZE, 64, samples) }
+}
+
+fn point(position: [f32; 3]) -> Light {
+    Light::Point { position }
+}
+
+fn add(mesh: &mut Mesh, corners: &[[f32; 3]], triangles: &[[u32; 3]]) {
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend_from_slice(corners);
+    mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| v + first)));
+}
+
+/// A box between two corners.
+fn block(mesh: &mut Mesh, low: [f32; 3], high: [f32; 3]) {
+    let corners: [[f32; 3]; 8] =
+        std::array::from_fn(|k| std::array::from_fn(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] }));
+    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    add(mesh, &corners, &triangles);
+}
+
+/// A room of twelve triangles with some furniture around a lamp: its walls reach behind every side's view.
+fn room() -> Scene {
+    let mut mesh = Mesh::default();
+    block(&mut mesh, [-4.0, 0.0, -3.0], [4.0, 3.0, 3.0]);
+    block(&mut mesh, [1.0, 0.0, 0.5], [2.0, 0.8, 1.5]);
+    block(&mut mesh, [-2.0, 0.2, -2.0], [-1.2, 1.9, -1.4]);
+    block(&mut mesh, [-0.3, 2.5, -0.2], [0.4, 2.6, 0.3]);
+    block(&mut mesh, [0.9, 1.2, -1.8], [1.0, 2.2, -0.9]);
+    block(&mut mesh, [-1.5, 0.7, 1.1], [-0.5, 0.75, 1.9]);
+    let mut scene = Scene::of_mesh("room", mesh).expect("a scene");
+    scene.camera =
+        Camera { eye: [3.7, 2.7, 2.8], target: [-1.0, 0.7, -0.6], vertical_fov_degrees: 75.0, ..scene.camera };
+    scene.light = point([0.1, 1.7, 0.05]);
+    scene
+}
+
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let with = |name: &'static str, light| (name, Scene { light, ..builtin(name).expect("a built-in scene") });
+    vec![
+        ("room", room()),
+        with("cage", point([0.5, 2.0, 0.8])),
+        with("plant", point([0.3, 1.3, 0.2])),
+        with("knot", point([0.3, 1.4, 0.2])),
+        with("spheres", Light::Spot { position: [0.3, 1.6, 0.2], target: [0.0; 3], angle_degrees: 90.0 }),
+    ]
+}
+
+fn render(scene: &Scene, settings: &Settings) -> Output {
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    let mut renderer = Renderer::new(gpu(), &prepared, settings, Budget::default()).expect("a renderer");
+    renderer.render(&scene.camera, &scene.light).expect("a frame")
+}
+
+/// The picture through given views, whatever the light would have.
+fn through(scene: &Scene, settings: &Settings, views: &[LightView]) -> (Vec<f32>, Vec<u32>) {
+    let gpu = gpu();
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
+    static MADE: OnceLock<Arc<Pipelines>> = OnceLock::new();
+    let pipelines = MADE.get_or_init(|| Arc::new(Pipelines::new(&gpu.device, settings))).clone();
+    let capacities = Capacities {
+        pixel_pairs: 1 << 18,
+        triangle_pairs: 1 << 20,
+        candidates: 1 << 20,
+        bands: 1,
+        views: views.len() as u32,
+        rounds: 8,
+        facets: 1 << 14,
+        pixel_triangles: 1 << 18,
+        complex_pixels: settings.pixels(),
+        camera_rounds: 4,
+    };
+    let method =
+        FacetMasks::new(&gpu.device, &gpu.queue, pipelines, &casters, settings, capacities).expect("the method");
+    let bounds = prepared.mesh.bounds().expect("a mesh");
+    let strip = Strip::whole(SIZE);
+    method.prepare(&gpu.queue, &casters, &scene.camera, &scene.light, views, bounds, strip).expect("prepared");
+    let mut encoder = gpu.encoder();
+    method.record(&mut Recorder::new(&gpu.device, &mut encoder, None), &casters).expect("recorded");
+    gpu.submit_and_wait(encoder).expect("a frame");
+    (method.visibility().read(gpu).expect("readback"), method.lit().read(gpu).expect("readback"))
+}
+
+fn picture(output: &Output) -> (Vec<f32>, Vec<u32>) {
+    (output.visibility.clone(), output.lit.clone())
+}
+
+fn fitted(scene: &Scene) -> LightView {
+    LightView::fit(&scene.mesh, &scene.light, 64).expect("a view")
+}
+
+/// Views that the method takes by itself.
+fn taken(scene: &Scene, settings: &Settings) -> usize {
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    settings.light_views(&prepared.mesh, prepared.closed, &scene.light).expect("views").len()
+}
+
+fn cube(scene: &Scene) -> Vec<LightView> {
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    LightView::cube(&prepared.mesh, &scene.light, 64).expect("a cube")
+}
+
+/// No sample is wrong against facet truth, with one facet and with all; a picture that lacks a view is noticed.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn no_sample_is_wrong() {
+    let (mut found, mut settled) = (Vec::new(), 0);
+    for (name, scene) in scenes() {
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+        for (facets, samples) in [(FacetMode::One, 32), (FacetMode::One, 1), (FacetMode::All, 32)] {
+            let settings = settings(facets, samples);
+            assert!(taken(&scene, &settings) > 1, "{name} {facets:?} {samples}: one view is enough");
+            let mut renderer = Renderer::new(gpu(), &prepared, &settings, Budget::default()).expect("a renderer");
+            let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
+            settled += output.counts.lit_facets.min(output.counts.shadowed_facets);
+            let set = FacetSet::read(gpu(), renderer.method().facets(), settings.samples.words()).expect("readback");
+            let errors = FacetErrors::of(&set, &tracer, &scene.camera, &scene.light, &settings, None).expect("judged");
+            assert!(errors.facet_samples > 1000, "{name}: {errors:?}");
+            if errors.facet_wrong_outside_band > 0 {
+                found.push(format!("{name} {facets:?} {samples}: {errors:?}"));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    assert!(settled > 1000, "{settled} facets settled both ways: what reaches behind a view settles nothing");
+}
+
+/// With a facet for every surface each sample is what a traced ray says. A picture without one of the views is not.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_sample_is_what_rays_say() {
+    let settings = settings(FacetMode::All, 32);
+    let mut missed = 0;
+    for (name, scene) in scenes() {
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+        let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &settings.samples, SIZE[0], SIZE[1]);
+        let truth = truth.expect("a truth");
+        let wrong = |lit: &[u32]| {
+            let pixels = (0..SIZE[0] * SIZE[1]).filter(|&p| truth.pixel(p).seen_count > 0);
+            let off = |&p: &u32| {
+                let off = u128::from(lit[p as usize]) ^ join_mask(truth.pixel(p).lit);
+                off != 0 && off & !join_mask(truth.ambiguous_mask(p)) != 0
+            };
+            pixels.filter(off).count()
+        };
+        let output = render(&scene, &settings);
+        // Beneath a crease that opens towards the light a plane runs on into the shadow of its neighbour.
+        let off = wrong(&output.lit);
+        assert!(off <= 2, "{name}: {off} pixels differ from rays");
+        let views = cube(&scene);
+        for left_out in 0..views.len() {
+            let mut fewer = views.clone();
+            fewer.remove(left_out);
+            missed += usize::from(wrong(&through(&scene, &settings, &fewer).1) > off + 5);
+        }
+    }
+    assert!(missed >= 8, "leaving out a view shows {missed} times only");
+}
+
+/// Where one view holds all casters, six tell the same, to the bit. So do they in another order, and each of them twice.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn views_tell_the_same_in_any_number_and_order() {
+    for name in ["spheres", "cage", "plane"] {
+        let mut scene = builtin(name).expect("a built-in scene");
+        let (lo, hi) = scene.mesh.bounds().expect("a mesh");
+        let towards = scene.light.towards((lo + hi) * 0.5).normalize();
+        scene.light = point(((lo + hi) * 0.5 + towards * (hi - lo).length()).as_vec3().into());
+        assert!(fitted(&scene).complete, "{name}");
+        let settings = settings(FacetMode::All, 32);
+        let one = picture(&render(&scene, &settings));
+        let lit: u32 = one.1.iter().map(|m| m.count_ones()).sum();
+        assert!(lit > 1000 && lit < 32 * one.1.len() as u32 - 1000, "{name}: {lit} samples are lit");
+        let mut views = cube(&scene);
+        assert!(through(&scene, &settings, &views) == one, "{name}: {} views", views.len());
+        views.reverse();
+        assert!(through(&scene, &settings, &views) == one, "{name}: in another order");
+        views.extend(views.clone());
+        assert!(through(&scene, &settings, &views) == one, "{name}: each twice");
+    }
+}
+
+/// Not even size of map, lists and strips, nor what is settled, show.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn how_it_is_computed_does_not_matter() {
+    let scene = room();
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    let wanted = settings(FacetMode::All, 32);
+    let plain = picture(&render(&scene, &wanted));
+    let with = |settings: Settings, budget: Budget, strips: u32| {
+        let pipelines = Arc::new(Pipelines::new(&gpu().device, &settings));
+        let mut renderer =
+            Renderer::in_strips(gpu(), &prepared, &settings, budget, pipelines, strips).expect("a renderer");
+        picture(&renderer.render(&scene.camera, &scene.light).expect("a frame"))
+    };
+    let (start, bytes) = (Some(1), Budget::default().bytes);
+    for (what, settings, budget, strips) in [
+        ("lists begun at 1", wanted.clone(), Budget { start, bytes }, 1),
+        ("little memory", wanted.clone(), Budget { start, bytes: 1 << 20 }, 1),
+        ("strips", wanted.clone(), Budget::default(), 3),
+        ("another map", Settings { map: 33, ..wanted.clone() }, Budget::default(), 1),
+        ("nothing settled", Settings { settle: false, ..wanted.clone() }, Budget::default(), 1),
+    ] {
+        assert!(with(settings, budget, strips) == plain, "{what}");
+    }
+    // A light that goes in and out, with the same renderer.
+    let mut renderer = Renderer::new(gpu(), &prepared, &wanted, Budget::default()).expect("a renderer");
+    let outside = point([0.3, 9.0, 0.2]);
+    let before = renderer.render(&scene.camera, &outside).expect("a frame");
+    assert!(picture(&renderer.render(&scene.camera, &scene.light).expect("a frame")) == plain, "after one outside");
+    assert!(picture(&renderer.render(&scene.camera, &outside).expect("a frame")) == picture(&before), "outside again");
+}
+
+/// The CPU engine takes the same views.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn engines_agree() {
+    for (name, scene) in scenes().into_iter().take(3) {
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let settings = settings(FacetMode::All, 32);
+        let (camera, light) = (&scene.camera, &scene.light);
+        let on_cpu = cpu::render(&prepared, &settings, camera, light, cpu::Request::default()).expect("a frame").output;
+        let on_gpu = render(&scene, &settings);
+        let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+        let truth = SceneTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("a truth");
+        let differ = |p: usize| {
+            let off = on_cpu.lit[p] ^ on_gpu.lit[p];
+            off != 0 && off & !truth.ambiguous_mask(p as u32)[0] != 0
+        };
+        let wrong = (0..on_cpu.lit.len()).filter(|&p| differ(p)).count();
+        assert!(wrong <= 2, "{name}: {wrong} pixels differ");
+        let texels = [on_cpu.counts.silhouette_texels, on_gpu.counts.silhouette_texels];
+        assert!(texels[0] > 0 && texels[1] >= texels[0] / 2, "{name}: {texels:?}");
+    }
+}
+
+/// Methods of one view say so.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn methods_of_one_view_refuse() {
+    let scene = room();
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    let settings = settings(FacetMode::One, 1);
+    for method in [MethodName::Spsm, MethodName::ShadowMap, MethodName::RayTraced, MethodName::Supersampled] {
+        let made = AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default());
+        let frame = made.and_then(|mut renderer| renderer.render(&scene.camera, &scene.light));
+        let message = frame.map(drop).expect_err("a light among its casters").to_string();
+        assert!(message.contains("among its casters"), "{}: {message}", method.name());
+    }
+}
