@@ -47,7 +47,7 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
         let split = split_depth(first, second);
         let range = depth_range(shape, centre);
         let parted = range.x > split || range.y < split;
-        if first == 0u || first == second || !shape.in_front || !parted { add_texel(&marks, place); }
+        if first == 0u || first == second || shape.cut || !parted { add_texel(&marks, place); }
     }
     mark_rows(corner, marks);
 }

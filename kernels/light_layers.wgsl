@@ -11,7 +11,6 @@
 //@import work_items
 //@import front_split
 //@import span
-//@import front_part
 //@import block_bits
 
 const WORKGROUP = 64u;
@@ -44,17 +43,16 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
-    let part = front_part(map_points[i.x], map_points[i.y], map_points[i.z]);
-    if !part.any { return; }  // front_layer marks every texel of it
-    let a = part.a;
-    let b = part.b;
-    let c = part.d;
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
+    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 { return; }  // front_layer marks every texel of it
     let ab = b.xy - a.xy;
-    let bc = part.c.xy - b.xy;
+    let bc = c.xy - b.xy;
     let ac = c.xy - a.xy;
     let area = ab.x * ac.y - ab.y * ac.x;
-    let nearest = min(min(a.z, b.z), min(c.z, part.c.z));
-    let farthest = max(max(a.z, b.z), max(c.z, part.c.z));
+    let nearest = min(a.z, min(b.z, c.z));
+    let farthest = max(a.z, max(b.z, c.z));
     let guard = CENTRE_GUARD * vec3(abs(ab.x) + abs(ab.y), abs(bc.x) + abs(bc.y), abs(ac.x) + abs(ac.y));
     let turn = select(-1.0, 1.0, area > 0.0);
     // The edges again, grown by the guard, to cut rows by.

@@ -12,7 +12,6 @@
 //@import front_split
 //@import facing
 //@import span
-//@import front_part
 //@import mask_rows
 
 struct Edge { v0: u32, v1: u32, t0: u32, t1: u32 }
@@ -42,20 +41,6 @@ fn is_silhouette(e: Edge) -> bool {
     return first == UNSURE || second == UNSURE || first != second;
 }
 
-// What of an edge lies in front of the light.
-struct FrontEdge { a: vec4<f32>, b: vec4<f32>, any: bool }
-
-fn front_edge(e: Edge) -> FrontEdge {
-    let a = map_points[e.v0];
-    let b = map_points[e.v1];
-    var out = FrontEdge(a, b, true);
-    for (var cut = min(a.w, b.w) <= 0.0; cut; cut = false) {
-        out.any = max(a.w, b.w) > 0.0 && (frame.flags & FLAG_PERSPECTIVE) != 0u;
-        if a.w > 0.0 { out.b = cut_edge(a, b); } else { out.a = cut_edge(b, a); }
-    }
-    return out;
-}
-
 @compute @workgroup_size(WORKGROUP)
 fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let k = flat_invocation(group, groups, WORKGROUP, local);
@@ -63,11 +48,10 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     let e = edges[k];
     var rect = EMPTY_RECT;
     if is_silhouette(e) {
-        let part = front_edge(e);
-        // One that does not lie in front of the light at all belongs to triangles whose every texel front_layer marks, if any.
-        if part.any {
-            let a = part.a;
-            let b = part.b;
+        let a = map_points[e.v0];
+        let b = map_points[e.v1];
+        // An edge that reaches behind the light belongs to triangles whose every texel front_layer marks.
+        if a.w > 0.0 && b.w > 0.0 {
             let low = min(a.xy, b.xy);
             let high = max(a.xy, b.xy);
             let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
@@ -85,9 +69,8 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     if item >= work_offsets[frame.edge_count] { return; }
     let k = owner_of(item, frame.edge_count);
     let block = block_of(edge_rects[k], item - work_offsets[k]);
-    let part = front_edge(edges[k]);
-    let a = part.a;
-    let b = part.b;
+    let a = map_points[edges[k].v0];
+    let b = map_points[edges[k].v1];
     let d = b.xy - a.xy;
     let extent = max(max(abs(a.x), abs(a.y)), max(abs(b.x), abs(b.y)));
     let reach = 0.5 + frame.map_margin + 4e-6 * extent;

@@ -11,7 +11,6 @@
 //@import rect
 //@import facing
 //@import view_sides
-//@import front_part
 
 const WORKGROUP = 64u;
 
@@ -74,14 +73,13 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
 
 // `beyond`: sides of the view that all three lie beyond.
 fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32> {
-    let part = front_part(a, b, c);
-    if !part.whole {
+    if min(a.w, min(b.w, c.w)) <= 0.0 {
         if max(a.w, max(b.w, c.w)) < -2.0 * frame.light_low.w { return EMPTY_RECT; }
         if (frame.flags & FLAG_PERSPECTIVE) != 0u && beyond != 0u { return EMPTY_RECT; }
-        if !part.any { return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))); }
+        return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
-    let low = min(min(part.a.xy, part.b.xy), min(part.c.xy, part.d.xy));
-    let high = max(max(part.a.xy, part.b.xy), max(part.c.xy, part.d.xy));
+    let low = min(min(a.xy, b.xy), c.xy);
+    let high = max(max(a.xy, b.xy), c.xy);
     let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     return cells_touched(low - slack, high + slack, vec2(frame.map_size));
 }

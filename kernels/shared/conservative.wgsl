@@ -2,8 +2,6 @@
 // A texel is tested with its square grown by frame.map_margin, which is far above the rounding of the projection and of
 // the edge functions; large coordinates grow it further.
 
-//@import front_part
-
 struct Cover {
     edges: array<vec3<f32>, 3>,  // inside where dot((x, y, 1), edge) >= 0 for a texel centre, reach included
     low: vec2<f32>,
@@ -13,7 +11,8 @@ struct Cover {
     reach: f32,                  // half a texel, margins included
     nearest: f32,
     farthest: f32,
-    in_front: bool,              // what lies in front of the light is known; else every texel counts as touched
+    in_front: bool,              // its edges are known; else every texel counts as touched
+    cut: bool,                   // not all corners lie in front of the light: more counts as touched, at any depth
     thin: bool,                  // too thin for its orientation to be known: touched where an edge is
 }
 
@@ -28,38 +27,81 @@ fn cover_triangle(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> Cover {
 
 fn cover_triangle_by(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     var s: Cover;
-    let part = front_part(a, b, c);
-    let low = min(min(part.a.xy, part.b.xy), min(part.c.xy, part.d.xy));
-    let high = max(max(part.a.xy, part.b.xy), max(part.c.xy, part.d.xy));
+    s.in_front = true;
+    s.cut = false;
+    let low = min(min(a.xy, b.xy), c.xy);
+    let high = max(max(a.xy, b.xy), c.xy);
     let extent = max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     let reach = 0.5 + margin + 4e-6 * extent;
     s.reach = reach;
     s.low = low - reach;
     s.high = high + reach;
-    let ab = part.b.xy - part.a.xy;
-    let ac = part.d.xy - part.a.xy;
+    let ab = b.xy - a.xy;
+    let ac = c.xy - a.xy;
     let area = ab.x * ac.y - ab.y * ac.x;
     let size = max(abs(ab.x) + abs(ab.y), abs(ac.x) + abs(ac.y));
     s.thin = abs(area) <= 4e-6 * (extent + size) * size;
-    // What is cut off reaches far: which way it turns may not be known though it is wide.
-    s.in_front = part.any && (part.whole || !s.thin);
     let turn = select(-1.0, 1.0, area > 0.0);
-    s.edges[0] = cover_edge(part.a.xy, part.b.xy, turn, reach);
-    s.edges[1] = cover_edge(part.b.xy, part.c.xy, turn, reach);
-    s.edges[2] = cover_edge(part.d.xy, part.a.xy, turn, reach);
-    s.nearest = min(min(part.a.z, part.b.z), min(part.c.z, part.d.z)) - frame.depth_margin;
-    s.farthest = max(max(part.a.z, part.b.z), max(part.c.z, part.d.z)) + frame.depth_margin;
+    s.edges[0] = cover_edge(a.xy, b.xy, turn, reach);
+    s.edges[1] = cover_edge(b.xy, c.xy, turn, reach);
+    s.edges[2] = cover_edge(c.xy, a.xy, turn, reach);
+    s.nearest = min(a.z, min(b.z, c.z)) - frame.depth_margin;
+    s.farthest = max(a.z, max(b.z, c.z)) + frame.depth_margin;
     if s.thin {
         s.depth = vec3(0.0, 0.0, 0.5 * (s.nearest + s.farthest));
         s.half_range = s.farthest - s.nearest;
     } else {
-        let za = part.b.z - part.a.z;
-        let zc = part.d.z - part.a.z;
+        let za = b.z - a.z;
+        let zc = c.z - a.z;
         let slope = vec2(za * ac.y - zc * ab.y, zc * ab.x - za * ac.x) / area;
-        s.depth = vec3(slope, part.a.z - dot(slope, part.a.xy));
+        s.depth = vec3(slope, a.z - dot(slope, a.xy));
         s.half_range = (reach + 4e-6 * extent) * (abs(slope.x) + abs(slope.y)) + frame.depth_margin;
     }
+    // Few are cut off at the light: a loop that the others do not enter.
+    for (var cut = min(a.w, min(b.w, c.w)) <= 0.0; cut; cut = false) { s = cover_cut(a, b, c, margin); }
     return s;
+}
+
+// Texel x and y times the divisor, and the divisor, of a point of `map_points`.
+fn undivided(p: vec4<f32>) -> vec3<f32> {
+    if p.w > 0.0 { return vec3(p.xy * p.w, p.w); }
+    return vec3(p.xy, p.w + frame.light_low.w);
+}
+
+// A triangle that reaches behind the light's nearest distance. The lines of its edges are found without division, so that of what
+// lies in front of the light they hold all, however near to the light it comes (Olano and Greer 1997). They reach out by what
+// rounding may have moved the corners.
+fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
+    var s: Cover;
+    let p = undivided(a);
+    let q = undivided(b);
+    let r = undivided(c);
+    let size = f32(frame.map_size);
+    let far = vec3(
+        max(max(abs(p.x), abs(p.y)), size * abs(p.z)), max(max(abs(q.x), abs(q.y)), size * abs(q.z)),
+        max(max(abs(r.x), abs(r.y)), size * abs(r.z)));
+    let off = 8.0 * frame.map_margin * frame.light_low.w;
+    let both = far * far.yzx;
+    let det = dot(p, cross(q, r));
+    let noise = (off * (both.x + both.y + both.z) + 4e-6 * far.x * far.y * far.z) / size;
+    s.in_front = (frame.flags & FLAG_PERSPECTIVE) != 0u && abs(det) > noise;
+    s.cut = true;
+    let turn = select(-1.0, 1.0, det > 0.0);
+    let slack = off * (far + far.yzx) + 4e-6 * both;
+    s.edges[0] = line_beside(turn * cross(p, q), 0.5 + margin, slack.x);
+    s.edges[1] = line_beside(turn * cross(q, r), 0.5 + margin, slack.y);
+    s.edges[2] = line_beside(turn * cross(r, p), 0.5 + margin, slack.z);
+    s.low = vec2(-3.0e38);
+    s.high = vec2(3.0e38);
+    s.half_range = 3.0e38;
+    s.reach = 0.5 + margin;
+    s.nearest = -3.0e38;
+    s.farthest = 3.0e38;
+    return s;
+}
+
+fn line_beside(n: vec3<f32>, reach: f32, slack: f32) -> vec3<f32> {
+    return n + vec3(0.0, 0.0, reach * (abs(n.x) + abs(n.y)) + slack);
 }
 
 fn covers(s: Cover, centre: vec2<f32>) -> bool {

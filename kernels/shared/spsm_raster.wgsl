@@ -33,12 +33,9 @@ fn key_of(depth: f32) -> u32 {
 
 fn cover_of(t: u32) -> Cover {
     let i = triangles[t];
-    let a = map_points[i.x];
-    let b = map_points[i.y];
-    let c = map_points[i.z];
-    var shape = cover_triangle_by(a, b, c, place_noise());
+    var shape = cover_triangle_by(map_points[i.x], map_points[i.y], map_points[i.z], place_noise());
     // A texel cannot hold what is cut off at the light.
-    shape.in_front = min(a.w, min(b.w, c.w)) > 0.0;
+    shape.in_front = !shape.cut;
     return shape;
 }
 

@@ -39,7 +39,7 @@ pub fn matters(facet: &Facet, triangle: &Triangle, margin: Margin) -> bool {
     }
     match triangle.map {
         Reach::Nowhere => false,
-        Reach::Everywhere => true,
+        Reach::Everywhere | Reach::Cut(_) => true,
         Reach::Flat(_) if !facet.outline.in_front => true,
         Reach::Flat(flat) => {
             let (low, high) = bounds(&facet.outline.corners);

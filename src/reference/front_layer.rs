@@ -1,8 +1,8 @@
 //! Where the nearest layer may be no single sheet over the whole texel.
 
 use super::light_layers::{Layer, any_everywhere};
-use super::triangle_setup::Triangle;
-use super::view::{Flat, by_rows, centre, columns};
+use super::triangle_setup::{Reach, Triangle};
+use super::view::{Cut, Flat, by_rows, centre, columns};
 
 /// How far conservative tests reach out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,7 +31,7 @@ pub enum Split {
     At(f64),
 }
 
-/// Marks every texel that a triangle touches where there is no layer at the centre, or touches at a range of depths that
+/// Marks every texel that a triangle touches of which a part is not in front of the light, or where there is no layer at the centre, or touches at a range of depths that
 /// holds the split depth.
 pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin) -> Vec<bool> {
     if any_everywhere(triangles) {
@@ -39,8 +39,10 @@ pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin
     }
     let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
     let reach = 0.5 + margin.texels;
+    let cuts: Vec<Cut> =
+        triangles.iter().filter_map(|t| if let Reach::Cut(cut) = t.map { Some(cut) } else { None }).collect();
     by_rows(&figures, size, reach, |y, list| {
-        let mut row = vec![false; size as usize];
+        let mut row: Vec<bool> = (0..size).map(|x| cuts.iter().any(|cut| cut.touches(centre(x, y), reach))).collect();
         for &t in list {
             let Some(flat) = &figures[t as usize] else { continue };
             for x in columns(flat, reach, size) {

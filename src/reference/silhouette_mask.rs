@@ -5,7 +5,7 @@ use super::light_layers::Layer;
 use super::triangle_setup::Triangle;
 use super::vertex_project::Vertex;
 use super::view::{View, centre, segment_touches};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// An edge: its two vertices and its two triangles, the second `u32::MAX` where it has not exactly one neighbour that
 /// winds as it should.
@@ -31,7 +31,6 @@ pub fn silhouettes(view: &View, edges: &[Sides], triangles: &[Triangle], doubt: 
 
 /// Marks the texels that silhouettes touch, unless the edge lies there behind the split depth.
 pub fn marks(
-    view: &View,
     edges: &[Sides],
     silhouette: &[bool],
     vertices: &[Vertex],
@@ -42,8 +41,8 @@ pub fn marks(
     let mut marked = vec![false; layers.len()];
     let reach = 0.5 + margin.texels;
     for (&[v0, v1, ..], _) in edges.iter().zip(silhouette).filter(|(_, s)| **s) {
-        let Some([a, b]) = part_in_front(view, [vertices[v0 as usize], vertices[v1 as usize]]) else { continue };
-        let (p, q) = (a.truncate(), b.truncate());
+        let (Some(a), Some(b)) = (vertices[v0 as usize].map, vertices[v1 as usize].map) else { continue };
+        let (p, q) = (a.truncate().truncate(), b.truncate().truncate());
         let limit = DVec2::splat(f64::from(size) - 1.0);
         let (lo, hi) = ((p.min(q) - reach - 1.0).max(DVec2::ZERO), (p.max(q) + reach + 1.0).min(limit));
         if !(lo.x <= hi.x && lo.y <= hi.y) {
@@ -62,20 +61,6 @@ pub fn marks(
         }
     }
     marked
-}
-
-/// Ends, as texel x, y and depth, of what of an edge lies in front of the light.
-fn part_in_front(view: &View, [a, b]: [Vertex; 2]) -> Option<[DVec3; 2]> {
-    let at = |v: Vertex| v.map.map(|p| p.truncate());
-    let cut = |from: Vertex, to: Vertex| {
-        (from.point.zip(to.point)).filter(|_| view.map.perspective).map(|(from, to)| view.cut(from, to))
-    };
-    match (at(a), at(b)) {
-        (Some(p), Some(q)) => Some([p, q]),
-        (Some(p), None) => Some([p, cut(a, b)?]),
-        (None, Some(q)) => Some([cut(b, a)?, q]),
-        (None, None) => None,
-    }
 }
 
 /// Least depth of the part of an edge that lies within `reach` of a texel along the edge's longer axis.

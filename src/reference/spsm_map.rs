@@ -27,7 +27,7 @@ pub fn lifted(flat: &Flat, at: DVec2, reach: f64, margin: f64) -> f64 {
 /// Least conservative depth and triangle of each texel: of all triangles that touch the square of half side `reach` around
 /// its centre the one with the least [`lifted`] depth there; of equals the lowest.
 pub fn closest(triangles: &[Triangle], size: u32, reach: f64, margin: f64) -> Vec<Option<(f64, u32)>> {
-    let figures: Vec<Option<Flat>> = triangles.iter().map(|t| t.flat().filter(|f| !f.cut)).collect();
+    let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
     by_rows(&figures, size, reach, |y, list| {
         let mut row = vec![None; size as usize];
         for &t in list {

@@ -1,7 +1,7 @@
 //! What each triangle is to the light, and which pixels and texels it may touch.
 
 use super::vertex_project::Vertex;
-use super::view::{Flat, View, cells_touched, centres_within};
+use super::view::{Cut, Flat, View, cells_touched, centres_within};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -10,9 +10,11 @@ use rayon::prelude::*;
 pub enum Reach {
     /// None: it is dropped, culled, or behind the light.
     Nowhere,
-    /// All of them: none of its corners is surely in front of the light.
+    /// All of them: it is not surely in front of the light, and nearly in a plane with it.
     Everywhere,
-    /// Those that what of it lies in front of the light touches in its view.
+    /// Those it may touch of which a part is not surely in front of the light, at any depth.
+    Cut(Cut),
+    /// Those it touches in the light view.
     Flat(Flat),
 }
 
@@ -42,7 +44,7 @@ impl Triangle {
     pub fn texels(&self, size: u32, margin: f64) -> Option<[u32; 4]> {
         match self.map {
             Reach::Nowhere => None,
-            Reach::Everywhere => Some([0, 0, size - 1, size - 1]),
+            Reach::Everywhere | Reach::Cut(_) => Some([0, 0, size - 1, size - 1]),
             Reach::Flat(flat) => {
                 let (lo, hi) = flat.bounds();
                 cells_touched(lo - margin, hi + margin, [size; 2])
@@ -85,24 +87,9 @@ fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3]) -> Triangle {
         _ if view.cull_back && side < 0.0 => Reach::Nowhere,
         [Some(a), Some(b), Some(c)] => Reach::Flat(Flat::new([a, b, c].map(|p| p.truncate()))),
         _ if all.iter().all(|v| v.behind) || view.beyond(&corners) => Reach::Nowhere,
-        seen => part_in_front(view, corners, seen.map(|v| v.map(|p| p.truncate()))),
+        _ => Cut::new(view, corners).map_or(Reach::Everywhere, Reach::Cut),
     };
     Triangle { corners: Some(corners), side, image: image_box(view, corners), map }
-}
-
-/// The part of a triangle that lies in front of a light at a point, of whose corners some do not; those that do are `seen`.
-fn part_in_front(view: &View, p: [DVec3; 3], seen: [Option<DVec3>; 3]) -> Reach {
-    let kept = (0..3).filter(|&k| seen[k].is_some()).count();
-    // The one corner that is not like the others.
-    let Some(k) = (0..3).find(|&k| seen[k].is_some() == (kept == 1)).filter(|_| view.map.perspective) else {
-        return Reach::Everywhere;
-    };
-    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-    match [seen[k], seen[i], seen[j]] {
-        [Some(a), None, None] => Reach::Flat(Flat::part([a, view.cut(p[k], p[i]), view.cut(p[k], p[j])], None)),
-        [None, Some(b), Some(c)] => Reach::Flat(Flat::part([b, c, view.cut(p[j], p[k])], Some(view.cut(p[i], p[k])))),
-        _ => Reach::Everywhere,
-    }
 }
 
 /// Box in the image of the part of a triangle beyond the near plane.

@@ -27,6 +27,7 @@ pub fn pairs(triangles: &[Triangle], deepest: &[Option<f64>], size: u32, margin:
                 let listed = match triangle.map {
                     Reach::Nowhere => false,
                     Reach::Everywhere => true,
+                    Reach::Cut(cut) => cut.touches(at, reach),
                     Reach::Flat(flat) => {
                         flat.touches(at, reach) && flat.depth_range(at, reach, margin.depth).0 <= deepest + margin.depth
                     }
@@ -63,16 +64,18 @@ pub fn tile_pairs(triangles: &[Triangle], deepest: &[Option<f64>], size: u32, ma
             let tile = (y * across + x) as usize;
             let Some(deepest) = deepest[tile] else { continue };
             let corner = 2.0 * DVec2::new(f64::from(x), f64::from(y));
+            let cells_of = |touches: &dyn Fn(DVec2, f64) -> bool| {
+                let at = |cell: u32| 0.5 * DVec2::new(f64::from(cell % 4), f64::from(cell / 4)) + 0.25;
+                let touched = |&cell: &u32| touches(corner + at(cell), 0.25 + margin.texels);
+                (0..16).filter(touched).map(|cell| 1 << cell).sum()
+            };
             let (cells, nearest) = match triangle.map {
                 Reach::Nowhere => (0, 0.0),
                 Reach::Everywhere => (0xffff, f64::NEG_INFINITY),
+                Reach::Cut(cut) => (cells_of(&|at, reach| cut.touches(at, reach)), f64::NEG_INFINITY),
                 Reach::Flat(flat) => {
-                    let touches = |cell: u32| {
-                        let at = 0.5 * DVec2::new(f64::from(cell % 4), f64::from(cell / 4)) + 0.25;
-                        flat.touches(corner + at, 0.25 + margin.texels)
-                    };
-                    let cells = (0..16).filter(|&cell| touches(cell)).map(|cell| 1 << cell).sum();
-                    (cells, flat.depth_range(corner + 1.0, 1.0 + margin.texels, margin.depth).0)
+                    let nearest = flat.depth_range(corner + 1.0, 1.0 + margin.texels, margin.depth).0;
+                    (cells_of(&|at, reach| flat.touches(at, reach)), nearest)
                 }
             };
             if cells != 0 && nearest <= deepest + margin.depth {

@@ -64,14 +64,6 @@ impl View {
         seen.then(|| (DVec3::new(self.map.u.dot(p), self.map.v.dot(p), self.map.z.dot(p)) / w).extend(w))
     }
 
-    /// Where the segment from `a`, in front of the light at a point, to `b`, which is not, leaves what is; texel x, y and depth.
-    pub fn cut(&self, a: DVec3, b: DVec3) -> DVec3 {
-        let row = |row: DVec4, p: DVec3| row.dot(p.extend(1.0));
-        let (wa, wb) = (row(self.map.w, a), row(self.map.w, b));
-        let p = a.lerp(b, (wa - self.map.near) / (wa - wb));
-        DVec3::new(row(self.map.u, p), row(self.map.v, p), row(self.map.z, p)) / self.map.near
-    }
-
     /// Whether all `points` lie beyond one side of the view of a light at a point: then nothing between them is in it.
     pub fn beyond(&self, points: &[DVec3]) -> bool {
         let row = |row: DVec4, p: DVec3| row.dot(p.extend(1.0));
@@ -100,15 +92,38 @@ impl View {
     }
 }
 
+/// A triangle that reaches behind the light, as the lines of its edges around what of it lies in front.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Inside where `edge · (x, y, 1)` is not below 0.
+    edges: [DVec3; 3],
+}
+
+impl Cut {
+    /// Of the corners; `None` if the light lies in its plane.
+    pub fn new(view: &View, corners: [DVec3; 3]) -> Option<Self> {
+        let [p, q, r] = corners.map(|p| {
+            let p = p.extend(1.0);
+            DVec3::new(view.map.u.dot(p), view.map.v.dot(p), view.map.w.dot(p))
+        });
+        let det = p.dot(q.cross(r));
+        let turn = det.signum();
+        (view.map.perspective && det != 0.0)
+            .then(|| Self { edges: [p.cross(q), q.cross(r), r.cross(p)].map(|e| e * turn) })
+    }
+
+    /// Whether it may touch the closed square of half side `reach` around `centre`.
+    pub fn touches(&self, centre: DVec2, reach: f64) -> bool {
+        let beside = |e: &DVec3| e.dot(centre.extend(1.0)) + reach * (e.x.abs() + e.y.abs());
+        self.edges.iter().all(|e| beside(e) >= 0.0)
+    }
+}
+
 /// A triangle or any other plane figure as straight lines in a grid of cells: distances and depth at any place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flat {
     /// Corners: cell x, y, depth.
     pub corners: [DVec3; 3],
-    /// A fourth, between the third and the first, of a triangle of which a corner is cut off between third and fourth.
-    pub fourth: Option<DVec3>,
-    /// A part of the triangle is cut off.
-    pub cut: bool,
     /// Change of depth for a cell to the right and down; `None` if the triangle has no area there.
     pub slope: Option<DVec2>,
     turn: f64,
@@ -117,31 +132,18 @@ pub struct Flat {
 impl Flat {
     /// The triangle of these corners.
     pub fn new(corners: [DVec3; 3]) -> Self {
-        Self { cut: false, ..Self::part(corners, None) }
-    }
-
-    /// What is left of a triangle of which a part is cut off.
-    pub fn part(corners: [DVec3; 3], fourth: Option<DVec3>) -> Self {
         let [a, b, c] = corners;
-        let c = fourth.unwrap_or(c);
         let (ab, ac) = ((b - a).truncate(), (c - a).truncate());
         let area = ab.perp_dot(ac);
         let (zb, zc) = (b.z - a.z, c.z - a.z);
         let slope = DVec2::new(zb * ac.y - zc * ab.y, zc * ab.x - zb * ac.x) / area;
-        let turn = if area < 0.0 { -1.0 } else { 1.0 };
-        Self { corners, fourth, cut: true, slope: (area != 0.0).then_some(slope), turn }
-    }
-
-    /// Ends of the three sides that are no cut.
-    fn sides(&self) -> [(DVec2, DVec2); 3] {
-        let [a, b, c] = self.corners.map(DVec3::truncate);
-        [(a, b), (b, c), (self.fourth.map_or(c, DVec3::truncate), a)]
+        Self { corners, slope: (area != 0.0).then_some(slope), turn: if area < 0.0 { -1.0 } else { 1.0 } }
     }
 
     /// How far `at` lies inside each edge, in cells measured as |x| + |y| across the edge; negative outside.
     pub fn inside(&self, at: DVec2) -> [f64; 3] {
         std::array::from_fn(|k| {
-            let (a, b) = self.sides()[k];
+            let (a, b) = (self.corners[k].truncate(), self.corners[(k + 1) % 3].truncate());
             let (a, b, turn) = if (a.x, a.y) <= (b.x, b.y) { (a, b, self.turn) } else { (b, a, -self.turn) };
             let d = b - a;
             turn * d.perp_dot(at - a) / (d.x.abs() + d.y.abs()).max(f64::MIN_POSITIVE)
@@ -151,7 +153,7 @@ impl Flat {
     /// Whether rounding to 32 bits may turn it over.
     pub fn is_thin(&self) -> bool {
         let [a, b, c] = self.corners.map(DVec3::truncate);
-        let (ab, ac) = (b - a, self.fourth.map_or(c, DVec3::truncate) - a);
+        let (ab, ac) = (b - a, c - a);
         let size = (ab.x.abs() + ab.y.abs()).max(ac.x.abs() + ac.y.abs());
         let (lo, hi) = self.bounds();
         ab.perp_dot(ac).abs() <= 4e-6 * (lo.abs().max(hi.abs()).max_element() + size) * size
@@ -167,15 +169,13 @@ impl Flat {
     /// Least and greatest depth of its corners.
     pub fn depths(&self) -> (f64, f64) {
         let [a, b, c] = self.corners.map(|p| p.z);
-        let d = self.fourth.map_or(c, |p| p.z);
-        (a.min(b).min(c).min(d), a.max(b).max(c).max(d))
+        (a.min(b).min(c), a.max(b).max(c))
     }
 
     /// Lowest and highest corner of its box in the grid.
     pub fn bounds(&self) -> (DVec2, DVec2) {
         let [a, b, c] = self.corners.map(DVec3::truncate);
-        let d = self.fourth.map_or(c, DVec3::truncate);
-        (a.min(b).min(c).min(d), a.max(b).max(c).max(d))
+        (a.min(b).min(c), a.max(b).max(c))
     }
 
     /// Whether it touches the closed square of half side `reach` around `centre`: no axis across a side of either parts
@@ -189,7 +189,7 @@ impl Flat {
             return self.inside(centre).iter().all(|&e| e >= -reach);
         }
         let apart = |k: usize| {
-            let (a, b) = self.sides()[k];
+            let (a, b) = (self.corners[k].truncate(), self.corners[(k + 1) % 3].truncate());
             !segment_touches(a, b, centre, reach)
         };
         !(0..3).all(apart)

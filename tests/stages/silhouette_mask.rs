@@ -46,8 +46,8 @@ fn fault(case: &Case, ran: &Ran, bounded: bool) -> Option<String> {
         }
     }
     let layers = wanted.layers(0.0, 0.0);
-    let least = marks(&wanted.view, &edges, &fewest, &wanted.vertices, &layers, case.map, Margin::default());
-    let double = marks(&wanted.view, &edges, &most, &wanted.vertices, &layers, case.map, ran.margin().times(2.0));
+    let least = marks(&edges, &fewest, &wanted.vertices, &layers, case.map, Margin::default());
+    let double = marks(&edges, &most, &wanted.vertices, &layers, case.map, ran.margin().times(2.0));
     for texel in 0..layers.len() {
         let at = format!("texel {} {}", texel as u32 % case.map, texel as u32 / case.map);
         if ran.marks[0][texel] {

@@ -56,8 +56,8 @@ fn fault(case: &Case, ran: &Ran) -> Option<String> {
             Reach::Flat(flat) => flat.bounds().0.abs().max(flat.bounds().1.abs()).max_element(),
             _ => 0.0,
         };
-        // What is cut off at the light is placed as well as the cut is: far out.
-        let extent = if triangle.flat().is_some_and(|f| f.cut) { f64::INFINITY } else { extent };
+        // What reaches behind the light is taken for everywhere unless it lies well beyond one side.
+        let extent = if matches!(triangle.map, Reach::Flat(_)) { extent } else { f64::INFINITY };
         let exact = triangle.texels(case.map, 0.0);
         let grown = triangle.texels(case.map, 2.0 * margin);
         let holds = |a: [u32; 4], b: [u32; 4]| a[0] <= b[0] && a[1] <= b[1] && a[2] >= b[2] && a[3] >= b[3];

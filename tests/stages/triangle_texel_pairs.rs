@@ -64,10 +64,7 @@ fn check(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> 
 /// Whether single precision may not know the triangle's orientation, so that it lists what its edges' lines touch in its box; or
 /// the triangle is cut off at the light, where it is known less well.
 fn thin(world: &World, t: u32) -> bool {
-    world.triangles[t as usize].flat().is_some_and(|f| {
-        if f.cut {
-            return true;
-        }
+    world.triangles[t as usize].flat().is_none_or(|f| {
         let [a, b, c] = f.corners.map(DVec3::truncate);
         let (ab, ac) = (b - a, c - a);
         let size = (ab.x.abs() + ab.y.abs()).max(ac.x.abs() + ac.y.abs());

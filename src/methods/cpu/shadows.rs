@@ -49,7 +49,7 @@ impl Known {
         let (silhouette_edges, mut marked) = clock.time("silhouette_mask", || {
             let edges: Vec<_> = edges.iter().map(|e| [e.v0, e.v1, e.t0, e.t1]).collect();
             let silhouette = silhouettes(view, &edges, triangles, 1e-6);
-            let marked = silhouette_mask::marks(view, &edges, &silhouette, vertices, &layers, size, MARGIN);
+            let marked = silhouette_mask::marks(&edges, &silhouette, vertices, &layers, size, MARGIN);
             (silhouette.iter().filter(|s| **s).count() as u64, marked)
         });
         let splits = clock.time("front_layer", || {
