@@ -67,7 +67,14 @@ fn cube_of(
             .reduce(|| Reach::NONE, Reach::join);
         (reach.low[0] <= reach.high[0]).then(|| reach.view(at, side, map_size))
     };
-    Ok(SIDES.iter().filter_map(of_side).collect())
+    let views: Vec<LightView> = SIDES.iter().filter_map(of_side).collect();
+    if views.is_empty() {
+        // Nothing casts on anything: any view will do that is one.
+        return Ok(vec![
+            Reach { low: [-HALF; 2], high: [HALF; 2], nearest: 1.0, farthest: 1.0 }.view(at, SIDES[0], map_size),
+        ]);
+    }
+    Ok(views)
 }
 
 /// What casters take of a side: across and along its axis.
@@ -188,5 +195,6 @@ mod tests {
         let around =
             LightView::cube_around((DVec3::splat(-1.0), DVec3::splat(2.0)), &Light::Point { position: [0.0; 3] }, 8);
         assert_eq!(around.unwrap().len(), 6);
+        assert_eq!(LightView::cube(&Mesh::default(), &Light::Point { position: [0.0; 3] }, 8).unwrap().len(), 1);
     }
 }
