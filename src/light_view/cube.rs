@@ -26,9 +26,22 @@ impl LightView {
     /// # Errors
     /// As [`LightView::fit`]; [`Error::Scene`](crate::Error::Scene) for a directional light, which has no place to be seen from.
     pub fn cube(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Vec<Self>> {
+        check(light, map_size)?;
         mesh.check("mesh")?;
-        let corners = |t: usize| mesh.corners(t);
-        cube_of(mesh.triangles.len(), &corners, light, map_size)
+        let at = position(light)?;
+        let of_side = |&side: &DVec3| {
+            let reach = (0..mesh.triangles.len())
+                .into_par_iter()
+                .map(|t| Reach::of(mesh.corners(t).map(|p| p - at), side))
+                .reduce(|| Reach::NONE, Reach::join);
+            (reach.low[0] <= reach.high[0]).then(|| reach.view(at, side, map_size))
+        };
+        let views: Vec<Self> = SIDES.iter().filter_map(of_side).collect();
+        if views.is_empty() {
+            // Nothing casts on anything: any view will do that is one.
+            return Ok(vec![Reach::whole(1.0, 1.0).view(at, SIDES[0], map_size)]);
+        }
+        Ok(views)
     }
 
     /// The same of a box that holds all casters, between its lowest and its highest corner.
@@ -40,8 +53,7 @@ impl LightView {
         check(light, map_size)?;
         let at = position(light)?;
         let far = (low - at).abs().max((high - at).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
-        let whole = Reach { low: [-HALF; 2], high: [HALF; 2], nearest: 0.0, farthest: far };
-        Ok(SIDES.iter().map(|&side| whole.view(at, side, map_size)).collect())
+        Ok(SIDES.iter().map(|&side| Reach::whole(0.0, far).view(at, side, map_size)).collect())
     }
 }
 
@@ -50,31 +62,6 @@ fn position(light: &Light) -> Result<DVec3> {
         return Err(crate::Error::Scene("a directional light stands nowhere: no cube of views".to_owned()));
     }
     Ok(light.homogeneous().truncate())
-}
-
-fn cube_of(
-    count: usize,
-    corners: &(dyn Fn(usize) -> [DVec3; 3] + Sync),
-    light: &Light,
-    map_size: u32,
-) -> Result<Vec<LightView>> {
-    check(light, map_size)?;
-    let at = position(light)?;
-    let of_side = |&side: &DVec3| {
-        let reach = (0..count)
-            .into_par_iter()
-            .map(|t| Reach::of(corners(t).map(|p| p - at), side))
-            .reduce(|| Reach::NONE, Reach::join);
-        (reach.low[0] <= reach.high[0]).then(|| reach.view(at, side, map_size))
-    };
-    let views: Vec<LightView> = SIDES.iter().filter_map(of_side).collect();
-    if views.is_empty() {
-        // Nothing casts on anything: any view will do that is one.
-        return Ok(vec![
-            Reach { low: [-HALF; 2], high: [HALF; 2], nearest: 1.0, farthest: 1.0 }.view(at, SIDES[0], map_size),
-        ]);
-    }
-    Ok(views)
 }
 
 /// What casters take of a side: across and along its axis.
@@ -93,6 +80,11 @@ impl Reach {
         nearest: f64::INFINITY,
         farthest: f64::NEG_INFINITY,
     };
+
+    /// All of the side, between two distances along its axis.
+    fn whole(nearest: f64, farthest: f64) -> Self {
+        Self { low: [-HALF; 2], high: [HALF; 2], nearest, farthest }
+    }
 
     /// Of the part of a triangle, relative to the light, that lies in the pyramid of a side.
     fn of(triangle: [DVec3; 3], side: DVec3) -> Self {

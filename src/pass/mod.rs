@@ -14,7 +14,9 @@
 //!   [`FacetMode::All`] has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample, and of
 //!   one with several it misses what none of them shows: `data/reports/gbuffer.md` has figures.
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
-//!   fitted to all casters, as each may shadow something, and a light among them is refused.
+//!   fitted to all casters, as each may shadow something.
+//! - **Lights.** A light among the casters has a cube of up to six views, which are recorded one after the other; of casters that move
+//!   it has six. A frame with another number of views than the one before has lists made anew.
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
@@ -27,6 +29,7 @@ mod inputs;
 mod seen;
 mod status;
 mod textures;
+mod views;
 
 pub use crate::stages::caster_positions::Vertices;
 pub use gbuffer::{DepthTerms, GBuffer, Place, SampleTexture, SurfaceTextures, TriangleTexture};
@@ -35,12 +38,10 @@ pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
-use crate::light_view::LightView;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines, Strip};
 use crate::methods::prepared::surfaces;
 use crate::methods::render::{Budget, Counts};
 use crate::methods::{FacetMode, Settings, growth};
-use crate::scene::Light;
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
@@ -51,6 +52,7 @@ use seen::Seen;
 use status::{FAULT_WORDS, Finished, InFlight, Label};
 use std::collections::VecDeque;
 use std::sync::Arc;
+use views::Views;
 
 /// What a pass is made for.
 #[derive(Clone, Debug)]
@@ -96,7 +98,7 @@ pub struct ShadowPass {
     in_flight: InFlight,
     known: VecDeque<FrameStatus>,
     wanted: Option<Capacities>,
-    views: Option<(Light, bool, Vec<LightView>)>,
+    views: Views,
     frame: u64,
     generation: u64,
 }
@@ -157,7 +159,7 @@ impl ShadowPass {
                 in_flight: InFlight::default(),
                 known: VecDeque::new(),
                 wanted: None,
-                views: None,
+                views: Views::default(),
                 frame: 0,
                 generation: 0,
             })
@@ -210,7 +212,7 @@ impl ShadowPass {
         if let Some(casters) = casters {
             self.casters = casters;
         }
-        (self.wanted, self.views) = (None, None);
+        (self.wanted, self.views) = (None, Views::default());
         self.generation += 1;
         Ok(())
     }
@@ -230,7 +232,7 @@ impl ShadowPass {
         target.check(self.settings.size, self.method.lit().len() as u64 * 4)?;
         self.check_gbuffer(&inputs.gbuffer)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
-        let views = self.views_for(inputs, bounds)?;
+        let views = self.views.of(inputs, &self.casters, &self.settings, bounds)?;
         if self.grows {
             self.grow()?;
         }
@@ -339,31 +341,6 @@ impl ShadowPass {
             (None, Some(_)) => Err(Error::Config("static casters: they are not moved by a vertex buffer".to_owned())),
             (Some(_), None) => Err(Error::Config("moving casters: the frame has no vertex buffer".to_owned())),
         }
-    }
-
-    /// The light's views of the casters, a cube of them if it stands among these; those of static ones are kept while the light is.
-    fn views_for(&mut self, inputs: &Inputs, bounds: (DVec3, DVec3)) -> Result<Vec<LightView>> {
-        let (light, map) = (inputs.light, self.settings.map);
-        // What shadows no caster may shadow what is none.
-        let all = matches!(inputs.gbuffer, GBuffer::Surfaces(_));
-        if inputs.moved.is_some() {
-            let view = LightView::around(bounds, light, map)?;
-            return if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) };
-        }
-        if let Some((of, of_all, views)) = &self.views
-            && (of, *of_all) == (light, all)
-        {
-            return Ok(views.clone());
-        }
-        let mesh = &self.casters.mesh;
-        let views = if all {
-            let view = LightView::fit_all(mesh, light, map)?;
-            if view.complete { vec![view] } else { LightView::cube(mesh, light, map)? }
-        } else {
-            self.settings.light_views(mesh, self.casters.buffers.closed, light)?
-        };
-        self.views = Some((*light, all, views.clone()));
-        Ok(views)
     }
 
     /// Makes the lists anew if the frame has another number of views than the one before.
