@@ -220,6 +220,8 @@ fn how_it_is_computed_does_not_matter() {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let wanted = settings(FacetMode::All, 32);
     let plain = picture(&render(&scene, &wanted));
+    let lit = plain.1.iter().map(|m| m.count_ones()).sum::<u32>() as usize;
+    assert!(lit > 5000 && lit + 5000 < 32 * plain.1.len(), "{lit} samples are lit");
     let with = |settings: Settings, budget: Budget, strips: u32| {
         let pipelines = Arc::new(Pipelines::new(&gpu().device, &settings));
         let mut renderer =

@@ -84,7 +84,7 @@ fn read(buffer: &wgpu::Buffer) -> Vec<u32> {
 
 /// The first frame that no list was too short for.
 fn frame(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, FrameStatus) {
-    for _ in 0..4 {
+    for _ in 0..6 {
         let mut encoder = gpu().encoder();
         pass.record(&mut encoder, inputs, &Target::default()).expect("recorded");
         gpu().submit_and_wait(encoder).expect("the frame runs");
@@ -96,7 +96,7 @@ fn frame(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, FrameStatus) {
             return (Picture { visibility, lit: read(pass.lit()) }, status);
         }
     }
-    panic!("no lists that suffice by the fourth frame");
+    panic!("no lists that suffice by the sixth frame");
 }
 
 /// What a rasterizer would write at each pixel centre of a scene: triangle, view depth and normal, by the pass itself.
@@ -425,8 +425,10 @@ fn settled_receivers_are_as_evaluated() {
             let with = |settle| Settings { settle, ..settings(FacetMode::One, count) };
             let [mut settled, mut evaluated] = [true, false].map(|settle| pass(with(settle), &casters));
             let mut last = None;
-            for direction in [[0.5, 1.0, 0.3], [-0.7, 0.6, 0.2]] {
-                let light = Light::Directional { direction };
+            let directional = [[0.5, 1.0, 0.3], [-0.7, 0.6, 0.2]].map(|direction| Light::Directional { direction });
+            // Among the casters: a cube of views.
+            let position = (lo + (hi - lo) * DVec3::new(0.45, 0.55, 0.6)).as_vec3().into();
+            for light in directional.into_iter().chain([Light::Point { position }]) {
                 let inputs = Inputs { gbuffer, ..Inputs::new(&scene.camera, &light) };
                 let (got, status) = frame(&mut settled, &inputs);
                 let (want, _) = frame(&mut evaluated, &inputs);
@@ -435,7 +437,7 @@ fn settled_receivers_are_as_evaluated() {
                 // Which samples of a lit pixel another surface cuts off is not looked at once it is settled.
                 let off = |p: &usize| got.visibility[*p].to_bits() != want.visibility[*p].to_bits();
                 let off: Vec<_> = (0..PIXELS).filter(off).collect();
-                assert!(off.is_empty(), "{name}, {count} samples, {direction:?}: pixels {off:?} differ");
+                assert!(off.is_empty(), "{name}, {count} samples, {light:?}: pixels {off:?} differ");
                 assert!(last.replace(got.clone()) != Some(got), "{name}: another light changes nothing");
             }
         }
@@ -460,12 +462,20 @@ fn a_ground_that_casts_nothing_receives() {
         let position = ((lo + hi) * 0.5 + DVec3::new(0.3, 1.0, 0.4) * (hi - lo).length() * 1.2).as_vec3().into();
         let beside = ((lo + hi) * 0.5 + DVec3::new(1.4, 0.8, 0.6) * (hi - lo).length()).as_vec3().into();
         let first = Light::Directional { direction: [0.5, lights[0], 0.3] };
-        for light in [
+        let mut given = vec![
             first,
             Light::Directional { direction: [-0.6, lights[1], 0.8] },
             Light::Point { position },
             Light::Point { position: beside },
-        ] {
+        ];
+        // Among the casters: a cube of views.
+        let among = match name {
+            "spheres" => Some([0.8, 1.9, 0.9]),
+            "plant" => Some([0.3, 1.3, 0.2]),
+            _ => None,
+        };
+        given.extend(among.map(|position| Light::Point { position }));
+        for light in given {
             let counts: &[u32] = if light == first { &[1, 32] } else { &[32] };
             for &samples in counts {
                 let settings = settings(FacetMode::One, samples);

@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::front_layer::Margin;
+use subpixel_shadows::reference::triangle_setup::Reach;
 use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, pairs, tile_pairs};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::pixel_texel_pairs::Places;
@@ -227,6 +228,32 @@ fn degenerate() {
         let world = of_mesh(gpu(), &mesh, light, MAPS[random.below(4) as usize], &mut random);
         check_both(&world, &any_depths(&world, &mut random));
     }
+}
+
+/// Of triangles that reach behind the light only what the lines of their edges hold is listed, which is not all of the map.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn behind_the_light_lines_tell() {
+    let mut random = Random::new(39);
+    let map = 64;
+    let [mut listed, mut held, mut all] = [0; 3];
+    for _ in 0..6 {
+        let mesh = crate::support::shadow::soup(40, 1.5, &mut random);
+        let light = Light::Point { position: (vector(&mut random) * 0.3).as_vec3().into() };
+        let world = of_mesh(gpu(), &mesh, light, map, &mut random);
+        let deepest = vec![Some(3.0); (map * map) as usize];
+        let exact = vec![Some(3.0); (map * map) as usize];
+        let is_cut = |t: &u32| matches!(world.triangles[*t as usize].map, Reach::Cut(_));
+        let count = |sets: &[Vec<u32>]| sets.iter().map(|s| s.iter().filter(|t| is_cut(t)).count()).sum::<usize>();
+        let stage = &stages()[0];
+        let needed = check(&world, stage, &deepest);
+        listed += count(&world.triangle_pairs(stage, &deepest, needed).sets());
+        held += count(&pairs(&world.triangles, &exact, map, world.margin().times(2.0)));
+        all += (0..world.triangles.len() as u32).filter(is_cut).count() * exact.len();
+    }
+    println!("{listed} pairs listed, {held} held by lines, {all} texels");
+    assert!(all > 100_000 && held < all / 2, "{held} of {all} pairs are held by lines");
+    assert!(listed >= held / 2 && listed < held + held / 7, "{listed} pairs listed where lines hold {held}");
 }
 
 #[test]
