@@ -57,7 +57,8 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
             let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
             rect = cells_touched(low - slack, high + slack, vec2(frame.map_size));
         }
-        atomicAdd(&status[STATUS_EDGES], 1u);
+        // The same in every view.
+        if (frame.flags & FLAG_FURTHER_VIEW) == 0u { atomicAdd(&status[STATUS_EDGES], 1u); }
     }
     edge_rects[k] = rect;
     edge_items[k] = block_count(rect);

@@ -101,8 +101,8 @@ impl Frame {
     pub const BEYOND: u32 = 32;
     /// The mesh is closed, and the light outside: triangles that turn away from the light are dark on both sides.
     pub const CLOSED: u32 = 64;
-    /// The view is one of several: see [`LightView::cube_side`].
-    pub const CUBE_SIDE: u32 = 512;
+    /// The view is one of several: see [`LightView::one_of_several`].
+    pub const ONE_OF_SEVERAL: u32 = 512;
     /// Another view of the light follows.
     pub const MORE_VIEWS: u32 = 128;
     /// This is not the first view of the light: what was found of facets is kept.
@@ -163,7 +163,7 @@ impl Frame {
             sample_count: samples.count(),
             flags: if view.perspective { Self::PERSPECTIVE } else { 0 }
                 | if view.closed { Self::CLOSED } else { 0 }
-                | if view.cube_side { Self::CUBE_SIDE } else { 0 },
+                | if view.one_of_several { Self::ONE_OF_SEVERAL } else { 0 },
             map_margin: map_margin as f32,
             depth_margin: depth_margin as f32,
             ..Self::default()

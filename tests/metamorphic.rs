@@ -319,21 +319,34 @@ fn strips_do_not_matter() {
     failures.report();
 }
 
-/// A device that binds little renders in strips by itself.
+/// A device that binds little renders in strips by itself, and cuts the light's map into parts.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-fn a_device_that_binds_little_renders_in_strips() {
+fn a_device_that_binds_little_renders_in_strips_and_parts() {
     let scene = scene("spheres");
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let limits = Limits { max_storage_buffer_binding_size: 1 << 19, ..Limits::default() };
     let small = Gpu::open_with_limits(None, Some(limits)).expect("a GPU");
-    for facets in [FacetMode::One, FacetMode::All] {
-        let settings = Settings { facets, ..settings(true) };
+    let among = Light::Point { position: [0.8, 1.9, 0.9] };
+    for (facets, light, map, across) in [
+        (FacetMode::One, scene.light, 64, 1),
+        (FacetMode::One, scene.light, 512, 2),
+        (FacetMode::All, scene.light, 64, 1),
+        (FacetMode::All, among, 512, 2),
+    ] {
+        let settings = Settings { facets, map, ..settings(true) };
         let mut renderer = Renderer::new(&small, &prepared, &settings, Budget::default()).expect("a renderer");
-        let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
+        let output = renderer.render(&scene.camera, &light).expect("a frame");
         assert!(renderer.strips() > 1, "{facets:?}: one binding was enough");
-        let whole = render_with(&scene.mesh, &scene.camera, &scene.light, &settings, Budget::default());
-        assert_eq!(difference(&picture(&whole), &picture(&output)), None, "{facets:?}");
+        assert_eq!(renderer.parts().across(), across, "{facets:?}, a map of {map}");
+        let whole = render_with(&scene.mesh, &scene.camera, &light, &settings, Budget::default());
+        // Of one facet a pixel, which samples see other surfaces is not looked at once it is settled as lit.
+        let words = |output: &Output| match facets {
+            FacetMode::One => output.visibility.iter().map(|v| v.to_bits()).collect(),
+            FacetMode::All => picture(output),
+        };
+        assert_eq!(difference(&words(&whole), &words(&output)), None, "{facets:?} {light:?} {map}");
+        assert_eq!(output.counts.silhouette_edges, whole.counts.silhouette_edges);
     }
 }
 

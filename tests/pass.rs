@@ -8,6 +8,7 @@ mod frames;
 use device::gpu;
 use frames::status_of;
 use std::sync::{Arc, Mutex};
+use subpixel_shadows::light_view::Parts;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::render::{Budget, Counts, Output, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
@@ -332,6 +333,25 @@ fn a_light_among_its_casters_has_a_cube_of_views() {
         pictures.push(want);
     }
     assert!(pictures[0] != pictures[1] && pictures[0] == pictures[2]);
+}
+
+/// A map that is more than a binding holds, which is 128 MiB of a device that has no more than WebGPU's defaults.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_map_larger_than_a_binding_is_cut() {
+    let scene = scene("plane");
+    let small = settings(FacetMode::One);
+    let (output, _) = rendered(&scene.mesh, &scene.camera, &scene.light, &small);
+    let settings = Settings { map: 5800, ..small };
+    let parts = Parts::within(settings.map, &gpu().device.limits()).across();
+    let mut pass = pass(settings.clone(), casters(&scene.mesh));
+    let (got, _) = complete_within(4, &mut pass, &Inputs::new(&scene.camera, &scene.light));
+    // Which samples of a pixel settled as lit see other surfaces is not looked at, and another map settles others.
+    let visibility: Vec<u32> = output.visibility.iter().map(|v| v.to_bits()).collect();
+    assert!(got.0[..visibility.len()] == visibility, "a pixel differs");
+    let dark = output.visibility.iter().filter(|&&v| v < 1.0).count();
+    assert!(dark > 100 && dark < visibility.len() - 100, "{dark} pixels in shadow");
+    assert_eq!((pass.capacities().views, pass.settings()), (parts.pow(2), &settings));
 }
 
 #[test]

@@ -151,7 +151,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     if is_empty(rect) { return STATE_LIT; }
     // What lies in part beyond one of several views is settled in none of them.
     let inside = all(low >= vec2(margin)) && all(high <= vec2(f32(frame.map_size) - margin));
-    let whole = inside || (frame.flags & FLAG_CUBE_SIDE) == 0u;
+    let whole = inside || (frame.flags & FLAG_ONE_OF_SEVERAL) == 0u;
     if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front && whole {
         let r = unpack_rect(rect);
         let unmarked = rect_sum(vec2(frame.map_size), r.low, r.high) == 0u;

@@ -118,6 +118,19 @@ impl Engine {
                     looks.as_mut().map_or(Ok(()), |looks| looks.add_rows(gpu, method, width, rows))?;
                     facets.as_mut().map_or(Ok(()), |set| set.add(gpu, method.facets(), words, width, rows))
                 })?;
+                let (parts, views) = (renderer.parts(), renderer.method().capacities().views);
+                if parts.across() > 1 {
+                    console.note(&format!(
+                        "the light's map in {0} x {0} parts of {1} x {1} texels, as one binding holds no more",
+                        parts.across(),
+                        parts.texels()
+                    ));
+                }
+                if views > parts.across().pow(2) {
+                    let views = views / parts.across().pow(2);
+                    console
+                        .note(&format!("the light stands among its casters: {views} views of it, one after the other"));
+                }
                 if renderer.strips() > 1 {
                     console.note(&format!(
                         "rendered in {} strips of rows, as one binding holds no more",

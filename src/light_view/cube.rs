@@ -121,7 +121,7 @@ impl Reach {
         let near = (0.5 * self.nearest).max(NEAREST * far);
         let [low, high] = [self.low, self.high].map(|[x, y]| DVec3::new(x, y, 0.0));
         let window = Window { low, high, near, far, clear: self.nearest };
-        LightView { cube_side: true, ..LightView::through(window, light, side, map_size) }
+        LightView { one_of_several: true, ..LightView::through(window, light, side, map_size) }
     }
 }
 

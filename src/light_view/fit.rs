@@ -136,7 +136,7 @@ impl LightView {
             clear: 0.0,
             perspective: false,
             complete: true,
-            cube_side: false,
+            one_of_several: false,
             closed: false,
         }
     }
@@ -184,7 +184,7 @@ impl LightView {
             clear,
             perspective: true,
             complete: true,
-            cube_side: false,
+            one_of_several: false,
             closed: false,
         }
     }

@@ -3,6 +3,9 @@
 mod casters;
 mod cube;
 mod fit;
+mod parts;
+
+pub use parts::Parts;
 
 use crate::{Error, Result};
 use glam::{DMat4, DVec3, DVec4};
@@ -30,7 +33,7 @@ pub struct LightView {
     /// be in shadow all the same.
     pub complete: bool,
     /// One of several views: what is proved of a surface counts only where all of it lies in the view.
-    pub cube_side: bool,
+    pub one_of_several: bool,
     /// Whether triangles that turn away from the light are never lit, whatever side of them is seen: the mesh is closed, and the
     /// light outside.
     pub closed: bool,

@@ -233,6 +233,10 @@ impl FacetMasks {
         if views.len() != have {
             return Err(Error::Config(format!("{} views of the light in a frame made for {have}", views.len())));
         }
+        if let Some(other) = views.iter().find(|view| view.map_size != s.map) {
+            let (map, have) = (other.map_size, s.map);
+            return Err(Error::Config(format!("a view of {map} texels a side in a frame made for {have}")));
+        }
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
         let flags = flag(s.cull_back && casters.closed, Frame::CULL_BACK)
             | flag(s.validity && s.samples.count() > 1 && s.facets == FacetMode::One, Frame::VALIDITY)

@@ -62,7 +62,7 @@ pub struct MapLook {
 pub struct Looks {
     /// Class of each pixel, row by row from the top; empty where the method has no classes.
     pub classes: Vec<PixelClass>,
-    /// The map, where one was made; none of a cube of views.
+    /// The map, where one was made; none of several views.
     pub map: Option<MapLook>,
 }
 
@@ -86,7 +86,7 @@ impl Looks {
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn add_rows(&mut self, gpu: &Gpu, method: &FacetMasks, width: u32, rows: Rows) -> Result<()> {
         if rows.first == 0 {
-            // A cube of views has no one map.
+            // Several views have no one map.
             let one = method.capacities().views == 1;
             let map = one.then(|| MapLook::of_layers(gpu, method.layers())).transpose()?;
             *self = Self { classes: Vec::new(), map };

@@ -7,7 +7,7 @@ use super::prepared::{CasterBuffers, Prepared};
 use super::settings::LastView;
 use super::strips::{Rows, Strips};
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
-use crate::light_view::LightView;
+use crate::light_view::{LightView, Parts};
 use crate::scene::{Camera, Light};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -102,7 +102,8 @@ impl Default for Budget {
 /// A method set up for one mesh and one setting, to be rendered again and again.
 ///
 /// An image whose facets do not fit what the device can bind is rendered in strips of rows, one after the other, with the
-/// same samples as in one piece. What the light sees is then found anew for each strip.
+/// same samples as in one piece. What the light sees is then found anew for each strip. A map that does not fit is cut into
+/// [`Parts`], each a view of its own.
 pub struct Renderer<'a> {
     gpu: &'a Gpu,
     prepared: &'a Prepared,
@@ -110,6 +111,7 @@ pub struct Renderer<'a> {
     pipelines: Arc<Pipelines>,
     method: FacetMasks,
     strips: Strips,
+    parts: Parts,
     budget: Budget,
     timer: Option<Timer>,
     settings: Settings,
@@ -158,11 +160,12 @@ impl<'a> Renderer<'a> {
         settings.check()?;
         let casters = prepared.upload(&gpu.device, &gpu.queue)?;
         let strips = Strips::new(settings.size, strips);
-        let (strips, method) = fitting(gpu, &casters, settings, budget, &pipelines, strips)?;
+        let parts = Parts::within(settings.map, &gpu.device.limits());
+        let (strips, method) = fitting(gpu, &casters, &settings.of_part(parts), budget, &pipelines, strips)?;
         gpu.check()?;
         let (timer, settings) = (Timer::new(gpu), settings.clone());
         let view = LastView::default();
-        Ok(Self { gpu, prepared, casters, pipelines, method, strips, budget, timer, settings, view })
+        Ok(Self { gpu, prepared, casters, pipelines, method, strips, parts, budget, timer, settings, view })
     }
 
     /// Renders one frame, running it again with larger lists, more bands, rounds or strips until nothing is left out.
@@ -179,7 +182,7 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Renderer::render`], and those of `look`.
     pub fn render_and(&mut self, camera: &Camera, light: &Light, look: Look) -> Result<Output> {
-        let views = self.view.all_of(&self.settings, self.prepared, light)?;
+        let views = self.parts.of(self.view.all_of(&self.settings, self.prepared, light)?);
         'image: loop {
             let mut image: Option<Output> = None;
             for rows in self.strips.rows() {
@@ -215,9 +218,9 @@ impl<'a> Renderer<'a> {
             log::info!("lists overflowed: running again with {wanted:?}");
             match self.method.resize(device, queue, wanted) {
                 Err(error @ Error::Memory { .. }) => {
-                    let (more, settings) = (self.strips.more().ok_or(error)?, &self.settings);
+                    let (more, settings) = (self.strips.more().ok_or(error)?, self.settings.of_part(self.parts));
                     (self.strips, self.method) =
-                        fitting(self.gpu, &self.casters, settings, self.budget, &self.pipelines, more)?;
+                        fitting(self.gpu, &self.casters, &settings, self.budget, &self.pipelines, more)?;
                     log::info!("lists fit no binding: {} strips of rows", self.strips.count());
                     return Ok(None);
                 }
@@ -272,6 +275,11 @@ impl<'a> Renderer<'a> {
     /// What it is made for.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// Parts into which the light's map is cut.
+    pub fn parts(&self) -> Parts {
+        self.parts
     }
 
     /// Strips of rows in which the image is rendered.

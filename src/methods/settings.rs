@@ -1,7 +1,7 @@
 //! What a frame is computed with.
 
 use super::prepared::Prepared;
-use crate::light_view::{LightView, Receivers};
+use crate::light_view::{LightView, Parts, Receivers};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
 use crate::scene::{Light, Mesh};
@@ -219,6 +219,11 @@ impl Settings {
     pub fn light_views(&self, mesh: &Mesh, closed: bool, light: &Light) -> Result<Vec<LightView>> {
         let view = self.light_view(mesh, closed, light)?;
         if view.complete { Ok(vec![view]) } else { LightView::cube(mesh, light, self.map) }
+    }
+
+    /// The settings of each of the views that a map is cut into.
+    pub(crate) fn of_part(&self, parts: Parts) -> Self {
+        Self { map: parts.texels(), ..self.clone() }
     }
 
     /// Texels of the light-view map.

@@ -16,7 +16,8 @@
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
 //!   fitted to all casters, as each may shadow something.
 //! - **Lights.** A light among the casters has a cube of up to six views, which are recorded one after the other; of casters that move
-//!   it has six. A frame with another number of views than the one before has lists made anew.
+//!   it has six. A frame with another number of views than the one before has lists made anew. A map whose texels are more than one
+//!   binding holds is cut into parts, which are views of their own.
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
@@ -38,6 +39,7 @@ pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
+use crate::light_view::Parts;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines, Strip};
 use crate::methods::prepared::surfaces;
 use crate::methods::render::{Budget, Counts};
@@ -99,6 +101,7 @@ pub struct ShadowPass {
     known: VecDeque<FrameStatus>,
     wanted: Option<Capacities>,
     views: Views,
+    parts: Parts,
     frame: u64,
     generation: u64,
 }
@@ -138,8 +141,10 @@ impl ShadowPass {
             let build = if config.receivers { Pipelines::with_receivers } else { Pipelines::new };
             let (pipelines, pixels) = (Arc::new(build(device, &settings)), settings.pixels());
             let casters = CasterSet::new(device, queue, &config.casters, mesh, room(config.receivers, &settings))?;
-            let first = growth::first_for(&settings, config.budget, casters.buffers.triangles.len());
-            let method = FacetMasks::new(device, queue, pipelines.clone(), &casters.buffers, &settings, first)?;
+            let parts = Parts::within(settings.map, &device.limits());
+            let of_part = settings.of_part(parts);
+            let first = growth::first_for(&of_part, config.budget, casters.buffers.triangles.len());
+            let method = FacetMasks::new(device, queue, pipelines.clone(), &casters.buffers, &of_part, first)?;
             let seen = Seen::new(device, &settings, config.receivers.then_some(pixels))?;
             Ok(Self {
                 device: device.clone(),
@@ -160,6 +165,7 @@ impl ShadowPass {
                 known: VecDeque::new(),
                 wanted: None,
                 views: Views::default(),
+                parts,
                 frame: 0,
                 generation: 0,
             })
@@ -196,14 +202,15 @@ impl ShadowPass {
 
     fn rebuild(&mut self, settings: Settings, casters: Option<CasterSet>) -> Result<()> {
         let buffers = casters.as_ref().map_or(&self.casters.buffers, |c| &c.buffers);
-        let first = growth::first_for(&settings, self.budget, buffers.triangles.len());
+        let of_part = settings.of_part(self.parts);
+        let first = growth::first_for(&of_part, self.budget, buffers.triangles.len());
         let pipelines = self.pipelines.clone();
         let resized = settings.size != self.settings.size && self.receivers;
         let (device, queue) = (&self.device, &self.queue);
         let keys = self.seen.resized(device, settings.pixels())?;
         let mesh = &self.casters.mesh;
         let moved = resized.then(|| surfaces(device, queue, mesh, settings.pixels())).transpose()?;
-        self.method = FacetMasks::new(&self.device, &self.queue, pipelines, buffers, &settings, first)?;
+        self.method = FacetMasks::new(&self.device, &self.queue, pipelines, buffers, &of_part, first)?;
         self.settings = settings;
         self.seen.take(keys);
         if let Some(surfaces) = moved {
@@ -232,7 +239,7 @@ impl ShadowPass {
         target.check(self.settings.size, self.method.lit().len() as u64 * 4)?;
         self.check_gbuffer(&inputs.gbuffer)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
-        let views = self.views.of(inputs, &self.casters, &self.settings, bounds)?;
+        let views = self.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
         if self.grows {
             self.grow()?;
         }

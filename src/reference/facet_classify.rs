@@ -237,7 +237,7 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
     };
     facet.state = State::Undecided;
     let inside = low.min_element() >= texels && high.max_element() <= f64::from(size) - texels;
-    let whole = inside || !view.map.cube_side;
+    let whole = inside || !view.map.one_of_several;
     if settle && facet.outline.in_front && whole && rect_sum(sat, size as usize, rect.map(|v| v as usize)) == 0 {
         if receives {
             behind_splits(around.splits, size, rect, inside, &mut facet);

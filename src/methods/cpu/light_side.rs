@@ -52,7 +52,8 @@ impl LightSide {
 
     /// What is counted of the view itself.
     pub fn add_counts(&self, counts: &mut Counts) {
-        counts.silhouette_edges += self.known.silhouette_edges;
+        // The same in every view.
+        counts.silhouette_edges = self.known.silhouette_edges;
         counts.silhouette_texels += self.known.marked.iter().filter(|m| **m).count() as u64;
     }
 

@@ -1,13 +1,14 @@
-//! Lights that stand among their casters: a cube of views against traced rays, against one view where one is enough, and changes
-//! that must not change a bit.
+//! Several views of a light: a cube of views around one that stands among its casters against traced rays, against one view where
+//! one is enough, parts of a map against the whole, and changes that must not change a bit.
 
 #[path = "shared/device.rs"]
 mod device;
 
 use device::gpu;
+use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
-use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::light_view::{LightView, Parts};
 use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, cpu};
@@ -80,8 +81,9 @@ fn through(scene: &Scene, settings: &Settings, views: &[LightView]) -> (Vec<f32>
     let gpu = gpu();
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
-    static MADE: OnceLock<Arc<Pipelines>> = OnceLock::new();
-    let pipelines = MADE.get_or_init(|| Arc::new(Pipelines::new(&gpu.device, settings))).clone();
+    static MADE: [OnceLock<Arc<Pipelines>>; 2] = [const { OnceLock::new() }; 2];
+    let made = &MADE[usize::from(settings.facets == FacetMode::All)];
+    let pipelines = made.get_or_init(|| Arc::new(Pipelines::new(&gpu.device, settings))).clone();
     let capacities = Capacities {
         pixel_pairs: 1 << 18,
         triangle_pairs: 1 << 20,
@@ -210,6 +212,38 @@ fn views_tell_the_same_in_any_number_and_order() {
         views.extend(views.clone());
         assert!(through(&scene, &settings, &views) == one, "{name}: each twice");
     }
+}
+
+/// Parts of a map tell what the whole does, to the bit. Without one of them something is missing.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn parts_of_a_map_tell_the_same() {
+    let scenes = ["windmill", "spheres", "plane"].map(|name| builtin(name).expect("a built-in scene"));
+    let [mut missed, mut left_out] = [0; 2];
+    for scene in scenes.into_iter().chain([room()]) {
+        for facets in [FacetMode::One, FacetMode::All] {
+            let wanted = settings(facets, 32);
+            // Of one facet a pixel, which samples are cut off by other surfaces is not looked at once it is settled as lit.
+            let seen = |(visibility, lit)| (visibility, if facets == FacetMode::All { lit } else { Vec::new() });
+            let whole = seen(picture(&render(&scene, &wanted)));
+            let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+            let views = wanted.light_views(&prepared.mesh, prepared.closed, &scene.light).expect("views");
+            for across in [2, 3] {
+                let parts = Parts::new(wanted.map, NonZeroU32::new(across).expect("some"));
+                let wanted = Settings { map: parts.texels(), ..wanted.clone() };
+                let mut cut = parts.of(views.clone());
+                assert!(
+                    seen(through(&scene, &wanted, &cut)) == whole,
+                    "{} {facets:?}: {across} parts a side",
+                    scene.name
+                );
+                cut.remove(cut.len() / 2);
+                left_out += 1;
+                missed += usize::from(seen(through(&scene, &wanted, &cut)) != whole);
+            }
+        }
+    }
+    assert!(2 * missed > left_out, "leaving out a part shows {missed} times of {left_out}");
 }
 
 /// Not even size of map, lists and strips, nor what is settled, show.

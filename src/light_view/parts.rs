@@ -1,0 +1,116 @@
+//! A view whose map is larger than a device can bind, as several views of parts of it.
+
+use super::LightView;
+use std::num::NonZeroU32;
+
+/// How a light view's map is cut: into so many parts a side, each with a map of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts {
+    across: u32,
+    texels: u32,
+}
+
+impl Parts {
+    /// Bytes that a texel takes of the largest binding.
+    const TEXEL_BYTES: u64 = 4;
+
+    /// A map of `map` texels a side in `across` parts a side, as far as it has texels.
+    pub fn new(map: u32, across: NonZeroU32) -> Self {
+        let texels = map.div_ceil(across.get()).max(1);
+        Self { across: map.div_ceil(texels).max(1), texels }
+    }
+
+    /// As few as fit bindings of `bytes`.
+    pub fn that_fit(map: u32, bytes: u64) -> Self {
+        let most = (bytes / Self::TEXEL_BYTES).isqrt().clamp(1, u64::from(u32::MAX)) as u32;
+        Self::new(map, NonZeroU32::new(map.div_ceil(most)).unwrap_or(NonZeroU32::MIN))
+    }
+
+    /// As few as fit what one binding holds by these limits.
+    pub fn within(map: u32, limits: &wgpu::Limits) -> Self {
+        Self::that_fit(map, limits.max_storage_buffer_binding_size.min(limits.max_buffer_size))
+    }
+
+    /// Parts a side.
+    pub fn across(self) -> u32 {
+        self.across
+    }
+
+    /// Texels a side of each part.
+    pub fn texels(self) -> u32 {
+        self.texels
+    }
+
+    /// The views of all parts of `views`, each with a map of [`Parts::texels`] a side, whose texels are those of the whole map. The
+    /// last of a side may reach beyond it.
+    pub fn of(self, views: Vec<LightView>) -> Vec<LightView> {
+        if self.across == 1 {
+            return views;
+        }
+        let parts = |view: LightView| {
+            let place = move |k: u32| f64::from(k * self.texels) * view.w;
+            let part = move |(x, y)| LightView {
+                u: view.u - place(x),
+                v: view.v - place(y),
+                map_size: self.texels,
+                one_of_several: true,
+                ..view
+            };
+            (0..self.across).flat_map(move |y| (0..self.across).map(move |x| (x, y))).map(part)
+        };
+        views.into_iter().flat_map(parts).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::scene;
+    use super::*;
+    use crate::scene::Light;
+    use glam::DVec3;
+
+    #[test]
+    fn as_few_parts_as_fit() {
+        let parts = |map, bytes| Parts::that_fit(map, bytes);
+        assert_eq!(parts(8192, 128 << 20), Parts { across: 2, texels: 4096 });
+        assert_eq!(parts(5792, 128 << 20), Parts { across: 1, texels: 5792 });
+        assert_eq!(parts(5793, 128 << 20), Parts { across: 2, texels: 2897 });
+        assert_eq!(parts(512, 1 << 20), Parts { across: 1, texels: 512 });
+        assert_eq!(parts(512, (1 << 20) - 1), Parts { across: 2, texels: 256 });
+        assert_eq!(parts(7, 0), Parts { across: 7, texels: 1 });
+        assert_eq!(Parts::new(10, NonZeroU32::new(7).unwrap()), Parts { across: 5, texels: 2 });
+        for (map, bytes) in [(8191, 1 << 20), (1, 3), (333, 4000), (8192, 4)] {
+            let of = parts(map, bytes);
+            assert!(u64::from(of.texels.pow(2)) * 4 <= bytes.max(4), "{of:?} in {bytes}");
+            assert!(of.texels * of.across >= map && of.texels * (of.across - 1) < map, "{of:?} of {map}");
+        }
+    }
+
+    /// A point that lies in the whole map lies in the part of its texel, there.
+    #[test]
+    fn parts_are_the_whole() {
+        let mesh = scene();
+        for light in [Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [0.5, 6.0, 0.5] }] {
+            let whole = LightView::fit(&mesh, &light, 100).unwrap();
+            let parts = Parts::new(100, NonZeroU32::new(3).unwrap());
+            let views = parts.of(vec![whole]);
+            assert_eq!((views.len(), parts.texels()), (9, 34));
+            assert!(views.iter().all(|v| v.one_of_several && v.map_size == 34));
+            let mut met = [false; 9];
+            for k in 0..400u32 {
+                let p = DVec3::new(f64::from(k % 20), 0.3, f64::from(k / 20)) * 0.1 - DVec3::new(0.5, 0.0, 0.5);
+                let Some(at) = whole.project(p).filter(|p| p.x.min(p.y) > 0.0 && p.x.max(p.y) < 100.0) else {
+                    continue;
+                };
+                let [x, y] = [at.x, at.y].map(|v| (v / 34.0) as usize);
+                let here = views[3 * y + x].project(p).unwrap();
+                let back = here + 34.0 * DVec3::new(x as f64, y as f64, 0.0);
+                assert!((back - at).length() < 1e-9, "{at} {here}");
+                met[3 * y + x] = true;
+            }
+            assert!(met.iter().filter(|&&m| m).count() >= 2, "{light:?}: points in {met:?}");
+        }
+        let one = LightView::fit(&mesh, &Light::Directional { direction: [0.3, 1.0, 0.2] }, 100).unwrap();
+        assert_eq!(Parts::that_fit(100, 1 << 20).of(vec![one]), vec![one]);
+    }
+}
