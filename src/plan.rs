@@ -79,6 +79,12 @@ const SPSM_STAGES: [(&str, &str); 6] = [
 const SHADOW_MAP_STAGES: [(&str, &str); 2] =
     [("light_layers", "nearest depth at every texel centre"), ("shadow_map", "depth of every sample against the map")];
 
+/// Stages of `smsr` after what the camera sees.
+const SMSR_STAGES: [(&str, &str); 2] = [
+    ("light_layers", "nearest depth at every texel centre"),
+    ("smsr", "depth of every sample against the map, its borders drawn anew"),
+];
+
 /// Stages of `ray-traced` between facets and picture.
 const RAY_STAGES: [(&str, &str); 3] = [
     ("shadow_rays", "a ray from every sample to the light"),
@@ -196,6 +202,7 @@ impl Plan {
             MethodName::FacetMasks => return Self::of(prepared, camera, light, wanted, force_all),
             MethodName::Spsm => &SPSM_STAGES,
             MethodName::ShadowMap | MethodName::Pcf => &SHADOW_MAP_STAGES,
+            MethodName::Smsr => &SMSR_STAGES,
             MethodName::RayTraced => &RAY_STAGES,
             MethodName::Supersampled => &BIN_STAGES,
         };

@@ -1,4 +1,5 @@
-//! What must not change a bit of a picture of `spsm`, `shadow-map` and `pcf`: repetition, order of the mesh, duplicates, scale.
+//! What must not change a bit of a picture of `spsm`, `shadow-map`, `pcf` and `smsr`: repetition, order of the mesh, duplicates,
+//! scale.
 
 #[path = "shared/device.rs"]
 mod device;
@@ -30,7 +31,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
         let label = format!("spsm {encoding:?} {radius} {stretch}, {samples} samples");
         (label, MethodName::Spsm, Settings { spsm, ..settings([72, 54], samples) })
     });
-    let compared = [(MethodName::ShadowMap, 1), (MethodName::Pcf, 8)]
+    let compared = [(MethodName::ShadowMap, 1), (MethodName::Pcf, 8), (MethodName::Smsr, 32)]
         .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
     spsm.into_iter().chain(compared).collect()
 }

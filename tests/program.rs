@@ -114,7 +114,7 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
     assert_eq!(f["program"]["version"], env!("CARGO_PKG_VERSION"));
     assert!(f["adapter"]["name"].is_string() && f["adapter"]["backend"].is_string());
     assert_eq!(f["engine"], engine);
-    let methods = ["facet-masks", "spsm", "shadow-map", "pcf", "ray-traced", "supersampled"];
+    let methods = ["facet-masks", "spsm", "shadow-map", "pcf", "smsr", "ray-traced", "supersampled"];
     assert!(methods.iter().any(|m| f["method"] == *m), "{}", f["method"]);
     assert_eq!(f["image_size"], serde_json::json!(size));
     let offsets = f["samples"].as_array().expect("samples");
@@ -228,6 +228,7 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         (&["plane", "--map", "0"], &["0 texels"]),
         (&["plane", "--map", "9000"], &["9000", "8192"]),
         (&["plane", "--method", "pcf", "--kernel", "4"], &["4 x 4"]),
+        (&["plane", "--method", "smsr", "--reach", "129"], &["129", "128"]),
         (&["plane", "--method", "spsm", "--engine", "cpu"], &["spsm"]),
         (&["plane", "--method", "ray-traced", "--looks"], &["--looks", "ray-traced"]),
         (&["plane", "--method", "supersampled", "--looks"], &["--looks", "supersampled"]),
@@ -378,6 +379,7 @@ mod with_a_gpu {
             ("spsm", "spsm_map"),
             ("shadow-map", "shadow_map"),
             ("pcf", "shadow_map"),
+            ("smsr", "smsr"),
             ("ray-traced", "shadow_rays"),
             ("supersampled", "sample_tests"),
         ];

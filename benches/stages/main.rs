@@ -33,6 +33,7 @@ mod seen_texels;
 mod shadow_map;
 mod shadow_rays;
 mod silhouette_mask;
+mod smsr;
 mod sorted_pairs;
 mod spsm_map;
 mod spsm_query;
@@ -66,7 +67,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 29] = [
+    let without_textures: [Maker; 30] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -81,6 +82,7 @@ fn run(options: &Options) -> Result<()> {
         camera_visibility::cases,
         light_layers::cases,
         shadow_map::cases,
+        smsr::cases,
         shadow_rays::cases,
         sample_bins::cases,
         silhouette_mask::cases,

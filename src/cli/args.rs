@@ -6,7 +6,8 @@ use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Settings};
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::methods::{
-    MethodName, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SpsmEncoding, SpsmSettings,
+    MethodName, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding,
+    SpsmSettings,
 };
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -95,6 +96,12 @@ pub struct Options {
     /// Texels a side of the filter of pcf: 2, 3, 5 or 7
     #[arg(long, default_value_t = 3, value_name = "N")]
     pub kernel: u32,
+    /// How smsr draws the steps of a map anew: from corners, as in the paper, or through the middles of the steps
+    #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
+    pub shape: Shape,
+    /// Texels to either side that smsr follows a border: 1 to 128
+    #[arg(long, default_value_t = 16, value_name = "N")]
+    pub reach: u32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: Masks,
@@ -298,6 +305,16 @@ pub enum Rays {
     Silhouettes,
 }
 
+/// Where `smsr` draws lines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Shape {
+    /// From the corners of dark texels to the far ends of borders.
+    Corners,
+    /// Through the middles of the steps.
+    #[default]
+    Midpoints,
+}
+
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum FacetsPerPixel {
     One,
@@ -405,6 +422,13 @@ impl Options {
                 Projection::TwoStep => ProjectionVariant::TwoStep,
             },
             spsm: SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() },
+            smsr: SmsrSettings {
+                shape: match self.shape {
+                    Shape::Corners => SmsrShape::Corners,
+                    Shape::Midpoints => SmsrShape::Midpoints,
+                },
+                reach: self.reach,
+            },
             ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
             ..Settings::new(self.size, self.map, samples)

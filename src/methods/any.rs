@@ -6,14 +6,13 @@ use super::looks::Looks;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::render::{Budget, Output, Renderer};
-use super::settings::{Settings, ShadowMapSettings};
-use super::shadow_map::ShadowMapping;
+use super::settings::Settings;
+use super::shadow_map::{Ask, ShadowMapping};
 use super::spsm::Spsm;
 use super::supersampled::Supersampled;
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::scene::{Camera, Light};
-use crate::stages::shadow_map::Options;
 
 /// The methods by their names, the same in API, program, reports and files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -27,6 +26,8 @@ pub enum MethodName {
     ShadowMap,
     /// `pcf`: Reeves, Salesin, Cook 1987.
     Pcf,
+    /// `smsr`: Bondarev 2014.
+    Smsr,
     /// `ray-traced`: Whitted 1980, through the tree of Ylitie, Karras, Laine 2017.
     RayTraced,
     /// `supersampled`: Aila and Laine 2004; Johnson et al. 2005; Sintorn et al. 2008.
@@ -35,8 +36,8 @@ pub enum MethodName {
 
 impl MethodName {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::FacetMasks, Self::Spsm, Self::ShadowMap, Self::Pcf, Self::RayTraced, Self::Supersampled];
+    pub const ALL: [Self; 7] =
+        [Self::FacetMasks, Self::Spsm, Self::ShadowMap, Self::Pcf, Self::Smsr, Self::RayTraced, Self::Supersampled];
 
     /// The one name of the method.
     pub fn name(self) -> &'static str {
@@ -45,6 +46,7 @@ impl MethodName {
             Self::Spsm => "spsm",
             Self::ShadowMap => "shadow-map",
             Self::Pcf => "pcf",
+            Self::Smsr => "smsr",
             Self::RayTraced => "ray-traced",
             Self::Supersampled => "supersampled",
         }
@@ -54,7 +56,7 @@ impl MethodName {
     pub fn keeps(self) -> [bool; 2] {
         match self {
             Self::FacetMasks | Self::Spsm => [true, true],
-            Self::ShadowMap | Self::Pcf => [false, true],
+            Self::ShadowMap | Self::Pcf | Self::Smsr => [false, true],
             Self::RayTraced | Self::Supersampled => [false, false],
         }
     }
@@ -66,7 +68,7 @@ pub enum AnyRenderer<'a> {
     FacetMasks(Box<Renderer<'a>>),
     /// `spsm`.
     Spsm(Box<FixedRenderer<'a, Spsm>>),
-    /// `shadow-map` and `pcf`.
+    /// `shadow-map`, `pcf` and `smsr`.
     ShadowMapping(Box<FixedRenderer<'a, ShadowMapping>>),
     /// `ray-traced`.
     RayTraced(Box<FixedRenderer<'a, RayTraced>>),
@@ -92,13 +94,13 @@ impl<'a> AnyRenderer<'a> {
                 let renderer = FixedRenderer::new(gpu, prepared, settings, |_| Spsm::new(gpu, settings))?;
                 Ok(Self::Spsm(Box::new(renderer)))
             }
-            MethodName::ShadowMap | MethodName::Pcf => {
-                let ShadowMapSettings { kernel, constant, slope } = settings.shadow_map;
-                let options = match method {
-                    MethodName::Pcf => Options { kernel, constant, slope: 0.0, receiver_plane: true },
-                    _ => Options { kernel: 1, constant, slope, receiver_plane: false },
+            MethodName::ShadowMap | MethodName::Pcf | MethodName::Smsr => {
+                let ask = match method {
+                    MethodName::Pcf => Ask::Filtered,
+                    MethodName::Smsr => Ask::Revectorized,
+                    _ => Ask::Nearest,
                 };
-                let make = |_: &CasterBuffers| ShadowMapping::new(gpu, settings, options);
+                let make = |_: &CasterBuffers| ShadowMapping::new(gpu, settings, ask);
                 Ok(Self::ShadowMapping(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))
             }
             MethodName::RayTraced => {

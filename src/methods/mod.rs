@@ -24,6 +24,6 @@ pub use facet_masks::FacetMasks;
 pub use looks::{Looks, MapLook, PixelClass};
 pub use prepared::Prepared;
 pub use settings::{
-    FacetMode, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings, SpsmEncoding,
-    SpsmSettings,
+    FacetMode, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape,
+    SpsmEncoding, SpsmSettings,
 };

@@ -150,6 +150,49 @@ impl ShadowMapSettings {
     }
 }
 
+/// How `smsr` draws the staircase borders of a map anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SmsrShape {
+    /// From the corners of dark texels to the far ends of borders (Bondarev 2014): shadows only grow.
+    Corners,
+    /// Through the middles of the steps, on both sides of the border (the patterns of Jimenez et al. 2011, which Bondarev, section
+    /// 5.3, misses).
+    #[default]
+    Midpoints,
+}
+
+/// Options of `smsr`, whose bias is [`ShadowMapSettings::constant`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SmsrSettings {
+    /// Where lines run.
+    pub shape: SmsrShape,
+    /// Texels to either side that a border is followed: 1 to [`SmsrSettings::LONGEST`]. The paper takes 8.
+    pub reach: u32,
+}
+
+impl Default for SmsrSettings {
+    fn default() -> Self {
+        Self { shape: SmsrShape::default(), reach: 16 }
+    }
+}
+
+impl SmsrSettings {
+    /// The longest reach, texels.
+    pub const LONGEST: u32 = 128;
+
+    /// Checks the values against what is possible.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers.
+    pub fn check(&self) -> Result<()> {
+        let (reach, longest) = (self.reach, Self::LONGEST);
+        if !(1..=longest).contains(&reach) {
+            return Err(Error::Config(format!("smsr: a reach of {reach} texels; 1 to {longest} are possible")));
+        }
+        Ok(())
+    }
+}
+
 /// Options of `ray-traced`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayTracedSettings {
@@ -183,6 +226,8 @@ pub struct Settings {
     pub settle: bool,
     /// Options of `spsm`.
     pub spsm: SpsmSettings,
+    /// Options of `smsr`.
+    pub smsr: SmsrSettings,
     /// Options of `shadow-map` and `pcf`.
     pub shadow_map: ShadowMapSettings,
     /// Options of `ray-traced`.
@@ -251,6 +296,7 @@ impl Settings {
             projection: ProjectionVariant::Pencil,
             settle: true,
             spsm: SpsmSettings::default(),
+            smsr: SmsrSettings::default(),
             shadow_map: ShadowMapSettings::default(),
             ray_traced: RayTracedSettings::default(),
         }
@@ -273,6 +319,7 @@ impl Settings {
             )));
         }
         self.spsm.check()?;
+        self.smsr.check()?;
         self.shadow_map.check()
     }
 }

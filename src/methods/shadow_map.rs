@@ -1,10 +1,11 @@
-//! `shadow-map` (Williams 1978) and `pcf` (Reeves, Salesin, Cook 1987): a map of nearest depths, and a comparison a sample.
+//! `shadow-map` (Williams 1978), `pcf` (Reeves, Salesin, Cook 1987) and `smsr` (Bondarev 2014): a map of nearest depths, and
+//! comparisons for every sample.
 //! Memory is fixed: 4 bytes a texel. Triangles that reach behind a point light cast nothing.
 
 use super::fixed::{FixedMethod, Inputs};
 use super::looks::Looks;
 use super::render::Counts;
-use super::settings::Settings;
+use super::settings::{Settings, ShadowMapSettings, SmsrShape};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
@@ -12,28 +13,61 @@ use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::Seen;
 use crate::stages::light_layers::{Layers, LightLayers};
-use crate::stages::shadow_map::{Options, ShadowMap};
+use crate::stages::shadow_map::{self, ShadowMap};
+use crate::stages::smsr::{self, Smsr};
 
-/// Either method for one image, map and setting.
+/// Which of the methods it is, which differ in how the map is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// `shadow-map`.
+    Nearest,
+    /// `pcf`.
+    Filtered,
+    /// `smsr`.
+    Revectorized,
+}
+
+#[derive(Debug)]
+enum Compare {
+    Depths(ShadowMap),
+    Borders(Smsr),
+}
+
+impl Compare {
+    fn new(device: &wgpu::Device, settings: &Settings, ask: Ask) -> Self {
+        let ShadowMapSettings { kernel, constant, slope } = settings.shadow_map;
+        let depths = |options| Self::Depths(ShadowMap::new(device, options));
+        match ask {
+            Ask::Nearest => depths(shadow_map::Options { kernel: 1, constant, slope, receiver_plane: false }),
+            Ask::Filtered => depths(shadow_map::Options { kernel, constant, slope: 0.0, receiver_plane: true }),
+            Ask::Revectorized => {
+                let (reach, midpoints) = (settings.smsr.reach, settings.smsr.shape == SmsrShape::Midpoints);
+                Self::Borders(Smsr::new(device, smsr::Options { reach, midpoints, constant }))
+            }
+        }
+    }
+}
+
+/// One of the methods for one image, map and setting.
 #[derive(Debug)]
 pub struct ShadowMapping {
     layers: LightLayers,
-    compare: ShadowMap,
+    compare: Compare,
     map: Layers,
     visibility: Buffer<f32>,
 }
 
 impl ShadowMapping {
-    /// Builds pipelines and memory; `options` say how the map is asked.
+    /// Builds pipelines and memory.
     ///
     /// # Errors
     /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
-    pub fn new(gpu: &Gpu, settings: &Settings, options: Options) -> Result<Self> {
+    pub fn new(gpu: &Gpu, settings: &Settings, ask: Ask) -> Result<Self> {
         settings.check()?;
         let device = &gpu.device;
         Ok(Self {
             layers: LightLayers::nearest_only(device),
-            compare: ShadowMap::new(device, options),
+            compare: Compare::new(device, settings, ask),
             map: Layers::nearest_only(device, settings.map as usize)?,
             visibility: Buffer::storage(device, "shadow_map.visibility", settings.pixels())?,
         })
@@ -61,7 +95,11 @@ impl FixedMethod for ShadowMapping {
             triangles: inputs.casters.triangles.raw(),
             points: &geometry.points,
         };
-        self.compare.record(&mut rec.stage("shadow_map"), frame, seen, &self.map.nearest_keys, &self.visibility)
+        let (depths, visibility) = (&self.map.nearest_keys, &self.visibility);
+        match &self.compare {
+            Compare::Depths(stage) => stage.record(&mut rec.stage("shadow_map"), frame, seen, depths, visibility),
+            Compare::Borders(stage) => stage.record(&mut rec.stage("smsr"), frame, seen, depths, visibility),
+        }
     }
 
     fn visibility(&self) -> &Buffer<f32> {

@@ -23,6 +23,7 @@ pub mod seen_texels;
 pub mod shadow_map;
 pub mod shadow_rays;
 pub mod silhouette_mask;
+pub mod smsr;
 pub mod sorted_pairs;
 pub mod spsm_map;
 pub mod spsm_query;

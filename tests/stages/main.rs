@@ -23,6 +23,7 @@ mod seen_texels;
 mod shadow_map;
 mod shadow_rays;
 mod silhouette_mask;
+mod smsr;
 mod sorted_pairs;
 mod spsm_map;
 mod spsm_query;

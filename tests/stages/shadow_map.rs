@@ -1,19 +1,15 @@
 //! Depth comparison, pixel by pixel against `f64` on the same map. What rounding may turn over (a place at a texel's border, a
 //! depth at the receiver's) makes an interval of visibility, in which the kernel's has to lie.
 
+use crate::support::depth_map::OnMap;
 use crate::support::shadow::{
     World, above, add_triangle, camera, folding_gpu, looked_down_on as world, random_light, random_scene, samples,
-    sheet, uniform,
+    sheet,
 };
-use crate::support::spsm::{noise, receiver};
-use crate::support::{POISON, Random, gpu, run, sizes_around};
+use crate::support::{POISON, Random, gpu, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
-use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::reference::shadow_map::Lookup;
 use subpixel_shadows::scene::{Light, Mesh};
-use subpixel_shadows::stages::Seen;
-use subpixel_shadows::stages::camera_visibility::Blocks;
-use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
 use subpixel_shadows::stages::shadow_map::{Options, ShadowMap};
 
 const PLAIN: Options = Options { kernel: 1, constant: 5e-5, slope: 1.05, receiver_plane: false };
@@ -24,100 +20,34 @@ fn filtered(kernel: u32) -> Options {
 
 struct Ran {
     options: Options,
-    depths: Vec<Option<f64>>,
-    visibility: Vec<f32>,
-    seen: Vec<Option<u32>>,
+    on: OnMap,
 }
 
 fn ask(world: &World, options: Options) -> Ran {
-    let gpu = world.gpu;
-    let size = world.view.map.map_size as usize;
-    let map = Layers::nearest_only(&gpu.device, size).expect("memory");
-    let (offsets, args, _) = world.items(&world.facts.light_items.read(gpu).expect("readback"));
-    let blocks = Blocks {
-        triangles: world.casters.triangles.raw(),
-        points: &world.map_points,
-        rects: &world.facts.light_rects,
-        offsets: &offsets,
-        args: (args.raw(), 0),
-    };
-    let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
-    let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
-    let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
-    let visibility = Buffer::<f32>::storage(&gpu.device, "test.visibility", seen.len()).expect("memory");
-    visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); seen.len()]);
-    let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
-    let from =
-        Seen { samples: offsets.raw(), id_keys: &id_keys, triangles: world.casters.triangles.raw(), points: &points };
-    let (layers, stage) = (LightLayers::nearest_only(&gpu.device), ShadowMap::new(&gpu.device, options));
-    run(gpu, |s| {
-        layers.record(s, frame.raw(), blocks, &map)?;
-        stage.record(s, frame.raw(), from, &map.nearest_keys, &visibility)
-    });
-    let depth = |key: u32| (key != 0).then(|| f64::from(f32::from_bits(!key)));
-    Ran {
-        options,
-        depths: map.nearest_keys.read(gpu).expect("readback").into_iter().map(depth).collect(),
-        visibility: visibility.read(gpu).expect("readback"),
-        seen,
-    }
+    let stage = ShadowMap::new(&world.gpu.device, options);
+    let on = OnMap::of(world, |s, frame, seen, depths, visibility| stage.record(s, frame, seen, depths, visibility));
+    Ran { options, on }
 }
 
 /// Where the stage departs from its definition; how many pixels were compared and how many of them closely.
 fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
-    let [place, depth] = noise(world);
-    let (mut compared, mut close) = (0, 0);
     let lookup = |doubt: f64| Lookup {
-        depths: &ran.depths,
+        depths: &ran.on.depths,
         size: world.view.map.map_size,
         kernel: ran.options.kernel,
         constant: f64::from(ran.options.constant) + doubt,
         slope: f64::from(ran.options.slope),
         receiver_plane: ran.options.receiver_plane,
     };
-    for (pixel, &v) in ran.visibility.iter().enumerate() {
-        let at = format!("pixel {pixel}, visibility {v}");
-        let Some(t) = ran.seen[pixel] else {
-            if v != 1.0 {
-                return Err(format!("{at}: nothing is seen"));
-            }
-            continue;
-        };
-        let Some([a, b, c]) = world.triangles[t as usize].corners else { continue };
-        let (towards_light, towards_eye) = (world.view.side([a, b, c]), -(b - a).cross(c - a).dot(a));
-        let size = (b - a).length() * (c - a).length();
-        if towards_light.abs() < 1e-4 * size || towards_eye.abs() < 1e-4 * size * a.length() {
-            continue;
-        }
-        if towards_light * towards_eye < 0.0 {
-            if v != 0.0 {
-                return Err(format!("{at}: it faces away from the light"));
-            }
-            continue;
-        }
-        let Some((places, slope, _)) = receiver(world, pixel as u32, t) else { continue };
-        // Depths of the receiver that rounding may give.
-        let doubt = depth + 2e-6 + (slope.x.abs() + slope.y.abs()) * place * 2.0;
+    ran.on.fault(world, |p, slope, place, doubt| {
         let (brighter, darker) = (lookup(doubt), lookup(-doubt));
-        let (mut low, mut high, mut seen) = (0.0, 0.0, 0.0);
-        for p in places.iter().flatten() {
-            let around = [[0.0, 0.0], [place, place], [-place, place], [place, -place], [-place, -place]];
-            let moved = around.map(|[x, y]| *p + DVec3::new(x, y, slope.dot(DVec2::new(x, y))));
-            low += moved.iter().map(|m| darker.share(*m, slope)).fold(1.0, f64::min);
-            high += moved.iter().map(|m| brighter.share(*m, slope)).fold(0.0, f64::max);
-            seen += 1.0;
-        }
-        if seen == 0.0 {
-            continue;
-        }
-        let (low, high) = (low / seen - 1e-5, high / seen + 1e-5);
-        compared += 1;
-        close += u64::from(high - low < 0.05);
-        if !(low..=high).contains(&f64::from(v)) {
-            return Err(format!("{at}: {low} to {high} expected"));
-        }
-    }
-    Ok([compared, close])
+        let around = [[0.0, 0.0], [place, place], [-place, place], [place, -place], [-place, -place]];
+        let moved = around.map(|[x, y]| p + DVec3::new(x, y, slope.dot(DVec2::new(x, y))));
+        [
+            moved.iter().map(|m| darker.share(*m, slope)).fold(1.0, f64::min),
+            moved.iter().map(|m| brighter.share(*m, slope)).fold(0.0, f64::max),
+        ]
+    })
 }
 
 #[track_caller]
@@ -134,7 +64,7 @@ fn check(world: &World, options: Options) -> Ran {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn empty() {
     let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 8, 8), PLAIN);
-    assert!(ran.visibility.iter().all(|&v| v == 1.0));
+    assert!(ran.on.visibility.iter().all(|&v| v == 1.0));
 }
 
 #[test]
@@ -145,11 +75,11 @@ fn one() {
     add_triangle(&mut mesh, [[-1.0, 0.8, -1.0], [1.0, 0.8, -1.0], [0.0, 0.8, 1.0]]);
     let world = world(gpu(), &mesh, above(), [48, 36], 64, 1);
     let plain = check(&world, PLAIN);
-    assert!(plain.visibility.contains(&0.0) && plain.visibility.iter().all(|v| *v == 0.0 || *v == 1.0));
+    assert!(plain.on.visibility.contains(&0.0) && plain.on.visibility.iter().all(|v| *v == 0.0 || *v == 1.0));
     let mut last = 0;
     for kernel in [2, 3, 5, 7] {
         let ran = check(&world, filtered(kernel));
-        let between = ran.visibility.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
+        let between = ran.on.visibility.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
         assert!(between > last, "kernel {kernel}: {between} pixels between, {last} with a smaller one");
         last = between;
     }
@@ -188,7 +118,7 @@ fn degenerate() {
         let camera = camera(DVec3::new(-3.0, 4.0, 1.0), DVec3::ZERO, 40.0);
         let light = Light::Directional { direction: [0.0, 1.0, 0.0] };
         let world = World::new(gpu(), &mesh, camera, light, [60, 45], 128, samples(8));
-        let dark = |options| ask(&world, options).visibility.iter().filter(|v| **v < 1.0).count();
+        let dark = |options| ask(&world, options).on.visibility.iter().filter(|v| **v < 1.0).count();
         for options in [PLAIN, filtered(2), filtered(3), filtered(5), filtered(7)] {
             assert_eq!(dark(options), 0, "{options:?}, {degrees} degrees: pixels of acne");
         }
@@ -203,7 +133,7 @@ fn degenerate() {
 fn overflow_by_one() {
     let mesh = random_scene(1, &mut Random::new(51));
     let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), PLAIN);
-    assert!(ran.visibility.iter().all(|v| v.to_bits() != POISON));
+    assert!(ran.on.visibility.iter().all(|v| v.to_bits() != POISON));
 }
 
 #[test]
@@ -212,7 +142,7 @@ fn two_d_dispatch() {
     let mesh = random_scene(1, &mut Random::new(61));
     // Nine workgroups in three rows.
     let of = |gpu| ask(&world(gpu, &mesh, above(), [24, 24], 24, 8), filtered(3));
-    assert!(of(folding_gpu()).visibility == of(gpu()).visibility, "the fold changes the result");
+    assert!(of(folding_gpu()).on.visibility == of(gpu()).on.visibility, "the fold changes the result");
 }
 
 #[test]
@@ -221,18 +151,20 @@ fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));
     let world = world(gpu(), &mesh, above(), [48, 36], 64, 32);
     let ran = check(&world, PLAIN);
-    assert!(ran.visibility == ask(&world, PLAIN).visibility, "another result in a second run");
+    assert!(ran.on.visibility == ask(&world, PLAIN).on.visibility, "another result in a second run");
     let spoilt = |spoil: &dyn Fn(&mut Ran)| {
         let mut off = ask(&world, PLAIN);
         spoil(&mut off);
         fault(&world, &off).is_err()
     };
     let of = |v: f32| {
-        (0..ran.visibility.len()).position(|p| ran.seen[p].is_some() && ran.visibility[p] == v).expect("a pixel")
+        (0..ran.on.visibility.len())
+            .position(|p| ran.on.seen[p].is_some() && ran.on.visibility[p] == v)
+            .expect("a pixel")
     };
     let (lit, dark) = (of(1.0), of(0.0));
-    assert!(spoilt(&|r| r.visibility[lit] = 0.5));
-    assert!(spoilt(&|r| r.visibility[dark] = 0.5));
-    assert!(spoilt(&|r| r.depths.fill(None)));
+    assert!(spoilt(&|r| r.on.visibility[lit] = 0.5));
+    assert!(spoilt(&|r| r.on.visibility[dark] = 0.5));
+    assert!(spoilt(&|r| r.on.depths.fill(None)));
     assert!(spoilt(&|r| r.options.kernel = 7));
 }

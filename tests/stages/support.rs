@@ -1,5 +1,6 @@
 //! What the stage tests share: the device, seeded values, poison, and comparison.
 
+pub mod depth_map;
 #[path = "../shared/device.rs"]
 mod device;
 pub mod geometry;

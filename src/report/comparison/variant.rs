@@ -4,7 +4,7 @@ use crate::Result;
 use crate::mask_table::MaskVariant;
 use crate::methods::{
     FacetMode, MethodName, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings,
-    SpsmEncoding, SpsmSettings,
+    SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use crate::samples::{Pattern, Samples};
 
@@ -107,6 +107,13 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                     let shadow_map = ShadowMapSettings { kernel, ..settings.shadow_map };
                     add(&format!("kernel={kernel}"), Settings { shadow_map, ..settings.clone() });
                 }
+            }
+        }
+        MethodName::Smsr => {
+            add("shape=midpoints", settings.clone());
+            if more {
+                let smsr = SmsrSettings { shape: SmsrShape::Corners, ..settings.smsr };
+                add("shape=corners", Settings { smsr, ..settings.clone() });
             }
         }
         MethodName::RayTraced => {

@@ -1,0 +1,59 @@
+//! Shadows by depth comparison whose borders are drawn anew: Shadow Map Silhouette Revectorization (Bondarev 2014).
+//!
+//! - **Reads** the triangle at each pixel centre, triangles, projected vertices, sample offsets, the nearest depth at each texel
+//!   centre (`nearest_keys` of `light_layers`).
+//! - **Writes** `visibility`: the mean over the samples whose rays meet the receiver; 1 where the pixel sees nothing.
+//! - **Guarantee.** Bit-equal from run to run. Nothing is exact: borders are guessed from the map's steps, and the bias decides.
+//! - **Cost.** One dispatch over pixels; for each texel that samples of a pixel fall into five texel reads, and where it lies at a
+//!   border two for each texel that this is followed.
+
+use super::Seen;
+use crate::Result;
+use crate::gpu::kernels::smsr as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage};
+
+/// What the pipeline is made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Texels to either side that a border is followed (the paper's largest search distance, section 2.2).
+    pub reach: u32,
+    /// Draw lines through the middles of steps, on both sides of the border; else from the corners of dark texels, as in the paper.
+    pub midpoints: bool,
+    /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
+    pub constant: f32,
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct Smsr {
+    revectorize: Program,
+}
+
+impl Smsr {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device, options: Options) -> Self {
+        let constants = [
+            ("REACH", f64::from(options.reach)),
+            ("MIDPOINTS", f64::from(u32::from(options.midpoints))),
+            ("BIAS_CONSTANT", f64::from(options.constant)),
+        ];
+        Self { revectorize: Program::new(device, kernel::ENTRY_REVECTORIZE, &constants) }
+    }
+
+    /// Records all pixels.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        seen: Seen,
+        nearest_keys: &Buffer<u32>,
+        visibility: &Buffer<f32>,
+    ) -> Result<()> {
+        let mut buffers = seen.buffers(frame);
+        buffers.extend([("nearest_keys", nearest_keys.raw()), ("visibility", visibility.raw())]);
+        stage.run(&self.revectorize, &buffers, Groups::Items(visibility.len() as u64))
+    }
+}

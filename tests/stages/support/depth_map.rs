@@ -1,0 +1,108 @@
+//! Stages that ask a map of nearest depths, and how they are judged: pixel by pixel against `f64` on the same map.
+
+use super::shadow::{World, uniform};
+use super::spsm::{noise, receiver};
+use super::{POISON, run};
+use subpixel_shadows::Result;
+use subpixel_shadows::glam::{DVec2, DVec3};
+use subpixel_shadows::gpu::{Buffer, Stage};
+use subpixel_shadows::stages::Seen;
+use subpixel_shadows::stages::camera_visibility::Blocks;
+use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
+use subpixel_shadows::wgpu;
+
+/// What a stage made of the map of a world.
+pub struct OnMap {
+    pub depths: Vec<Option<f64>>,
+    pub visibility: Vec<f32>,
+    pub seen: Vec<Option<u32>>,
+}
+
+impl OnMap {
+    /// Makes the map, and records what takes it: the frame, what pixels see, the depths, and where visibility goes.
+    pub fn of(
+        world: &World,
+        record: impl Fn(&mut Stage, &wgpu::Buffer, Seen, &Buffer<u32>, &Buffer<f32>) -> Result<()>,
+    ) -> Self {
+        let gpu = world.gpu;
+        let size = world.view.map.map_size as usize;
+        let map = Layers::nearest_only(&gpu.device, size).expect("memory");
+        let (offsets, args, _) = world.items(&world.facts.light_items.read(gpu).expect("readback"));
+        let blocks = Blocks {
+            triangles: world.casters.triangles.raw(),
+            points: &world.map_points,
+            rects: &world.facts.light_rects,
+            offsets: &offsets,
+            args: (args.raw(), 0),
+        };
+        let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
+        let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
+        let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
+        let visibility = Buffer::<f32>::storage(&gpu.device, "test.visibility", seen.len()).expect("memory");
+        visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); seen.len()]);
+        let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
+        let triangles = world.casters.triangles.raw();
+        let layers = LightLayers::nearest_only(&gpu.device);
+        run(gpu, |s| {
+            layers.record(s, frame.raw(), blocks, &map)?;
+            let from = Seen { samples: offsets.raw(), id_keys: &id_keys, triangles, points: &points };
+            record(s, frame.raw(), from, &map.nearest_keys, &visibility)
+        });
+        let depth = |key: u32| (key != 0).then(|| f64::from(f32::from_bits(!key)));
+        Self {
+            depths: map.nearest_keys.read(gpu).expect("readback").into_iter().map(depth).collect(),
+            visibility: visibility.read(gpu).expect("readback"),
+            seen,
+        }
+    }
+
+    /// Where visibility is not within what `share` gives at each sample's place: least and greatest, of a place, the receiver's slope
+    /// and how far place and depth may be off. How many pixels were compared and how many of them closely.
+    pub fn fault(
+        &self,
+        world: &World,
+        share: impl Fn(DVec3, DVec2, f64, f64) -> [f64; 2],
+    ) -> std::result::Result<[u64; 2], String> {
+        let [place, depth] = noise(world);
+        let (mut compared, mut close) = (0, 0);
+        for (pixel, &v) in self.visibility.iter().enumerate() {
+            let at = format!("pixel {pixel}, visibility {v}");
+            let Some(t) = self.seen[pixel] else {
+                if v != 1.0 {
+                    return Err(format!("{at}: nothing is seen"));
+                }
+                continue;
+            };
+            let Some([a, b, c]) = world.triangles[t as usize].corners else { continue };
+            let (towards_light, towards_eye) = (world.view.side([a, b, c]), -(b - a).cross(c - a).dot(a));
+            let size = (b - a).length() * (c - a).length();
+            if towards_light.abs() < 1e-4 * size || towards_eye.abs() < 1e-4 * size * a.length() {
+                continue;
+            }
+            if towards_light * towards_eye < 0.0 {
+                if v != 0.0 {
+                    return Err(format!("{at}: it faces away from the light"));
+                }
+                continue;
+            }
+            let Some((places, slope, _)) = receiver(world, pixel as u32, t) else { continue };
+            // Depths of the receiver that rounding may give.
+            let doubt = depth + 2e-6 + (slope.x.abs() + slope.y.abs()) * place * 2.0;
+            let (mut low, mut high, mut seen) = (0.0, 0.0, 0.0);
+            for p in places.iter().flatten() {
+                let [least, greatest] = share(*p, slope, place, doubt);
+                (low, high, seen) = (low + least, high + greatest, seen + 1.0);
+            }
+            if seen == 0.0 {
+                continue;
+            }
+            let (low, high) = (low / seen - 1e-5, high / seen + 1e-5);
+            compared += 1;
+            close += u64::from(high - low < 0.05);
+            if !(low..=high).contains(&f64::from(v)) {
+                return Err(format!("{at}: {low} to {high} expected"));
+            }
+        }
+        Ok([compared, close])
+    }
+}
