@@ -81,7 +81,7 @@ shared_struct! {
         pub pixel_triangle_capacity: u32,
         /// Pixels with several surfaces that can be looked at.
         pub complex_capacity: u32,
-        /// Unused.
+        /// First row of the image that the frame is a strip of.
         pub first_row: u32,
     }
 }

@@ -8,7 +8,9 @@ use device::gpu;
 use subpixel_shadows::methods::fixed::FixedMethod;
 use subpixel_shadows::methods::render::{Budget, Output};
 use subpixel_shadows::methods::spsm::Spsm;
-use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, Settings, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::methods::{
+    AnyRenderer, MethodName, Prepared, Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Mesh, Scene, builtin};
 use subpixel_shadows::stages::seen_texels::TexelMarks;
@@ -33,7 +35,9 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
     });
     let compared = [(MethodName::ShadowMap, 1), (MethodName::Pcf, 8), (MethodName::Smsr, 32)]
         .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
-    spsm.into_iter().chain(compared).collect()
+    let smsr = SmsrSettings { shape: SmsrShape::Corners, reach: 5 };
+    let corners = ("smsr by corners".to_owned(), MethodName::Smsr, Settings { smsr, ..settings([72, 54], 8) });
+    spsm.into_iter().chain(compared).chain([corners]).collect()
 }
 
 fn render(scene: &Scene, method: MethodName, settings: &Settings) -> Output {

@@ -547,23 +547,14 @@ fn nothing_is_lit() {
     }
 }
 
-/// The largest map is rendered as any other where the device binds its texels, and else refused with the numbers, after which
-/// the device renders on.
+/// The largest map is rendered as any other, in parts where the device binds too little.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-fn the_largest_map_is_rendered_or_refused() {
+fn the_largest_map_is_rendered() {
     let scene = scene("plane");
     let of = |map| Settings { map, ..settings(false) };
     let first = render(&scene, &of(64));
-    let texels = u64::from(LightView::LARGEST_MAP).pow(2);
-    let bound = gpu().device.limits().max_storage_buffer_binding_size;
-    match try_render(&scene, &of(LightView::LARGEST_MAP), Budget::default()) {
-        Ok(output) => assert_eq!(difference(&picture(&first), &picture(&output)), None),
-        Err(Error::Memory { needed, limit, .. }) => {
-            assert!(needed >= 4 * texels && needed > limit && limit <= bound, "{needed} {limit} {bound}");
-        }
-        Err(other) => panic!("{other}"),
-    }
+    assert_eq!(difference(&picture(&first), &picture(&render(&scene, &of(LightView::LARGEST_MAP)))), None);
     assert_eq!(difference(&picture(&first), &picture(&render(&scene, &of(64)))), None);
 }
 

@@ -228,7 +228,7 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         (&["plane", "--map", "0"], &["0 texels"]),
         (&["plane", "--map", "9000"], &["9000", "8192"]),
         (&["plane", "--method", "pcf", "--kernel", "4"], &["4 x 4"]),
-        (&["plane", "--method", "smsr", "--reach", "129"], &["129", "128"]),
+        (&["plane", "--method", "smsr", "--reach", "65"], &["65", "64"]),
         (&["plane", "--method", "spsm", "--engine", "cpu"], &["spsm"]),
         (&["plane", "--method", "ray-traced", "--looks"], &["--looks", "ray-traced"]),
         (&["plane", "--method", "supersampled", "--looks"], &["--looks", "supersampled"]),
@@ -396,6 +396,24 @@ mod with_a_gpu {
             render(&out, &[&empty, "--method", method]);
             assert!(time(&frame(&out)).is_some_and(|s| !s["left_out"].is_null()), "an empty scene needs no {stage}");
         }
+    }
+
+    /// What `smsr` is told of its lines reaches them: corners only darken, and the farther they reach the more.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn smsr_takes_its_options() {
+        let folder = Folder::new("smsr");
+        let of = |name: &str, more: &[&str]| {
+            let out = folder.path(name);
+            render(&out, &[&["plane", "--method", "smsr", "--samples", "8"], more].concat());
+            exr(&out, "visibility.exr").2
+        };
+        let darkness = |v: &[[f32; 2]]| v.iter().map(|v| f64::from(1.0 - v[0])).sum::<f64>();
+        let [far, near] = ["16", "1"].map(|reach| of(reach, &["--shape", "corners", "--reach", reach]));
+        let (middle, usual) = (of("middle", &["--shape", "midpoints", "--reach", "16"]), of("usual", &[]));
+        assert!(middle == usual && darkness(&usual) > 20.0, "other defaults: {}", darkness(&usual));
+        assert!(darkness(&far) > darkness(&near) + 1.0, "{} {}", darkness(&far), darkness(&near));
+        assert!(darkness(&far) > darkness(&middle) + 1.0, "{} {}", darkness(&far), darkness(&middle));
     }
 
     /// Pixels of each colour of classes.png, in the order of the classes.

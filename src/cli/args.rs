@@ -99,7 +99,7 @@ pub struct Options {
     /// How smsr draws the steps of a map anew: from corners, as in the paper, or through the middles of the steps
     #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
     pub shape: Shape,
-    /// Texels to either side that smsr follows a border: 1 to 128
+    /// Texels to either side that smsr follows a border, its search distance: 1 to 64
     #[arg(long, default_value_t = 16, value_name = "N")]
     pub reach: u32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances

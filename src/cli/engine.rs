@@ -118,7 +118,7 @@ impl Engine {
                     looks.as_mut().map_or(Ok(()), |looks| looks.add_rows(gpu, method, width, rows))?;
                     facets.as_mut().map_or(Ok(()), |set| set.add(gpu, method.facets(), words, width, rows))
                 })?;
-                let (parts, views) = (renderer.parts(), renderer.method().capacities().views);
+                let (parts, views) = (renderer.parts(), renderer.views());
                 if parts.across() > 1 {
                     console.note(&format!(
                         "the light's map in {0} x {0} parts of {1} x {1} texels, as one binding holds no more",
@@ -126,8 +126,7 @@ impl Engine {
                         parts.texels()
                     ));
                 }
-                if views > parts.across().pow(2) {
-                    let views = views / parts.across().pow(2);
+                if views > 1 {
                     console
                         .note(&format!("the light stands among its casters: {views} views of it, one after the other"));
                 }

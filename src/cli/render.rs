@@ -228,7 +228,10 @@ fn looks(report: &mut Report, options: &Options, rendered: &Rendered) {
     });
     report.text(&match looks.and_then(|l| l.map.as_ref()) {
         Some(_) => format!("light-view.png: {map}"),
-        None => "no light-view.png: there is no one map: the plan left it out (--force-all makes it), or the light has several views".to_owned(),
+        None => {
+            "no light-view.png: the plan left the map out (--force-all makes it), or there are several, as notes say"
+                .to_owned()
+        }
     });
 }
 

@@ -11,9 +11,6 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Bytes that a texel takes of the largest binding.
-    const TEXEL_BYTES: u64 = 4;
-
     /// A map of `map` texels a side in `across` parts a side, as far as it has texels.
     pub fn new(map: u32, across: NonZeroU32) -> Self {
         let texels = map.div_ceil(across.get()).max(1);
@@ -22,8 +19,14 @@ impl Parts {
 
     /// As few as fit bindings of `bytes`.
     pub fn that_fit(map: u32, bytes: u64) -> Self {
-        let most = (bytes / Self::TEXEL_BYTES).isqrt().clamp(1, u64::from(u32::MAX)) as u32;
-        Self::new(map, NonZeroU32::new(map.div_ceil(most)).unwrap_or(NonZeroU32::MIN))
+        let fits = |across: &u32| Self::largest_binding(map.div_ceil(*across)) <= bytes;
+        let across = (1..map).find(fits).unwrap_or(map);
+        Self::new(map, NonZeroU32::new(across).unwrap_or(NonZeroU32::MIN))
+    }
+
+    /// Bytes of the largest buffer of a map of so many texels a side: a word for each texel, and one for each 8 x 8 of them.
+    fn largest_binding(texels: u32) -> u64 {
+        4 * (u64::from(texels).pow(2) + u64::from(texels.div_ceil(8)).pow(2) + 2)
     }
 
     /// As few as fit what one binding holds by these limits.
@@ -73,15 +76,16 @@ mod tests {
     fn as_few_parts_as_fit() {
         let parts = |map, bytes| Parts::that_fit(map, bytes);
         assert_eq!(parts(8192, 128 << 20), Parts { across: 2, texels: 4096 });
-        assert_eq!(parts(5792, 128 << 20), Parts { across: 1, texels: 5792 });
+        assert_eq!(parts(5744, 128 << 20), Parts { across: 1, texels: 5744 });
         assert_eq!(parts(5793, 128 << 20), Parts { across: 2, texels: 2897 });
-        assert_eq!(parts(512, 1 << 20), Parts { across: 1, texels: 512 });
-        assert_eq!(parts(512, (1 << 20) - 1), Parts { across: 2, texels: 256 });
+        let whole = Parts::largest_binding(512);
+        assert_eq!(parts(512, whole), Parts { across: 1, texels: 512 });
+        assert_eq!(parts(512, whole - 1), Parts { across: 2, texels: 256 });
         assert_eq!(parts(7, 0), Parts { across: 7, texels: 1 });
         assert_eq!(Parts::new(10, NonZeroU32::new(7).unwrap()), Parts { across: 5, texels: 2 });
         for (map, bytes) in [(8191, 1 << 20), (1, 3), (333, 4000), (8192, 4)] {
             let of = parts(map, bytes);
-            assert!(u64::from(of.texels.pow(2)) * 4 <= bytes.max(4), "{of:?} in {bytes}");
+            assert!(Parts::largest_binding(of.texels) <= bytes.max(16), "{of:?} in {bytes}");
             assert!(of.texels * of.across >= map && of.texels * (of.across - 1) < map, "{of:?} of {map}");
         }
     }

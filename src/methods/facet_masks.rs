@@ -196,7 +196,8 @@ impl FacetMasks {
     /// of the image it is.
     ///
     /// # Errors
-    /// [`Error::Scene`] if camera or light cannot be used, [`Error::Config`] for another number of views.
+    /// [`Error::Scene`] if camera or light cannot be used, [`Error::Config`] for another number of views, or views of maps of
+    /// another size.
     #[expect(clippy::too_many_arguments, reason = "one argument a thing it depends on")]
     pub fn prepare(
         &self,

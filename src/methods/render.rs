@@ -87,7 +87,7 @@ pub struct Output {
 /// How much the lists may take at first, and at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Elements each list starts with; `None`: a guess from image and map size.
+    /// Elements each list starts with; `None`: a guess from the image size.
     pub start: Option<usize>,
     /// Bytes the two pair lists may take together; what needs more is split into bands of facets.
     pub bytes: u64,
@@ -275,6 +275,11 @@ impl<'a> Renderer<'a> {
     /// What it is made for.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// Views of the light in the last frame, not counting parts.
+    pub fn views(&self) -> u32 {
+        self.method.capacities().views / self.parts.across().pow(2)
     }
 
     /// Parts into which the light's map is cut.

@@ -114,7 +114,7 @@ impl SpsmSettings {
     }
 }
 
-/// Options of `shadow-map` and `pcf`: the bias, without which a surface shadows itself.
+/// Options of `shadow-map`, `pcf` and (of the constant bias alone) `smsr`: the bias, without which a surface shadows itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowMapSettings {
     /// Texels a side of the filter of `pcf`: 2, 3, 5 or 7.
@@ -166,7 +166,8 @@ pub enum SmsrShape {
 pub struct SmsrSettings {
     /// Where lines run.
     pub shape: SmsrShape,
-    /// Texels to either side that a border is followed: 1 to [`SmsrSettings::LONGEST`]. The paper takes 8.
+    /// Texels to either side that a border is followed: 1 to [`SmsrSettings::LONGEST`]. The paper's
+    /// timings are with 8 (its largest search distance).
     pub reach: u32,
 }
 
@@ -178,7 +179,7 @@ impl Default for SmsrSettings {
 
 impl SmsrSettings {
     /// The longest reach, texels.
-    pub const LONGEST: u32 = 128;
+    pub const LONGEST: u32 = 64;
 
     /// Checks the values against what is possible.
     ///
@@ -228,7 +229,7 @@ pub struct Settings {
     pub spsm: SpsmSettings,
     /// Options of `smsr`.
     pub smsr: SmsrSettings,
-    /// Options of `shadow-map` and `pcf`.
+    /// Options of `shadow-map` and `pcf`, and the bias of `smsr`.
     pub shadow_map: ShadowMapSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,

@@ -15,8 +15,8 @@
 //!   one with several it misses what none of them shows: `data/reports/gbuffer.md` has figures.
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
 //!   fitted to all casters, as each may shadow something.
-//! - **Lights.** A light among the casters has a cube of up to six views, which are recorded one after the other; of casters that move
-//!   it has six. A frame with another number of views than the one before has lists made anew. A map whose texels are more than one
+//! - **Lights.** A light among the casters has a cube of up to six views, which are recorded one after the other; of casters that
+//!   move it has six. A frame with another number of views than the one before has lists made anew. A map whose texels are more than one
 //!   binding holds is cut into parts, which are views of their own.
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What

@@ -1,4 +1,4 @@
-//! Depth comparison with a map of nearest depths whose staircase borders are drawn anew as straight lines.
+//! Depth comparison with a map of nearest depths whose staircase borders are drawn anew as straight lines (Bondarev 2014).
 
 use glam::{DVec2, DVec3};
 
@@ -114,7 +114,7 @@ impl Lookup<'_> {
             [([-1, 0], inside.x), ([1, 0], 1.0 - inside.x), ([0, -1], inside.y), ([0, 1], 1.0 - inside.y)]
         {
             let height = self.height(&plane, texel, across, dark)?;
-            // A line rises by 1 over a texel at most.
+            // A line rises by 2 over a texel at most, and the distance changes by 1.
             if (height - distance).abs() < 3.0 * doubt.place {
                 return None;
             }

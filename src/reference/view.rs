@@ -288,8 +288,8 @@ mod tests {
         std::array::from_fn(|_| light + DVec3::new(next(), next(), next()) * 3.0)
     }
 
-    /// The lines of a triangle that reaches behind the light hold the texel of every point of it in front, but not all texels; those
-    /// of a triangle that lies in front are the triangle's.
+    /// The lines of a triangle that reaches behind the light hold the texel of every point of it in front, but not all texels;
+    /// those of a triangle that lies in front are the triangle's.
     #[test]
     fn lines_hold_what_is_in_front() {
         let mut scene = builtin("spheres").expect("a built-in scene");

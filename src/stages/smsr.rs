@@ -4,8 +4,8 @@
 //!   centre (`nearest_keys` of `light_layers`).
 //! - **Writes** `visibility`: the mean over the samples whose rays meet the receiver; 1 where the pixel sees nothing.
 //! - **Guarantee.** Bit-equal from run to run. Nothing is exact: borders are guessed from the map's steps, and the bias decides.
-//! - **Cost.** One dispatch over pixels; for each texel that samples of a pixel fall into five texel reads, and where it lies at a
-//!   border two for each texel that this is followed.
+//! - **Cost.** One dispatch over pixels. Up to 64 texel reads settle a pixel around which all texels are alike; of others five for
+//!   each texel that samples fall into, and where it lies at a border two for each texel that this is followed.
 
 use super::Seen;
 use crate::Result;
@@ -15,7 +15,8 @@ use crate::gpu::{Buffer, Groups, Program, Stage};
 /// What the pipeline is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Texels to either side that a border is followed (the paper's largest search distance, section 2.2).
+    /// Texels to either side that a border is followed (the paper's largest search distance, section 2.2): up to 64, beyond
+    /// which llvmpipe's bound of an invocation's loops may end them.
     pub reach: u32,
     /// Draw lines through the middles of steps, on both sides of the border; else from the corners of dark texels, as in the paper.
     pub midpoints: bool,

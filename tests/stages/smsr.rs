@@ -95,10 +95,25 @@ fn random_seeded() {
     let mut random = Random::new(43);
     for kind in 0..4 {
         let short = Options { reach: 3, ..MIDDLE };
-        for (k, options) in [MIDDLE, CORNER, short, Options { reach: 128, ..CORNER }].into_iter().enumerate() {
+        for (k, options) in [MIDDLE, CORNER, short, Options { reach: 64, ..CORNER }].into_iter().enumerate() {
             let mesh = random_scene(kind, &mut random);
-            let light = random_light(k % 2 == 0, &mut random);
+            let light = random_light((kind + k as u32).is_multiple_of(2), &mut random);
             check(&world(gpu(), &mesh, light, [40, 30], [64, 150][k / 2], [1, 32, 8, 128][k]), options);
+        }
+    }
+}
+
+/// Maps and images of one cell and of few.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn smallest() {
+    let mut random = Random::new(47);
+    for (k, (size, map)) in
+        [([1, 1], 1), ([1, 1], 33), ([40, 30], 1), ([40, 30], 2), ([3, 1], 5)].into_iter().enumerate()
+    {
+        let mesh = random_scene(k as u32, &mut random);
+        for (light, options) in [true, false].into_iter().flat_map(|l| [(l, MIDDLE), (l, CORNER)]) {
+            check(&world(gpu(), &mesh, random_light(light, &mut random), size, map, 32), options);
         }
     }
 }

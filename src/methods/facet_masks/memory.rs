@@ -25,7 +25,7 @@ pub struct Capacities {
     pub candidates: usize,
     /// Bands of facets that are evaluated one after the other.
     pub bands: u32,
-    /// Views of the light.
+    /// Views of the light; each part of a map is one.
     pub views: u32,
     /// Rounds of [`candidate_pairs::ROUND_LENGTH`] triangles.
     pub rounds: u32,

@@ -78,20 +78,25 @@ fn points(name: String, mut points: Vec<(f64, f64, String)>) -> Series {
 const ERROR: &str = "RMSE of the silhouette band, against 1024 rays a pixel";
 const TIME: &str = "time of all stages, ms";
 
-/// Error against time on one scene, each map size a series of its own, and the front.
+/// Error against time on one scene, and the front. Points of the first map are a series over samples, those of other maps, which
+/// have one number of samples, a series over maps, to which the first map belongs if it has only one, too.
 fn error_time(scene: &str, rows: &[&Row]) -> Plot {
     let first_map = rows.first().map_or(0, |r| r.map);
     let mut series: Vec<Series> = Vec::new();
     for (name, rows) in by_series(rows) {
-        let mut maps: Vec<u32> = rows.iter().map(|r| r.map).collect();
-        maps.dedup();
-        for map in maps {
-            let here = rows.iter().filter(|r| r.map == map);
-            let text = |r: &Row| {
-                if map == first_map { r.samples.to_string() } else { format!("{map}²") }
-            };
-            let name = if map == first_map { name.clone() } else { format!("{name}, map {map}²") };
-            series.push(points(name, here.map(|r| (r.time(), error(r), text(r))).collect()));
+        let (first, others): (Vec<&Row>, Vec<&Row>) = rows.into_iter().partition(|r| r.map == first_map);
+        let point = |r: &&Row, text: String| (r.time(), error(r), text);
+        let by_map = |r: &&Row| point(r, format!("{}²", r.map));
+        if first.len() == 1 && !others.is_empty() {
+            series.push(points(name, first.iter().chain(&others).map(by_map).collect()));
+            continue;
+        }
+        let by_samples = |r: &&Row| point(r, r.samples.to_string());
+        if !first.is_empty() {
+            series.push(points(name.clone(), first.iter().map(by_samples).collect()));
+        }
+        if !others.is_empty() {
+            series.push(points(format!("{name}, other maps"), others.iter().map(by_map).collect()));
         }
     }
     let front = pareto_front(rows);

@@ -56,8 +56,8 @@ impl OnMap {
         }
     }
 
-    /// Where visibility is not within what `share` gives at each sample's place: least and greatest, of a place, the receiver's slope
-    /// and how far place and depth may be off. How many pixels were compared and how many of them closely.
+    /// Where visibility is not within what `share` gives at each sample's place: least and greatest, of a place, the receiver's
+    /// slope and how far place and depth may be off. How many pixels were compared and how many of them closely.
     pub fn fault(
         &self,
         world: &World,
