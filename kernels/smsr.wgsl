@@ -1,9 +1,10 @@
 // smsr: shadows by depth comparison with a light-view map of nearest depths, whose staircase borders are drawn anew as straight
 // lines (Bondarev 2014, Shadow Map Silhouette Revectorization).
-// A texel of the map is dark where its depth lies before the receiver's plane at its centre, less the bias. Where a sample's texel
-// and the one beside it differ, the border between them is followed along the texels to either side, REACH at most, to where it
-// ends: turning to the sample's side (also where it turns both ways), away from it, or not within reach. From where it ends follows
-// a line in the sample's texel; a sample between the border and that line takes the answer from beyond the border.
+// A texel of the map is dark where its depth lies before the receiver's plane at its centre, less the bias: BIAS_CONSTANT, and
+// BIAS_SLOPE times the steeper of the receiver's two slopes for each texel away from the pixel, as surfaces bend.
+// Where a sample's texel and the one beside it differ, the border between them is followed along the texels to either side, REACH at
+// most, to where it ends: turning to the sample's side (also where it turns both ways), away from it, or not within reach. From
+// where it ends follows a line in the sample's texel; a sample between border and line takes the answer from beyond the border.
 // With MIDPOINTS the line goes through the middles of the steps (Jimenez et al. 2011: patterns Z, U and L), on both sides of the
 // border. Else as Bondarev has it: from the corners of the dark texels to the far end of the border, or its middle where both ends
 // are corners, so that shadows only grow; of two borders on opposite sides of a texel each has half of it.
@@ -21,6 +22,7 @@
 override REACH: u32 = 16u;
 override MIDPOINTS: u32 = 1u;
 override BIAS_CONSTANT: f32 = 0.00005;
+override BIAS_SLOPE: f32 = 0.5;
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -44,7 +46,9 @@ fn is_dark(plane: Plane, texel: vec2<i32>) -> bool {
     let side = i32(frame.map_size);
     if any(texel < vec2(0)) || any(texel >= vec2(side)) { return false; }
     let key = nearest_keys[u32(texel.y * side + texel.x)];
-    return key != 0u && bitcast<f32>(~key) < plane.depth + dot(plane.slope, middle_of(texel) - plane.place);
+    let away = middle_of(texel) - plane.place;
+    let bend = BIAS_SLOPE * max(abs(plane.slope.x), abs(plane.slope.y)) * max(abs(away.x), abs(away.y));
+    return key != 0u && bitcast<f32>(~key) < plane.depth + dot(plane.slope, away) - bend;
 }
 
 // The line that is drawn beside a border of a texel: `first` is where the border begins along the texels and `length` how long it

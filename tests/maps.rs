@@ -35,7 +35,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
     });
     let compared = [(MethodName::ShadowMap, 1), (MethodName::Pcf, 8), (MethodName::Smsr, 32)]
         .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
-    let smsr = SmsrSettings { shape: SmsrShape::Corners, reach: 5 };
+    let smsr = SmsrSettings { shape: SmsrShape::Corners, reach: 5, slope: 0.1 };
     let corners = ("smsr by corners".to_owned(), MethodName::Smsr, Settings { smsr, ..settings([72, 54], 8) });
     spsm.into_iter().chain(compared).chain([corners]).collect()
 }

@@ -15,7 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
         let samples = Buffer::uniform(&gpu.device, "bench.samples", 64)?;
         samples.write(&gpu.queue, &sample_words(&Samples::new(Default::default(), 32)?));
-        let stage = Smsr::new(&gpu.device, Options { reach: 16, midpoints, constant: 5e-5 });
+        let stage = Smsr::new(&gpu.device, Options { reach: 16, midpoints, constant: 5e-5, slope: 0.5 });
         let count = setup.id_keys.len();
         let visibility = Buffer::<f32>::storage(&gpu.device, "bench.visibility", count)?;
         cases.push(Case {

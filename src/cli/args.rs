@@ -428,6 +428,7 @@ impl Options {
                     Shape::Midpoints => SmsrShape::Midpoints,
                 },
                 reach: self.reach,
+                ..SmsrSettings::default()
             },
             ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },

@@ -162,18 +162,21 @@ pub enum SmsrShape {
 }
 
 /// Options of `smsr`, whose bias is [`ShadowMapSettings::constant`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmsrSettings {
     /// Where lines run.
     pub shape: SmsrShape,
     /// Texels to either side that a border is followed: 1 to [`SmsrSettings::LONGEST`]. The paper's
     /// timings are with 8 (its largest search distance).
     pub reach: u32,
+    /// Times the steeper slope of the receiver, for each texel away from the pixel: what the receiver is moved towards the light
+    /// besides [`ShadowMapSettings::constant`].
+    pub slope: f32,
 }
 
 impl Default for SmsrSettings {
     fn default() -> Self {
-        Self { shape: SmsrShape::default(), reach: 16 }
+        Self { shape: SmsrShape::default(), reach: 16, slope: 0.5 }
     }
 }
 
@@ -189,6 +192,9 @@ impl SmsrSettings {
         let (reach, longest) = (self.reach, Self::LONGEST);
         if !(1..=longest).contains(&reach) {
             return Err(Error::Config(format!("smsr: a reach of {reach} texels; 1 to {longest} are possible")));
+        }
+        if !(0.0..=100.0).contains(&self.slope) {
+            return Err(Error::Config(format!("smsr: a bias of {} slopes a texel; 0 to 100 are possible", self.slope)));
         }
         Ok(())
     }

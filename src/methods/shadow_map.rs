@@ -5,7 +5,7 @@
 use super::fixed::{FixedMethod, Inputs};
 use super::looks::Looks;
 use super::render::Counts;
-use super::settings::{Settings, ShadowMapSettings, SmsrShape};
+use super::settings::{Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
@@ -41,8 +41,9 @@ impl Compare {
             Ask::Nearest => depths(shadow_map::Options { kernel: 1, constant, slope, receiver_plane: false }),
             Ask::Filtered => depths(shadow_map::Options { kernel, constant, slope: 0.0, receiver_plane: true }),
             Ask::Revectorized => {
-                let (reach, midpoints) = (settings.smsr.reach, settings.smsr.shape == SmsrShape::Midpoints);
-                Self::Borders(Smsr::new(device, smsr::Options { reach, midpoints, constant }))
+                let SmsrSettings { shape, reach, slope } = settings.smsr;
+                let midpoints = shape == SmsrShape::Midpoints;
+                Self::Borders(Smsr::new(device, smsr::Options { reach, midpoints, constant, slope }))
             }
         }
     }

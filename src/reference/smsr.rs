@@ -15,6 +15,8 @@ pub struct Lookup<'a> {
     pub midpoints: bool,
     /// Depth that a receiver is moved towards the light.
     pub constant: f64,
+    /// Times the steeper slope of the receiver, for each texel away from the pixel: what it is moved besides.
+    pub slope: f64,
 }
 
 /// How far places and depths may be off: what depends on less is not told.
@@ -40,7 +42,10 @@ enum End {
 /// A receiver's plane as the map sees it.
 #[derive(Clone, Copy, Debug)]
 struct Plane {
+    /// The place that is asked for.
     at: DVec3,
+    /// Where the pixel is, from which the bias grows.
+    from: DVec2,
     slope: DVec2,
     doubt: Doubt,
 }
@@ -52,7 +57,8 @@ impl Lookup<'_> {
         let held = (0..size).contains(&x) && (0..size).contains(&y);
         let Some(nearest) = held.then(|| self.depths[(y * size + x) as usize]).flatten() else { return Some(false) };
         let middle = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-        let depth = plane.at.z - self.constant + plane.slope.dot(middle - plane.at.truncate());
+        let bend = self.slope * plane.slope.abs().max_element() * (middle - plane.from).abs().max_element();
+        let depth = plane.at.z - self.constant + plane.slope.dot(middle - plane.at.truncate()) - bend;
         ((depth - nearest).abs() >= plane.doubt.depth).then_some(nearest < depth)
     }
 
@@ -99,9 +105,10 @@ impl Lookup<'_> {
         })
     }
 
-    /// Whether a place (texel x, y, depth) of a receiver with this slope (depth per texel) is lit; `None` if that is in doubt.
-    pub fn is_lit(&self, at: DVec3, slope: DVec2, doubt: Doubt) -> Option<bool> {
-        let plane = Plane { at, slope, doubt };
+    /// Whether a place (texel x, y, depth) of a receiver with this slope (depth per texel) is lit, of a pixel whose first sample is
+    /// at `from`; `None` if that is in doubt.
+    pub fn is_lit(&self, at: DVec3, from: DVec2, slope: DVec2, doubt: Doubt) -> Option<bool> {
+        let plane = Plane { at, from, slope, doubt };
         let texel = [at.x, at.y].map(|v| v.floor() as i64);
         let inside = at.truncate() - DVec2::new(texel[0] as f64, texel[1] as f64);
         let edge = inside.min_element().min((1.0 - inside).min_element());
@@ -139,7 +146,8 @@ mod tests {
         let (mut off, mut dark, mut all) = (0, 0, 0);
         for k in 0..250_000u32 {
             let [x, y] = [k % 500, k / 500].map(|v| (f64::from(v) + 0.5) / 500.0 * f64::from(size - 56) + 28.0);
-            let lit = lookup.is_lit(DVec3::new(x, y, 0.5), DVec2::ZERO, Doubt::default()).expect("no doubt");
+            let lit =
+                lookup.is_lit(DVec3::new(x, y, 0.5), DVec2::ZERO, DVec2::ZERO, Doubt::default()).expect("no doubt");
             all += 1;
             off += u32::from(lit != (y <= line(x)));
             dark += u32::from(!lit && y <= line(x));
@@ -155,7 +163,8 @@ mod tests {
         for slope in [0.0, 0.07, 0.131, 0.31, 0.47, 0.77, 0.93] {
             let line = |x: f64| 48.3 + slope * (x - 48.0);
             let depths = below(size, line);
-            let with = |reach, midpoints| Lookup { depths: &depths, size, reach, midpoints, constant: 1e-3 };
+            let with =
+                |reach, midpoints| Lookup { depths: &depths, size, reach, midpoints, constant: 1e-3, slope: 0.5 };
             let steps = wrong(size, &with(0, true), line);
             let middle = wrong(size, &with(20, true), line);
             let corner = wrong(size, &with(20, false), line);
@@ -178,9 +187,11 @@ mod tests {
         let size = 9;
         let dark = |x: u32, y: u32| y >= 2 && x != 1 || y >= 1 && x >= 6;
         let depths: Vec<_> = (0..81).map(|k| dark(k % 9, k / 9).then_some(0.0)).collect();
-        let lookup = |midpoints| Lookup { depths: &depths, size, reach: 8, midpoints, constant: 0.0 };
+        let lookup = |midpoints| Lookup { depths: &depths, size, reach: 8, midpoints, constant: 0.0, slope: 0.5 };
         let lit = |midpoints, x, y| {
-            lookup(midpoints).is_lit(DVec3::new(x, y, 0.5), DVec2::ZERO, Doubt::default()).expect("no doubt")
+            lookup(midpoints)
+                .is_lit(DVec3::new(x, y, 0.5), DVec2::ZERO, DVec2::ZERO, Doubt::default())
+                .expect("no doubt")
         };
         // Corner: height (x - 2) / 4 over the border at y of 2.
         for (x, height) in [(2.5, 0.125), (4.0, 0.5), (5.5, 0.875)] {
@@ -192,8 +203,8 @@ mod tests {
         }
         // What depends on a place within the doubt is not told.
         let doubt = Doubt { place: 0.01, depth: 0.0 };
-        assert_eq!(lookup(false).is_lit(DVec3::new(4.0, 1.51, 0.5), DVec2::ZERO, doubt), None);
+        assert_eq!(lookup(false).is_lit(DVec3::new(4.0, 1.51, 0.5), DVec2::ZERO, DVec2::ZERO, doubt), None);
         let doubt = Doubt { place: 0.0, depth: 0.6 };
-        assert_eq!(lookup(false).is_lit(DVec3::new(4.5, 1.2, 0.5), DVec2::ZERO, doubt), None);
+        assert_eq!(lookup(false).is_lit(DVec3::new(4.5, 1.2, 0.5), DVec2::ZERO, DVec2::ZERO, doubt), None);
     }
 }

@@ -22,6 +22,8 @@ pub struct Options {
     pub midpoints: bool,
     /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
     pub constant: f32,
+    /// Times the steeper slope of the receiver, for each texel away from the pixel: what it is moved besides, as surfaces bend.
+    pub slope: f32,
 }
 
 /// The pipeline.
@@ -37,6 +39,7 @@ impl Smsr {
             ("REACH", f64::from(options.reach)),
             ("MIDPOINTS", f64::from(u32::from(options.midpoints))),
             ("BIAS_CONSTANT", f64::from(options.constant)),
+            ("BIAS_SLOPE", f64::from(options.slope)),
         ];
         Self { revectorize: Program::new(device, kernel::ENTRY_REVECTORIZE, &constants) }
     }

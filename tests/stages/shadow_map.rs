@@ -39,7 +39,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
         slope: f64::from(ran.options.slope),
         receiver_plane: ran.options.receiver_plane,
     };
-    ran.on.fault(world, |p, slope, place, doubt| {
+    ran.on.fault(world, |p, _, slope, place, doubt| {
         let (brighter, darker) = (lookup(doubt), lookup(-doubt));
         let around = [[0.0, 0.0], [place, place], [-place, place], [place, -place], [-place, -place]];
         let moved = around.map(|[x, y]| p + DVec3::new(x, y, slope.dot(DVec2::new(x, y))));

@@ -12,7 +12,7 @@ use subpixel_shadows::reference::smsr::{Doubt, Lookup};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::smsr::{Options, Smsr};
 
-const MIDDLE: Options = Options { reach: 16, midpoints: true, constant: 5e-5 };
+const MIDDLE: Options = Options { reach: 16, midpoints: true, constant: 5e-5, slope: 0.5 };
 const CORNER: Options = Options { midpoints: false, ..MIDDLE };
 
 struct Ran {
@@ -34,9 +34,10 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
         reach: ran.options.reach,
         midpoints: ran.options.midpoints,
         constant: f64::from(ran.options.constant),
+        slope: f64::from(ran.options.slope),
     };
-    ran.on.fault(world, |p, slope, place, depth| {
-        let lit = lookup.is_lit(p, slope, Doubt { place, depth });
+    ran.on.fault(world, |p, first, slope, place, depth| {
+        let lit = lookup.is_lit(p, first, slope, Doubt { place, depth });
         lit.map_or([0.0, 1.0], |lit| [f64::from(u8::from(lit)); 2])
     })
 }
@@ -133,7 +134,7 @@ fn degenerate() {
         for options in [MIDDLE, CORNER] {
             assert_eq!(dark(options), 0, "{options:?}, {degrees} degrees: pixels of acne");
         }
-        unbiased += dark(Options { constant: 0.0, ..MIDDLE });
+        unbiased += dark(Options { constant: 0.0, slope: 0.0, ..MIDDLE });
     }
     assert!(unbiased > 0, "the bias is not needed");
 }
@@ -178,4 +179,5 @@ fn detects_corruption() {
     assert!(spoilt(&|r| r.on.depths.fill(None)));
     assert!(spoilt(&|r| r.options.midpoints = false));
     assert!(spoilt(&|r| r.options.reach = 1));
+    assert!(spoilt(&|r| r.options.slope = 8.0));
 }

@@ -56,12 +56,13 @@ impl OnMap {
         }
     }
 
-    /// Where visibility is not within what `share` gives at each sample's place: least and greatest, of a place, the receiver's
-    /// slope and how far place and depth may be off. How many pixels were compared and how many of them closely.
+    /// Where visibility is not within what `share` gives at each sample's place: least and greatest, of a place, that of the
+    /// pixel's first sample, the receiver's slope, and how far place and depth may be off. How many pixels were compared and how
+    /// many of them closely.
     pub fn fault(
         &self,
         world: &World,
-        share: impl Fn(DVec3, DVec2, f64, f64) -> [f64; 2],
+        share: impl Fn(DVec3, DVec2, DVec2, f64, f64) -> [f64; 2],
     ) -> std::result::Result<[u64; 2], String> {
         let [place, depth] = noise(world);
         let (mut compared, mut close) = (0, 0);
@@ -89,8 +90,9 @@ impl OnMap {
             // Depths of the receiver that rounding may give.
             let doubt = depth + 2e-6 + (slope.x.abs() + slope.y.abs()) * place * 2.0;
             let (mut low, mut high, mut seen) = (0.0, 0.0, 0.0);
+            let first = places.iter().flatten().next().map_or(DVec2::ZERO, |p| p.truncate());
             for p in places.iter().flatten() {
-                let [least, greatest] = share(*p, slope, place, doubt);
+                let [least, greatest] = share(*p, first, slope, place, doubt);
                 (low, high, seen) = (low + least, high + greatest, seen + 1.0);
             }
             if seen == 0.0 {
