@@ -1,12 +1,9 @@
 //! Texels of a map of 512 × 512 that the pixels of a ball ask for, with one sample a pixel.
 
 use crate::harness::Case;
-use crate::harness::geometry::Setup;
+use crate::harness::geometry::{Setup, samples};
 use subpixel_shadows::Result;
-use subpixel_shadows::frame::sample_words;
-use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::samples::Samples;
-use subpixel_shadows::stages::Seen;
+use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::stages::seen_texels::SeenTexels;
 use subpixel_shadows::stages::spsm_map::SpsmTexels;
 use subpixel_shadows::stages::spsm_query::Options;
@@ -17,8 +14,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let side = (setup.layers.splits.len() as f64).sqrt() as usize;
     let count = setup.id_keys.len();
     let texels = SpsmTexels::new(device, queue, side, count, 5)?;
-    let samples = Buffer::uniform(device, "bench.samples", 64)?;
-    samples.write(queue, &sample_words(&Samples::new(Default::default(), 1)?));
+    let samples = samples(gpu, 1)?;
     let options = Options { stretch: 2, ..Options::default() };
     let stage = SeenTexels::new(device, options, &texels);
     Ok(vec![Case {
@@ -27,14 +23,6 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         bytes: count * (4 + 12 + 48),
         atomics: count,
         flops: 0,
-        record: Box::new(move |s| {
-            let seen = Seen {
-                samples: samples.raw(),
-                id_keys: &setup.id_keys,
-                triangles: setup.casters.triangles.raw(),
-                points: &setup.points,
-            };
-            stage.record(s, setup.frame.raw(), seen, &texels)
-        }),
+        record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.seen_with(&samples), &texels)),
     }])
 }

@@ -1,20 +1,16 @@
 //! Depth comparison of 32 samples a pixel on a map of 512 × 512, unfiltered and with a filter of 3 × 3 texels.
 
 use crate::harness::Case;
-use crate::harness::geometry::Setup;
+use crate::harness::geometry::{Setup, samples};
 use subpixel_shadows::Result;
-use subpixel_shadows::frame::sample_words;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::samples::Samples;
-use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::shadow_map::{Options, ShadowMap};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut cases = Vec::new();
     for (kernel, slope) in [(1, 1.05), (3, 0.0)] {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
-        let samples = Buffer::uniform(&gpu.device, "bench.samples", 64)?;
-        samples.write(&gpu.queue, &sample_words(&Samples::new(Default::default(), 32)?));
+        let samples = samples(gpu, 32)?;
         let options = Options { kernel, constant: 5e-5, slope, receiver_plane: kernel > 1 };
         let stage = ShadowMap::new(&gpu.device, options);
         let count = setup.id_keys.len();
@@ -27,13 +23,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // Two products and sums for each texel of the filter, and the sample's place and depth.
             flops: count * 32 * (12 + (kernel * kernel) as usize),
             record: Box::new(move |s| {
-                let seen = Seen {
-                    samples: samples.raw(),
-                    id_keys: &setup.id_keys,
-                    triangles: setup.casters.triangles.raw(),
-                    points: &setup.points,
-                };
-                stage.record(s, setup.frame.raw(), seen, &setup.layers.nearest_keys, &visibility)
+                stage.record(s, setup.frame.raw(), setup.seen_with(&samples), &setup.layers.nearest_keys, &visibility)
             }),
         });
     }

@@ -1,20 +1,16 @@
 //! Borders drawn anew for 32 samples a pixel on a map of 512 × 512, by midpoints and by corners.
 
 use crate::harness::Case;
-use crate::harness::geometry::Setup;
+use crate::harness::geometry::{Setup, samples};
 use subpixel_shadows::Result;
-use subpixel_shadows::frame::sample_words;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::samples::Samples;
-use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::smsr::{Options, Smsr};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut cases = Vec::new();
     for (name, midpoints) in [("midpoints", true), ("corners", false)] {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
-        let samples = Buffer::uniform(&gpu.device, "bench.samples", 64)?;
-        samples.write(&gpu.queue, &sample_words(&Samples::new(Default::default(), 32)?));
+        let samples = samples(gpu, 32)?;
         let stage = Smsr::new(&gpu.device, Options { reach: 16, midpoints, constant: 5e-5, slope: 0.5 });
         let count = setup.id_keys.len();
         let visibility = Buffer::<f32>::storage(&gpu.device, "bench.visibility", count)?;
@@ -26,13 +22,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // The place of each sample, and four lines of which most are none.
             flops: count * 32 * 20,
             record: Box::new(move |s| {
-                let seen = Seen {
-                    samples: samples.raw(),
-                    id_keys: &setup.id_keys,
-                    triangles: setup.casters.triangles.raw(),
-                    points: &setup.points,
-                };
-                stage.record(s, setup.frame.raw(), seen, &setup.layers.nearest_keys, &visibility)
+                stage.record(s, setup.frame.raw(), setup.seen_with(&samples), &setup.layers.nearest_keys, &visibility)
             }),
         });
     }

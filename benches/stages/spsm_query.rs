@@ -1,13 +1,10 @@
 //! Classes of all pixels, and the recovery of the uncertain ones with 32 samples, of a ball on a map of 512 × 512.
 
 use crate::harness::Case;
-use crate::harness::geometry::Setup;
+use crate::harness::geometry::{Setup, samples};
 use subpixel_shadows::Result;
-use subpixel_shadows::frame::sample_words;
-use subpixel_shadows::gpu::{Buffer, Gpu, Recorder};
-use subpixel_shadows::samples::Samples;
+use subpixel_shadows::gpu::{Gpu, Recorder};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::seen_texels::SeenTexels;
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
 use subpixel_shadows::stages::spsm_query::{Options, SpsmPixels, SpsmQuery};
@@ -18,17 +15,15 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let side = (setup.layers.splits.len() as f64).sqrt() as usize;
     let count = setup.id_keys.len();
     let texels = SpsmTexels::new(device, queue, side, count, 5)?;
-    let samples = Buffer::uniform(device, "bench.samples", 64)?;
-    samples.write(queue, &sample_words(&Samples::new(Default::default(), 32)?));
+    let samples = samples(gpu, 32)?;
     let pixels = SpsmPixels::new(device, queue, count, 1)?;
     let options = Options { many: true, ..Options::default() };
     let stage = SpsmQuery::new(device, &PrefixScan::new(device), options, &texels);
     let frame = setup.frame.raw().clone();
-    let triangles = setup.casters.triangles.raw().clone();
     // The list of the uncertain pixels lies beside the marks, as a frame leaves it.
     let mut encoder = gpu.encoder();
     let mut rec = Recorder::new(device, &mut encoder, None);
-    let seen = Seen { samples: samples.raw(), id_keys: &setup.id_keys, triangles: &triangles, points: &setup.points };
+    let seen = setup.seen_with(&samples);
     let mut all = rec.stage("setup");
     SeenTexels::new(device, options, &texels).record_all(&mut all, &frame, &texels.marks)?;
     SpsmMap::new(device, 1, &texels).record(&mut all, &frame, setup.lit(), &texels)?;
@@ -44,15 +39,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: 0,
         record: Box::new(move |s| {
-            let seen = Seen {
-                samples: samples.raw(),
-                id_keys: &setup.id_keys,
-                triangles: setup.casters.triangles.raw(),
-                points: &setup.points,
-            };
-            stage.record_classify(s, setup.frame.raw(), seen, &texels, &pixels)?;
-            stage.record_settle(s, setup.frame.raw(), seen, &texels, &pixels)?;
-            stage.record_recover(s, setup.frame.raw(), seen, &texels, &pixels)
+            stage.record_classify(s, setup.frame.raw(), setup.seen_with(&samples), &texels, &pixels)?;
+            stage.record_settle(s, setup.frame.raw(), setup.seen_with(&samples), &texels, &pixels)?;
+            stage.record_recover(s, setup.frame.raw(), setup.seen_with(&samples), &texels, &pixels)
         }),
     }])
 }

@@ -47,7 +47,7 @@ pub use summed_area::SummedArea;
 pub use texel_group::TexelGroup;
 pub use work_owners::WorkOwners;
 
-use crate::gpu::Buffer;
+use crate::gpu::{Buffer, Groups, Program, Stage};
 use crate::{Error, Result};
 
 /// What stages that ask a map for shadows read of the pixels.
@@ -64,6 +64,20 @@ pub struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
+    /// Runs over all pixels what takes the nearest depth at each texel and writes visibility.
+    fn on_depths(
+        self,
+        program: &Program,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        nearest_keys: &Buffer<u32>,
+        visibility: &Buffer<f32>,
+    ) -> Result<()> {
+        let mut buffers = self.buffers(frame);
+        buffers.extend([("nearest_keys", nearest_keys.raw()), ("visibility", visibility.raw())]);
+        stage.run(program, &buffers, Groups::Items(visibility.len() as u64))
+    }
+
     /// What such a stage binds before the map's own.
     fn buffers(self, frame: &'a wgpu::Buffer) -> Vec<(&'static str, &'a wgpu::Buffer)> {
         vec![

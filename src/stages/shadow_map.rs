@@ -9,7 +9,7 @@
 use super::Seen;
 use crate::Result;
 use crate::gpu::kernels::shadow_map as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Program, Stage};
 
 /// What the pipeline is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,8 +54,6 @@ impl ShadowMap {
         nearest_keys: &Buffer<u32>,
         visibility: &Buffer<f32>,
     ) -> Result<()> {
-        let mut buffers = seen.buffers(frame);
-        buffers.extend([("nearest_keys", nearest_keys.raw()), ("visibility", visibility.raw())]);
-        stage.run(&self.compare, &buffers, Groups::Items(visibility.len() as u64))
+        seen.on_depths(&self.compare, stage, frame, nearest_keys, visibility)
     }
 }

@@ -10,7 +10,7 @@
 use super::Seen;
 use crate::Result;
 use crate::gpu::kernels::smsr as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Program, Stage};
 
 /// What the pipeline is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,8 +56,6 @@ impl Smsr {
         nearest_keys: &Buffer<u32>,
         visibility: &Buffer<f32>,
     ) -> Result<()> {
-        let mut buffers = seen.buffers(frame);
-        buffers.extend([("nearest_keys", nearest_keys.raw()), ("visibility", visibility.raw())]);
-        stage.run(&self.revectorize, &buffers, Groups::Items(visibility.len() as u64))
+        seen.on_depths(&self.revectorize, stage, frame, nearest_keys, visibility)
     }
 }

@@ -6,7 +6,7 @@ use crate::support::shadow::{
     World, above, add_triangle, camera, folding_gpu, looked_down_on as world, random_light, random_scene, samples,
     sheet, uniform,
 };
-use crate::support::spsm::{Made, noise, receiver, take_list};
+use crate::support::spsm::{Made, faces_away, noise, receiver, take_list};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Buffer;
@@ -150,14 +150,9 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
             }
             continue;
         };
-        let Some([a, b, c]) = world.triangles[t as usize].corners else { continue };
-        let (towards_light, towards_eye) = (world.view.side([a, b, c]), -(b - a).cross(c - a).dot(a));
-        let size = (b - a).length() * (c - a).length();
-        if towards_light.abs() < 1e-4 * size || towards_eye.abs() < 1e-4 * size * a.length() {
-            continue;
-        }
-        if (towards_light * towards_eye < 0.0) != (class == Class::Dark as u32) {
-            return Err(format!("{at}: light on side {towards_light}, eye on side {towards_eye}"));
+        let Some(dark) = faces_away(world, t) else { continue };
+        if dark != (class == Class::Dark as u32) {
+            return Err(format!("{at}: that it faces away from the light is {dark}"));
         }
         if class == Class::Dark as u32 {
             if ran.visibility[pixel] != 0.0 || masks.iter().any(|m| *m != 0) {

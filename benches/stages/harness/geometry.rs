@@ -2,7 +2,7 @@
 //! and light, with every stage's input made by the stages before it.
 
 use std::rc::Rc;
-use subpixel_shadows::frame::Frame;
+use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage, kernels, recorder};
 use subpixel_shadows::light_view::LightView;
@@ -11,6 +11,7 @@ use subpixel_shadows::methods::prepared::CasterBuffers;
 use subpixel_shadows::reference::prefix_scan;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility};
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
@@ -106,7 +107,20 @@ impl Work {
     }
 }
 
+/// The uniform of so many samples a pixel.
+pub fn samples(gpu: &Gpu, count: u32) -> Result<Buffer<[f32; 4]>> {
+    let samples = Buffer::uniform(&gpu.device, "bench.samples", 64)?;
+    samples.write(&gpu.queue, &sample_words(&Samples::new(Default::default(), count)?));
+    Ok(samples)
+}
+
 impl Setup {
+    /// What the pixels of the frame see, with these samples.
+    pub fn seen_with<'a>(&'a self, samples: &'a Buffer<[f32; 4]>) -> Seen<'a> {
+        let triangles = self.casters.triangles.raw();
+        Seen { samples: samples.raw(), id_keys: &self.id_keys, triangles, points: &self.points }
+    }
+
     /// A frame of about `size` triangles; `None` above [`MOST`].
     pub fn new(gpu: &Gpu, size: usize) -> Result<Option<Rc<Self>>> {
         Self::with(gpu, size, |_| {})

@@ -1,7 +1,7 @@
 //! Stages that ask a map of nearest depths, and how they are judged: pixel by pixel against `f64` on the same map.
 
 use super::shadow::{World, uniform};
-use super::spsm::{noise, receiver};
+use super::spsm::{faces_away, noise, receiver};
 use super::{POISON, run};
 use subpixel_shadows::Result;
 use subpixel_shadows::glam::{DVec2, DVec3};
@@ -74,13 +74,8 @@ impl OnMap {
                 }
                 continue;
             };
-            let Some([a, b, c]) = world.triangles[t as usize].corners else { continue };
-            let (towards_light, towards_eye) = (world.view.side([a, b, c]), -(b - a).cross(c - a).dot(a));
-            let size = (b - a).length() * (c - a).length();
-            if towards_light.abs() < 1e-4 * size || towards_eye.abs() < 1e-4 * size * a.length() {
-                continue;
-            }
-            if towards_light * towards_eye < 0.0 {
+            let Some(dark) = faces_away(world, t) else { continue };
+            if dark {
                 if v != 0.0 {
                     return Err(format!("{at}: it faces away from the light"));
                 }

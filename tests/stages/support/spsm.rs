@@ -136,6 +136,15 @@ fn on_plane(world: &World, pixel: u32, t: u32, offset: DVec2) -> Option<DVec3> {
     (depth > 0.0).then(|| world.view.on_map(ray * depth)).flatten().map(|p| p.truncate())
 }
 
+/// Whether triangle `t` turns its other side to the light than to the eye; `None` where that is too close to call.
+pub fn faces_away(world: &World, t: u32) -> Option<bool> {
+    let [a, b, c] = world.triangles[t as usize].corners?;
+    let (towards_light, towards_eye) = (world.view.side([a, b, c]), -(b - a).cross(c - a).dot(a));
+    let size = (b - a).length() * (c - a).length();
+    let clear = towards_light.abs() >= 1e-4 * size && towards_eye.abs() >= 1e-4 * size * a.length();
+    clear.then_some(towards_light * towards_eye < 0.0)
+}
+
 /// A receiver as the definition takes it: places of the samples in the light view, its slope there, and the depth of its
 /// triangle's farthest corner.
 pub fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>, DVec2, f64)> {
