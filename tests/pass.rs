@@ -346,14 +346,21 @@ fn a_map_larger_than_a_binding_is_cut() {
     let parts = Parts::within(settings.map, &gpu().device.limits()).across();
     let bound = gpu().device.limits().max_storage_buffer_binding_size;
     assert!(parts == 2 || bound > 128 << 20, "{parts} parts a side where {bound} bytes are bound");
-    let mut pass = pass(settings.clone(), casters(&scene.mesh));
-    let (got, _) = complete_within(4, &mut pass, &Inputs::new(&scene.camera, &scene.light));
-    // Which samples of a pixel settled as lit see other surfaces is not looked at, and another map settles others.
     let visibility: Vec<u32> = output.visibility.iter().map(|v| v.to_bits()).collect();
-    assert!(got.0[..visibility.len()] == visibility, "a pixel differs");
     let dark = output.visibility.iter().filter(|&&v| v < 1.0).count();
     assert!(dark > 100 && dark < visibility.len() - 100, "{dark} pixels in shadow");
-    assert_eq!((pass.capacities().views, pass.settings()), (parts.pow(2), &settings));
+    let buffer = vertex_buffer(&scene.mesh.positions);
+    let vertices = Vertices { buffer: &buffer, offset: 16, stride: 32 };
+    let still = Inputs::new(&scene.camera, &scene.light);
+    let moving = Inputs { moved: Some(Moved { vertices, bounds: bounds(&scene.mesh) }), ..still };
+    let moving_casters = Casters::Moving { rest: &scene.mesh.positions, triangles: &scene.mesh.triangles };
+    for (what, casters, inputs) in [("still", casters(&scene.mesh), still), ("moving", moving_casters, moving)] {
+        let mut pass = pass(settings.clone(), casters);
+        let (got, _) = complete_within(4, &mut pass, &inputs);
+        // Which samples of a pixel settled as lit see other surfaces is not looked at, and another map settles others.
+        assert!(got.0[..visibility.len()] == visibility, "{what}: a pixel differs");
+        assert_eq!((pass.capacities().views, pass.settings()), (parts.pow(2), &settings), "{what}");
+    }
 }
 
 #[test]
