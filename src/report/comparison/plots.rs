@@ -122,6 +122,7 @@ impl Plot {
             .draw()
             .map_err(|e| e.to_string())?;
         let mut colours = COLOURS.iter().cycle();
+        let guides = self.series.iter().filter(|s| s.guide).count();
         for (n, series) in self.series.iter().enumerate() {
             let at = 60 + 20 * n as i32;
             let name = Text::new(series.name.clone(), (30, at - 6), ("sans-serif", 13));
@@ -139,7 +140,7 @@ impl Plot {
                 chart.draw_series(line).map_err(|e| e.to_string())?;
             }
             // Beyond as many series as there are colours, rings.
-            let mark = if n > COLOURS.len() { colour.stroke_width(2) } else { colour.filled() };
+            let mark = if n >= COLOURS.len() + guides { colour.stroke_width(2) } else { colour.filled() };
             let marks = series.points.iter().map(|p| Circle::new(place(p), 4, mark));
             chart.draw_series(marks).map_err(|e| e.to_string())?;
             legend.draw(&Circle::new((13, at), 4, mark)).map_err(|e| e.to_string())?;
