@@ -85,6 +85,13 @@ const SMSR_STAGES: [(&str, &str); 2] = [
     ("smsr", "depth of every sample against the map, its borders drawn anew"),
 ];
 
+/// Stages of the methods of maps that are fitted to what is seen, or filtered, after what the camera sees.
+const SPLIT_STAGES: [(&str, &str); 3] = [
+    ("split_maps", "nearest depth at every texel centre of the map of each slice"),
+    ("map_moments", "mean and variance of ever larger squares of texels"),
+    ("split_shadows", "every sample, or the pixel's footprint, against the map of its slice"),
+];
+
 /// Stages of `ray-traced` between facets and picture.
 const RAY_STAGES: [(&str, &str); 3] = [
     ("shadow_rays", "a ray from every sample to the light"),
@@ -203,6 +210,11 @@ impl Plan {
             MethodName::Spsm => &SPSM_STAGES,
             MethodName::ShadowMap | MethodName::Pcf => &SHADOW_MAP_STAGES,
             MethodName::Smsr => &SMSR_STAGES,
+            MethodName::Variance
+            | MethodName::Trapezoidal
+            | MethodName::Lispsm
+            | MethodName::ParallelSplit
+            | MethodName::Remix => &SPLIT_STAGES,
             MethodName::RayTraced => &RAY_STAGES,
             MethodName::Supersampled => &BIN_STAGES,
         };
@@ -214,7 +226,9 @@ impl Plan {
         settings.spsm.seen_only = every_texel.is_none();
         let shadowless: Vec<Step> = steps.iter().filter(|s| !s.name.contains('.')).cloned().collect();
         let reason = shadowless.iter().find(|s| s.name == "light_layers").and_then(|s| s.left_out.clone());
+        let filters = matches!(method, MethodName::Variance | MethodName::Remix);
         let left_out = |name| match name {
+            "map_moments" if !filters => reason.clone().or_else(|| Some("samples are compared with depths".to_owned())),
             "seen_texels" | "spsm_map_around" => reason.clone().or_else(|| every_texel.clone()),
             _ => reason.clone(),
         };

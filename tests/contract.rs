@@ -14,7 +14,7 @@ use subpixel_shadows::stages::camera_visibility::Pass;
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::{
     caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, pixel_receivers, prefix_scan,
-    radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids, work_owners,
+    radix_sort, sample_surfaces, sorted_pairs, split_maps, summed_area, texel_group, triangle_ids, work_owners,
 };
 
 /// A struct as Rust knows it.
@@ -69,6 +69,7 @@ fn registry() -> Vec<Registered> {
         of::<radix_sort::Params>(),
         of::<sample_surfaces::Step>(),
         of::<sorted_pairs::Params>(),
+        of::<split_maps::SplitViews>(),
         of::<summed_area::Params>(),
         of::<texel_group::Params>(),
         of::<triangle_ids::Params>(),

@@ -2,6 +2,7 @@
 
 pub mod geometry;
 pub mod shadow;
+pub mod splits;
 
 use serde::Serialize;
 use std::fmt;

@@ -58,22 +58,31 @@ fn receiver_of(pixel: u32) -> Receiver {
     return r;
 }
 
-// A sample's place in the light view (texel x, y, depth); w is 0 where its ray misses the plane, or the plane there is not in
-// front of the light.
-fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
+// Where a ray meets the plane; w is 0 where it misses it.
+fn plane_point(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
     let over = dot(r.normal, ray);
     let depth = r.height / over;
     let raw = ray * depth;
     // Back onto the plane, from which rounding moved it.
-    let p = vec4(raw - ray * (dot(r.normal, raw - r.at) / over), 1.0);
+    return vec4(raw - ray * (dot(r.normal, raw - r.at) / over), select(0.0, 1.0, depth > 0.0));
+}
+
+// The place of such a point in the light view (texel x, y, depth); w is 0 where there is none, or it is not in front of the light.
+fn place_at(point: vec4<f32>) -> vec4<f32> {
+    let p = vec4(point.xyz, 1.0);
     var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
-    var front = depth > 0.0;
+    var front = point.w != 0.0;
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {
         let w = dot(frame.map_w, p);
         front = front && w > frame.light_low.w;
         uvz /= w;
     }
     return vec4(uvz, select(0.0, 1.0, front && abs(uvz.x) < 3.0e38 && abs(uvz.y) < 3.0e38));
+}
+
+// A sample's place in the light view, see place_at.
+fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
+    return place_at(plane_point(r, ray));
 }
 
 // Whether a ray meets the triangle itself: beside it the plane need not be what the pixel shows.

@@ -2,12 +2,13 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use subpixel_shadows::light_view::Warp;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Settings};
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::methods::{
-    MethodName, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding,
-    SpsmSettings,
+    MethodName, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SplitSettings,
+    SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -102,6 +103,21 @@ pub struct Options {
     /// Texels to either side that smsr follows a border, its search distance: 1 to 64
     #[arg(long, default_value_t = 16, value_name = "N")]
     pub reach: u32,
+    /// Slices of the view, each with a map, of parallel-split and remix: 1 to 4
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    pub splits: u32,
+    /// How remix lays the texels of a map over its slice: evenly, over a trapezoid, or by light-space perspective
+    #[arg(long, value_enum, default_value_t, value_name = "HOW")]
+    pub warp: WarpBy,
+    /// Share of a slice's depth, nearest the eye, that trapezoidal and remix give 80 % of the map's rows
+    #[arg(long, default_value_t = 0.6, value_name = "SHARE")]
+    pub focus: f32,
+    /// Share of light that variance and remix take off against leaks; 0 as in the papers, up to 0.9
+    #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
+    pub bleeding: f32,
+    /// Degrees of elevation of the light over a surface below which remix takes half of it as lit: 5 in the paper, 0 for none
+    #[arg(long, default_value_t = 0.0, value_name = "DEGREES")]
+    pub grazing: f32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: Masks,
@@ -315,6 +331,20 @@ pub enum Shape {
     Midpoints,
 }
 
+/// How the texels of a map lie over a slice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum WarpBy {
+    /// Evenly, over the box around what is seen.
+    Even,
+    /// Over a trapezoid around it, 80 % of whose rows go to the first part.
+    Trapezoid,
+    /// As is best for a frustum and a light from the side.
+    Lispsm,
+    /// As makes texels the smallest beside pixels.
+    #[default]
+    Fitted,
+}
+
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum FacetsPerPixel {
     One,
@@ -429,6 +459,19 @@ impl Options {
                 },
                 reach: self.reach,
                 ..SmsrSettings::default()
+            },
+            split: SplitSettings {
+                splits: self.splits,
+                warp: match self.warp {
+                    WarpBy::Even => Warp::Box,
+                    WarpBy::Trapezoid => Warp::Trapezoid,
+                    WarpBy::Lispsm => Warp::LightSpace,
+                    WarpBy::Fitted => Warp::Fitted,
+                },
+                focus: self.focus,
+                bleeding: self.bleeding,
+                grazing: self.grazing,
+                ..SplitSettings::default()
             },
             ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },

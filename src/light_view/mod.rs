@@ -4,8 +4,12 @@ mod casters;
 mod cube;
 mod fit;
 mod parts;
+mod seen_box;
+mod splits;
 
 pub use parts::Parts;
+pub use seen_box::SeenBox;
+pub use splits::{SplitPlan, SplitView, Warp};
 
 use crate::{Error, Result};
 use glam::{DMat4, DVec3, DVec4};

@@ -8,6 +8,7 @@ use super::ray_traced::RayTraced;
 use super::render::{Budget, Output, Renderer};
 use super::settings::Settings;
 use super::shadow_map::{Ask, ShadowMapping};
+use super::split_mapping::{Recipe, SplitMapping};
 use super::spsm::Spsm;
 use super::supersampled::Supersampled;
 use crate::Result;
@@ -28,6 +29,16 @@ pub enum MethodName {
     Pcf,
     /// `smsr`: Bondarev 2014.
     Smsr,
+    /// `variance`: Donnelly and Lauritzen 2006.
+    Variance,
+    /// `trapezoidal`: Martin and Tan 2004.
+    Trapezoidal,
+    /// `lispsm`: Wimmer, Scherzer, Purgathofer 2004.
+    Lispsm,
+    /// `parallel-split`: Zhang, Sun, Xu, Lun 2006.
+    ParallelSplit,
+    /// `remix`: Oliveira 2009.
+    Remix,
     /// `ray-traced`: Whitted 1980, through the tree of Ylitie, Karras, Laine 2017.
     RayTraced,
     /// `supersampled`: Aila and Laine 2004; Johnson et al. 2005; Sintorn et al. 2008.
@@ -36,8 +47,20 @@ pub enum MethodName {
 
 impl MethodName {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::FacetMasks, Self::Spsm, Self::ShadowMap, Self::Pcf, Self::Smsr, Self::RayTraced, Self::Supersampled];
+    pub const ALL: [Self; 12] = [
+        Self::FacetMasks,
+        Self::Spsm,
+        Self::ShadowMap,
+        Self::Pcf,
+        Self::Smsr,
+        Self::Variance,
+        Self::Trapezoidal,
+        Self::Lispsm,
+        Self::ParallelSplit,
+        Self::Remix,
+        Self::RayTraced,
+        Self::Supersampled,
+    ];
 
     /// The one name of the method.
     pub fn name(self) -> &'static str {
@@ -47,6 +70,11 @@ impl MethodName {
             Self::ShadowMap => "shadow-map",
             Self::Pcf => "pcf",
             Self::Smsr => "smsr",
+            Self::Variance => "variance",
+            Self::Trapezoidal => "trapezoidal",
+            Self::Lispsm => "lispsm",
+            Self::ParallelSplit => "parallel-split",
+            Self::Remix => "remix",
             Self::RayTraced => "ray-traced",
             Self::Supersampled => "supersampled",
         }
@@ -57,6 +85,7 @@ impl MethodName {
         match self {
             Self::FacetMasks | Self::Spsm => [true, true],
             Self::ShadowMap | Self::Pcf | Self::Smsr => [false, true],
+            Self::Variance | Self::Trapezoidal | Self::Lispsm | Self::ParallelSplit | Self::Remix => [false, true],
             Self::RayTraced | Self::Supersampled => [false, false],
         }
     }
@@ -70,6 +99,8 @@ pub enum AnyRenderer<'a> {
     Spsm(Box<FixedRenderer<'a, Spsm>>),
     /// `shadow-map`, `pcf` and `smsr`.
     ShadowMapping(Box<FixedRenderer<'a, ShadowMapping>>),
+    /// `variance`, `trapezoidal`, `lispsm`, `parallel-split` and `remix`.
+    SplitMapping(Box<FixedRenderer<'a, SplitMapping>>),
     /// `ray-traced`.
     RayTraced(Box<FixedRenderer<'a, RayTraced>>),
     /// `supersampled`.
@@ -103,6 +134,11 @@ impl<'a> AnyRenderer<'a> {
                 let make = |_: &CasterBuffers| ShadowMapping::new(gpu, settings, ask);
                 Ok(Self::ShadowMapping(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))
             }
+            MethodName::Variance => Self::split_mapping(gpu, prepared, settings, Recipe::Variance),
+            MethodName::Trapezoidal => Self::split_mapping(gpu, prepared, settings, Recipe::Trapezoidal),
+            MethodName::Lispsm => Self::split_mapping(gpu, prepared, settings, Recipe::LightSpace),
+            MethodName::ParallelSplit => Self::split_mapping(gpu, prepared, settings, Recipe::ParallelSplit),
+            MethodName::Remix => Self::split_mapping(gpu, prepared, settings, Recipe::Remix),
             MethodName::RayTraced => {
                 let make = |casters: &CasterBuffers| RayTraced::new(gpu, prepared, casters, settings);
                 Ok(Self::RayTraced(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))
@@ -114,6 +150,11 @@ impl<'a> AnyRenderer<'a> {
         }
     }
 
+    fn split_mapping(gpu: &'a Gpu, prepared: &'a Prepared, settings: &Settings, recipe: Recipe) -> Result<Self> {
+        let make = |casters: &CasterBuffers| SplitMapping::new(gpu, prepared, casters, settings, recipe);
+        Ok(Self::SplitMapping(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))
+    }
+
     /// Renders one frame.
     ///
     /// # Errors
@@ -123,6 +164,7 @@ impl<'a> AnyRenderer<'a> {
             Self::FacetMasks(renderer) => renderer.render(camera, light),
             Self::Spsm(renderer) => renderer.render(camera, light),
             Self::ShadowMapping(renderer) => renderer.render(camera, light),
+            Self::SplitMapping(renderer) => renderer.render(camera, light),
             Self::RayTraced(renderer) => renderer.render(camera, light),
             Self::Supersampled(renderer) => renderer.render(camera, light),
         }
@@ -144,6 +186,7 @@ impl<'a> AnyRenderer<'a> {
         let looks = match self {
             Self::Spsm(renderer) => renderer.looks()?,
             Self::ShadowMapping(renderer) => renderer.looks()?,
+            Self::SplitMapping(renderer) => renderer.looks()?,
             Self::FacetMasks(_) | Self::RayTraced(_) | Self::Supersampled(_) => None,
         };
         Ok((output, looks))

@@ -2,10 +2,11 @@
 
 use super::facet_masks::FacetMasks;
 use super::shadow_map::ShadowMapping;
+use super::split_mapping::SplitMapping;
 use super::spsm::Spsm;
 use super::strips::Rows;
 use crate::Result;
-use crate::gpu::Gpu;
+use crate::gpu::{Buffer, Gpu};
 use crate::stages::facet_classify::{Facets, State};
 use crate::stages::light_layers::Layers;
 use crate::stages::spsm_query::Class;
@@ -43,7 +44,7 @@ impl PixelClass {
     }
 }
 
-/// A light-view map, texel by texel, row by row.
+/// A light-view map, texel by texel, row by row; of several slices of the view one map below the other, the nearest first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapLook {
     /// Texels a side.
@@ -111,6 +112,11 @@ impl Looks {
         Ok(Self { classes, map: Some(map) })
     }
 
+    pub(super) fn of_split_maps(gpu: &Gpu, method: &SplitMapping) -> Result<Self> {
+        let (keys, size) = method.maps();
+        Ok(Self { classes: Vec::new(), map: Some(MapLook { size, ..MapLook::of_keys(gpu, keys)? }) })
+    }
+
     pub(super) fn of_shadow_map(gpu: &Gpu, method: &ShadowMapping) -> Result<Self> {
         Ok(Self { classes: Vec::new(), map: Some(MapLook::nearest(gpu, method.map())?) })
     }
@@ -118,7 +124,11 @@ impl Looks {
 
 impl MapLook {
     fn nearest(gpu: &Gpu, layers: &Layers) -> Result<Self> {
-        let keys = layers.nearest_keys.read(gpu)?;
+        Self::of_keys(gpu, &layers.nearest_keys)
+    }
+
+    fn of_keys(gpu: &Gpu, keys: &Buffer<u32>) -> Result<Self> {
+        let keys = keys.read(gpu)?;
         let depths = keys.iter().map(|&key| if key == 0 { f32::NAN } else { f32::from_bits(!key) }).collect();
         Ok(Self { size: side(keys.len()), depths, ..Self::default() })
     }

@@ -14,6 +14,7 @@ pub mod render;
 pub mod settings;
 pub mod settled;
 pub mod shadow_map;
+pub mod split_mapping;
 pub mod spsm;
 pub mod strips;
 pub mod supersampled;
@@ -25,5 +26,5 @@ pub use looks::{Looks, MapLook, PixelClass};
 pub use prepared::Prepared;
 pub use settings::{
     FacetMode, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape,
-    SpsmEncoding, SpsmSettings,
+    SplitSettings, SpsmEncoding, SpsmSettings,
 };

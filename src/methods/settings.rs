@@ -1,7 +1,7 @@
 //! What a frame is computed with.
 
 use super::prepared::Prepared;
-use crate::light_view::{LightView, Parts, Receivers};
+use crate::light_view::{LightView, Parts, Receivers, SplitPlan, Warp};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
 use crate::scene::{Light, Mesh};
@@ -200,6 +200,54 @@ impl SmsrSettings {
     }
 }
 
+/// Options of the methods whose maps are fitted to what the camera sees (`trapezoidal`, `lispsm`, `parallel-split`, `remix`), and of
+/// those that filter maps by their moments (`variance`, `remix`). Their bias is that of [`ShadowMapSettings`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SplitSettings {
+    /// Slices of the view, each with a map, of `parallel-split` and `remix`: 1 to [`SplitPlan::MOST`]; 3 in Oliveira 2009.
+    pub splits: u32,
+    /// How `remix` lays the texels of a map over its slice.
+    pub warp: Warp,
+    /// Share of a slice's depth, from its near side, that gets 80 % of a trapezoid's rows (`trapezoidal`, `remix`).
+    pub focus: f32,
+    /// Share of light that is taken off against the leaks of moments; 0 in the paper.
+    pub bleeding: f32,
+    /// Degrees of elevation of the light over a surface below which `remix` takes half of it as lit (Oliveira, section 4.2.2: 5); 0
+    /// for none.
+    pub grazing: f32,
+}
+
+impl Default for SplitSettings {
+    fn default() -> Self {
+        Self { splits: 3, warp: Warp::Fitted, focus: 0.6, bleeding: 0.0, grazing: 0.0 }
+    }
+}
+
+impl SplitSettings {
+    /// Checks the values against what is possible.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers.
+    pub fn check(&self) -> Result<()> {
+        let Self { splits, focus, bleeding, grazing, .. } = *self;
+        let most = SplitPlan::MOST;
+        let refuse = |text: String| Err(Error::Config(text));
+        if !(1..=most).contains(&splits) {
+            return refuse(format!("{splits} splits of the view; 1 to {most} are possible"));
+        }
+        if !(focus > 0.0 && focus <= 1.0) {
+            return refuse(format!("a focus on the first {focus} of a slice; more than 0, up to 1, is possible"));
+        }
+        if !(0.0..=0.9).contains(&bleeding) {
+            return refuse(format!("{bleeding} of the light taken off against leaks; 0 to 0.9 are possible"));
+        }
+        if !(0.0..=90.0).contains(&grazing) {
+            return refuse(format!("surfaces under {grazing} degrees half lit; 0 to 90 are possible"));
+        }
+        Ok(())
+    }
+}
+
 /// Options of `ray-traced`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayTracedSettings {
@@ -237,6 +285,8 @@ pub struct Settings {
     pub smsr: SmsrSettings,
     /// Options of `shadow-map` and `pcf`, and the bias of `smsr`.
     pub shadow_map: ShadowMapSettings,
+    /// Options of `variance`, `trapezoidal`, `lispsm`, `parallel-split` and `remix`.
+    pub split: SplitSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,
 }
@@ -305,6 +355,7 @@ impl Settings {
             spsm: SpsmSettings::default(),
             smsr: SmsrSettings::default(),
             shadow_map: ShadowMapSettings::default(),
+            split: SplitSettings::default(),
             ray_traced: RayTracedSettings::default(),
         }
     }
@@ -327,6 +378,7 @@ impl Settings {
         }
         self.spsm.check()?;
         self.smsr.check()?;
+        self.split.check()?;
         self.shadow_map.check()
     }
 }

@@ -51,7 +51,12 @@ pub fn write_map(path: &Path, map: &MapLook) -> Result<()> {
         };
         tint.map(|c| (255.0 * c * (1.0 - 0.75 * far)).round() as u8)
     };
-    write_png_rgb(path, map.size, map.size, &(0..map.depths.len()).map(colour).collect::<Vec<_>>())
+    write_png_rgb(
+        path,
+        map.size,
+        map.depths.len() as u32 / map.size.max(1),
+        &(0..map.depths.len()).map(colour).collect::<Vec<_>>(),
+    )
 }
 
 /// A pale colour of its own for a number.

@@ -4,7 +4,7 @@ use crate::Result;
 use crate::mask_table::MaskVariant;
 use crate::methods::{
     FacetMode, MethodName, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings,
-    SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    SmsrSettings, SmsrShape, SplitSettings, SpsmEncoding, SpsmSettings,
 };
 use crate::samples::{Pattern, Samples};
 
@@ -114,6 +114,15 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
             if more {
                 let smsr = SmsrSettings { shape: SmsrShape::Corners, ..settings.smsr };
                 add("shape=corners", Settings { smsr, ..settings.clone() });
+            }
+        }
+        MethodName::Variance | MethodName::Trapezoidal | MethodName::Lispsm => add("", settings.clone()),
+        MethodName::ParallelSplit | MethodName::Remix => {
+            add(&format!("splits={}", settings.split.splits), settings.clone());
+            if more {
+                let with = |split| Settings { split, ..settings.clone() };
+                add("splits=1", with(SplitSettings { splits: 1, ..settings.split }));
+                add("splits=4", with(SplitSettings { splits: 4, ..settings.split }));
             }
         }
         MethodName::RayTraced => {

@@ -1,0 +1,109 @@
+//! What the camera sees of the box that the scene lies in: convex parts of it, and points all over them.
+
+use super::LightView;
+use super::casters::clip;
+use crate::scene::PixelRays;
+use glam::{DVec2, DVec3, DVec4};
+
+/// What the camera sees of the box that the scene lies in, in the space of the view's rows; the eye is the origin.
+#[derive(Clone, Copy, Debug)]
+pub struct SeenBox {
+    /// Rays through the corners of the image, in turn; view depth 1.
+    pub corners: [DVec3; 4],
+    /// Unit view direction.
+    pub forward: DVec3,
+    /// Nearest view depth that is seen.
+    pub near: f64,
+    /// Lowest and highest corner of the box.
+    pub bounds: (DVec3, DVec3),
+}
+
+impl SeenBox {
+    /// What an image of this size shows of a box of the world, `scale` times as large.
+    pub fn new(rays: &PixelRays, [w, h]: [u32; 2], near: f64, bounds: (DVec3, DVec3), scale: f64) -> Self {
+        let (w, h) = (f64::from(w), f64::from(h));
+        Self {
+            corners: [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|[x, y]| rays.direction(x, y)),
+            forward: rays.forward,
+            near: near * scale,
+            bounds: ((bounds.0 - rays.eye) * scale, (bounds.1 - rays.eye) * scale),
+        }
+    }
+
+    /// Corners of the box.
+    pub fn box_corners(&self) -> impl Iterator<Item = DVec3> {
+        let (lo, hi) = self.bounds;
+        (0..8).map(move |k| DVec3::from_array([0, 1, 2].map(|a| if k >> a & 1 == 1 { hi[a] } else { lo[a] })))
+    }
+
+    /// Points all over the part between two view depths that lies in `view`: their texels, and there the width of a texel of `view`
+    /// beside that of a pixel, but for a factor.
+    pub(super) fn probes(&self, view: &LightView, from: f64, to: f64) -> Vec<(DVec2, f64)> {
+        const SIDE: u32 = 6;
+        let share = |k: u32| (f64::from(k) + 0.5) / f64::from(SIDE);
+        let probe = |k: u32| {
+            let [x, y, z] = [k % SIDE, k / SIDE % SIDE, k / SIDE / SIDE].map(share);
+            let across = |a: DVec3, b: DVec3| a.lerp(b, x);
+            let [a, b, c, d] = self.corners;
+            let depth = from + (to - from) * z;
+            let p = across(a, b).lerp(across(d, c), y) * depth;
+            let (lo, hi) = self.bounds;
+            let texel = view.project(p)?.truncate();
+            let held = texel.cmpge(DVec2::ZERO).all() && texel.max_element() <= f64::from(view.map_size);
+            let inside = p.cmpge(lo).all() && p.cmple(hi).all();
+            (inside && held).then(|| (texel, if view.perspective { view.w.dot(p.extend(1.0)) } else { 1.0 } / depth))
+        };
+        (0..SIDE.pow(3)).filter_map(probe).collect()
+    }
+
+    /// Corners of the part between two view depths that lies in `view`.
+    pub(super) fn part(&self, view: &LightView, from: f64, to: f64) -> Vec<DVec3> {
+        let (lo, hi) = self.bounds;
+        let side = f64::from(view.map_size);
+        let row = |r: DVec4, p: DVec3| r.dot(p.extend(1.0));
+        // Inside where none is below 0. The sides of the image come first, then the depths, the box and the view.
+        let inside = |plane: usize, p: DVec3| match plane {
+            k @ 0..4 => {
+                let normal = self.corners[k].cross(self.corners[(k + 1) % 4]);
+                normal.dot(p) * normal.dot(self.forward).signum()
+            }
+            4 => p.dot(self.forward) - from,
+            5 => to - p.dot(self.forward),
+            k @ 6..9 => p[k - 6] - lo[k - 6],
+            k @ 9..12 => hi[k - 9] - p[k - 9],
+            12 => row(view.u, p),
+            13 => row(view.v, p),
+            14 => side * row(view.w, p) - row(view.u, p),
+            15 => side * row(view.w, p) - row(view.v, p),
+            _ if view.perspective => row(view.w, p) - view.near,
+            _ => 0.0,
+        };
+        let quad = |k: usize, at: &dyn Fn(usize) -> DVec3| (k, [0, 1, 2, 3].map(at).to_vec());
+        let mut faces: Vec<(usize, Vec<DVec3>)> = Vec::new();
+        for k in 0..4 {
+            let (a, b) = (self.corners[k], self.corners[(k + 1) % 4]);
+            faces.push(quad(k, &|i| [a * from, b * from, b * to, a * to][i]));
+        }
+        faces.push(quad(4, &|i| self.corners[i] * from));
+        faces.push(quad(5, &|i| self.corners[i] * to));
+        for axis in 0..3 {
+            let (s, t) = ((axis + 1) % 3, (axis + 2) % 3);
+            for (own, at) in [(6 + axis, lo[axis]), (9 + axis, hi[axis])] {
+                let corner = |i: usize| {
+                    let mut p = DVec3::ZERO;
+                    p[axis] = at;
+                    p[s] = if i == 1 || i == 2 { hi[s] } else { lo[s] };
+                    p[t] = if i >= 2 { hi[t] } else { lo[t] };
+                    p
+                };
+                faces.push(quad(own, &corner));
+            }
+        }
+        for (own, face) in &mut faces {
+            for plane in (0..17).filter(|p| p != own) {
+                clip(face, |p| inside(plane, p));
+            }
+        }
+        faces.into_iter().flat_map(|(_, face)| face).collect()
+    }
+}

@@ -1,0 +1,466 @@
+//! Light views for slices of what the camera sees: parallel splits (Zhang et al. 2006), each warped so that the map has more texels
+//! for what is near the eye (trapezoidal shadow maps: Martin and Tan 2004; light-space perspective shadow maps: Wimmer, Scherzer,
+//! Purgathofer 2004), as Oliveira 2009 brings them together (sections 3.2, 3.3 and 4.2).
+//!
+//! A warp is a projective map of the texels of the whole view. Depth stays that of the whole view (Oliveira, section 3.2.3).
+
+use super::{LightView, SeenBox};
+use glam::{DMat3, DVec2, DVec3, DVec4};
+
+/// How the texels of a map lie over what is seen of a slice.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Warp {
+    /// Evenly, over the whole view, whatever is seen.
+    Whole,
+    /// Evenly, over the box around what is seen.
+    Box,
+    /// Over a trapezoid around it: the first part of the slice, a share of its depth, gets 80 % of the rows, as far as the last row
+    /// is not stretched beyond what depths in it can be told by their slope.
+    #[default]
+    Trapezoid,
+    /// As [`Warp::Trapezoid`], by the distance of the centre of projection that is best for a frustum and a light from the side.
+    LightSpace,
+    /// As makes texels the smallest beside pixels, in the mean over what is seen: by the best distance of the centre of projection,
+    /// or evenly over the box.
+    Fitted,
+}
+
+/// What is cut, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SplitPlan {
+    /// Slices of the view, 1 to [`SplitPlan::MOST`].
+    pub splits: u32,
+    /// How each is seen.
+    pub warp: Warp,
+    /// Share of a slice's depth, from its near side, that [`Warp::Trapezoid`] gives 80 % of the rows.
+    pub focus: f64,
+}
+
+impl SplitPlan {
+    /// Most slices.
+    pub const MOST: u32 = 4;
+}
+
+/// The light's view of a slice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SplitView {
+    /// Takes texel `(x, y, 1)` of the whole view to `(x, y, 1) · w` of this one; `w` is 1 where it is least, and more elsewhere.
+    pub warp: DMat3,
+    /// Rows that take a point `(p, 1)` to texel x, y (times the third) and the divisor.
+    pub rows: [DVec4; 3],
+    /// View depth at which the slice ends.
+    pub end: f64,
+}
+
+/// Where the slices of depths `near` to `far` end (Oliveira, section 3.3.1, the practical scheme with `b = 0`).
+pub fn ends(near: f64, far: f64, splits: u32) -> Vec<f64> {
+    let end = |i: u32| {
+        let share = f64::from(i) / f64::from(splits);
+        0.5 * (near * (far / near).powf(share) + near + (far - near) * share)
+    };
+    (1..=splits).map(|i| if i == splits { far } else { end(i) }).collect()
+}
+
+impl LightView {
+    /// The views of all slices of what is seen, near to far, whose rows take points of the space of this view's, the space of `seen`.
+    /// The last has no end.
+    pub fn split(&self, seen: &SeenBox, plan: &SplitPlan) -> Vec<SplitView> {
+        let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max) * (1.0 + 1e-9);
+        let all = seen.part(self, seen.near, farthest.max(seen.near));
+        let depths = all.iter().map(|p| p.dot(seen.forward));
+        let (near, far) = depths.fold((f64::INFINITY, 0.0f64), |(lo, hi), d| (lo.min(d), hi.max(d)));
+        if plan.warp == Warp::Whole || near > far {
+            return vec![split_view(self, DMat3::IDENTITY, f64::INFINITY); plan.splits as usize];
+        }
+        let near = near.max(seen.near);
+        let mut from = near;
+        let slice = |end: f64| {
+            let made = self.slice(seen, plan, from, end);
+            from = end;
+            made
+        };
+        let mut views: Vec<SplitView> = ends(near, far.max(near), plan.splits).into_iter().map(slice).collect();
+        if let Some(last) = views.last_mut() {
+            last.end = f64::INFINITY;
+        }
+        views
+    }
+
+    /// The view of what is seen between two view depths.
+    fn slice(&self, seen: &SeenBox, plan: &SplitPlan, from: f64, end: f64) -> SplitView {
+        let slack = 1e-6 * end;
+        let [from, to] = [(from - slack).max(seen.near), end + slack];
+        let part = seen.part(self, from, to);
+        let texels: Vec<DVec2> = part.iter().filter_map(|&p| self.project(p)).map(DVec3::truncate).collect();
+        if texels.is_empty() {
+            return split_view(self, DMat3::IDENTITY, end);
+        }
+        let axis = |share: f64| self.project(seen.forward * (from + (to - from) * share)).map(DVec3::truncate);
+        let probes = if plan.warp == Warp::Fitted { seen.probes(self, from, to) } else { Vec::new() };
+        let distance = |along: &Along| match plan.warp {
+            Warp::Trapezoid => axis(plan.focus).map(|focus| along.by_focus(focus)),
+            Warp::LightSpace => along.by_light_space(self, seen.forward, [from, to]),
+            Warp::Fitted => along.by_probes(&texels, &probes),
+            Warp::Whole | Warp::Box => None,
+        };
+        let along = axis(0.0).zip(axis(1.0)).and_then(|(near, far)| Along::new(&texels, near, far));
+        // From a row to the next the divisor then changes by at most a tenth, and in all by a factor of at most 11.
+        let least = (10.0 / f64::from(self.map_size)).max(0.1);
+        let warp = along.and_then(|along| {
+            let distance = distance(&along)?.max(least * (along.high - along.low));
+            Some(along.trapezoid(&texels, distance))
+        });
+        let boxed = over_box(&texels);
+        let warp = match (plan.warp, warp) {
+            (Warp::Fitted, Some(warp)) if coarseness(warp, &probes) > coarseness(boxed, &probes) => boxed,
+            (_, warp) => warp.unwrap_or(boxed),
+        };
+        split_view(self, onto_texels(self.map_size) * warp, end)
+    }
+}
+
+fn split_view(view: &LightView, warp: DMat3, end: f64) -> SplitView {
+    let row = |k: usize| {
+        let by = warp.row(k);
+        view.u * by.x + view.v * by.y + view.w * by.z
+    };
+    SplitView { warp, rows: [row(0), row(1), row(2)], end }
+}
+
+/// The matrix of these rows.
+fn rows(x: DVec3, y: DVec3, w: DVec3) -> DMat3 {
+    DMat3::from_cols(x, y, w).transpose()
+}
+
+/// From the unit square to the texels of a map, but for a border that holds what filters reach.
+fn onto_texels(map_size: u32) -> DMat3 {
+    let side = f64::from(map_size);
+    let border = (side / 8.0).min(1.5);
+    let across = side - 2.0 * border;
+    rows(DVec3::new(across, 0.0, border), DVec3::new(0.0, across, border), DVec3::Z)
+}
+
+/// From the box around these texels to the unit square.
+fn over_box(texels: &[DVec2]) -> DMat3 {
+    let (lo, hi) = texels.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+    let by = DVec2::ONE / (hi - lo).max(DVec2::splat(1e-3));
+    rows(DVec3::new(by.x, 0.0, -lo.x * by.x), DVec3::new(0.0, by.y, -lo.y * by.y), DVec3::Z)
+}
+
+/// The wider sides of texels of a map beside pixels, in the mean over [probes](SeenBox::probes), but for a factor.
+fn coarseness(m: DMat3, probes: &[(DVec2, f64)]) -> f64 {
+    // In texels of the whole view.
+    let width = |texel: DVec2| {
+        let q = m * texel.extend(1.0);
+        let by = |k: usize, at: f64| (m.row(k) - m.row(2) * at).truncate() / q.z;
+        let (x, y) = (by(0, q.x / q.z), by(1, q.y / q.z));
+        let (sum, area) = (x.length_squared() + y.length_squared(), x.perp_dot(y));
+        let longest = (0.5 * (sum + (sum * sum - 4.0 * area * area).max(0.0).sqrt())).sqrt();
+        longest / area.abs()
+    };
+    probes.iter().map(|&(texel, weight)| width(texel) * weight).sum()
+}
+
+/// The texels of what is seen of a slice along the line that the view direction takes on the map.
+#[derive(Clone, Copy, Debug)]
+struct Along {
+    /// Unit direction of the line, from near to far.
+    dir: DVec2,
+    /// Where across it the line runs.
+    across: f64,
+    /// The least of the texels along the line: the top line of the trapezoid.
+    low: f64,
+    /// The greatest: its base line.
+    high: f64,
+}
+
+impl Along {
+    /// Of the line from `near` to `far`, where the axis of the camera enters and leaves the slice. `None` where camera and light look
+    /// along nearly one line (*duelling frusta*), so that there is no near and far on the map.
+    fn new(texels: &[DVec2], near: DVec2, far: DVec2) -> Option<Self> {
+        let dir = (far - near).try_normalize()?;
+        let range = |d: DVec2| {
+            texels.iter().map(|p| d.dot(*p)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)))
+        };
+        let ((low, high), (left, right)) = (range(dir), range(dir.perp()));
+        let wide = (high - low).max(right - left);
+        let there = high - low > 1e-3 && near.distance(far) > 0.1 * wide;
+        there.then_some(Self { dir, across: dir.perp().dot(near), low, high })
+    }
+
+    fn at(&self, texel: DVec2) -> f64 {
+        self.dir.dot(texel)
+    }
+
+    /// Distance of the centre of projection before the top line by which what lies before `focus` gets 80 % of the rows
+    /// (Oliveira, appendix A, with the 80 % line at -0.6).
+    fn by_focus(&self, focus: DVec2) -> f64 {
+        let length = self.high - self.low;
+        let d = (self.at(focus) - self.low).clamp(0.01 * length, 0.799 * length);
+        0.2 * length * d / (0.8 * length - d)
+    }
+
+    /// Likewise by which the greatest error is least (Wimmer et al. 2004, section 4.3): `(n + sqrt(n f)) / sin`, with the
+    /// angle between view and light. `None` if the eye is not in front of the light.
+    fn by_light_space(&self, view: &LightView, forward: DVec3, [near, far]: [f64; 2]) -> Option<f64> {
+        let eye = self.at(view.project(DVec3::ZERO)?.truncate());
+        let from_eye = |depth: f64| view.project(forward * depth).map(|p| (self.at(p.truncate()) - eye).max(0.0));
+        let (n, f) = (from_eye(near)?, from_eye(far)?);
+        // What the view looks along: texels do not change.
+        let p = (forward * far).extend(1.0);
+        let place = view.project(forward * far)?;
+        let change = |row: DVec4, at: f64| (row - view.w * at).truncate() / view.w.dot(p);
+        let sight = change(view.u, place.x).cross(change(view.v, place.y)).try_normalize()?;
+        let sine = sight.cross(forward).length_squared().max(1e-4);
+        let length = self.high - self.low;
+        Some(((n + (n * f).sqrt()) / sine).min(1e3 * length))
+    }
+
+    /// Likewise by which texels are smallest beside pixels, in the mean over probes; `None` without a probe.
+    fn by_probes(&self, texels: &[DVec2], probes: &[(DVec2, f64)]) -> Option<f64> {
+        let length = self.high - self.low;
+        let cost = |log: f64| coarseness(self.trapezoid(texels, length * log.exp()), probes);
+        const STEPS: i32 = 20;
+        let at = |k: i32| -4.0 + 8.0 * f64::from(k) / f64::from(STEPS);
+        let best = (0..=STEPS).map(|k| (cost(at(k)), k)).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
+        // Between its neighbours, to where the least lies, so that it does not jump as the camera moves.
+        let (mut low, mut high) = (at((best - 1).max(0)), at((best + 1).min(STEPS)));
+        for _ in 0..24 {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if cost(a) < cost(b) { high = b } else { low = a }
+        }
+        (!probes.is_empty()).then(|| length * (0.5 * (low + high)).exp())
+    }
+
+    /// From the trapezoid around the texels, whose sides meet at `distance` before the top line, to the unit square: the top line to
+    /// y = 0, the base line to y = 1.
+    fn trapezoid(&self, texels: &[DVec2], distance: f64) -> DMat3 {
+        let s = self.dir.extend(distance - self.low);
+        let t = self.dir.perp().extend(-self.across);
+        let slopes = texels.iter().map(|p| p.extend(1.0)).map(|p| t.dot(p) / s.dot(p));
+        let (left, right) = slopes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m), h.max(m)));
+        let width = (right - left).max(1e-9);
+        let length = self.high - self.low;
+        let w = s / distance;
+        let x = (t - s * left) / (width * distance);
+        let y = (s - DVec3::Z * distance) * ((distance + length) / (length * distance));
+        rows(x, y, w)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light_view::unit_scale;
+    use crate::scene::{Camera, Light, Mesh, Scene};
+
+    const WARPS: [Warp; 5] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted];
+
+    /// A view and what a camera sees, in the camera's space.
+    fn setup(light: &Light, camera: &Camera, mesh: &Mesh, size: u32) -> (LightView, SeenBox) {
+        let view = LightView::fit(mesh, light, size).unwrap();
+        let rays = camera.rays(64, 48);
+        let bounds = mesh.bounds().unwrap();
+        let scale = unit_scale(rays.eye, bounds);
+        let seen = SeenBox::new(&rays, [64, 48], f64::from(camera.near), bounds, scale);
+        (view.relative_to(rays.eye, scale), seen)
+    }
+
+    fn lights() -> [Light; 3] {
+        [
+            Light::Directional { direction: [0.3, 1.0, 0.2] },
+            Light::Directional { direction: [-0.8, 0.3, 0.6] },
+            Light::Point { position: [1.0, 9.0, 2.0] },
+        ]
+    }
+
+    fn cameras(scene: &Scene) -> [Camera; 4] {
+        let c = scene.camera;
+        let inside = Camera { eye: [0.1, 0.4, 0.2], target: [1.0, 0.2, -1.0], near: 1e-3, ..c };
+        // Along the first light, and nearly so.
+        let along = Camera { eye: [0.9, 3.0, 0.6], target: [0.0; 3], up: [0.0, 0.0, 1.0], ..c };
+        [c, inside, along, Camera { eye: [1.1, 3.0, 0.5], ..along }]
+    }
+
+    /// Points of the box that are seen and in the view, and their depths.
+    fn seen_points(view: &LightView, seen: &SeenBox) -> Vec<DVec3> {
+        let (lo, hi) = seen.bounds;
+        let side = f64::from(view.map_size);
+        let mut out = Vec::new();
+        for k in 0..24 * 24 * 24 {
+            let share = DVec3::new(f64::from(k % 24), f64::from(k / 24 % 24), f64::from(k / 576)) / 23.0;
+            let p = lo + (hi - lo) * share;
+            let on_map =
+                view.project(p).is_some_and(|t| t.truncate().cmpge(DVec2::ZERO).all() && t.x <= side && t.y <= side);
+            let side_of = |k: usize| {
+                let n = seen.corners[k].cross(seen.corners[(k + 1) % 4]);
+                n.dot(p) * n.dot(seen.forward)
+            };
+            if on_map && p.dot(seen.forward) >= seen.near && (0..4).all(|k| side_of(k) >= 0.0) {
+                out.push(p);
+            }
+        }
+        out
+    }
+
+    fn place(split: &SplitView, p: DVec3) -> DVec3 {
+        let [x, y, w] = split.rows.map(|r| r.dot(p.extend(1.0)));
+        DVec3::new(x / w, y / w, w)
+    }
+
+    #[test]
+    fn all_that_is_seen_lies_in_the_map_of_its_slice() {
+        let scene = Scene::open("windmill", &Default::default()).unwrap();
+        let mut count = 0;
+        for light in lights() {
+            for camera in cameras(&scene) {
+                let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
+                let points = seen_points(&view, &seen);
+                for (warp, splits) in WARPS.into_iter().flat_map(|w| [(w, 1), (w, 3), (w, 4)]) {
+                    let views = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3 });
+                    assert_eq!(views.len(), splits as usize);
+                    for &p in &points {
+                        let depth = p.dot(seen.forward);
+                        let split = views.iter().find(|s| depth < s.end).expect("a slice");
+                        let at = place(split, p);
+                        let border = if warp == Warp::Whole { 0.0 } else { 1.4 };
+                        let held = |v: f64| (border..=64.0 - border).contains(&v);
+                        assert!(held(at.x) && held(at.y) && at.z > 0.0, "{warp:?} of {splits}: {p} at {at}");
+                        // The warp says the same as the rows.
+                        let by = split.warp * view.project(p).unwrap().truncate().extend(1.0);
+                        assert!((by.truncate() / by.z - at.truncate()).length() < 1e-6);
+                        assert!(by.z > 0.9, "{warp:?}: a divisor of {}", by.z);
+                        count += 1;
+                    }
+                }
+            }
+        }
+        assert!(count > 10_000, "{count} points");
+    }
+
+    #[test]
+    fn slices_end_by_the_practical_scheme() {
+        let found = ends(1.0, 100.0, 3);
+        let want = |i: f64| 0.5 * (100f64.powf(i / 3.0) + 1.0 + 33.0 * i);
+        assert!((found[0] - want(1.0)).abs() < 1e-9 && (found[1] - want(2.0)).abs() < 1e-9 && found[2] == 100.0);
+        assert_eq!(ends(2.0, 7.0, 1), [7.0]);
+    }
+
+    /// The steps of Oliveira's section 3.2.2, in two dimensions: T1, R, T2, H, S1, N, T3, S2. `t0` and `t1` are the base, `t2` and
+    /// `t3` the top, `q` where the sides meet.
+    fn by_steps([t0, t1, t2, t3]: [DVec2; 4], q: DVec2) -> DMat3 {
+        let apply = |m: DMat3, p: DVec2| m * p.extend(1.0);
+        let shift = |v: DVec2| rows(DVec3::new(1.0, 0.0, -v.x), DVec3::new(0.0, 1.0, -v.y), DVec3::Z);
+        let _ = t1;
+        let mut m = shift((t2 + t3) * 0.5);
+        let u = (t2 - t3).normalize();
+        m = rows(DVec3::new(u.x, u.y, 0.0), DVec3::new(u.y, -u.x, 0.0), DVec3::Z) * m;
+        m = shift(apply(m, q).truncate()) * m;
+        let u = (apply(m, t2) + apply(m, t3)) * 0.5;
+        m = rows(DVec3::new(1.0, -u.x / u.y, 0.0), DVec3::Y, DVec3::Z) * m;
+        let u = apply(m, t2);
+        m = rows(DVec3::X / u.x, DVec3::Y / u.y, DVec3::Z) * m;
+        m = rows(DVec3::X, DVec3::new(0.0, 1.0, 1.0), DVec3::Y) * m;
+        let (u, v) = (apply(m, t0), apply(m, t2));
+        let middle = -0.5 * (u.y / u.z + v.y / v.z);
+        m = rows(DVec3::X, DVec3::new(0.0, 1.0, middle), DVec3::Z) * m;
+        let u = apply(m, t0);
+        rows(DVec3::X, DVec3::new(0.0, -u.z / u.y, 0.0), DVec3::Z) * m
+    }
+
+    #[test]
+    fn the_trapezoid_is_that_of_the_paper() {
+        let texels: Vec<DVec2> =
+            [[10.0, 12.0], [14.0, 9.0], [40.0, 30.0], [22.0, 45.0], [20.0, 20.0]].map(DVec2::from_array).to_vec();
+        let along = Along::new(&texels, DVec2::new(12.0, 11.0), DVec2::new(31.0, 37.0)).unwrap();
+        let focus = DVec2::new(18.0, 19.0);
+        let distance = along.by_focus(focus);
+        let m = along.trapezoid(&texels, distance);
+        let at = |p: DVec2| (m * p.extend(1.0)).truncate() / (m * p.extend(1.0)).z;
+        // The focus lies on the 80 % line, and everything within the square, which it touches on all sides.
+        assert!((at(focus).y - 0.8).abs() < 1e-9);
+        let places: Vec<DVec2> = texels.iter().map(|&p| at(p)).collect();
+        let (lo, hi) = places.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
+        assert!(lo.length() < 1e-9 && (hi - DVec2::ONE).length() < 1e-9, "{lo} to {hi}");
+        // The paper's steps take its corners, and so everything, to the same places of the square from -1 to 1, mirrored.
+        let back = m.inverse();
+        let corner = |x: f64, y: f64| (back * DVec3::new(x, y, 1.0)).truncate() / (back * DVec3::new(x, y, 1.0)).z;
+        let corners = [corner(0.0, 1.0), corner(1.0, 1.0), corner(1.0, 0.0), corner(0.0, 0.0)];
+        let q = along.dir * (along.low - distance) + along.dir.perp() * along.across;
+        let theirs = by_steps(corners, q);
+        for &p in texels.iter().chain(&corners) {
+            let t = (theirs * p.extend(1.0)).truncate() / (theirs * p.extend(1.0)).z;
+            let ours = at(p) * 2.0 - 1.0;
+            assert!(
+                (t.x.abs() - ours.x.abs()).abs() < 1e-9 && (t.y.abs() - ours.y.abs()).abs() < 1e-9,
+                "{t} and {ours}"
+            );
+        }
+    }
+
+    #[test]
+    fn camera_and_light_along_one_line_fall_back_to_a_box() {
+        let scene = Scene::open("windmill", &Default::default()).unwrap();
+        let [.., along, beside] = cameras(&scene);
+        let [light, ..] = lights();
+        for (camera, warps) in [(along, false), (beside, false), (scene.camera, true)] {
+            let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
+            for split in view.split(&seen, &SplitPlan { splits: 2, warp: Warp::Trapezoid, focus: 0.3 }) {
+                assert_eq!(split.warp.row(2) != DVec3::Z, warps, "{:?}", split.warp);
+            }
+        }
+    }
+
+    /// Near the eye a warped map has more texels than an even one.
+    #[test]
+    fn what_is_near_gets_more_texels() {
+        let scene = Scene::open("windmill", &Default::default()).unwrap();
+        let [_, inside, ..] = cameras(&scene);
+        let (view, seen) = setup(&lights()[1], &inside, &scene.mesh, 64);
+        let across = |warp, splits| {
+            let split = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3 })[0];
+            let at = seen.forward * seen.near.max(0.05);
+            let step = |d: DVec3| (place(&split, at + d.normalize() * 1e-3) - place(&split, at)).truncate();
+            let up = seen.corners[0] - seen.corners[3];
+            step(up).perp_dot(step(seen.forward)).abs().max(step(up).perp_dot(step(seen.forward.cross(up))).abs())
+        };
+        let (even, boxed) = (across(Warp::Whole, 1), across(Warp::Box, 1));
+        assert!(boxed >= even, "{boxed} {even}");
+        for warp in [Warp::Trapezoid, Warp::LightSpace] {
+            assert!(across(warp, 1) > 1.05 * boxed, "{warp:?} {} of {boxed}", across(warp, 1));
+        }
+        assert!(across(Warp::Box, 3) > 1.5 * boxed);
+    }
+
+    /// Of all distances of the centre of projection the fitted one makes texels smallest beside pixels.
+    #[test]
+    fn the_fitted_warp_is_the_best_of_all() {
+        let scene = Scene::open("windmill", &Default::default()).unwrap();
+        let mut gains = 0;
+        for light in lights() {
+            for camera in cameras(&scene) {
+                let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
+                let points = seen_points(&view, &seen);
+                if points.is_empty() {
+                    continue;
+                }
+                let width = |warp| {
+                    let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6 })[0];
+                    let of = |p: DVec3| {
+                        let step = |d: DVec3| (place(&split, p + d * 1e-4) - place(&split, p)).truncate() * 1e4;
+                        let across = seen.corners[1] - seen.corners[0];
+                        let (x, y) = (step(across), step(seen.forward.cross(across)));
+                        1.0 / (x.perp_dot(y).abs().sqrt() * p.dot(seen.forward)).max(1e-9)
+                    };
+                    points.iter().map(|&p| of(p)).sum::<f64>()
+                };
+                let fitted = width(Warp::Fitted);
+                for other in [Warp::Trapezoid, Warp::LightSpace] {
+                    assert!(fitted < 1.25 * width(other), "{other:?} {} beside {fitted}", width(other));
+                    gains += i32::from(fitted < 0.99 * width(other)) - i32::from(fitted > 1.01 * width(other));
+                }
+            }
+        }
+        assert!(gains > 0, "{gains}");
+    }
+}

@@ -1,0 +1,163 @@
+//! Shadow maps fitted to what the camera sees, or filtered by their moments, and both: `variance` (Donnelly, Lauritzen 2006),
+//! `trapezoidal` (Martin, Tan 2004), `lispsm` (Wimmer, Scherzer, Purgathofer 2004), `parallel-split` (Zhang et al. 2006), and `remix`
+//! (Oliveira 2009), which is trapezoids, splits and moments together.
+//! Memory is fixed: 4 bytes a texel and split, of moments 2.7 more. Triangles that reach behind a point light cast nothing.
+
+use super::fixed::{FixedMethod, Inputs};
+use super::looks::Looks;
+use super::prepared::{CasterBuffers, Prepared};
+use super::render::Counts;
+use super::settings::Settings;
+use crate::Result;
+use crate::frame::Frame;
+use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::light_view::{LightView, SeenBox, SplitPlan, Warp, unit_scale};
+use crate::scene::{Camera, Light};
+use crate::stages::Seen;
+use crate::stages::map_moments::MapMoments;
+use crate::stages::split_maps::{Maps, Mesh, SplitMaps, SplitViews};
+use crate::stages::split_shadows::{Ask, OfMaps, SplitShadows};
+use glam::DVec3;
+
+/// Which of the methods it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recipe {
+    /// One even map of the whole light view, by its moments.
+    Variance,
+    /// One map over a trapezoid around what is seen.
+    Trapezoidal,
+    /// The same, warped as is best in the mean.
+    LightSpace,
+    /// An even map around what is seen of each slice.
+    ParallelSplit,
+    /// A trapezoid for each slice, by its moments.
+    Remix,
+}
+
+impl Recipe {
+    fn plan(self, settings: &Settings) -> SplitPlan {
+        let split = &settings.split;
+        let (splits, warp) = match self {
+            Self::Variance => (1, Warp::Whole),
+            Self::Trapezoidal => (1, Warp::Trapezoid),
+            Self::LightSpace => (1, Warp::LightSpace),
+            Self::ParallelSplit => (split.splits, Warp::Box),
+            Self::Remix => (split.splits, split.warp),
+        };
+        SplitPlan { splits, warp, focus: f64::from(split.focus) }
+    }
+
+    fn ask(self, settings: &Settings) -> Ask {
+        let (bias, split) = (&settings.shadow_map, &settings.split);
+        match self {
+            Self::Trapezoidal | Self::LightSpace | Self::ParallelSplit => {
+                Ask::Depths { constant: bias.constant, slope: bias.slope }
+            }
+            Self::Variance | Self::Remix => Ask::Moments {
+                constant: bias.constant,
+                bleeding: split.bleeding,
+                grazing: if self == Self::Remix { split.grazing.to_radians().sin() } else { 0.0 },
+            },
+        }
+    }
+}
+
+/// One of the methods for one mesh, image, map and setting.
+#[derive(Debug)]
+pub struct SplitMapping {
+    plan: SplitPlan,
+    size: [u32; 2],
+    map: u32,
+    bounds: (DVec3, DVec3),
+    splits: Buffer<SplitViews>,
+    make: SplitMaps,
+    maps: Maps,
+    reduce: Option<MapMoments>,
+    moments: Buffer<[f32; 2]>,
+    ask: SplitShadows,
+    visibility: Buffer<f32>,
+}
+
+impl SplitMapping {
+    /// Builds pipelines and memory.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
+    pub fn new(
+        gpu: &Gpu,
+        prepared: &Prepared,
+        casters: &CasterBuffers,
+        settings: &Settings,
+        recipe: Recipe,
+    ) -> Result<Self> {
+        settings.check()?;
+        let device = &gpu.device;
+        let (plan, ask) = (recipe.plan(settings), recipe.ask(settings));
+        let (views, side) = (plan.splits as usize, settings.map);
+        let filters = matches!(ask, Ask::Moments { .. });
+        Ok(Self {
+            plan,
+            size: settings.size,
+            map: side,
+            bounds: prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE)),
+            splits: Buffer::uniform(device, "split_maps.splits", 1)?,
+            make: SplitMaps::new(device),
+            maps: Maps::new(device, &gpu.queue, views, side as usize, casters.triangles.len())?,
+            reduce: filters.then(|| MapMoments::new(device)),
+            moments: MapMoments::memory(device, if filters { views } else { 0 }, side)?,
+            ask: SplitShadows::new(device, ask),
+            visibility: Buffer::storage(device, "split_shadows.visibility", settings.pixels())?,
+        })
+    }
+}
+
+impl SplitMapping {
+    /// Keys of the nearest depths of all maps, one after the other, and their texels a side.
+    pub fn maps(&self) -> (&Buffer<u32>, u32) {
+        (&self.maps.keys, self.map)
+    }
+}
+
+impl FixedMethod for SplitMapping {
+    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, view: &LightView, _: &Frame) -> Result<()> {
+        let rays = camera.rays(self.size[0], self.size[1]);
+        let scale = unit_scale(rays.eye, self.bounds);
+        let seen = SeenBox::new(&rays, self.size, f64::from(camera.near), self.bounds, scale);
+        let view = view.relative_to(rays.eye, scale);
+        let far = SplitViews::farthest(&view, seen.box_corners());
+        self.splits.write(&gpu.queue, &[SplitViews::new(&view.split(&seen, &self.plan), self.map, far)]);
+        Ok(())
+    }
+
+    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
+        let (frame, geometry) = (inputs.frame, inputs.geometry);
+        let (triangles, points) = (inputs.casters.triangles.raw(), &geometry.points);
+        let keys = &self.maps.keys;
+        rec.clear(keys.raw());
+        let mesh = Mesh { triangles, points, light_rects: &geometry.facts.light_rects };
+        self.make.record(&mut rec.stage("split_maps"), frame, &self.splits, mesh, &self.maps)?;
+        if let Some(reduce) = &self.reduce {
+            let (stage, views) = (&mut rec.stage("map_moments"), self.plan.splits as usize);
+            reduce.record(stage, frame, &self.splits, keys, &self.moments, views, self.map)?;
+        }
+        let seen = Seen { samples: inputs.samples, id_keys: &geometry.id_keys, triangles, points };
+        let maps = OfMaps { splits: &self.splits, keys, moments: &self.moments };
+        self.ask.record(&mut rec.stage("split_shadows"), frame, seen, maps, &self.visibility)
+    }
+
+    fn visibility(&self) -> &Buffer<f32> {
+        &self.visibility
+    }
+
+    fn lit(&self) -> Option<&Buffer<u32>> {
+        None
+    }
+
+    fn counts(&self, _: &Gpu) -> Result<Counts> {
+        Ok(Counts { facets: self.visibility.len() as u64, ..Counts::default() })
+    }
+
+    fn looks(&self, gpu: &Gpu) -> Result<Option<Looks>> {
+        Looks::of_split_maps(gpu, self).map(Some)
+    }
+}

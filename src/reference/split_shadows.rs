@@ -1,0 +1,146 @@
+//! Shadows by a map of a slice of the view: by depth comparison, and by mean and variance of the depths in a footprint.
+
+use super::map_moments;
+use crate::light_view::SplitView;
+use glam::{DMat2, DVec2, DVec3};
+
+/// A map and its moments, level by level.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// Depth of each texel, row by row; `None` where there is no caster.
+    pub depths: Vec<Option<f64>>,
+    /// Texels a side.
+    pub size: u32,
+    /// Mean and variance of each level's cells, from the texels themselves on.
+    pub levels: Vec<Vec<[f64; 2]>>,
+}
+
+/// The receiver at a place of the map.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// Texels.
+    pub at: DVec2,
+    /// Depth there.
+    pub depth: f64,
+    /// Depth per texel to the right and down.
+    pub slope: DVec2,
+    /// Its plane: takes a texel `(x, y, 1)` to depth times, and the divisor, first and last.
+    pub plane: [DVec3; 2],
+}
+
+impl Receiver {
+    /// The receiver at this place, which has this depth in the whole view at texel `whole` and this slope there.
+    pub fn new(split: &SplitView, whole: DVec2, depth: f64, slope: DVec2) -> Self {
+        let q = split.warp * whole.extend(1.0);
+        let by = |k: usize| (split.warp.row(k) - split.warp.row(2) * (q[k] / q.z)).truncate() / q.z;
+        let (x, y) = (by(0), by(1));
+        let in_map = DVec2::new(slope.x * y.y - slope.y * y.x, slope.y * x.x - slope.x * x.y) / x.perp_dot(y);
+        let back = split.warp.inverse().transpose();
+        let height = depth - slope.dot(whole);
+        let plane = [back * slope.extend(height), back * DVec3::Z];
+        Self { at: q.truncate() / q.z, depth, slope: in_map, plane }
+    }
+
+    /// How much deeper it is at another texel.
+    pub fn rise_to(&self, at: DVec2) -> f64 {
+        let depth = |p: DVec2| self.plane[0].dot(p.extend(1.0)) / self.plane[1].dot(p.extend(1.0));
+        depth(at) - depth(self.at)
+    }
+}
+
+/// How moments are asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Ask {
+    /// Depth that a receiver is moved towards the light.
+    pub constant: f64,
+    /// Share of light that is taken off.
+    pub bleeding: f64,
+    /// Most squares along a footprint.
+    pub most_probes: f64,
+}
+
+impl Map {
+    /// Of depths, which where there is no caster are `far`.
+    pub fn new(depths: Vec<Option<f64>>, size: u32, far: f64) -> Self {
+        let all: Vec<f64> = depths.iter().map(|d| d.unwrap_or(far)).collect();
+        let last = size.max(1).next_power_of_two().trailing_zeros();
+        let levels = (0..=last).map(|level| map_moments::moments(&all, size, level)).collect();
+        Self { depths, size, levels }
+    }
+
+    /// Whether a place lies in the map.
+    pub fn holds(&self, at: DVec2) -> bool {
+        at.cmpge(DVec2::ZERO).all() && at.max_element() < f64::from(self.size)
+    }
+
+    /// Whether the texel at a place holds nothing before the receiver, less the bias: `constant` and `slope` times its steeper slope.
+    pub fn is_lit(&self, r: &Receiver, constant: f64, slope: f64) -> bool {
+        let [x, y] = [r.at.x as u32, r.at.y as u32].map(|c| c.min(self.size - 1));
+        let nearest = self.depths[(y * self.size + x) as usize];
+        nearest.is_none_or(|d| d >= r.depth - constant - slope * r.slope.abs().max_element())
+    }
+
+    fn bilinear(&self, level: usize, at: DVec2) -> [f64; 2] {
+        let side = self.size.div_ceil(1 << level);
+        let last = f64::from(side - 1);
+        let place = (at / f64::from(1 << level) - 0.5).clamp(DVec2::ZERO, DVec2::splat(last));
+        let f = place - place.floor();
+        let cell = |dx: u32, dy: u32| {
+            let [x, y] = [place.x as u32 + dx, place.y as u32 + dy].map(|c| c.min(side - 1));
+            self.levels[level][(y * side + x) as usize]
+        };
+        mixed(&[
+            ((1.0 - f.x) * (1.0 - f.y), cell(0, 0)),
+            (f.x * (1.0 - f.y), cell(1, 0)),
+            ((1.0 - f.x) * f.y, cell(0, 1)),
+            (f.x * f.y, cell(1, 1)),
+        ])
+    }
+
+    /// Mean and variance of a square of `2^level` texels a side around a place.
+    pub fn moments(&self, level: f64, at: DVec2) -> [f64; 2] {
+        let low = level.floor() as usize;
+        let high = (low + 1).min(self.levels.len() - 1);
+        let f = level - level.floor();
+        mixed(&[(1.0 - f, self.bilinear(low, at)), (f, self.bilinear(high, at))])
+    }
+
+    /// Share of light in such a square around a texel.
+    pub fn share(&self, r: &Receiver, wanted: DVec2, level: f64, ask: &Ask) -> f64 {
+        let cell = level.ceil().exp2();
+        let last = ((f64::from(self.size) / cell).floor() - 0.5).max(0.5) * cell;
+        let at = wanted.clamp(DVec2::splat(0.5 * cell), DVec2::splat(last));
+        let [mean, variance] = self.moments(level, at);
+        let off = r.depth + r.rise_to(at) - ask.constant - mean;
+        if off <= 0.0 {
+            return 1.0;
+        }
+        (variance / (variance + off * off) - ask.bleeding).max(0.0) / (1.0 - ask.bleeding)
+    }
+
+    /// Share of light in the footprint of a pixel; `steps` are the texels that a pixel to the right and one down take.
+    pub fn filtered(&self, r: &Receiver, steps: DMat2, ask: &Ask) -> f64 {
+        // The footprint's half axes, from the eigenvectors of `steps · stepsᵀ`.
+        let m = steps * steps.transpose();
+        let (a, b, c) = (m.x_axis.x, m.x_axis.y, m.y_axis.y);
+        let root = (0.25 * (a - c).powi(2) + b * b).sqrt();
+        let long = (0.5 * (a + c) + root).max(1e-12).sqrt();
+        let short = steps.determinant().abs() / long;
+        let along = if a >= c { DVec2::new(0.5 * (a - c) + root, b) } else { DVec2::new(b, 0.5 * (c - a) + root) };
+        let along = along.normalize_or_zero() * long;
+        let probes = (long / short.max(1.0)).ceil().clamp(1.0, ask.most_probes);
+        let level = short.max(long / probes).max(1.0).log2().min((self.levels.len() - 1) as f64);
+        let probe = |k: u32| {
+            let off = along * ((f64::from(k) + 0.5) / probes - 0.5);
+            self.share(r, r.at + off, level, ask)
+        };
+        (0..probes as u32).map(probe).sum::<f64>() / probes
+    }
+}
+
+/// Mean and variance of parts together, by their shares.
+fn mixed(parts: &[(f64, [f64; 2])]) -> [f64; 2] {
+    let mean = parts.iter().map(|(share, [mean, _])| share * mean).sum::<f64>();
+    let variance = parts.iter().map(|(share, [m, v])| share * (v + (m - mean).powi(2))).sum();
+    [mean, variance]
+}

@@ -1,0 +1,216 @@
+//! The nearest caster at every texel centre of the maps of slices of what the camera sees.
+//!
+//! - **Purpose.** Shadow maps in parallel splits (Zhang et al. 2006), warped or not ([`LightView::split`]).
+//! - **Reads** triangles, vertices relative to the eye, the rectangles of the whole light view (only whether they are empty).
+//! - **Writes** `map_keys`, view after view, row by row (complement of the bits of the depth of the whole view; 0 where there is
+//!   none). All must be 0 before. In between, of each triangle in each view the rectangle of texels and its 8 × 8 blocks.
+//! - **Guarantee.** Bit-equal from run to run: the largest key stays, in whatever order they come. Triangles that are not surely in
+//!   front of a light at a point cast nothing.
+//! - **Cost.** 12 bytes a triangle and view, 4 a texel and view; one dispatch for rectangles, one to list their blocks' owners, three
+//!   of the scan, one indirect over blocks.
+
+use super::{Count, PrefixScan, WorkOwners, prefix_scan};
+use crate::gpu::kernels::{dispatch_args, split_maps as kernel};
+use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::light_view::{LightView, SplitPlan, SplitView};
+use crate::{Result, shared_struct};
+
+shared_struct! {
+    /// Uniform of the slices' views.
+    "shared/split_views" => pub struct SplitViews {
+        /// Three rows a view: point to texel x and y, times the third.
+        pub rows: [[f32; 4]; 12],
+        /// Likewise from texels of the whole view.
+        pub warps: [[f32; 4]; 12],
+        /// The inverse of those.
+        pub backs: [[f32; 4]; 12],
+        /// View depth at which each slice ends.
+        pub ends: [f32; 4],
+        /// Views.
+        pub count: u32,
+        /// Levels of moments above the texels.
+        pub levels: u32,
+        /// Moments of a view.
+        pub level_stride: u32,
+        /// Depth where there is no caster: not less than that of anything.
+        pub far: f32,
+        /// Where each level begins among the moments of its view.
+        pub level_starts: [[u32; 4]; 4],
+    }
+}
+
+impl SplitViews {
+    /// Of views, at most [`SplitPlan::MOST`], of maps of `map_size` texels a side, in a scene of which nothing is deeper than `far`.
+    pub fn new(views: &[SplitView], map_size: u32, far: f64) -> Self {
+        let mut made = Self { count: views.len() as u32, far: far as f32, ends: [3e38; 4], ..Self::default() };
+        for (k, view) in views.iter().take(SplitPlan::MOST as usize).enumerate() {
+            let back = view.warp.inverse();
+            for (r, row) in view.rows.iter().enumerate() {
+                made.rows[3 * k + r] = row.as_vec4().into();
+                made.warps[3 * k + r] = view.warp.row(r).extend(0.0).as_vec4().into();
+                made.backs[3 * k + r] = back.row(r).extend(0.0).as_vec4().into();
+            }
+            made.ends[k] = view.end.min(3e38) as f32;
+        }
+        let levels = Self::levels_of(map_size);
+        made.levels = levels;
+        for level in 1..=levels {
+            made.level_starts[level as usize / 4][level as usize % 4] = made.level_stride;
+            made.level_stride += Self::side_of(map_size, level).pow(2);
+        }
+        made
+    }
+
+    /// Levels above the texels of a map: until one cell holds all of it.
+    pub fn levels_of(map_size: u32) -> u32 {
+        map_size.max(1).next_power_of_two().trailing_zeros()
+    }
+
+    /// Cells a side of a level.
+    pub fn side_of(map_size: u32, level: u32) -> u32 {
+        (map_size.max(1) - 1 >> level) + 1
+    }
+
+    /// Moments of all levels of a map.
+    pub fn moments_of(map_size: u32) -> usize {
+        (1..=Self::levels_of(map_size)).map(|l| (Self::side_of(map_size, l) as usize).pow(2)).sum()
+    }
+
+    /// The greatest depth in `view` of a box, given by its corners in the space of the view's rows, and at least 1.
+    pub fn farthest(view: &LightView, corners: impl Iterator<Item = glam::DVec3>) -> f64 {
+        // Beyond all points in front of a light at a point lies the depth of what is infinitely far along its axis.
+        let axis = view.w.truncate();
+        let limit = if view.perspective { view.z.truncate().dot(axis) / axis.length_squared() } else { f64::INFINITY };
+        corners.map(|p| view.project(p).map_or(limit, |p| p.z)).fold(1.0, f64::max) * (1.0 + 1e-6)
+    }
+}
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct SplitMaps {
+    measure: Program,
+    raster: Program,
+    scan: PrefixScan,
+    owners: WorkOwners,
+    fold: Program,
+}
+
+/// The maps, and what making them takes.
+#[derive(Debug)]
+pub struct Maps {
+    /// Keys of the nearest depths, view after view.
+    pub keys: Buffer<u32>,
+    /// Of each triangle in each view the texels it may cover: packed corners, both included.
+    pub rects: Buffer<[u32; 2]>,
+    /// How many 8 × 8 blocks these are.
+    pub items: Buffer<u32>,
+    offsets: Buffer<u32>,
+    scratch: prefix_scan::Scratch,
+    request: Buffer<[u32; 4]>,
+    args: Buffer<u32>,
+}
+
+impl Maps {
+    /// Memory for `views` maps of `size` texels a side, and `triangles` triangles.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        views: usize,
+        size: usize,
+        triangles: usize,
+    ) -> Result<Self> {
+        let (owners, texels) = (views * triangles, views * size * size);
+        let request = [owners as u32, kernel::WORKGROUP, u32::MAX, 0];
+        Ok(Self {
+            keys: Buffer::storage(device, "split_maps.keys", texels)?,
+            rects: Buffer::storage(device, "split_maps.rects", owners)?,
+            items: Buffer::storage(device, "split_maps.items", owners)?,
+            offsets: Buffer::storage(device, "split_maps.offsets", WorkOwners::words(owners, texels))?,
+            scratch: PrefixScan::scratch(device, owners)?,
+            request: Buffer::from_slice(device, queue, "split_maps.request", &[request])?,
+            args: Buffer::indirect(device, "split_maps.args", 3)?,
+        })
+    }
+}
+
+/// The mesh as the stage takes it.
+#[derive(Clone, Copy, Debug)]
+pub struct Mesh<'a> {
+    /// Vertex indices.
+    pub triangles: &'a wgpu::Buffer,
+    /// Vertices relative to the eye, scaled.
+    pub points: &'a Buffer<[f32; 4]>,
+    /// Rectangles in the whole light view, of `triangle_setup`.
+    pub light_rects: &'a Buffer<[u32; 2]>,
+}
+
+impl SplitMaps {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            measure: Program::new(device, kernel::ENTRY_MEASURE, &[]),
+            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            scan: PrefixScan::new(device),
+            owners: WorkOwners::new(device),
+            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+        }
+    }
+
+    /// Records the rectangles and block counts alone, which [`SplitMaps::record`] begins with.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn measure(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        splits: &Buffer<SplitViews>,
+        mesh: Mesh,
+        maps: &Maps,
+    ) -> Result<()> {
+        let buffers = [
+            ("frame", frame),
+            ("splits", splits.raw()),
+            ("triangles", mesh.triangles),
+            ("points", mesh.points.raw()),
+            ("light_rects", mesh.light_rects.raw()),
+            ("split_rects", maps.rects.raw()),
+            ("split_items", maps.items.raw()),
+        ];
+        stage.run(&self.measure, &buffers, Groups::Items(maps.items.len() as u64))
+    }
+
+    /// Records it, for as many views as the maps are for, of which `splits` tells.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        splits: &Buffer<SplitViews>,
+        mesh: Mesh,
+        maps: &Maps,
+    ) -> Result<()> {
+        let count = maps.items.len();
+        self.measure(stage, frame, splits, mesh, maps)?;
+        let offsets = &maps.offsets;
+        self.scan.record(stage, &maps.items, offsets, (offsets, count), &maps.scratch, Count::Exactly(count))?;
+        self.owners.record(stage, offsets, count)?;
+        let buffers = [("counts", offsets.raw()), ("requests", maps.request.raw()), ("args", maps.args.raw())];
+        stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
+        let buffers = [
+            ("frame", frame),
+            ("splits", splits.raw()),
+            ("triangles", mesh.triangles),
+            ("points", mesh.points.raw()),
+            ("rects", maps.rects.raw()),
+            ("work_offsets", offsets.raw()),
+            ("map_keys", maps.keys.raw()),
+        ];
+        stage.run(&self.raster, &buffers, Groups::Indirect(maps.args.raw(), 0))
+    }
+}

@@ -1,0 +1,97 @@
+//! Shadows by the maps of slices of what the camera sees: by depth comparison (Williams 1978), or by mean and variance of the depths
+//! in a pixel's footprint (Donnelly and Lauritzen 2006).
+//!
+//! - **Reads** the triangle at each pixel centre, triangles, projected vertices, sample offsets, the maps of
+//!   [`split_maps`](super::split_maps), for the second their [moments](super::map_moments).
+//! - **Writes** `visibility`: of `compare` the mean over the samples whose rays meet the receiver, of `filter_moments` that of one
+//!   lookup, whatever the samples; 1 where the pixel sees nothing.
+//! - **Guarantee.** Bit-equal from run to run. Nothing is exact: the bias decides, and the moments of what lies behind each other
+//!   leak light.
+//! - **Cost.** One dispatch over pixels; per sample one texel, or per pixel up to 16 lookups of eight cells.
+
+use super::Seen;
+use super::split_maps::SplitViews;
+use crate::Result;
+use crate::gpu::kernels::split_shadows as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage};
+
+/// How the maps are asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ask {
+    /// By depth comparison with the nearest texel, for every sample.
+    Depths {
+        /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
+        constant: f32,
+        /// Times the steeper slope of the receiver per texel: what it is moved besides.
+        slope: f32,
+    },
+    /// By mean and variance.
+    Moments {
+        /// As of [`Ask::Depths`].
+        constant: f32,
+        /// Share of light that is taken off, against leaks: 0 for none, below 1.
+        bleeding: f32,
+        /// Sine of the elevation of the light over a receiver below which half of it is lit; 0 for none.
+        grazing: f32,
+    },
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct SplitShadows {
+    program: Program,
+}
+
+/// The maps and what is made of them.
+#[derive(Clone, Copy, Debug)]
+pub struct OfMaps<'a> {
+    /// The slices.
+    pub splits: &'a Buffer<SplitViews>,
+    /// Keys of the nearest depths, view after view.
+    pub keys: &'a Buffer<u32>,
+    /// Their moments, which [`Ask::Depths`] does not read.
+    pub moments: &'a Buffer<[f32; 2]>,
+}
+
+impl SplitShadows {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device, ask: Ask) -> Self {
+        let program = match ask {
+            Ask::Depths { constant, slope } => {
+                let constants = [("BIAS_CONSTANT", f64::from(constant)), ("BIAS_SLOPE", f64::from(slope))];
+                Program::new(device, kernel::ENTRY_COMPARE, &constants)
+            }
+            Ask::Moments { constant, bleeding, grazing } => {
+                let constants = [
+                    ("BIAS_CONSTANT", f64::from(constant)),
+                    ("BLEEDING", f64::from(bleeding)),
+                    ("GRAZING", f64::from(grazing)),
+                ];
+                Program::new(device, kernel::ENTRY_FILTER_MOMENTS, &constants)
+            }
+        };
+        Self { program }
+    }
+
+    /// Records all pixels.
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &wgpu::Buffer,
+        seen: Seen,
+        maps: OfMaps,
+        visibility: &Buffer<f32>,
+    ) -> Result<()> {
+        let mut buffers = seen.buffers(frame);
+        buffers.extend([
+            ("splits", maps.splits.raw()),
+            ("map_keys", maps.keys.raw()),
+            ("moments", maps.moments.raw()),
+            ("visibility", visibility.raw()),
+        ]);
+        stage.run(&self.program, &buffers, Groups::Items(visibility.len() as u64))
+    }
+}

@@ -1,0 +1,158 @@
+//! Mean and variance of squares of texels, cell by cell against `f64` over the texels themselves.
+
+use crate::support::shadow::{Pipelines, folding_gpu};
+use crate::support::{POISON, Random, gpu, sizes_around};
+use subpixel_shadows::frame::Frame;
+use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::reference::map_moments::moments;
+use subpixel_shadows::stages::map_moments::MapMoments;
+use subpixel_shadows::stages::split_maps::SplitViews;
+
+const FAR: f32 = 1.25;
+
+struct Ran {
+    size: u32,
+    views: usize,
+    keys: Vec<u32>,
+    moments: Vec<[f32; 2]>,
+}
+
+/// The moments of `keys`, of maps of `size` texels a side.
+fn reduce(gpu: &Gpu, size: u32, keys: Vec<u32>) -> Ran {
+    static MADE: Pipelines<MapMoments> = Pipelines::new();
+    let views = keys.len() / (size * size) as usize;
+    let frame = Buffer::uniform(&gpu.device, "test.frame", 1).expect("memory");
+    frame.write(&gpu.queue, &[Frame { map_size: size, ..Frame::default() }]);
+    let splits = Buffer::uniform(&gpu.device, "test.split_views", 1).expect("memory");
+    let content = SplitViews { count: views as u32, ..SplitViews::new(&[], size, f64::from(FAR)) };
+    splits.write(&gpu.queue, &[content]);
+    let texels = Buffer::from_slice(&gpu.device, &gpu.queue, "test.keys", &keys).expect("memory");
+    let made = MapMoments::memory(&gpu.device, views, size).expect("memory");
+    made.write(&gpu.queue, &vec![[f32::from_bits(POISON); 2]; made.len()]);
+    let stage = MADE.get(gpu, 0, || MapMoments::new(&gpu.device));
+    crate::support::run(gpu, |s| stage.record(s, frame.raw(), &splits, &texels, &made, views, size));
+    Ran { size, views, keys, moments: made.read(gpu).expect("readback") }
+}
+
+/// Where the stage departs from its definition.
+fn fault(ran: &Ran) -> Option<String> {
+    let Ran { size, views, keys, moments: made } = ran;
+    let texels = (size * size) as usize;
+    let mut got = made.iter();
+    for view in 0..*views {
+        let depth = |&key: &u32| f64::from(if key == 0 { FAR } else { f32::from_bits(!key) });
+        let depths: Vec<f64> = keys[view * texels..(view + 1) * texels].iter().map(depth).collect();
+        for level in 1..=SplitViews::levels_of(*size) {
+            for (cell, [mean, variance]) in moments(&depths, *size, level).into_iter().enumerate() {
+                let Some(&[m, v]) = got.next() else { return Some("too few cells".to_owned()) };
+                let right =
+                    (f64::from(m) - mean).abs() <= 2e-6 && (f64::from(v) - variance).abs() <= 1e-9 + 1e-5 * variance;
+                if !right {
+                    return Some(format!(
+                        "view {view}, level {level}, cell {cell}: {m} {v}, {mean} {variance} expected"
+                    ));
+                }
+            }
+        }
+    }
+    got.next().map(|_| "too many cells".to_owned())
+}
+
+#[track_caller]
+fn check(size: u32, keys: Vec<u32>) -> Ran {
+    let ran = reduce(gpu(), size, keys);
+    if let Some(text) = fault(&ran) {
+        panic!("a map of {size}: {text}");
+    }
+    ran
+}
+
+/// Depths that change from texel to texel, a fifth of them missing.
+fn keys(size: u32, views: u32, random: &mut Random) -> Vec<u32> {
+    let key = |_| if random.below(5) == 0 { 0 } else { !(random.below(1 << 20) as f32 / (1 << 20) as f32).to_bits() };
+    (0..size * size * views).map(key).collect()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn empty() {
+    let ran = check(20, vec![0; 400]);
+    assert!(ran.moments.iter().all(|m| *m == [FAR, 0.0]));
+    assert!(check(4, Vec::new()).moments.is_empty());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn one() {
+    // A map of one texel has no level above it.
+    assert!(check(1, vec![!0.5f32.to_bits()]).moments.is_empty());
+    assert_eq!(check(2, [0.0f32, 0.5, 0.5, 1.0].map(|d| !d.to_bits()).to_vec()).moments, [[0.5, 0.125]]);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn every_size_around_workgroup() {
+    let mut random = Random::new(1);
+    for size in sizes_around(32).into_iter().chain(sizes_around(16)) {
+        check(size as u32, keys(size as u32, 1 + random.below(4), &mut random));
+    }
+}
+
+/// Sizes that take two and three dispatches.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn random_seeded() {
+    let mut random = Random::new(2);
+    for (size, views) in [(100, 4), (257, 3), (511, 2), (1023, 1), (1025, 1), (1100, 2)] {
+        check(size, keys(size, views, &mut random));
+    }
+}
+
+/// Depths that differ by little, far from 0, where two moments would cancel.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn degenerate() {
+    let mut random = Random::new(3);
+    let near = |_| !(0.9f32 + random.below(256) as f32 * 2f32.powi(-22)).to_bits();
+    let ran = check(64, (0..64 * 64).map(near).collect());
+    let last = ran.moments.last().expect("a cell")[1];
+    let spread = (256.0 * 2f32.powi(-22)).powi(2) / 12.0;
+    assert!((last / spread - 1.0).abs() < 0.1, "variance {last} of {spread}");
+    check(33, vec![!1.0f32.to_bits(); 33 * 33]);
+}
+
+/// More than 65,535 workgroups could hold in one dimension of single invocations; the stage has no list.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn overflow_by_one() {
+    let ran = check(300, keys(300, 3, &mut Random::new(4)));
+    assert!(ran.moments.iter().flatten().all(|v| v.to_bits() != POISON) && ran.moments.len() > 65_535);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn two_d_dispatch() {
+    let keys = keys(60, 2, &mut Random::new(5));
+    let of = |gpu| reduce(gpu, 60, keys.clone()).moments;
+    assert!(of(folding_gpu()) == of(gpu()), "the fold changes the result");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn detects_corruption() {
+    let made = keys(45, 2, &mut Random::new(6));
+    let of = || reduce(gpu(), 45, made.clone());
+    let ran = check(45, made.clone());
+    assert!(ran.moments == of().moments, "another result in a second run");
+    let spoilt = |spoil: &dyn Fn(&mut Ran)| {
+        let mut off = of();
+        spoil(&mut off);
+        fault(&off).is_some()
+    };
+    let last = ran.moments.len() - 1;
+    assert!(spoilt(&|r| r.moments[last][0] += 1e-4));
+    assert!(spoilt(&|r| r.moments[7][1] *= 1.001));
+    assert!(spoilt(&|r| r.moments.swap(3, 4)));
+    assert!(spoilt(&|r| r.moments.truncate(last)));
+    assert!(spoilt(&|r| r.keys[9] = !r.keys[9]));
+}
