@@ -1,4 +1,4 @@
-//! What must not change a bit of a picture of `spsm`, `shadow-map`, `pcf` and `smsr`: repetition, order of the mesh, duplicates,
+//! What must not change a bit of a picture of `spsm` and of the methods of maps of depths: repetition, order of the mesh, duplicates,
 //! scale.
 
 #[path = "shared/device.rs"]
@@ -35,9 +35,17 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
     });
     let compared = [(MethodName::ShadowMap, 1), (MethodName::Pcf, 8), (MethodName::Smsr, 32)]
         .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
+    let fitted = [
+        (MethodName::Variance, 1),
+        (MethodName::Trapezoidal, 8),
+        (MethodName::Lispsm, 1),
+        (MethodName::ParallelSplit, 32),
+        (MethodName::Remix, 1),
+    ]
+    .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
     let smsr = SmsrSettings { shape: SmsrShape::Corners, reach: 5, slope: 0.1 };
     let corners = ("smsr by corners".to_owned(), MethodName::Smsr, Settings { smsr, ..settings([72, 54], 8) });
-    spsm.into_iter().chain(compared).chain([corners]).collect()
+    spsm.into_iter().chain(compared).chain([corners]).chain(fitted).collect()
 }
 
 fn render(scene: &Scene, method: MethodName, settings: &Settings) -> Output {

@@ -115,7 +115,8 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
     assert!(f["adapter"]["name"].is_string() && f["adapter"]["backend"].is_string());
     assert_eq!(f["engine"], engine);
     let methods = ["facet-masks", "spsm", "shadow-map", "pcf", "smsr", "ray-traced", "supersampled"];
-    assert!(methods.iter().any(|m| f["method"] == *m), "{}", f["method"]);
+    let fitted = ["variance", "trapezoidal", "lispsm", "parallel-split", "remix"];
+    assert!(methods.iter().chain(&fitted).any(|m| f["method"] == *m), "{}", f["method"]);
     assert_eq!(f["image_size"], serde_json::json!(size));
     let offsets = f["samples"].as_array().expect("samples");
     assert_eq!((offsets.len(), &offsets[0]), (samples, &serde_json::json!([0.5, 0.5])));
@@ -229,6 +230,12 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         (&["plane", "--map", "9000"], &["9000", "8192"]),
         (&["plane", "--method", "pcf", "--kernel", "4"], &["4 x 4"]),
         (&["plane", "--method", "smsr", "--reach", "65"], &["65", "64"]),
+        (&["plane", "--method", "remix", "--splits", "5"], &["5 splits", "4"]),
+        (&["plane", "--method", "parallel-split", "--splits", "0"], &["0 splits"]),
+        (&["plane", "--method", "trapezoidal", "--focus", "0"], &["first 0 of"]),
+        (&["plane", "--method", "remix", "--focus", "nan"], &["first NaN of"]),
+        (&["plane", "--method", "variance", "--bleeding", "1"], &["1 of the light", "0.9"]),
+        (&["plane", "--method", "remix", "--grazing", "91"], &["91 degrees", "90"]),
         (&["plane", "--method", "spsm", "--engine", "cpu"], &["spsm"]),
         (&["plane", "--method", "ray-traced", "--looks"], &["--looks", "ray-traced"]),
         (&["plane", "--method", "supersampled", "--looks"], &["--looks", "supersampled"]),
@@ -380,6 +387,11 @@ mod with_a_gpu {
             ("shadow-map", "shadow_map"),
             ("pcf", "shadow_map"),
             ("smsr", "smsr"),
+            ("variance", "map_moments"),
+            ("trapezoidal", "split_maps"),
+            ("lispsm", "split_shadows"),
+            ("parallel-split", "split_maps"),
+            ("remix", "map_moments"),
             ("ray-traced", "shadow_rays"),
             ("supersampled", "sample_tests"),
         ];
@@ -414,6 +426,35 @@ mod with_a_gpu {
         assert!(middle == usual && darkness(&usual) > 20.0, "other defaults: {}", darkness(&usual));
         assert!(darkness(&far) > darkness(&near) + 1.0, "{} {}", darkness(&far), darkness(&near));
         assert!(darkness(&far) > darkness(&middle) + 1.0, "{} {}", darkness(&far), darkness(&middle));
+    }
+
+    /// What the methods of fitted and filtered maps are told reaches them.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn remix_takes_its_options() {
+        let folder = Folder::new("remix");
+        let of = |method: &str, more: &[&str]| {
+            let out = folder.path("out");
+            render(&out, &[&["windmill", "--method", method, "--samples", "8"], more].concat());
+            exr(&out, "visibility.exr").2
+        };
+        let light = |v: &[[f32; 2]]| v.iter().map(|v| f64::from(v[0])).sum::<f64>();
+        let usual = of("remix", &[]);
+        let given = ["--warp", "fitted", "--splits", "3", "--bleeding", "0", "--grazing", "0"];
+        assert!(of("remix", &given) == usual, "other defaults");
+        let trapezoid = of("remix", &["--warp", "trapezoid"]);
+        for more in [["--warp", "even"], ["--warp", "lispsm"], ["--splits", "1"], ["--splits", "4"]] {
+            let other = of("remix", &more);
+            assert!(other != usual && other != trapezoid, "{more:?} changes nothing");
+        }
+        assert!(of("remix", &["--warp", "trapezoid", "--focus", "0.9"]) != trapezoid, "the focus changes nothing");
+        assert!(of("trapezoidal", &["--focus", "0.9"]) != of("trapezoidal", &[]), "the focus changes nothing");
+        assert!(of("parallel-split", &["--splits", "1"]) != of("parallel-split", &[]), "the splits change nothing");
+        // Less light against leaks; half of it on what the light grazes.
+        assert!(light(&of("remix", &["--bleeding", "0.3"])) + 1.0 < light(&usual), "nothing is taken off");
+        let halves = |v: &[[f32; 2]]| v.iter().filter(|v| v[0] == 0.5).count();
+        let grazed = of("remix", &["--grazing", "45"]);
+        assert!(halves(&grazed) > halves(&usual) + 50, "{} and {}", halves(&grazed), halves(&usual));
     }
 
     /// Pixels of each colour of classes.png, in the order of the classes.
