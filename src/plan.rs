@@ -115,6 +115,7 @@ const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that
 const MERGE: (&str, &str) = ("sample_surfaces.merge", "takes neighbouring triangles of one plane as one surface");
 const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
 const BACK_FACING: (&str, &str) = ("triangle_setup.back_facing", "casters that face away from the light");
+const EVERY_SAMPLE: (&str, &str) = ("split_shadows.samples", "every sample by itself");
 const UNSEEN: (&str, &str) = ("spsm_map.unseen", "texels that no pixel asks for");
 const PERSPECTIVE: (&str, &str) = ("vertex_project.divide", "perspective divide of the light view");
 
@@ -246,6 +247,11 @@ impl Plan {
         let mut steps: Vec<Step> = shadowless.into_iter().filter(kept).collect();
         let at = if of_facets { steps.len() - 1 } else { 2 };
         steps.splice(at..at, own);
+        if filters {
+            let (name, purpose) = EVERY_SAMPLE;
+            let once = "one lookup in the moments of the pixel's footprint stands for all".to_owned();
+            steps.push(Step { name, purpose, left_out: reason.clone().or(Some(once)) });
+        }
         if method == MethodName::Spsm {
             let few = (every_texel.is_none() && reason.is_none()).then(|| {
                 let share = wanted.texels() as f64 / wanted.pixels() as f64;

@@ -1,6 +1,7 @@
 //! Which methods and settings are compared.
 
 use crate::Result;
+use crate::light_view::Warp;
 use crate::mask_table::MaskVariant;
 use crate::methods::{
     FacetMode, MethodName, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings,
@@ -117,12 +118,16 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
             }
         }
         MethodName::Variance | MethodName::Trapezoidal | MethodName::Lispsm => add("", settings.clone()),
-        MethodName::ParallelSplit | MethodName::Remix => {
-            add(&format!("splits={}", settings.split.splits), settings.clone());
+        MethodName::ParallelSplit => add("splits=3", settings.clone()),
+        MethodName::Remix => {
+            let with = |split| Settings { split, ..settings.clone() };
+            add("warp=fitted", settings.clone());
             if more {
-                let with = |split| Settings { split, ..settings.clone() };
-                add("splits=1", with(SplitSettings { splits: 1, ..settings.split }));
-                add("splits=4", with(SplitSettings { splits: 4, ..settings.split }));
+                add("warp=even", with(SplitSettings { warp: Warp::Box, ..settings.split }));
+                let paper = SplitSettings { warp: Warp::Trapezoid, grazing: 5.0, ..settings.split };
+                add("warp=trapezoid grazing=5", with(paper));
+                add("warp=fitted splits=1", with(SplitSettings { splits: 1, ..settings.split }));
+                add("warp=fitted bleeding=0.2", with(SplitSettings { bleeding: 0.2, ..settings.split }));
             }
         }
         MethodName::RayTraced => {
