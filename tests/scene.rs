@@ -119,6 +119,8 @@ fn scene_files_set_camera_light_and_ground() {
     let evening = Scene::open(data.join("windmill-evening.toml").to_str().unwrap(), &SceneOptions::default()).unwrap();
     assert_eq!(evening.light, Light::Directional { direction: [-0.8, 0.42, 0.3] });
     assert_eq!(evening.ground, None);
+    let roof = Scene::open(data.join("city-roof.toml").to_str().unwrap(), &SceneOptions::default()).unwrap();
+    assert_eq!((roof.camera.eye, roof.camera.vertical_fov_degrees), ([0.0, 45.0, 110.0], 60.0));
 }
 
 #[test]
