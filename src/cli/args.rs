@@ -471,7 +471,6 @@ impl Options {
                 focus: self.focus,
                 bleeding: self.bleeding,
                 grazing: self.grazing,
-                ..SplitSettings::default()
             },
             ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },

@@ -68,7 +68,7 @@ impl SplitViews {
 
     /// Cells a side of a level.
     pub fn side_of(map_size: u32, level: u32) -> u32 {
-        (map_size.max(1) - 1 >> level) + 1
+        ((map_size.max(1) - 1) >> level) + 1
     }
 
     /// Moments of all levels of a map.
