@@ -122,12 +122,14 @@ fn lit_share(r: Receiver, place: Place, depth: f32, wanted: vec2<f32>, level: f3
     return max(found.y / (found.y + off * off) - BLEEDING, 0.0) / (1.0 - BLEEDING);
 }
 
+const LONGEST_STEP = 65536.0;
+
 // Change of a place for a change of the ray by a pixel.
 fn step_of(r: Receiver, ray: vec3<f32>, step: vec3<f32>, place: Place) -> vec2<f32> {
     let over = dot(r.normal, ray);
     let change = (step - ray * (dot(r.normal, step) / over)) * (r.height / over);
     let q = in_split(place.view, vec4(change, 0.0));
-    return (q.xy - place.at * q.z) / place.divisor;
+    return clamp((q.xy - place.at * q.z) / place.divisor, vec2(-LONGEST_STEP), vec2(LONGEST_STEP));
 }
 
 fn filtered(r: Receiver, ray: vec3<f32>) -> f32 {

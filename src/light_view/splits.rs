@@ -63,14 +63,15 @@ pub fn ends(near: f64, far: f64, splits: u32) -> Vec<f64> {
 
 impl LightView {
     /// The views of all slices of what is seen, near to far, whose rows take points of the space of this view's, the space of `seen`.
-    /// The last has no end.
+    /// The last has no end. One slice at the least, [`SplitPlan::MOST`] at most.
     pub fn split(&self, seen: &SeenBox, plan: &SplitPlan) -> Vec<SplitView> {
+        let splits = plan.splits.clamp(1, SplitPlan::MOST);
         let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max) * (1.0 + 1e-9);
         let all = seen.part(self, seen.near, farthest.max(seen.near));
         let depths = all.iter().map(|p| p.dot(seen.forward));
         let (near, far) = depths.fold((f64::INFINITY, 0.0f64), |(lo, hi), d| (lo.min(d), hi.max(d)));
         if plan.warp == Warp::Whole || near > far {
-            return vec![split_view(self, DMat3::IDENTITY, f64::INFINITY); plan.splits as usize];
+            return vec![split_view(self, DMat3::IDENTITY, f64::INFINITY); splits as usize];
         }
         let near = near.max(seen.near);
         let mut from = near;
@@ -79,7 +80,7 @@ impl LightView {
             from = end;
             made
         };
-        let mut views: Vec<SplitView> = ends(near, far.max(near), plan.splits).into_iter().map(slice).collect();
+        let mut views: Vec<SplitView> = ends(near, far.max(near), splits).into_iter().map(slice).collect();
         if let Some(last) = views.last_mut() {
             last.end = f64::INFINITY;
         }

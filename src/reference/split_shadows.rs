@@ -120,6 +120,8 @@ impl Map {
 
     /// Share of light in the footprint of a pixel; `steps` are the texels that a pixel to the right and one down take.
     pub fn filtered(&self, r: &Receiver, steps: DMat2, ask: &Ask) -> f64 {
+        // A plane seen edge-on has no end.
+        let steps = DMat2::from_cols_array(&steps.to_cols_array().map(|c| c.clamp(-65536.0, 65536.0)));
         // The footprint's half axes, from the eigenvectors of `steps · stepsᵀ`.
         let m = steps * steps.transpose();
         let (a, b, c) = (m.x_axis.x, m.x_axis.y, m.y_axis.y);

@@ -42,7 +42,8 @@ shared_struct! {
 impl SplitViews {
     /// Of views, at most [`SplitPlan::MOST`], of maps of `map_size` texels a side, in a scene of which nothing is deeper than `far`.
     pub fn new(views: &[SplitView], map_size: u32, far: f64) -> Self {
-        let mut made = Self { count: views.len() as u32, far: far as f32, ends: [3e38; 4], ..Self::default() };
+        let count = (views.len() as u32).min(SplitPlan::MOST);
+        let mut made = Self { count, far: far as f32, ends: [3e38; 4], ..Self::default() };
         for (k, view) in views.iter().take(SplitPlan::MOST as usize).enumerate() {
             let back = view.warp.inverse();
             for (r, row) in view.rows.iter().enumerate() {
