@@ -19,7 +19,8 @@ override BIAS_CONSTANT: f32 = 0.00005;
 override BIAS_SLOPE: f32 = 1.05;
 override BLEEDING: f32 = 0.0;
 override GRAZING: f32 = 0.0;
-override MOST_PROBES: u32 = 16u;
+const MOST_PROBES = 16u;
+const LONGEST_STEP = 65536.0;  // texels: a plane seen edge-on has no end
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -112,17 +113,15 @@ fn rise_to(r: Receiver, place: Place, at: vec2<f32>) -> f32 {
 
 // Share of light in a square of 2^level texels a side around a place, of a receiver that has this depth at `place`.
 fn lit_share(r: Receiver, place: Place, depth: f32, wanted: vec2<f32>, level: f32) -> f32 {
-    // Where cells of the level above are whole all around, to either side.
-    let cell = exp2(ceil(level));
-    let last = max(floor(f32(frame.map_size) / cell) - 0.5, 0.5) * cell;
+    // Where cells of the level above are whole all around; the middle of the map where none is whole.
+    let cell = min(exp2(ceil(level)), f32(frame.map_size));
+    let last = (floor(f32(frame.map_size) / cell) - 0.5) * cell;
     let at = clamp(wanted, vec2(0.5 * cell), vec2(last));
     let found = trilinear(place.view, level, at);
     let off = depth + rise_to(r, place, at) - BIAS_CONSTANT - found.x;
     if off <= 0.0 { return 1.0; }
     return max(found.y / (found.y + off * off) - BLEEDING, 0.0) / (1.0 - BLEEDING);
 }
-
-const LONGEST_STEP = 65536.0;
 
 // Change of a place for a change of the ray by a pixel.
 fn step_of(r: Receiver, ray: vec3<f32>, step: vec3<f32>, place: Place) -> vec2<f32> {
@@ -140,7 +139,7 @@ fn filtered(r: Receiver, ray: vec3<f32>) -> f32 {
     if !in_map(place) { return 1.0; }
     let x = step_of(r, ray, frame.ray_x.xyz, place);
     let y = step_of(r, ray, frame.ray_y.xyz, place);
-    // Half axes of the ellipse that the pixel's circle is there.
+    // Axes of the ellipse that the pixel's circle is there.
     let a = x.x * x.x + y.x * y.x;
     let b = x.x * x.y + y.x * y.y;
     let c = x.y * x.y + y.y * y.y;

@@ -20,7 +20,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         cases.push(Case {
             name: format!("split_shadows {name}"),
             size: splits.setup.casters.triangles.len(),
-            bytes: count * 8 + splits.maps.keys.len() * 4,
+            bytes: count * 8 + splits.maps.keys.len() * 4 + if ask == moments { splits.moments.len() * 8 } else { 0 },
             atomics: 0,
             // The place of each sample, or that of the pixel and eight cells.
             flops: count * if ask == depths { 32 * 60 } else { 300 },

@@ -106,10 +106,11 @@ pub struct Options {
     /// Slices of the view, each with a map, of parallel-split and remix: 1 to 4
     #[arg(long, default_value_t = 3, value_name = "N")]
     pub splits: u32,
-    /// How remix lays the texels of a map over its slice: evenly, over a trapezoid, or by light-space perspective
+    /// How remix lays the texels of a map over its slice: evenly, over a trapezoid by the 80 % rule, by light-space perspective, or
+    /// as makes them smallest beside pixels
     #[arg(long, value_enum, default_value_t, value_name = "HOW")]
     pub warp: WarpBy,
-    /// Share of a slice's depth, nearest the eye, that trapezoidal and remix give 80 % of the map's rows
+    /// Share of a slice's depth, nearest the eye, that gets 80 % of a trapezoid's rows (trapezoidal, --warp trapezoid)
     #[arg(long, default_value_t = 0.6, value_name = "SHARE")]
     pub focus: f32,
     /// Share of light that variance and remix take off against leaks; 0 as in the papers, up to 0.9

@@ -75,7 +75,8 @@ impl SeenBox {
             13 => row(view.v, p),
             14 => side * row(view.w, p) - row(view.u, p),
             15 => side * row(view.w, p) - row(view.v, p),
-            _ if view.perspective => row(view.w, p) - view.near,
+            // A little more: these corners are projected.
+            _ if view.perspective => row(view.w, p) - view.near * (1.0 + 1e-9),
             _ => 0.0,
         };
         let quad = |k: usize, at: &dyn Fn(usize) -> DVec3| (k, [0, 1, 2, 3].map(at).to_vec());

@@ -63,7 +63,7 @@ pub struct MapLook {
 pub struct Looks {
     /// Class of each pixel, row by row from the top; empty where the method has no classes.
     pub classes: Vec<PixelClass>,
-    /// The map, where one was made; none of several views.
+    /// The map, where one was made; none where `facet-masks` has several views.
     pub map: Option<MapLook>,
 }
 

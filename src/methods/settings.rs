@@ -208,7 +208,7 @@ pub struct SplitSettings {
     pub splits: u32,
     /// How `remix` lays the texels of a map over its slice.
     pub warp: Warp,
-    /// Share of a slice's depth, from its near side, that gets 80 % of a trapezoid's rows (`trapezoidal`, `remix`).
+    /// Share of a slice's depth, from its near side, that gets 80 % of the rows of a [`Warp::Trapezoid`].
     pub focus: f32,
     /// Share of light that is taken off against the leaks of moments; 0 in the paper.
     pub bleeding: f32,

@@ -1,7 +1,7 @@
 //! Shadow maps fitted to what the camera sees, or filtered by their moments, and both: `variance` (Donnelly, Lauritzen 2006),
 //! `trapezoidal` (Martin, Tan 2004), `lispsm` (Wimmer, Scherzer, Purgathofer 2004), `parallel-split` (Zhang et al. 2006), and `remix`
-//! (Oliveira 2009), which is trapezoids, splits and moments together.
-//! Memory is fixed: 4 bytes a texel and split, of moments 2.7 more. Triangles that reach behind a point light cast nothing.
+//! (Oliveira 2009), which is warps, splits and moments together.
+//! Memory is fixed: 4 bytes a texel and split, of moments 2.7 more, and 18 a triangle and split. Triangles that reach behind a point light cast nothing.
 
 use super::fixed::{FixedMethod, Inputs};
 use super::looks::Looks;
@@ -26,11 +26,11 @@ pub enum Recipe {
     Variance,
     /// One map over a trapezoid around what is seen.
     Trapezoidal,
-    /// The same, warped as is best in the mean.
+    /// The same, warped so that the greatest error is least.
     LightSpace,
     /// An even map around what is seen of each slice.
     ParallelSplit,
-    /// A trapezoid for each slice, by its moments.
+    /// A warped map of each slice, by its moments.
     Remix,
 }
 

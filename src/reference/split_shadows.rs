@@ -107,8 +107,8 @@ impl Map {
 
     /// Share of light in such a square around a texel.
     pub fn share(&self, r: &Receiver, wanted: DVec2, level: f64, ask: &Ask) -> f64 {
-        let cell = level.ceil().exp2();
-        let last = ((f64::from(self.size) / cell).floor() - 0.5).max(0.5) * cell;
+        let cell = level.ceil().exp2().min(f64::from(self.size));
+        let last = ((f64::from(self.size) / cell).floor() - 0.5) * cell;
         let at = wanted.clamp(DVec2::splat(0.5 * cell), DVec2::splat(last));
         let [mean, variance] = self.moments(level, at);
         let off = r.depth + r.rise_to(at) - ask.constant - mean;
@@ -122,7 +122,7 @@ impl Map {
     pub fn filtered(&self, r: &Receiver, steps: DMat2, ask: &Ask) -> f64 {
         // A plane seen edge-on has no end.
         let steps = DMat2::from_cols_array(&steps.to_cols_array().map(|c| c.clamp(-65536.0, 65536.0)));
-        // The footprint's half axes, from the eigenvectors of `steps · stepsᵀ`.
+        // The footprint's axes, from the eigenvectors of `steps · stepsᵀ`.
         let m = steps * steps.transpose();
         let (a, b, c) = (m.x_axis.x, m.x_axis.y, m.y_axis.y);
         let root = (0.25 * (a - c).powi(2) + b * b).sqrt();

@@ -6,8 +6,8 @@
 //!   none). All must be 0 before. In between, of each triangle in each view the rectangle of texels and its 8 × 8 blocks.
 //! - **Guarantee.** Bit-equal from run to run: the largest key stays, in whatever order they come. Triangles that are not surely in
 //!   front of a light at a point cast nothing.
-//! - **Cost.** 12 bytes a triangle and view, 4 a texel and view; one dispatch for rectangles, one to list their blocks' owners, three
-//!   of the scan, one indirect over blocks.
+//! - **Cost.** About 18 bytes a triangle and view, 4 a texel and view; one dispatch for rectangles, three of the scan of their blocks, one
+//!   to list the blocks' owners, one for arguments, one indirect over blocks.
 
 use super::{Count, PrefixScan, WorkOwners, prefix_scan};
 use crate::gpu::kernels::{dispatch_args, split_maps as kernel};

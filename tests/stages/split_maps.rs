@@ -1,6 +1,7 @@
 //! The maps of slices, texel by texel against `f64` in the whole light view: each key lies between the depths that places near its
 //! texel's centre have.
 
+use crate::support::depth_map::OnMap;
 use crate::support::shadow::{
     World, above, add_triangle, camera, folding_gpu, looked_down_on, random_light, random_scene, samples, soup,
 };
@@ -87,6 +88,25 @@ fn one() {
     }
 }
 
+/// One view that is not warped is the map of `light_layers`, but for texels at borders and roundings of depth.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_whole_view_is_the_map_of_light_layers() {
+    let mut random = Random::new(37);
+    for kind in 0..4 {
+        let light = random_light(kind % 2 == 0, &mut random);
+        let world = world(&random_scene(kind, &mut random), light, 100);
+        let [ours, theirs] =
+            [OnSplits::of(&world, &plan(1, Warp::Whole)).depths(0), OnMap::of(&world, |_, _, _, _, _| Ok(())).depths];
+        let alike = |a: &Option<f64>, b: &Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => (a - b).abs() < 1e-3,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let off = ours.iter().zip(&theirs).filter(|(a, b)| !alike(a, b)).count();
+        assert!(off * 200 < ours.len() && theirs.iter().flatten().count() > 1000, "{off} of {} differ", ours.len());
+    }
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn every_size_around_workgroup() {
@@ -112,7 +132,7 @@ fn random_seeded() {
     }
 }
 
-/// A camera along the light, triangles that reach behind eye, light and the map's horizon, vertices that are no number, all twice.
+/// A camera along the light, triangles that reach behind eye, light and the map's horizon, one of them with a vertex twice.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn degenerate() {
@@ -133,7 +153,7 @@ fn degenerate() {
     }
 }
 
-/// One view that is not warped is the map of `light_layers`.
+/// Maps of one texel and of few.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn smallest() {
