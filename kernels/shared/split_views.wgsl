@@ -8,7 +8,7 @@ struct SplitViews {
     count: u32,
     levels: u32,                  // levels of moments above the texels
     level_stride: u32,            // moments of a view
-    far: f32,                     // depth where there is no caster: not less than that of anything
+    far: f32,                     // depth where there is no caster: well beyond that of anything
     level_starts: array<vec4<u32>, 4>,  // where each level begins among the moments of its view
 }
 

@@ -77,12 +77,13 @@ impl SplitViews {
         (1..=Self::levels_of(map_size)).map(|l| (Self::side_of(map_size, l) as usize).pow(2)).sum()
     }
 
-    /// The greatest depth in `view` of a box, given by its corners in the space of the view's rows, and at least 1.
+    /// A depth in `view` for texels without a caster: by the casters' extent along the light beyond the greatest of a box, given by its
+    /// corners in the space of the view's rows, so that the plane of a surface that ends lies before it beside its border too.
     pub fn farthest(view: &LightView, corners: impl Iterator<Item = glam::DVec3>) -> f64 {
         // Beyond all points in front of a light at a point lies the depth of what is infinitely far along its axis.
         let axis = view.w.truncate();
         let limit = if view.perspective { view.z.truncate().dot(axis) / axis.length_squared() } else { f64::INFINITY };
-        corners.map(|p| view.project(p).map_or(limit, |p| p.z)).fold(1.0, f64::max) * (1.0 + 1e-6)
+        corners.map(|p| view.project(p).map_or(limit, |p| p.z)).fold(1.0, f64::max) + 1.0
     }
 }
 

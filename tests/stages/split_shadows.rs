@@ -278,6 +278,15 @@ fn degenerate() {
         spoilt += of(unbiased, 64, Warp::Trapezoid);
     }
     assert!(spoilt > 0, "the bias is not needed");
+    // The border of a tilted sheet over nothing, in texels of many pixels, is not dark either.
+    let turn = |p: DVec3| DVec3::new(p.x, p.x, p.z) * 0.7;
+    let light = Light::Directional { direction: [0.0, 1.0, 0.0] };
+    let camera = camera(DVec3::new(-3.0, 4.0, 1.0), DVec3::ZERO, 40.0);
+    let world = World::new(gpu(), &sheet(6, 1.5, |_, _| 0.0, turn), camera, light, [300, 225], 64, samples(1));
+    for warp in WARPS {
+        let dark = ask(&world, MOMENTS, 2, warp).visibility.iter().filter(|v| **v < 0.95).count();
+        assert_eq!(dark, 0, "{warp:?}: dark pixels at a border");
+    }
 }
 
 /// More pixels than one dimension of a dispatch of single invocations holds.
