@@ -4,10 +4,10 @@
 //! (`--force-all` runs everything, and a test compares). Rules look at the mesh, the camera, the light and the settings
 //! only; lists that turn out empty in the frame cost an empty dispatch and are reported after it.
 
+mod methods;
 mod proofs;
 
 use crate::Result;
-use crate::methods::MethodName;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
 use crate::scene::{Camera, Light};
@@ -65,58 +65,11 @@ const STAGES: [(&str, &str, Extent); 15] = [
     ("resolve", "masks to visibility", Extent::Facing),
 ];
 
-/// Stages of `spsm` after what the camera sees.
-const SPSM_STAGES: [(&str, &str); 6] = [
-    ("seen_texels", "texels that pixels fall into"),
-    ("spsm_map", "closest triangle of a texel, in 128 bits"),
-    ("spsm_classify", "pixels: dark, lit, or shadowed by their own texel's triangle"),
-    ("spsm_map_around", "texels around the pixels that these do not settle"),
-    ("spsm_settle", "lit by outlines, shadowed by what is around, or uncertain"),
-    ("spsm_recover", "shadow borders of the uncertain pixels, sample by sample"),
-];
-
-/// Stages of `shadow-map` and `pcf` after what the camera sees.
-const SHADOW_MAP_STAGES: [(&str, &str); 2] =
-    [("light_layers", "nearest depth at every texel centre"), ("shadow_map", "depth of every sample against the map")];
-
-/// Stages of `smsr` after what the camera sees.
-const SMSR_STAGES: [(&str, &str); 2] = [
-    ("light_layers", "nearest depth at every texel centre"),
-    ("smsr", "depth of every sample against the map, its borders drawn anew"),
-];
-
-/// Stages of the methods of maps that are fitted to what is seen, or filtered, after what the camera sees.
-const SPLIT_STAGES: [(&str, &str); 3] = [
-    ("split_maps", "nearest depth at every texel centre of the map of each slice"),
-    ("map_moments", "mean and variance of ever larger squares of texels"),
-    ("split_shadows", "every sample, or the pixel's footprint, against the map of its slice"),
-];
-
-/// Stages of `ray-traced` between facets and picture.
-const RAY_STAGES: [(&str, &str); 3] = [
-    ("shadow_rays", "a ray from every sample to the light"),
-    ("shadow_rays_refine", "the same with 46 bits, where 24 leave it open"),
-    ("shadow_rays_cut", "drops samples that see another surface than the centre"),
-];
-
-/// Stages of `supersampled` between facets and picture.
-const BIN_STAGES: [(&str, &str); 4] = [
-    ("sample_bins", "sorts every sample into the texel it projects to"),
-    ("sample_tests", "every caster against the samples of the texels it touches"),
-    ("sample_tests_refine", "the same with 46 bits, where 24 leave it open"),
-    ("shadow_rays_cut", "drops samples that see another surface than the centre"),
-];
-
-/// Stages that prove facets lit or shadowed.
-const PROOF: [&str; 4] = ["light_layers", "silhouette_mask", "front_layer", "summed_area"];
-
 /// Parts of stages that a setting or the scene may make needless.
 const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that see another surface than the centre");
 const MERGE: (&str, &str) = ("sample_surfaces.merge", "takes neighbouring triangles of one plane as one surface");
 const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
 const BACK_FACING: (&str, &str) = ("triangle_setup.back_facing", "casters that face away from the light");
-const EVERY_SAMPLE: (&str, &str) = ("split_shadows.samples", "every sample by itself");
-const UNSEEN: (&str, &str) = ("spsm_map.unseen", "texels that no pixel asks for");
 const PERSPECTIVE: (&str, &str) = ("vertex_project.divide", "perspective divide of the light view");
 
 impl Plan {
@@ -193,97 +146,9 @@ impl Plan {
         Ok(Self { extent, steps, settings })
     }
 
-    /// What `method` needs. That nothing is seen, or that nothing is in shadow, is true for all methods; the rest of the
-    /// rules are those of `facet-masks`.
-    ///
-    /// # Errors
-    /// As [`Plan::of`].
-    pub fn of_method(
-        method: MethodName,
-        prepared: &Prepared,
-        camera: &Camera,
-        light: &Light,
-        wanted: &Settings,
-        force_all: bool,
-    ) -> Result<Self> {
-        let own: &[(&str, &str)] = match method {
-            MethodName::FacetMasks => return Self::of(prepared, camera, light, wanted, force_all),
-            MethodName::Spsm => &SPSM_STAGES,
-            MethodName::ShadowMap | MethodName::Pcf => &SHADOW_MAP_STAGES,
-            MethodName::Smsr => &SMSR_STAGES,
-            MethodName::Variance
-            | MethodName::Trapezoidal
-            | MethodName::Lispsm
-            | MethodName::ParallelSplit
-            | MethodName::Remix => &SPLIT_STAGES,
-            MethodName::RayTraced => &RAY_STAGES,
-            MethodName::Supersampled => &BIN_STAGES,
-        };
-        let of_facets = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
-        // Surfaces off the pixel centre are no concern of methods of one receiver a pixel.
-        let one = Settings { facets: FacetMode::One, ..wanted.clone() };
-        let Self { extent, steps, mut settings } = Self::of(prepared, camera, light, &one, force_all)?;
-        let every_texel = every_texel(wanted, force_all);
-        settings.spsm.seen_only = every_texel.is_none();
-        let shadowless: Vec<Step> = steps.iter().filter(|s| !s.name.contains('.')).cloned().collect();
-        let reason = shadowless.iter().find(|s| s.name == "light_layers").and_then(|s| s.left_out.clone());
-        let filters = matches!(method, MethodName::Variance | MethodName::Remix);
-        let left_out = |name| match name {
-            "map_moments" if !filters => reason.clone().or_else(|| Some("samples are compared with depths".to_owned())),
-            "seen_texels" | "spsm_map_around" => reason.clone().or_else(|| every_texel.clone()),
-            _ => reason.clone(),
-        };
-        let own = own.iter().map(|&(name, purpose)| Step { name, purpose, left_out: left_out(name) });
-        let kept = |s: &Step| match s.name {
-            "triangle_setup" | "camera_visibility" => true,
-            "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
-            name => {
-                method == MethodName::RayTraced
-                    && settings.ray_traced.silhouettes
-                    && settings.settle
-                    && PROOF.contains(&name)
-            }
-        };
-        let mut steps: Vec<Step> = shadowless.into_iter().filter(kept).collect();
-        let at = if of_facets { steps.len() - 1 } else { 2 };
-        steps.splice(at..at, own);
-        if filters {
-            let (name, purpose) = EVERY_SAMPLE;
-            let once = "one lookup in the moments of the pixel's footprint stands for all".to_owned();
-            steps.push(Step { name, purpose, left_out: reason.clone().or(Some(once)) });
-        }
-        if method == MethodName::Spsm {
-            let few = (every_texel.is_none() && reason.is_none()).then(|| {
-                let share = wanted.texels() as f64 / wanted.pixels() as f64;
-                format!("one sample a pixel and {share:.1} texels: most are never asked for")
-            });
-            let (name, purpose) = UNSEEN;
-            steps.push(Step { name, purpose, left_out: reason.clone().or(few) });
-        }
-        Ok(Self { extent, steps, settings })
-    }
-
     /// The stages and parts that are left out, each with the reason.
     pub fn left_out(&self) -> impl Iterator<Item = (&'static str, &str)> {
         self.steps.iter().filter_map(|s| s.left_out.as_deref().map(|reason| (s.name, reason)))
-    }
-}
-
-/// Texels a pixel from which on `spsm` looks for those that are asked for before it makes any. Below, and with several samples,
-/// looking costs more than the texels (data/reports/spsm.md).
-const TEXELS_A_PIXEL: usize = 4;
-
-/// Why `spsm` makes every texel of its map.
-fn every_texel(wanted: &Settings, force_all: bool) -> Option<String> {
-    if force_all {
-        Some("forced: every texel is made".to_owned())
-    } else if !wanted.spsm.seen_only {
-        Some("switched off: every texel is made".to_owned())
-    } else if wanted.samples.count() > 1 {
-        Some("several samples a pixel: nearly every texel is asked for".to_owned())
-    } else {
-        let few = wanted.texels() < TEXELS_A_PIXEL * wanted.pixels();
-        few.then(|| format!("fewer than {TEXELS_A_PIXEL} texels a pixel: nearly all are asked for"))
     }
 }
 
