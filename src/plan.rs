@@ -192,7 +192,9 @@ fn no_settling(wanted: &Settings, validity: bool, force_all: bool) -> Option<Str
 
 #[cfg(test)]
 mod tests {
+    use super::methods::UNSEEN;
     use super::*;
+    use crate::methods::MethodName;
     use crate::samples::{Pattern, Samples};
     use crate::scene::{Mesh, Scene};
 

@@ -54,7 +54,7 @@ const PROOF: [&str; 4] = ["light_layers", "silhouette_mask", "front_layer", "sum
 
 /// Parts of stages that a setting makes needless.
 const EVERY_SAMPLE: (&str, &str) = ("split_shadows.samples", "every sample by itself");
-const UNSEEN: (&str, &str) = ("spsm_map.unseen", "texels that no pixel asks for");
+pub(super) const UNSEEN: (&str, &str) = ("spsm_map.unseen", "texels that no pixel asks for");
 
 impl Plan {
     /// What `method` needs. That nothing is seen, or that nothing is in shadow, is true for all methods; the rest of the
