@@ -1,10 +1,13 @@
 //! What can be asked for.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use super::choices::{
+    Encoding, EngineName, FacetsPerPixel, Masks, PairsBy, PatternName, Projection, Rays, Search, Shape, Switch, WarpBy,
+};
+use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use subpixel_shadows::light_view::Warp;
 use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Settings};
+use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::methods::{
     MethodName, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SplitSettings,
@@ -293,125 +296,6 @@ impl ReportOptions {
         };
         scope.reference()?;
         Ok(scope)
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Encoding {
-    Paper,
-    #[default]
-    Lines,
-}
-
-/// Where `spsm` searches.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Search {
-    Near,
-    Wide,
-    #[default]
-    Along,
-}
-
-/// Which samples `ray-traced` follows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Rays {
-    /// All of pixels that face the light.
-    #[default]
-    All,
-    /// Those of pixels that are not proved lit or shadowed.
-    Silhouettes,
-}
-
-/// Where `smsr` draws lines.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Shape {
-    /// From the corners of dark texels to the far ends of borders.
-    Corners,
-    /// Through the middles of the steps.
-    #[default]
-    Midpoints,
-}
-
-/// How the texels of a map lie over a slice.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum WarpBy {
-    /// Evenly, over the box around what is seen.
-    Even,
-    /// Over a trapezoid around it, 80 % of whose rows go to the first part.
-    Trapezoid,
-    /// As is best for a frustum and a light from the side.
-    Lispsm,
-    /// As makes texels the smallest beside pixels.
-    #[default]
-    Fitted,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub enum FacetsPerPixel {
-    One,
-    #[default]
-    All,
-}
-
-impl From<FacetsPerPixel> for FacetMode {
-    fn from(name: FacetsPerPixel) -> Self {
-        match name {
-            FacetsPerPixel::One => Self::One,
-            FacetsPerPixel::All => Self::All,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Switch {
-    #[default]
-    On,
-    Off,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Masks {
-    #[default]
-    Exact,
-    Table,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum PairsBy {
-    #[default]
-    Tiled,
-    Grouped,
-    Sorted,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Projection {
-    #[default]
-    Pencil,
-    TwoStep,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum EngineName {
-    Gpu,
-    Cpu,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub enum PatternName {
-    Grid,
-    Rotated,
-    #[default]
-    LowDiscrepancy,
-}
-
-impl From<PatternName> for Pattern {
-    fn from(name: PatternName) -> Self {
-        match name {
-            PatternName::Grid => Self::Grid,
-            PatternName::Rotated => Self::Rotated,
-            PatternName::LowDiscrepancy => Self::LowDiscrepancy,
-        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Where a frame is computed: on an adapter, or on the CPU.
 
-use super::args::{EngineName, Options};
+use super::args::Options;
+use super::choices::EngineName;
 use super::progress::Console;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::cpu::{self, CpuTime};

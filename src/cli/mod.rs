@@ -2,6 +2,7 @@
 
 mod adapters;
 mod args;
+mod choices;
 mod engine;
 mod explain;
 mod output;
