@@ -1,7 +1,7 @@
 //! Shadows inside an application's own frame: its device, its G-buffer pass, the shadow pass and its shading pass in one
 //! encoder and one submission.
 //!
-//! `cargo run --release --example deferred`
+//! `cargo run --release --example deferred -- [--size WxH] [--map N] [SCENE]`
 //!
 //! The G-buffer is drawn with the hardware's rasterizer (triangle numbers, reversed depth); the shadow pass reads it and
 //! writes a texture, which the shading pass multiplies with diffuse light. Three ways to hand it over follow each other:
@@ -9,6 +9,10 @@
 //! four samples a pixel, from a multisampled texture, for a facet for each surface that they show. A last frame without a
 //! G-buffer is compared with what the library's own renderer gives: not a bit may differ.
 
+#[path = "shared/arguments.rs"]
+mod arguments;
+
+use arguments::Arguments;
 use futures::executor::block_on;
 use std::path::Path;
 use subpixel_shadows::glam::{DMat4, DVec3, DVec4};
@@ -23,8 +27,6 @@ use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
-
-const SIZE: [u32; 2] = [640, 480];
 
 const SHADER: &str = "
 @group(0) @binding(0) var<uniform> view: View;
@@ -94,6 +96,7 @@ struct App {
     samples: Drawn,
     visibility: wgpu::Texture,
     image: wgpu::Buffer,
+    size: [u32; 2],
     shade: wgpu::ComputePipeline,
     mesh: wgpu::BindGroup,
     screen: wgpu::BindGroup,
@@ -101,7 +104,8 @@ struct App {
 }
 
 fn main() -> Result<()> {
-    let scene = Scene::open("windmill", &Default::default())?;
+    let arguments = Arguments::of(std::env::args().skip(1))?;
+    let (size, scene) = (arguments.size, Scene::open(&arguments.scenes[0], &Default::default())?);
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
     let adapter =
         block_on(instance.request_adapter(&Default::default())).map_err(|e| Error::NoAdapter(e.to_string()))?;
@@ -111,9 +115,9 @@ fn main() -> Result<()> {
         ..Default::default()
     };
     let (device, queue) = block_on(adapter.request_device(&descriptor)).map_err(|e| Error::Gpu(e.to_string()))?;
-    let app = App::new(device, queue, &scene);
+    let app = App::new(device, queue, &scene, size);
 
-    let settings = Settings::new(SIZE, 512, Samples::new(Pattern::LowDiscrepancy, 32)?);
+    let settings = Settings::new(size, arguments.map, Samples::new(Pattern::LowDiscrepancy, 32)?);
     let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };
     let config = PassConfig { timing: true, receivers: true, ..PassConfig::new(settings.clone(), casters) };
     let mut pass = ShadowPass::new(&app.device, &app.queue, &config)?;
@@ -161,13 +165,13 @@ impl App {
             self.queue.submit([encoder.finish()]);
             let shaded = self.read(&self.image)?;
             let Some(status) = pass.status() else { return Err(Error::Gpu(format!("frame {frame} has no status"))) };
-            let gpu_ms: f64 = status.stages.iter().map(|s| s.gpu_ms).sum();
+            let gpu_ms = status.stages.iter().fold(0.0, |sum, s| sum + s.gpu_ms);
             let said = match (status.complete, status.overflowed) {
                 (true, _) => "complete".to_owned(),
                 (_, true) => "lists were too short, they grow".to_owned(),
                 _ => format!("{:?}", status.faults),
             };
-            println!("frame {frame}: {said}; {} stages, {gpu_ms:.2} ms", status.stages.len());
+            println!("frame {frame}: {said}; {} strips, {} stages, {gpu_ms:.2} ms", pass.strips(), status.stages.len());
             if status.complete {
                 return Ok(shaded.iter().map(|p| [0, 8, 16].map(|shift| (p >> shift) as u8)).collect());
             }
@@ -179,7 +183,7 @@ impl App {
     fn write_frame(&self, path: &str, pass: &mut ShadowPass, inputs: &Inputs) -> Result<()> {
         let shaded = self.complete_frame(pass, inputs)?;
         std::fs::create_dir_all("out").map_err(|e| Error::file("out", e.to_string()))?;
-        write_png_rgb(Path::new(path), SIZE[0], SIZE[1], &shaded)?;
+        write_png_rgb(Path::new(path), self.size[0], self.size[1], &shaded)?;
         println!("wrote {path}");
         Ok(())
     }
@@ -214,14 +218,15 @@ impl App {
         pass.set_pipeline(&self.shade);
         pass.set_bind_group(0, &self.mesh, &[]);
         pass.set_bind_group(1, &self.screen, &[]);
-        pass.dispatch_workgroups(SIZE[0].div_ceil(8), SIZE[1].div_ceil(8), 1);
+        pass.dispatch_workgroups(self.size[0].div_ceil(8), self.size[1].div_ceil(8), 1);
     }
 
-    fn new(device: wgpu::Device, queue: wgpu::Queue, scene: &Scene) -> Self {
+    fn new(device: wgpu::Device, queue: wgpu::Queue, scene: &Scene, size: [u32; 2]) -> Self {
+        let [width, height] = size;
         let texture = |format, usage, sample_count| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: None,
-                size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
                 sample_count,
                 dimension: wgpu::TextureDimension::D2,
@@ -239,10 +244,11 @@ impl App {
         };
         let stored = TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING;
         let visibility = texture(TextureFormat::R32Float, stored, 1);
-        let bytes = vec![0; (4 * SIZE[0] * SIZE[1]) as usize];
+        let bytes = vec![0; (4 * width * height) as usize];
         let kept = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let image = buffer(&bytes, kept | BufferUsages::COPY_SRC);
-        let view = buffer(bytemuck::cast_slice(&view_words(scene)), BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+        let view =
+            buffer(bytemuck::cast_slice(&view_words(scene, size)), BufferUsages::UNIFORM | BufferUsages::COPY_DST);
         let positions = buffer(bytemuck::cast_slice(&scene.mesh.positions), kept);
         let triangles = buffer(bytemuck::cast_slice(&scene.mesh.triangles), kept);
 
@@ -314,7 +320,7 @@ impl App {
         let screen = group(&shade.get_bind_group_layout(1), &[id_view, visibility_view, image.as_entire_binding()]);
         let mesh = group(&shade.get_bind_group_layout(0), &mesh);
         let vertices = 3 * scene.mesh.triangles.len() as u32;
-        Self { device, queue, centres, samples, visibility, image, shade, mesh, screen, vertices }
+        Self { device, queue, centres, samples, visibility, image, size, shade, mesh, screen, vertices }
     }
 
     /// Waits for the GPU and reads a buffer.
@@ -331,17 +337,17 @@ impl App {
         staging.map_async(wgpu::MapMode::Read, .., |_| {});
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| Error::Gpu(e.to_string()))?;
         let view = staging.get_mapped_range(..).map_err(|e| Error::Gpu(e.to_string()))?;
-        Ok(bytemuck::pod_collect_to_vec(&view[..(4 * SIZE[0] * SIZE[1]) as usize]))
+        Ok(bytemuck::pod_collect_to_vec(&view[..(4 * self.size[0] * self.size[1]) as usize]))
     }
 }
 
 /// Clip matrix with reversed depth and no far plane, eye, and light, as the shader takes them.
-fn view_words(scene: &Scene) -> [f32; 24] {
-    let rays = scene.camera.rays(SIZE[0], SIZE[1]);
+fn view_words(scene: &Scene, [width, height]: [u32; 2]) -> [f32; 24] {
+    let rays = scene.camera.rays(width, height);
     let row = |axis: DVec3| axis.extend(-axis.dot(rays.eye));
     // Right and up, shortened by half the extent of the image at depth 1.
     let across = |step: DVec3, pixels: u32| row(step * (2.0 / (f64::from(pixels) * step.length_squared())));
-    let (x, y, w) = (across(rays.step_x, SIZE[0]), across(-rays.step_y, SIZE[1]), row(rays.forward));
+    let (x, y, w) = (across(rays.step_x, width), across(-rays.step_y, height), row(rays.forward));
     let clip = DMat4::from_cols(x, y, DVec4::W * f64::from(scene.camera.near), w).transpose();
     let mut words = [0.0; 24];
     words[..16].copy_from_slice(&clip.as_mat4().to_cols_array());

@@ -11,6 +11,7 @@
 //@import frame
 //@import dispatch
 //@import divide
+//@import strip
 
 const WORKGROUP = 64u;
 const STATUS_LONGEST = 25u;
@@ -69,7 +70,7 @@ fn note(t: u32) {
 }
 
 fn place_of(pixel: u32) -> vec2<u32> {
-    return divided(pixel, frame.image_size.x).yx;
+    return texel_of_image(place_in_strip(pixel));
 }
 
 fn look_at_layers(pixel: u32) {
@@ -89,7 +90,7 @@ fn write_counts(pixel: u32) {
     complex_flags[pixel] = select(0u, 1u, many);
     facet_counts[pixel] = select(0u, 1u, single);
     if many && atomicLoad(&status[STATUS_LONGEST]) < different { atomicMax(&status[STATUS_LONGEST], different); }
-    if unknown != 0u { atomicAdd(&faults[FAULT_UNKNOWN], unknown); }
+    if unknown != 0u && is_own(place_in_strip(pixel).y) { atomicAdd(&faults[FAULT_UNKNOWN], unknown); }
 }
 
 fn write_list(pixel: u32) {

@@ -11,6 +11,7 @@
 //@import frame
 //@import dispatch
 //@import divide
+//@import strip
 //@import facing
 //@import finite
 //@import vertex
@@ -22,7 +23,7 @@ const GIVEN_POSITIONS = 1u;
 const GIVEN_NORMALS = 2u;
 const GIVEN_IDS = 4u;
 const NEAR_EDGE = 0.03125;
-const MOST_STEPS = 4;  // pixels to look for a neighbour on the same surface
+const MOST_STEPS = 4;  // pixels to look for a neighbour on the same surface; rows that strips share
 
 struct Params {
     depth: vec4<f32>,  // at view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
@@ -91,7 +92,7 @@ fn other_at(at: vec2<i32>) -> Place {
     if p.what != SURFACE { return p; }
     var is_caster = false;
     if (params.given & GIVEN_IDS) != 0u {
-        is_caster = textureLoad(ids, at, 0).x != params.none;
+        is_caster = textureLoad(ids, texel_of_image(vec2<u32>(at)), 0).x != params.none;
     } else {
         let t = ~id_keys[u32(at.y * i32(frame.image_size.x) + at.x)];
         is_caster = t < frame.triangle_count && shows(t, p, ray_of(at), 1.0);
@@ -113,7 +114,7 @@ fn step_along(at: vec2<i32>, by: vec2<i32>, p: Place) -> vec3<f32> {
 }
 
 fn normal_at(at: vec2<i32>, p: Place) -> vec3<f32> {
-    if (params.given & GIVEN_NORMALS) != 0u { return textureLoad(normals, at, 0).xyz; }
+    if (params.given & GIVEN_NORMALS) != 0u { return textureLoad(normals, texel_of_image(vec2<u32>(at)), 0).xyz; }
     let a = step_along(at, vec2(1, 0), p);
     let b = step_along(at, vec2(0, 1), p);
     let n = cross(a / max(largest(a), 1e-30), b / max(largest(b), 1e-30));
@@ -141,13 +142,17 @@ fn write_triangle(pixel: u32, p: Place, n: vec3<f32>) {
     }
 }
 
+fn count_fault(fault: u32, at: vec2<i32>) {
+    if is_own(u32(at.y)) { atomicAdd(&faults[fault], 1u); }
+}
+
 fn key_at(pixel: u32, at: vec2<i32>) -> u32 {
     if (params.given & GIVEN_IDS) != 0u {
-        let id = textureLoad(ids, at, 0).x;
+        let id = textureLoad(ids, texel_of_image(vec2<u32>(at)), 0).x;
         let given = id - params.first;
         if id != params.none && id >= params.first && given < frame.triangle_count { return ~numbers[given]; }
         if id != params.none {
-            atomicAdd(&faults[FAULT_UNKNOWN], 1u);
+            count_fault(FAULT_UNKNOWN, at);
             return 0u;
         }
     }
@@ -160,7 +165,7 @@ fn key_at(pixel: u32, at: vec2<i32>) -> u32 {
     let n = normal_at(at, p);
     let size = largest(n);
     if p.what == FAULT || !all_finite(n) || size == 0.0 {
-        atomicAdd(&faults[FAULT_UNUSABLE], 1u);
+        count_fault(FAULT_UNUSABLE, at);
         return 0u;
     }
     write_triangle(pixel, p, n / size);
@@ -170,7 +175,6 @@ fn key_at(pixel: u32, at: vec2<i32>) -> u32 {
 @compute @workgroup_size(WORKGROUP)
 fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
-    let width = frame.image_size.x;
-    if pixel >= width * frame.image_size.y { return; }
-    keys[pixel] = key_at(pixel, vec2<i32>(divided(pixel, width).yx));
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    keys[pixel] = key_at(pixel, vec2<i32>(place_in_strip(pixel)));
 }

@@ -1,11 +1,13 @@
 // triangle_ids: the triangle at every pixel centre, from a texture of the application's.
 // Reads `ids` (r32uint, a texel a pixel: a triangle as the application counts them, from `first`; `none` where it drew none)
 // and `numbers` (the casters' number of each triangle of the application). Writes `id_keys` (complement of the casters'
-// triangle, 0 where there is none), and counts into `faults` the texels that name no triangle, which count as none.
+// triangle, 0 where there is none), and counts into `faults` the texels that name no triangle, which count as none (of a
+// strip of rows in those that are its own).
 
 //@import frame
 //@import dispatch
 //@import divide
+//@import strip
 
 const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;
@@ -25,15 +27,15 @@ struct Params {
 @compute @workgroup_size(WORKGROUP)
 fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
-    let width = frame.image_size.x;
-    if pixel >= width * frame.image_size.y { return; }
-    let id = textureLoad(ids, divided(pixel, width).yx, 0).x;
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let at = place_in_strip(pixel);
+    let id = textureLoad(ids, texel_of_image(at), 0).x;
     var key = 0u;
     if id != params.none {
         let given = id - params.first;
         if id >= params.first && given < frame.triangle_count {
             key = ~numbers[given];
-        } else {
+        } else if is_own(at.y) {
             atomicAdd(&faults[FAULT_UNKNOWN], 1u);
         }
     }

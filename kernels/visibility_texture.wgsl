@@ -1,9 +1,11 @@
 // visibility_texture: writes the visibility of every pixel into a texture of the application's.
-// Reads `visibility` (row by row from the top). Writes `target_texture` (r32float, a texel a pixel).
+// Reads `visibility` (row by row from the top). Writes `target_texture` (r32float, a texel a pixel), of a strip
+// of rows those that are its own.
 
 //@import frame
 //@import dispatch
 //@import divide
+//@import strip
 
 const WORKGROUP = 64u;
 
@@ -14,7 +16,8 @@ const WORKGROUP = 64u;
 @compute @workgroup_size(WORKGROUP)
 fn store(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
-    let width = frame.image_size.x;
-    if pixel >= width * frame.image_size.y { return; }
-    textureStore(target_texture, divided(pixel, width).yx, vec4(visibility[pixel], 0.0, 0.0, 1.0));
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let at = place_in_strip(pixel);
+    if !is_own(at.y) { return; }
+    textureStore(target_texture, texel_of_image(at), vec4(visibility[pixel], 0.0, 0.0, 1.0));
 }

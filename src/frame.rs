@@ -83,6 +83,14 @@ shared_struct! {
         pub complex_capacity: u32,
         /// First row of the image that the frame is a strip of.
         pub first_row: u32,
+        /// Rows at its top that belong to the strip above.
+        pub rows_above: u32,
+        /// Rows at its bottom that belong to the strip below.
+        pub rows_below: u32,
+        /// Unused.
+        pub pad_0: u32,
+        /// Unused.
+        pub pad_1: u32,
     }
 }
 

@@ -702,6 +702,52 @@ fn the_samples_of_the_picture_are_the_full_search() {
     }
 }
 
+/// In strips of rows a pixel shows what it shows in one piece, though neighbours are looked at that other strips hold; faults are
+/// counted once.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn surfaces_in_strips_are_the_whole() {
+    let (all, casters, scene) = grounded("spheres", 0.01);
+    let seen = raster(&all, &scene.camera);
+    let plain = Inputs::new(&scene.camera, &scene.light);
+    let terms = DepthTerms::reversed_infinite(0.1);
+    // On the right only every fourth row sees something, so that neighbours lie as far as is looked; one pixel in each row is no place.
+    let mut values = seen.depths(terms, 0.0);
+    (0..PIXELS).filter(|p| p % 83 > 40 && p / 83 % 4 != 2).for_each(|p| values[p] = 0.0);
+    (0..PIXELS).filter(|p| p % 83 == 40).for_each(|p| values[p] = f32::NAN);
+    let depth = floats(TextureFormat::R32Float, &values);
+    let positions = texture(SIZE, 1, TextureFormat::Rgba32Float, bytemuck::cast_slice(&seen.positions()));
+    let normals = texture(SIZE, 1, TextureFormat::Rgba32Float, bytemuck::cast_slice(&seen.normals()));
+    let numbers = seen.ids(casters.triangles.len());
+    let ids = texture(SIZE, 1, TextureFormat::R32Uint, bytemuck::cast_slice(&numbers));
+    let by_depth = SurfaceTextures::new(Place::Depth { texture: &depth, terms, nothing: 0.0 });
+    let by_position = SurfaceTextures::new(Place::Position(&positions));
+    let ids = Some(TriangleTexture::new(&ids));
+    for (what, given) in [
+        ("depth", by_depth),
+        ("depth, numbers", SurfaceTextures { ids, ..by_depth }),
+        ("position, normals", SurfaceTextures { normals: Some(&normals), ..by_position }),
+    ] {
+        let inputs = Inputs { gbuffer: GBuffer::Surfaces(given), ..plain };
+        let in_strips = |strips| {
+            let casters = Casters::Static { positions: &casters.positions, triangles: &casters.triangles };
+            let config =
+                PassConfig { receivers: true, strips, ..PassConfig::new(settings(FacetMode::One, 32), casters) };
+            let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+            (frame(&mut pass, &inputs), pass.strips())
+        };
+        let ((want, status), _) = in_strips(1);
+        for strips in [2, 5, 61] {
+            let ((got, of_strips), count) = in_strips(strips);
+            assert!(count > 1 && count <= strips);
+            assert_same(&format!("{what}, {strips} strips"), &got, &want);
+            assert_eq!(of_strips.faults, status.faults, "{what}, {strips} strips");
+        }
+        let faults = status.faults.unusable_surfaces;
+        assert!(what != "depth" || faults > 40, "{what}: {faults} faults");
+    }
+}
+
 /// Numbers of no triangle count as nothing, and are said.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
@@ -718,6 +764,19 @@ fn samples_that_name_no_triangle_are_faults() {
     let (_, status) = frame(&mut pass, &Inputs { gbuffer, ..Inputs::new(&scene.camera, &scene.light) });
     assert_eq!(status.faults, Faults { unknown_triangles: 3, ..Faults::default() });
     assert!(!status.complete);
+    // In strips the picture is the same, and so are faults, one in each row.
+    (0..SIZE[1] as usize).for_each(|y| layers[2][y * SIZE[0] as usize + 50] = 1 << 30);
+    let texture = layer_texture(&layers);
+    let gbuffer = GBuffer::SampleIds(SampleTexture::new(&texture, settings.samples.offsets()));
+    let inputs = Inputs { gbuffer, ..Inputs::new(&scene.camera, &scene.light) };
+    let (want, whole) = frame(&mut pass, &inputs);
+    assert_eq!(whole.faults, Faults { unknown_triangles: 3 + SIZE[1], ..Faults::default() });
+    let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };
+    let config = PassConfig { strips: 4, ..PassConfig::new(settings.clone(), casters) };
+    let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+    let (got, status) = frame(&mut pass, &inputs);
+    assert_eq!(status.faults, whole.faults);
+    assert_same("four strips", &got, &want);
 }
 
 #[test]

@@ -39,6 +39,10 @@ struct Frame {
     pixel_triangle_capacity: u32,
     complex_capacity: u32,
     first_row: u32,          // of the image: pixels are those of a strip of rows
+    rows_above: u32,         // at its top: they belong to the strip above
+    rows_below: u32,         // likewise at its bottom
+    pad_0: u32,
+    pad_1: u32,
 }
 
 const FLAG_CULL_BACK = 1u;      // the mesh is closed: triangles that face away from the light cast nothing of their own

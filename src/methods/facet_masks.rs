@@ -111,12 +111,14 @@ pub struct Strip {
     pub image: [u32; 2],
     /// First row of the frame, from the top.
     pub first_row: u32,
+    /// Rows at its top and at its bottom that belong to the strips above and below.
+    pub others: [u32; 2],
 }
 
 impl Strip {
     /// All of an image.
     pub fn whole(image: [u32; 2]) -> Self {
-        Self { image, first_row: 0 }
+        Self { image, first_row: 0, others: [0, 0] }
     }
 }
 
@@ -247,6 +249,7 @@ impl FacetMasks {
         for (k, view) in views.iter().enumerate() {
             let mut frame = Frame::new(camera, light, view, bounds, strip.image, &s.samples);
             (frame.image_size, frame.first_row) = (s.size, strip.first_row);
+            [frame.rows_above, frame.rows_below] = strip.others;
             frame.flags |= flags | flag(k > 0, Frame::FURTHER_VIEW) | flag(k + 1 < have, Frame::MORE_VIEWS);
             frame.vertex_count = casters.positions.len() as u32;
             frame.triangle_count = casters.triangles.len() as u32;
@@ -275,14 +278,14 @@ impl FacetMasks {
     /// # Errors
     /// None that input can cause.
     pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
-        self.record_seen(rec, casters, Seen::Found)
+        self.record_seen(rec, casters, Seen::Found, LightMaps::Made)
     }
 
-    /// As [`FacetMasks::record`], with what pixels show from elsewhere.
+    /// As [`FacetMasks::record`], with what pixels show from elsewhere, or the light's maps of the strip before.
     ///
     /// # Errors
     /// As [`FacetMasks::record`], and those of `seen`.
-    pub fn record_seen(&self, rec: &mut Recorder, casters: &CasterBuffers, seen: Seen) -> Result<()> {
+    pub fn record_seen(&self, rec: &mut Recorder, casters: &CasterBuffers, seen: Seen, maps: LightMaps) -> Result<()> {
         let m = &self.memory;
         let frame = m.frames[0].raw();
         rec.clear(m.status.raw());
@@ -313,16 +316,19 @@ impl FacetMasks {
             }
         }
         for view in 0..self.capacities.views {
+            // Views share the memory of the maps: of several the last would be left.
+            if maps == LightMaps::Made || self.capacities.views > 1 {
+                self.record_maps(rec, casters, view)?;
+            }
             self.record_view(rec, casters, view)?;
         }
         self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
     }
 
-    /// What one view of the light adds to the facets and their masks.
-    fn record_view(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
+    /// What one view of the light sees: layers, silhouettes and their table.
+    fn record_maps(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
         let frame = m.frames[self.frame_at(view, 0, 0)].raw();
-        let triangles = casters.triangles.raw();
         if view > 0 {
             // A facet and a triangle that had nothing in common in the view before may have in this one.
             rec.clear_words(m.lists.candidates.raw(), TALLY_COUNTERS as u64, (TALLY_WORDS - TALLY_COUNTERS) as u64);
@@ -371,6 +377,14 @@ impl FacetMasks {
         self.with.summed_area.record(&mut rec.stage("summed_area"), &m.layers.mask, &m.sat, &m.sat_scratch)?;
         let texels = status::band(view, 0, self.capacities.bands) + status::BAND_TEXELS;
         rec.copy_words(m.sat.raw(), m.sat.len() as u64 - 1, m.status.raw(), texels as u64, 1);
+        Ok(())
+    }
+
+    /// What one view of the light adds to the facets and their masks.
+    fn record_view(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
+        let (m, geometry) = (&self.memory, &self.memory.geometry);
+        let frame = m.frames[self.frame_at(view, 0, 0)].raw();
+        let (triangles, in_light) = (casters.triangles.raw(), geometry.in_light(casters));
         {
             let stage = &mut rec.stage("facet_classify");
             let around =
@@ -467,6 +481,16 @@ impl FacetMasks {
     pub fn status(&self) -> &Buffer<u32> {
         &self.memory.status
     }
+}
+
+/// Whether a frame finds what the light sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightMaps {
+    /// It does.
+    Made,
+    /// What the frame before found is right for this one too, as for another strip of its image: with one view it is kept, and
+    /// silhouettes are not counted again.
+    Kept,
 }
 
 /// Where it is known from what pixels show.

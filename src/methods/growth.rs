@@ -166,6 +166,18 @@ pub fn first_for(settings: &Settings, budget: Budget, triangles: usize) -> Capac
     }
 }
 
+/// The pair lists no longer than a binding holds; what does not fit then takes more bands.
+pub fn within(limits: &wgpu::Limits, settings: &Settings, c: Capacities) -> Capacities {
+    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) as usize;
+    let most = |bytes: usize, head: usize| (binding.saturating_sub(head) / bytes).max(1);
+    Capacities {
+        pixel_pairs: c.pixel_pairs.min(most(8, 0)),
+        triangle_pairs: c.triangle_pairs.min(most(triangle_pair_bytes(settings) as usize, 0)),
+        candidates: c.candidates.min(most(8, 4 * TALLY_WORDS)),
+        ..c
+    }
+}
+
 /// As `wanted`, with a guess of what the lists after one that was too short would have needed: as many times more as that one
 /// did. Stays as it is where that does not fit.
 pub fn ahead(
@@ -268,6 +280,22 @@ pub fn lists(words: &[u32], now: Capacities, facets: FacetMode, runs: u32) -> Ve
 fn camera_needs(words: &[u32]) -> [u64; 3] {
     [status::PIXEL_TRIANGLES, status::COMPLEX_PIXELS, status::FACETS]
         .map(|at| if words[at + 1] != 0 { u64::from(u32::MAX) } else { u64::from(words[at]) })
+}
+
+/// A guess of the lists of a strip with this share of the rows of that of which `wanted` tells. Facets are as many as pixels, if each
+/// has one.
+pub fn of_rows(wanted: Capacities, share: f64, facets: FacetMode) -> Capacities {
+    let of = |list: usize| (list as f64 * share * 1.25) as usize;
+    let of_camera = |list: usize| if facets == FacetMode::All { of(list) } else { 0 };
+    Capacities {
+        pixel_pairs: of(wanted.pixel_pairs),
+        triangle_pairs: of(wanted.triangle_pairs),
+        candidates: of(wanted.candidates),
+        facets: of_camera(wanted.facets),
+        pixel_triangles: of_camera(wanted.pixel_triangles),
+        complex_pixels: of_camera(wanted.complex_pixels),
+        ..wanted
+    }
 }
 
 /// First words of all bands of all views.

@@ -43,15 +43,7 @@ impl Prepared {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<CasterBuffers> {
-        self.upload_with_room(device, queue, 0)
-    }
-
-    /// As [`Prepared::upload`], with room for `room` triangles with vertices of their own behind those of the mesh.
-    ///
-    /// # Errors
-    /// As [`Buffer::storage`].
-    pub fn upload_with_room(&self, device: &wgpu::Device, queue: &wgpu::Queue, room: usize) -> Result<CasterBuffers> {
-        let (positions, triangles) = surfaces(device, queue, &self.mesh, room)?;
+        let (positions, triangles) = surfaces(device, queue, &self.mesh, 0)?;
         Ok(CasterBuffers {
             positions,
             triangles,
@@ -76,7 +68,7 @@ fn marked(surfaces: &[u32]) -> Vec<u32> {
 }
 
 /// Positions and triangles of a mesh, uploaded.
-type Surfaces = (Buffer<[f32; 4]>, Buffer<[u32; 4]>);
+pub type Surfaces = (Buffer<[f32; 4]>, Buffer<[u32; 4]>);
 
 /// As kernels read them, 16 bytes each: an adapter that goes through lanes one by one pays by load, not by word.
 pub fn padded<T: Copy + Default>(elements: &[[T; 3]]) -> Vec<[T; 4]> {

@@ -1,7 +1,7 @@
 //! Computing one frame of `facet-masks` on the GPU and reading it back: records, submits, looks at what the lists needed,
 //! grows them and runs again until nothing is left out.
 
-use super::facet_masks::{Capacities, FacetMasks, Pipelines, Settings};
+use super::facet_masks::{Capacities, FacetMasks, LightMaps, Pipelines, Seen, Settings};
 use super::growth;
 use super::prepared::{CasterBuffers, Prepared};
 use super::settings::LastView;
@@ -102,8 +102,8 @@ impl Default for Budget {
 /// A method set up for one mesh and one setting, to be rendered again and again.
 ///
 /// An image whose facets do not fit what the device can bind is rendered in strips of rows, one after the other, with the
-/// same samples as in one piece. What the light sees is then found anew for each strip. A map that does not fit is cut into
-/// [`Parts`], each a view of its own.
+/// same samples as in one piece. What the light sees is found once, if it has one view. A map that does not fit is cut into
+/// [`Parts`], each a view of its own, which all strips go through.
 pub struct Renderer<'a> {
     gpu: &'a Gpu,
     prepared: &'a Prepared,
@@ -208,8 +208,9 @@ impl<'a> Renderer<'a> {
         }
         loop {
             runs += 1;
-            self.method.prepare(queue, &self.casters, camera, light, views, bounds, rows.strip(self.settings.size))?;
-            let (dispatches, wall_ms) = self.run_once()?;
+            self.method.prepare(queue, &self.casters, camera, light, views, bounds, self.strips.strip(rows))?;
+            let maps = if rows.first == 0 { LightMaps::Made } else { LightMaps::Kept };
+            let (dispatches, wall_ms) = self.run_once(maps)?;
             let words = self.method.status().read(self.gpu)?;
             let (now, limits) = (self.method.capacities(), device.limits());
             let Some(wanted) = growth::wanted(&words, now, &self.settings, &limits, self.budget.bytes)? else {
@@ -231,13 +232,13 @@ impl<'a> Renderer<'a> {
     }
 
     /// Records, submits and waits; returns dispatches and milliseconds.
-    fn run_once(&mut self) -> Result<(u32, f64)> {
+    fn run_once(&mut self, maps: LightMaps) -> Result<(u32, f64)> {
         let mut encoder = self.gpu.encoder();
         if let Some(timer) = &mut self.timer {
             timer.reset();
         }
         let mut recorder = Recorder::new(&self.gpu.device, &mut encoder, self.timer.as_mut());
-        self.method.record(&mut recorder, &self.casters)?;
+        self.method.record_seen(&mut recorder, &self.casters, Seen::Found, maps)?;
         let dispatches = recorder.dispatches();
         if let Some(timer) = &self.timer {
             timer.resolve(&mut encoder);

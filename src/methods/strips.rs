@@ -1,13 +1,15 @@
 //! An image in strips of rows, for devices that cannot bind the facets of all of it at once.
 
 use super::facet_masks::Strip;
-use super::render::{Counts, Output};
+use super::render::{Counts, ListUse, Output};
 
-/// How an image is cut: into strips of equally many rows, of which the last may overlap the one before.
+/// How an image is cut: into strips of equally many rows, of which the last may overlap the one before; all do by the rows that
+/// neighbours are looked at in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strips {
     image: [u32; 2],
     rows: u32,
+    halo: u32,
 }
 
 /// One strip.
@@ -17,12 +19,14 @@ pub struct Rows {
     pub first: u32,
     /// Rows at its beginning that the strip before it holds already.
     pub known: u32,
+    /// Rows behind them that are its own; what is left is shown better by the strip after it.
+    pub own: u32,
 }
 
 impl Rows {
-    /// The strip as a frame takes it.
-    pub fn strip(self, image: [u32; 2]) -> Strip {
-        Strip { image, first_row: self.first }
+    /// Where a strip's own elements begin in it, where they belong in the image, and how many they are, `each` a row.
+    pub(crate) fn own_words(self, each: u64) -> [u64; 3] {
+        [self.known, self.first + self.known, self.own].map(|rows| u64::from(rows) * each)
     }
 }
 
@@ -32,18 +36,32 @@ impl Strips {
 
     /// An image in `count` strips, as far as it has rows.
     pub fn new(image: [u32; 2], count: u32) -> Self {
-        Self { image, rows: image[1].div_ceil(count.max(1)).max(1) }
+        Self::with_halo(image, count, 0)
     }
 
-    /// Twice as many strips; `None` if they get too thin.
+    /// As [`Strips::new`], of strips that hold `halo` rows of their neighbours on either side.
+    pub fn with_halo(image: [u32; 2], count: u32, halo: u32) -> Self {
+        let rows = image[1].div_ceil(count.max(1)).max(1);
+        let rows = if rows < image[1] { (rows + 2 * halo).min(image[1]) } else { rows };
+        Self { image, rows, halo }
+    }
+
+    /// Half as many rows each of their own; `None` if they get too thin.
     pub fn more(self) -> Option<Self> {
-        let rows = self.rows.div_ceil(2);
-        (rows >= Self::LEAST && rows < self.rows).then_some(Self { rows, ..self })
+        let own = if self.count() == 1 { self.rows } else { self.rows - 2 * self.halo };
+        let rows = own.div_ceil(2) + 2 * self.halo;
+        (own.div_ceil(2) >= Self::LEAST && rows < self.rows).then_some(Self { rows, ..self })
     }
 
     /// How many there are.
     pub fn count(self) -> u32 {
-        self.image[1].div_ceil(self.rows)
+        self.rows().count() as u32
+    }
+
+    /// One of them as a frame takes it.
+    pub fn strip(self, rows: Rows) -> Strip {
+        let others = [rows.known, self.rows - rows.known - rows.own];
+        Strip { image: self.image, first_row: rows.first, others }
     }
 
     /// Width and height of each.
@@ -53,9 +71,14 @@ impl Strips {
 
     /// Each of them, from the top.
     pub fn rows(self) -> impl Iterator<Item = Rows> {
-        (0..self.count()).map(move |k| {
-            let first = (k * self.rows).min(self.image[1] - self.rows);
-            Rows { first, known: k * self.rows - first }
+        let height = self.image[1];
+        let mut next = 0u32;
+        std::iter::from_fn(move || {
+            let first = next.saturating_sub(self.halo).min(height - self.rows);
+            let (known, end) = (next - first, first + self.rows);
+            let own = if end == height { height - next } else { end - self.halo - next };
+            next += own;
+            (own > 0).then_some(Rows { first, known, own })
         })
     }
 }
@@ -66,26 +89,37 @@ impl Output {
     pub(super) fn add_rows(&mut self, below: Self, rows: Rows) {
         let width = self.visibility.len() / (rows.first + rows.known) as usize;
         let skip = rows.known as usize * width;
+        // Strips that are read back show no neighbours: the rest is their own.
         self.visibility.extend_from_slice(&below.visibility[skip..]);
         self.lit.extend_from_slice(&below.lit[skip * self.words as usize..]);
         self.triangles.extend_from_slice(&below.triangles[skip..]);
         self.counts = self.counts.with_rows(below.counts);
         for (list, more) in self.lists.iter_mut().zip(below.lists) {
-            list.needed = list.needed.max(more.needed);
-            list.capacity = list.capacity.max(more.capacity);
-            list.runs += more.runs;
+            list.add_rows(&more);
         }
-        for (stage, more) in self.stages.iter_mut().zip(below.stages) {
-            stage.gpu_ms += more.gpu_ms;
+        for more in below.stages {
+            match self.stages.iter_mut().find(|stage| stage.name == more.name) {
+                Some(stage) => stage.gpu_ms += more.gpu_ms,
+                None => self.stages.push(more),
+            }
         }
         self.wall_ms += below.wall_ms;
         self.dispatches += below.dispatches;
     }
 }
 
+impl ListUse {
+    /// Takes in how the list fared for other rows: the largest need, and all runs.
+    pub(crate) fn add_rows(&mut self, more: &Self) {
+        self.needed = self.needed.max(more.needed);
+        self.capacity = self.capacity.max(more.capacity);
+        self.runs += more.runs;
+    }
+}
+
 impl Counts {
-    /// With the counts of other rows; what the light sees is the same for all.
-    fn with_rows(self, o: Self) -> Self {
+    /// With the counts of other rows; what the light sees is the same for all, and is found for one of them at least.
+    pub(crate) fn with_rows(self, o: Self) -> Self {
         Self {
             silhouette_edges: self.silhouette_edges.max(o.silhouette_edges),
             silhouette_texels: self.silhouette_texels.max(o.silhouette_texels),
@@ -112,14 +146,24 @@ mod tests {
     #[test]
     fn rows_cover_an_image_once() {
         for height in [1, 7, 8, 16, 100, 1080, 1081] {
-            for count in [1, 2, 3, 5, 64] {
-                let strips = Strips::new([9, height], count);
+            for (count, halo) in [1, 2, 3, 5, 64].into_iter().flat_map(|c| [(c, 0), (c, 1), (c, 4)]) {
+                let strips = Strips::with_halo([9, height], count, halo);
                 let mut next = 0;
                 for rows in strips.rows() {
-                    assert_eq!(rows.first + rows.known, next, "{height} rows, {count} strips");
-                    next = rows.first + strips.size()[1];
+                    let at = format!("{rows:?} of {height} in {count} strips and {halo} rows around");
+                    let end = rows.first + strips.size()[1];
+                    assert_eq!(rows.first + rows.known, next, "{at}");
+                    next += rows.own;
+                    assert!(end <= height && next <= end, "{at}");
+                    // Every row that a neighbour may be in is there, but where the image ends.
+                    assert!(rows.known >= halo || rows.first == 0, "{at}");
+                    assert!(end - next >= halo || end == height, "{at}");
+                    if halo == 0 {
+                        assert_eq!(next, end, "{at}");
+                    }
                 }
                 assert_eq!(next, height, "{count} strips");
+                assert!(strips.count() <= count);
             }
         }
     }
@@ -135,5 +179,11 @@ mod tests {
         }
         assert_eq!((steps, strips.size()[1]), (7, 9));
         assert_eq!(Strips::new([9, 10], 1).more(), None);
+        let mut strips = Strips::with_halo([9, 1081], 1, 4);
+        while let Some(more) = strips.more() {
+            assert!(more.count() > strips.count() && more.size()[1] < strips.size()[1], "{more:?}");
+            strips = more;
+        }
+        assert_eq!(strips.size()[1], 9 + 8);
     }
 }

@@ -3,7 +3,7 @@
 use super::Casters;
 use crate::Result;
 use crate::gpu::Buffer;
-use crate::methods::prepared::{CasterBuffers, Prepared};
+use crate::methods::prepared::{CasterBuffers, Prepared, Surfaces};
 use crate::scene::Mesh;
 use crate::scene::weld::{UNUSED, weld};
 
@@ -19,16 +19,10 @@ pub struct CasterSet {
 }
 
 impl CasterSet {
-    /// With room behind the casters for `room` triangles of surfaces that are none.
-    pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        casters: &Casters,
-        given: Mesh,
-        room: usize,
-    ) -> Result<Self> {
+    /// Prepares and uploads them.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
         let prepared = Prepared::new(&given)?;
-        let mut buffers = prepared.upload_with_room(device, queue, room)?;
+        let mut buffers = prepared.upload(device, queue)?;
         if matches!(casters, Casters::Moving { .. }) {
             buffers.surfaces = None; // what lies in one plane at rest may not in motion
         }
@@ -42,6 +36,13 @@ impl CasterSet {
         };
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers)?;
         Ok(Self { mesh: prepared.mesh, buffers, numbers, places })
+    }
+
+    /// Uses other memory for positions and triangles from now on.
+    pub fn take(&mut self, surfaces: Option<Surfaces>) {
+        if let Some(surfaces) = surfaces {
+            (self.buffers.positions, self.buffers.triangles) = surfaces;
+        }
     }
 }
 

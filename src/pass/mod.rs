@@ -8,16 +8,19 @@
 //!   With depths or positions ([`GBuffer::Surfaces`]), normals and triangle numbers if there are any, a pixel may also show what is
 //!   no caster, such as a terrain that only receives: it gets a plane of its own. With triangle numbers of several samples a
 //!   pixel ([`GBuffer::SampleIds`]) the search for every surface is left out.
-//! - **Error.** With [`FacetMode::One`] the surface at the centre stands for the whole pixel, found or given: pixels that show
+//! - **Error.** With [`FacetMode::One`](crate::methods::FacetMode::One) the surface at the centre stands for the whole pixel, found or given: pixels that show
 //!   several surfaces differ from scene truth: 0.4 to 14 % of all pixels of the scenes in `data/reports/truth.md` by more than one
 //!   sample of 32.
-//!   [`FacetMode::All`] has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample, and of
+//!   [`FacetMode::All`](crate::methods::FacetMode::All) has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample, and of
 //!   one with several it misses what none of them shows: `data/reports/gbuffer.md` has figures.
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
 //!   fitted to all casters, as each may shadow something.
 //! - **Lights.** A light among the casters has a cube of up to six views, which are recorded one after the other; of casters that
 //!   move it has six. A frame with another number of views than the one before has lists made anew. A map whose texels are more than one
 //!   binding holds is cut into parts, which are views of their own.
+//! - **Large images.** Where a binding does not hold the facets of all pixels, the image is rendered in strips of rows, one after the
+//!   other, with the same bits ([`PassConfig::strips`] asks for more of them, which takes less memory). Results are those of the whole
+//!   image. What the light sees is found once; with several views of the light, anew for each strip.
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
@@ -25,6 +28,8 @@
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
 mod casters;
+mod checks;
+mod cut;
 mod gbuffer;
 mod inputs;
 mod seen;
@@ -40,18 +45,19 @@ pub use status::{Faults, FrameStatus};
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
-use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines, Strip};
-use crate::methods::prepared::surfaces;
+use crate::methods::facet_masks::{Capacities, LightMaps, Pipelines};
 use crate::methods::render::{Budget, Counts};
-use crate::methods::{FacetMode, Settings, growth};
+pub use crate::methods::strips::Strips;
+use crate::methods::{Settings, growth};
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
 use casters::{CasterSet, checked_mesh};
+use checks::{check_limits, settled};
+use cut::{CutImage, Made, Maker};
 use futures::executor::block_on;
-use glam::{DVec3, Vec3};
-use seen::Seen;
-use status::{FAULT_WORDS, Finished, InFlight, Label};
+use seen::{Seen, With};
+use status::{FAULT_WORDS, Finished, InFlight, Label, Staging};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use views::Views;
@@ -67,41 +73,39 @@ pub struct PassConfig<'a> {
     pub budget: Budget,
     /// Let the lists grow by themselves; without it, [`ShadowPass::grow`] does.
     pub grow: bool,
-    /// Make room for surfaces that receive shadows and cast none, which [`GBuffer::Surfaces`] needs: 52 bytes a pixel, 36 of
-    /// them behind the casters' positions in one binding.
+    /// Make room for surfaces that receive shadows and cast none, which [`GBuffer::Surfaces`] needs: 68 bytes a pixel of a strip,
+    /// 48 of them behind the casters' positions in one binding.
     pub receivers: bool,
+    /// Strips of rows in which the image is rendered, at least; of more, memory is that of one, and of the results. It is cut
+    /// into as many as the device's bindings take, of [`Strips::LEAST`] rows or more.
+    pub strips: u32,
     /// Take the time of each stage, where the device has [`wgpu::Features::TIMESTAMP_QUERY`].
     pub timing: bool,
 }
 
 impl<'a> PassConfig<'a> {
-    /// Default budget, lists that grow, no room for receivers that are no casters, no times.
+    /// Default budget, lists that grow, no room for receivers that are no casters, no more strips than it takes, no times.
     pub fn new(settings: Settings, casters: Casters<'a>) -> Self {
-        Self { settings, casters, budget: Budget::default(), grow: true, receivers: false, timing: false }
+        Self { settings, casters, budget: Budget::default(), grow: true, receivers: false, strips: 1, timing: false }
     }
 }
 
 /// Shadows as a pass of an application's frame: see the [module](self).
 pub struct ShadowPass {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
     settings: Settings,
-    budget: Budget,
+    maker: Maker,
     grows: bool,
-    pipelines: Arc<Pipelines>,
     gather: CasterPositions,
     seen: Seen,
-    receivers: bool,
     store: VisibilityTexture,
     casters: CasterSet,
-    method: FacetMasks,
+    image: CutImage,
     faults: Buffer<u32>,
     timer: Option<Timer>,
     in_flight: InFlight,
     known: VecDeque<FrameStatus>,
     wanted: Option<Capacities>,
     views: Views,
-    parts: Parts,
     frame: u64,
     generation: u64,
 }
@@ -139,33 +143,33 @@ impl ShadowPass {
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let made = (|| {
             let build = if config.receivers { Pipelines::with_receivers } else { Pipelines::new };
-            let (pipelines, pixels) = (Arc::new(build(device, &settings)), settings.pixels());
-            let casters = CasterSet::new(device, queue, &config.casters, mesh, room(config.receivers, &settings))?;
-            let parts = Parts::within(settings.map, &device.limits());
-            let of_part = settings.of_part(parts);
-            let first = growth::first_for(&of_part, config.budget, casters.buffers.triangles.len());
-            let method = FacetMasks::new(device, queue, pipelines.clone(), &casters.buffers, &of_part, first)?;
-            let seen = Seen::new(device, &settings, config.receivers.then_some(pixels))?;
-            Ok(Self {
+            let maker = Maker {
                 device: device.clone(),
                 queue: queue.clone(),
-                settings,
+                pipelines: Arc::new(build(device, &settings)),
+                parts: Parts::within(settings.map, &device.limits()),
                 budget: config.budget,
-                grows: config.grow,
-                pipelines,
-                gather: CasterPositions::new(device),
-                seen,
                 receivers: config.receivers,
+                strips: config.strips,
+            };
+            let mut casters = CasterSet::new(device, queue, &config.casters, mesh)?;
+            let made = maker.make(&settings, &casters, maker.first_strips(&settings), |_| None)?;
+            casters.take(made.surfaces);
+            Ok(Self {
+                seen: Seen::new(device, &settings, made.keys),
+                settings,
+                maker,
+                grows: config.grow,
+                gather: CasterPositions::new(device),
                 store: VisibilityTexture::new(device),
                 casters,
-                method,
+                image: made.image,
                 faults: Buffer::storage(device, "shadow_pass.faults", FAULT_WORDS)?,
                 timer: if config.timing { Timer::on(device, queue) } else { None },
                 in_flight: InFlight::default(),
                 known: VecDeque::new(),
                 wanted: None,
                 views: Views::default(),
-                parts,
                 frame: 0,
                 generation: 0,
             })
@@ -196,32 +200,28 @@ impl ShadowPass {
     }
 
     fn caster_set(&self, casters: &Casters) -> Result<CasterSet> {
-        let room = room(self.receivers, &self.settings);
-        CasterSet::new(&self.device, &self.queue, casters, checked_mesh(casters)?, room)
+        CasterSet::new(&self.maker.device, &self.maker.queue, casters, checked_mesh(casters)?)
     }
 
     fn rebuild(&mut self, settings: Settings, casters: Option<CasterSet>) -> Result<()> {
-        let buffers = casters.as_ref().map_or(&self.casters.buffers, |c| &c.buffers);
-        let of_part = settings.of_part(self.parts);
-        let first = growth::first_for(&of_part, self.budget, buffers.triangles.len());
-        let pipelines = self.pipelines.clone();
-        let resized = settings.size != self.settings.size && self.receivers;
-        let (device, queue) = (&self.device, &self.queue);
-        let keys = self.seen.resized(device, settings.pixels())?;
-        let mesh = &self.casters.mesh;
-        let moved = resized.then(|| surfaces(device, queue, mesh, settings.pixels())).transpose()?;
-        self.method = FacetMasks::new(&self.device, &self.queue, pipelines, buffers, &of_part, first)?;
+        let strips = self.maker.first_strips(&settings);
+        let made = self.maker.make(&settings, casters.as_ref().unwrap_or(&self.casters), strips, |_| None)?;
         self.settings = settings;
-        self.seen.take(keys);
-        if let Some(surfaces) = moved {
-            (self.casters.buffers.positions, self.casters.buffers.triangles) = surfaces;
-        }
         if let Some(casters) = casters {
             self.casters = casters;
         }
-        (self.wanted, self.views) = (None, Views::default());
-        self.generation += 1;
+        self.take(made);
+        self.views = Views::default();
         Ok(())
+    }
+
+    /// Uses other memory from now on. What frames in flight will say of their lists no longer matters.
+    fn take(&mut self, made: Made) {
+        self.casters.take(made.surfaces);
+        self.seen.take(made.keys);
+        self.image = made.image;
+        self.wanted = None;
+        self.generation += 1;
     }
 
     /// Appends one frame to `encoder` and returns its number: 1 for the first. Frames run in the order of their submission;
@@ -236,29 +236,33 @@ impl ShadowPass {
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs, target: &Target) -> Result<u64> {
         inputs.camera.check()?;
         inputs.light.check()?;
-        target.check(self.settings.size, self.method.lit().len() as u64 * 4)?;
+        target.check(self.settings.size, self.image.lit().len() as u64 * 4)?;
         self.check_gbuffer(&inputs.gbuffer)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
-        let views = self.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
+        let views = self.maker.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
         if self.grows {
             self.grow()?;
         }
         self.make_room_for(views.len() as u32)?;
-        let mut frames = {
-            let strip = Strip::whole(self.settings.size);
-            self.method.frames_for(&self.casters.buffers, inputs.camera, inputs.light, &views, bounds, strip)?
-        };
+        let mut frames = Vec::new();
+        for rows in self.image.strips.rows() {
+            let (casters, strip) = (&self.casters.buffers, self.image.strips.strip(rows));
+            let method = &self.image.method;
+            frames.extend(method.frames_for(casters, inputs.camera, inputs.light, &views, bounds, strip)?);
+        }
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
         }
+        let (strips, status) = (self.image.strips.count(), self.image.method.status());
+        let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips));
         encoder.push_debug_group("shadow_pass");
-        let recorded = self.record_checked(encoder, inputs, target, &frames);
+        let recorded = self.record_checked(encoder, inputs, target, &frames, &staging);
         encoder.pop_debug_group();
         recorded?;
         self.frame += 1;
-        let label = Label { frame: self.frame, generation: self.generation, capacities: self.method.capacities() };
-        let (status, timer) = (self.method.status(), self.timer.as_ref());
-        self.in_flight.push(&self.device, encoder, label, status, &self.faults, timer);
+        let (generation, capacities) = (self.generation, self.image.method.capacities());
+        let label = Label { frame: self.frame, generation, capacities, strips };
+        self.in_flight.push(encoder, label, staging, &self.faults, self.timer.as_ref());
         Ok(self.frame)
     }
 
@@ -268,31 +272,36 @@ impl ShadowPass {
         inputs: &Inputs,
         target: &Target,
         frames: &[Frame],
+        staging: &Staging,
     ) -> Result<()> {
-        // Written by the encoder and not by the queue: a second frame of the same submission must not change the first.
-        let staged = self.stage(frames);
-        for (k, buffer) in self.method.frames().iter().enumerate().take(frames.len()) {
-            let size = size_of::<Frame>() as u64;
-            encoder.copy_buffer_to_buffer(&staged, k as u64 * size, buffer.raw(), 0, size);
-        }
         if let Some(timer) = &mut self.timer {
             timer.reset();
         }
-        let (method, casters, faults) = (&self.method, &self.casters, &self.faults);
-        let rec = &mut Recorder::new(&self.device, encoder, self.timer.as_mut());
+        let (image, casters, faults) = (&self.image, &self.casters, &self.faults);
+        let method = &image.method;
+        // Written by the encoder and not by the queue: a second frame of the same submission must not change the first.
+        let staged = self.stage(frames);
+        let rec = &mut Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
         rec.clear(faults.raw());
-        if let (Some(moved), Some(places)) = (&inputs.moved, &casters.places) {
-            let stage = &mut rec.stage("caster_positions");
-            self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
-        }
-        self.seen.record(rec, &inputs.gbuffer, self.settings.samples.offsets(), method, casters, faults)?;
-        if let Some(texture) = target.visibility {
-            let view = textures::first_level(texture);
-            let frame = method.frames()[0].raw();
-            self.store.record(&mut rec.stage("visibility_texture"), frame, method.visibility(), &view)?;
-        }
-        if let Some(lit) = target.lit {
-            rec.copy(method.lit().raw(), lit, method.lit().len() as u64 * 4);
+        for (k, rows) in (0..).zip(image.strips.rows()) {
+            let words = size_of::<Frame>() as u64 / 4;
+            let each = method.frames().len() as u64;
+            for (at, frame) in (k * each..).zip(method.frames()) {
+                rec.copy_words(&staged, at * words, frame.raw(), 0, words);
+            }
+            if let (0, Some(moved), Some(places)) = (k, &inputs.moved, &casters.places) {
+                let stage = &mut rec.stage("caster_positions");
+                self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
+            }
+            let maps = if k == 0 { LightMaps::Made } else { LightMaps::Kept };
+            let offsets = self.settings.samples.offsets();
+            self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps })?;
+            if let Some(texture) = target.visibility {
+                let (frame, view) = (method.frames()[0].raw(), textures::first_level(texture));
+                self.store.record(&mut rec.stage("visibility_texture"), frame, method.visibility(), &view)?;
+            }
+            image.record_copies(rec, rows, target.lit);
+            staging.record(rec, method.status(), k);
         }
         Ok(())
     }
@@ -300,7 +309,7 @@ impl ShadowPass {
     /// A buffer that holds `frames`.
     fn stage(&self, frames: &[Frame]) -> wgpu::Buffer {
         let bytes: &[u8] = bytemuck::cast_slice(frames);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+        let buffer = self.maker.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("shadow_pass.frames"),
             size: bytes.len() as u64,
             usage: wgpu::BufferUsages::COPY_SRC,
@@ -313,50 +322,13 @@ impl ShadowPass {
         buffer
     }
 
-    fn check_gbuffer(&self, gbuffer: &GBuffer) -> Result<()> {
-        let refuse = |text: &str| Err(Error::Config(text.to_owned()));
-        let size = self.settings.size;
-        match gbuffer {
-            GBuffer::None => Ok(()),
-            GBuffer::SampleIds(_) if self.settings.facets == FacetMode::One => refuse(
-                "a G-buffer of several samples shows several surfaces a pixel; they need a facet for every surface",
-            ),
-            GBuffer::SampleIds(given) => given.check(size, self.settings.samples.offsets()),
-            _ if self.settings.facets == FacetMode::All => refuse(
-                "a G-buffer of one sample shows one surface a pixel; with a facet for every surface the pass finds them",
-            ),
-            GBuffer::TriangleIds(given) => given.check(size),
-            GBuffer::Surfaces(_) if !self.receivers => {
-                refuse("surfaces in a G-buffer need a pass that was made with room for receivers")
-            }
-            GBuffer::Surfaces(given) => given.check(size),
-        }
-    }
-
-    /// The box of the casters.
-    fn check_moved(&self, moved: Option<&Moved>) -> Result<(DVec3, DVec3)> {
-        match (&self.casters.places, moved) {
-            (None, None) => Ok(self.casters.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))),
-            (Some(places), Some(moved)) => {
-                let [low, high] = moved.bounds;
-                if !(0..3).all(|k| low[k].is_finite() && high[k].is_finite() && low[k] <= high[k]) {
-                    return Err(Error::Config(format!("moved casters: no box from {low:?} to {high:?}")));
-                }
-                moved.vertices.check(places.len(), &self.device.limits())?;
-                Ok((Vec3::from(low).as_dvec3(), Vec3::from(high).as_dvec3()))
-            }
-            (None, Some(_)) => Err(Error::Config("static casters: they are not moved by a vertex buffer".to_owned())),
-            (Some(_), None) => Err(Error::Config("moving casters: the frame has no vertex buffer".to_owned())),
-        }
-    }
-
     /// Makes the lists anew if the frame has another number of views than the one before.
     fn make_room_for(&mut self, views: u32) -> Result<()> {
-        let now = self.method.capacities();
+        let now = self.image.method.capacities();
         if now.views == views {
             return Ok(());
         }
-        self.method.resize(&self.device, &self.queue, Capacities { views, ..now })
+        self.image.method.resize(&self.maker.device, &self.maker.queue, Capacities { views, ..now })
     }
 
     /// How the oldest frame came out that the GPU is done with and that was not asked for yet; `None` if there is none. Does
@@ -380,13 +352,21 @@ impl ShadowPass {
     pub fn grow(&mut self) -> Result<bool> {
         self.collect();
         let Some(wanted) = self.wanted.take() else { return Ok(false) };
-        let now = self.method.capacities();
-        let grown = self.method.resize(&self.device, &self.queue, wanted);
-        if grown.is_err() {
-            // What grew before there was no more memory shrinks again.
-            self.method.resize(&self.device, &self.queue, now)?;
-        }
-        grown.map(|()| true)
+        let (device, queue, method) = (&self.maker.device, &self.maker.queue, &mut self.image.method);
+        let now = method.capacities();
+        let Err(error) = method.resize(device, queue, wanted) else { return Ok(true) };
+        // What grew before there was no more memory shrinks again.
+        method.resize(device, queue, now)?;
+        // Strips of fewer rows have shorter lists.
+        let strips = self.image.strips;
+        let (Error::Memory { .. }, Some(more)) = (&error, strips.more()) else { return Err(error) };
+        let start = |cut: Strips| {
+            let share = f64::from(cut.size()[1]) / f64::from(strips.size()[1]);
+            Some(growth::of_rows(wanted, share, self.settings.facets))
+        };
+        let made = self.maker.make(&self.settings, &self.casters, more, start)?;
+        self.take(made);
+        Ok(true)
     }
 
     /// Takes in what is known by now.
@@ -401,7 +381,7 @@ impl ShadowPass {
     }
 
     fn judge(&mut self, finished: Finished) -> FrameStatus {
-        let Finished { frame, generation, capacities, read } = finished;
+        let Finished { label: Label { frame, generation, capacities, strips }, read } = finished;
         let mut status = FrameStatus {
             frame,
             complete: false,
@@ -412,41 +392,49 @@ impl ShadowPass {
             lists: Vec::new(),
             stages: Vec::new(),
         };
-        let (words, faults, stages) = match read {
+        let words;
+        (words, status.faults, status.stages) = match read {
             Ok(read) => read,
             Err(error) => {
                 status.error = Some(error.to_string());
                 return status;
             }
         };
-        let (facets, limits) = (self.settings.facets, self.device.limits());
-        (status.faults, status.stages) = (faults, stages);
-        status.counts = growth::counts(&words, capacities);
-        status.lists = growth::lists(&words, capacities, facets, 1);
-        match growth::wanted(&words, capacities, &self.settings, &limits, self.budget.bytes) {
-            Ok(None) => status.complete = faults == Faults::default(),
-            Ok(Some(wanted)) => {
-                status.overflowed = true;
-                // A frame with other lists than those in use says nothing of these.
-                if generation == self.generation && capacities == self.method.capacities() {
-                    let ahead = growth::ahead(&words, capacities, wanted, &self.settings, &limits, self.budget.bytes);
-                    self.wanted = Some(self.wanted.map_or(ahead, |other| growth::larger(other, ahead)));
-                }
+        let (facets, limits, budget) = (self.settings.facets, self.maker.device.limits(), self.maker.budget.bytes);
+        for words in words.chunks_exact(words.len() / strips.max(1) as usize) {
+            status.counts = status.counts.with_rows(growth::counts(words, capacities));
+            let lists = growth::lists(words, capacities, facets, 1);
+            if status.lists.is_empty() {
+                status.lists = lists;
+            } else {
+                status.lists.iter_mut().zip(&lists).for_each(|(list, more)| list.needed = list.needed.max(more.needed));
             }
-            Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
+            match growth::wanted(words, capacities, &self.settings, &limits, budget) {
+                Ok(None) => {}
+                Ok(Some(wanted)) => {
+                    status.overflowed = true;
+                    // A frame with other lists than those in use says nothing of these.
+                    if generation == self.generation && capacities == self.image.method.capacities() {
+                        let ahead = growth::ahead(words, capacities, wanted, &self.settings, &limits, budget);
+                        self.wanted = Some(self.wanted.map_or(ahead, |other| growth::larger(other, ahead)));
+                    }
+                }
+                Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
+            }
         }
+        status.complete = !status.overflowed && status.faults == Faults::default();
         status
     }
 
     /// The visibility of the last frame, an `f32` a pixel, row by row from the top; usage `STORAGE` and `COPY_SRC`. Another
     /// buffer after [`ShadowPass::set_size`] and [`ShadowPass::set_casters`].
     pub fn visibility(&self) -> &wgpu::Buffer {
-        self.method.visibility().raw()
+        self.image.visibility().raw()
     }
 
     /// The lit samples of the last frame, as [`Target::lit`] describes them; else as [`ShadowPass::visibility`].
     pub fn lit(&self) -> &wgpu::Buffer {
-        self.method.lit().raw()
+        self.image.lit().raw()
     }
 
     /// What the pass computes with.
@@ -454,44 +442,13 @@ impl ShadowPass {
         &self.settings
     }
 
-    /// How long the lists are.
+    /// How long the lists are, those of one strip.
     pub fn capacities(&self) -> Capacities {
-        self.method.capacities()
+        self.image.method.capacities()
     }
-}
 
-/// The settings as the pass can use them for any camera and light: no caster is left out, and without validity masks no facet
-/// is settled (see [`crate::plan`]).
-fn settled(wanted: &Settings) -> Settings {
-    let proved = wanted.validity || wanted.samples.count() == 1 || wanted.facets == FacetMode::All;
-    Settings { cull_back: false, settle: wanted.settle && proved, ..wanted.clone() }
-}
-
-/// Triangles of surfaces that are no casters.
-fn room(receivers: bool, settings: &Settings) -> usize {
-    if receivers { settings.pixels() } else { 0 }
-}
-
-fn check_limits(have: &wgpu::Limits) -> Result<()> {
-    let need = ShadowPass::required_limits();
-    let pairs = [
-        (
-            "storage buffers a stage",
-            need.max_storage_buffers_per_shader_stage,
-            have.max_storage_buffers_per_shader_stage,
-        ),
-        ("storage textures a stage", 1, have.max_storage_textures_per_shader_stage),
-        ("sampled textures a stage", 3, have.max_sampled_textures_per_shader_stage),
-        (
-            "invocations a workgroup",
-            need.max_compute_invocations_per_workgroup,
-            have.max_compute_invocations_per_workgroup,
-        ),
-        ("invocations along a workgroup", need.max_compute_workgroup_size_x, have.max_compute_workgroup_size_x),
-        ("bytes of workgroup memory", need.max_compute_workgroup_storage_size, have.max_compute_workgroup_storage_size),
-    ];
-    match pairs.into_iter().find(|(_, need, have)| have < need) {
-        Some((what, need, have)) => Err(Error::Config(format!("the device allows {have} {what}, {need} are needed"))),
-        None => Ok(()),
+    /// Strips of rows in which the image is rendered, one after the other.
+    pub fn strips(&self) -> u32 {
+        self.image.strips.count()
     }
 }

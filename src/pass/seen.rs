@@ -6,7 +6,7 @@ use super::textures::{all_layers, first_level};
 use crate::Result;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::every_surface::SampleIds;
-use crate::methods::facet_masks::{self, FacetMasks};
+use crate::methods::facet_masks::{self, FacetMasks, LightMaps};
 use crate::methods::{FacetMode, Settings};
 use crate::stages::PrefixScan;
 use crate::stages::gbuffer_triangles::{GbufferTriangles, Given, Texture};
@@ -23,6 +23,19 @@ pub struct Seen {
     samples: Option<GbufferTriangles>,
 }
 
+/// What a strip of rows is computed with.
+#[derive(Clone, Copy)]
+pub struct With<'a> {
+    pub method: &'a FacetMasks,
+    pub casters: &'a CasterSet,
+    pub faults: &'a Buffer<u32>,
+    /// Whether the strip before has found what the light sees.
+    pub maps: LightMaps,
+}
+
+/// Rows of neighbours on either side in which `pixel_receivers` looks for what a pixel shows.
+pub const HALO: u32 = 4;
+
 struct Receivers {
     stage: PixelReceivers,
     /// Complement of each pixel's triangle.
@@ -32,20 +45,14 @@ struct Receivers {
 }
 
 impl Seen {
-    /// `receivers`: pixels of which surfaces that are no casters are told apart, if the pass has room for them.
-    pub fn new(device: &wgpu::Device, settings: &Settings, receivers: Option<usize>) -> Result<Self> {
-        let receivers = receivers.map(|pixels| Receivers::new(device, pixels)).transpose()?;
+    /// With the [`keys`] of the pixels of which surfaces that are no casters are told apart, if the pass has room for them.
+    pub fn new(device: &wgpu::Device, settings: &Settings, keys: Option<Buffer<u32>>) -> Self {
         let every = settings.facets == FacetMode::All;
         let samples = every.then(|| GbufferTriangles::new(device, &PrefixScan::new(device)));
-        Ok(Self { ids: TriangleIds::new(device), receivers, samples })
+        Self { ids: TriangleIds::new(device), receivers: keys.map(|keys| Receivers::new(device, keys)), samples }
     }
 
-    /// Memory for an image of another size.
-    pub fn resized(&self, device: &wgpu::Device, pixels: usize) -> Result<Option<Buffer<u32>>> {
-        self.receivers.as_ref().map(|_| keys(device, pixels)).transpose()
-    }
-
-    /// Uses that memory from now on.
+    /// Uses other memory from now on, of [`keys`].
     pub fn take(&mut self, keys: Option<Buffer<u32>>) {
         if let (Some(receivers), Some(keys)) = (&mut self.receivers, keys) {
             receivers.keys = keys;
@@ -53,73 +60,52 @@ impl Seen {
     }
 
     /// Records the method with what the G-buffer says.
-    pub fn record(
-        &self,
-        rec: &mut Recorder,
-        gbuffer: &GBuffer,
-        ours: &[[f32; 2]],
-        method: &FacetMasks,
-        casters: &CasterSet,
-        faults: &Buffer<u32>,
-    ) -> Result<()> {
+    pub fn record(&self, rec: &mut Recorder, gbuffer: &GBuffer, ours: &[[f32; 2]], with: With) -> Result<()> {
+        let With { method, casters, maps, .. } = with;
         let buffers = &casters.buffers;
         match (gbuffer, &self.receivers) {
             (GBuffer::TriangleIds(given), _) => {
-                let ids = |rec: &mut Recorder, frame: &wgpu::Buffer| {
-                    self.record_ids(rec, frame, *given, method, casters, faults)
-                };
-                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&ids))
+                let ids = |rec: &mut Recorder, frame: &wgpu::Buffer| self.record_ids(rec, frame, *given, with);
+                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&ids), maps)
             }
             (GBuffer::Surfaces(given), Some(receivers)) => {
                 let surfaces = |rec: &mut Recorder, frame: &wgpu::Buffer| {
                     if given.ids.is_none() {
                         method.record_camera(rec, buffers)?;
                     }
-                    receivers.record(rec, frame, given, method, casters, faults)
+                    receivers.record(rec, frame, given, with)
                 };
-                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&surfaces))
+                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&surfaces), maps)
             }
-            (GBuffer::SampleIds(given), _) => self.record_samples(rec, given, ours, method, casters, faults),
-            _ => method.record(rec, buffers),
+            (GBuffer::SampleIds(given), _) => self.record_samples(rec, given, ours, with),
+            _ => method.record_seen(rec, buffers, facet_masks::Seen::Found, maps),
         }
     }
 
-    fn record_samples(
-        &self,
-        rec: &mut Recorder,
-        given: &SampleTexture,
-        ours: &[[f32; 2]],
-        method: &FacetMasks,
-        casters: &CasterSet,
-        faults: &Buffer<u32>,
-    ) -> Result<()> {
-        let Some(stage) = &self.samples else { return method.record(rec, &casters.buffers) };
+    fn record_samples(&self, rec: &mut Recorder, given: &SampleTexture, ours: &[[f32; 2]], with: With) -> Result<()> {
+        let With { method, casters, faults, maps } = with;
+        let Some(stage) = &self.samples else {
+            return method.record_seen(rec, &casters.buffers, facet_masks::Seen::Found, maps);
+        };
         let multisampled = given.is_multisampled();
         let view = if multisampled { first_level(given.texture) } else { all_layers(given.texture) };
         let texture = if multisampled { Texture::Samples(&view) } else { Texture::Layers(&view) };
         let given = Given { texture, params: given.params(ours)?, numbers: &casters.numbers };
         let samples = SampleIds { stage, given, faults };
-        method.record_seen(rec, &casters.buffers, facet_masks::Seen::Samples(&samples))
+        method.record_seen(rec, &casters.buffers, facet_masks::Seen::Samples(&samples), maps)
     }
 
-    fn record_ids(
-        &self,
-        rec: &mut Recorder,
-        frame: &wgpu::Buffer,
-        given: TriangleTexture,
-        method: &FacetMasks,
-        casters: &CasterSet,
-        faults: &Buffer<u32>,
-    ) -> Result<()> {
+    fn record_ids(&self, rec: &mut Recorder, frame: &wgpu::Buffer, given: TriangleTexture, with: With) -> Result<()> {
         let view = first_level(given.texture);
         let counted = triangle_ids::Params { first: given.first, none: given.none };
+        let With { method, casters, faults, .. } = with;
         let stage = &mut rec.stage("triangle_ids");
         self.ids.record(stage, frame, &view, counted, &casters.numbers, method.id_keys(), faults)
     }
 }
 
 impl Receivers {
-    fn new(device: &wgpu::Device, pixels: usize) -> Result<Self> {
+    fn new(device: &wgpu::Device, keys: Buffer<u32>) -> Self {
         let no_ids = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("pixel_receivers.no_ids"),
             size: wgpu::Extent3d::default(),
@@ -130,18 +116,11 @@ impl Receivers {
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
-        Ok(Self { stage: PixelReceivers::new(device), keys: keys(device, pixels)?, no_ids: first_level(&no_ids) })
+        Self { stage: PixelReceivers::new(device), keys, no_ids: first_level(&no_ids) }
     }
 
-    fn record(
-        &self,
-        rec: &mut Recorder,
-        frame: &wgpu::Buffer,
-        given: &SurfaceTextures,
-        method: &FacetMasks,
-        casters: &CasterSet,
-        faults: &Buffer<u32>,
-    ) -> Result<()> {
+    fn record(&self, rec: &mut Recorder, frame: &wgpu::Buffer, given: &SurfaceTextures, with: With) -> Result<()> {
+        let With { method, casters, faults, .. } = with;
         let (place, mut params) = match given.place {
             Place::Depth { texture, terms, nothing } => {
                 (first_level(texture), Params { depth: terms.words(), nothing, ..Params::default() })
@@ -173,6 +152,7 @@ impl Receivers {
     }
 }
 
-fn keys(device: &wgpu::Device, pixels: usize) -> Result<Buffer<u32>> {
+/// Memory for the triangles of so many pixels.
+pub fn keys(device: &wgpu::Device, pixels: usize) -> Result<Buffer<u32>> {
     Buffer::storage(device, "pixel_receivers.keys", pixels)
 }

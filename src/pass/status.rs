@@ -1,7 +1,7 @@
 //! What is known of recorded frames once the GPU is done with them: counters are copied to a buffer that maps itself when
 //! the application's submission has run, and are read when they are asked for. Nothing waits.
 
-use crate::gpu::{Buffer, StageTime, Timer};
+use crate::gpu::{Buffer, Recorder, StageTime, Timer};
 use crate::methods::facet_masks::Capacities;
 use crate::methods::render::{Counts, ListUse};
 use crate::stages::{caster_positions, pixel_receivers, triangle_ids};
@@ -61,10 +61,8 @@ pub struct FrameStatus {
 
 /// The counters of a finished frame.
 pub(super) struct Finished {
-    pub(super) frame: u64,
-    pub(super) generation: u64,
-    pub(super) capacities: Capacities,
-    /// Counters of the method, faults, and times; or why they cannot be read.
+    pub(super) label: Label,
+    /// Counters of the method of all strips, faults, and times; or why they cannot be read.
     pub(super) read: Result<(Vec<u32>, Faults, Vec<StageTime>)>,
 }
 
@@ -90,9 +88,7 @@ impl Drop for Signal {
 
 /// A frame in flight.
 struct Slot {
-    frame: u64,
-    generation: u64,
-    capacities: Capacities,
+    label: Label,
     staging: wgpu::Buffer,
     status_bytes: u64,
     passes: Vec<&'static str>,
@@ -107,30 +103,37 @@ pub(super) struct InFlight {
 }
 
 /// What a frame is known by.
+#[derive(Clone, Copy)]
 pub(super) struct Label {
     pub(super) frame: u64,
     pub(super) generation: u64,
     pub(super) capacities: Capacities,
+    /// Strips of rows that it was rendered in, each with counters of its own.
+    pub(super) strips: u32,
+}
+
+/// A buffer that the counters of a frame are copied to.
+pub(super) struct Staging {
+    buffer: wgpu::Buffer,
+    words: u64,
+}
+
+impl Staging {
+    /// Appends the copy of the counters of strip `k`, of as many words as those of all others.
+    pub(super) fn record(&self, rec: &mut Recorder, status: &Buffer<u32>, k: u64) {
+        let words = status.len() as u64;
+        rec.copy_words(status.raw(), 0, &self.buffer, k * words, words);
+    }
 }
 
 impl InFlight {
     /// Most staging buffers that are kept for later frames.
     const KEPT: usize = 8;
 
-    /// Appends the copy of the counters and time stamps of a frame to `encoder`.
-    pub(super) fn push(
-        &mut self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        label: Label,
-        status: &Buffer<u32>,
-        faults: &Buffer<u32>,
-        timer: Option<&Timer>,
-    ) {
-        let status_bytes = status.len() as u64 * 4;
-        let stamps_at = (status_bytes + FAULT_WORDS as u64 * 4).next_multiple_of(8);
-        let size = stamps_at + Timer::BYTES;
-        let staging = match self.free.iter().position(|b| b.size() == size) {
+    /// A buffer for `words` counters of a frame.
+    pub(super) fn staging(&mut self, device: &wgpu::Device, words: u64) -> Staging {
+        let size = stamps_at(words * 4) + Timer::BYTES;
+        let buffer = match self.free.iter().position(|b| b.size() == size) {
             Some(k) => self.free.swap_remove(k),
             None => device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("shadow_pass.status"),
@@ -139,19 +142,31 @@ impl InFlight {
                 mapped_at_creation: false,
             }),
         };
-        encoder.copy_buffer_to_buffer(status.raw(), 0, &staging, 0, status_bytes);
+        Staging { buffer, words }
+    }
+
+    /// Appends the copy of the faults and time stamps of a frame to `encoder`, whose counters are copied to `staging` already.
+    pub(super) fn push(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        label: Label,
+        staging: Staging,
+        faults: &Buffer<u32>,
+        timer: Option<&Timer>,
+    ) {
+        let Staging { buffer: staging, words } = staging;
+        let status_bytes = words * 4;
         encoder.copy_buffer_to_buffer(faults.raw(), 0, &staging, status_bytes, FAULT_WORDS as u64 * 4);
         if let Some(timer) = timer {
-            timer.resolve_to(encoder, &staging, stamps_at);
+            timer.resolve_to(encoder, &staging, stamps_at(status_bytes));
         }
         let state = Arc::new(AtomicU8::new(WAITING));
         let signal = Signal(state.clone());
         encoder.map_buffer_on_submit(&staging, wgpu::MapMode::Read, .., move |mapped| {
             signal.set(if mapped.is_ok() { READY } else { FAILED });
         });
-        let Label { frame, generation, capacities } = label;
         let passes = timer.map_or(Vec::new(), |t| t.passes().to_vec());
-        self.slots.push(Slot { frame, generation, capacities, staging, status_bytes, passes, state });
+        self.slots.push(Slot { label, staging, status_bytes, passes, state });
     }
 
     /// The frames that the GPU is done with, oldest first. Those that were never submitted are forgotten.
@@ -164,7 +179,7 @@ impl InFlight {
                 waiting.push(slot);
                 continue;
             }
-            let Slot { frame, generation, capacities, .. } = slot;
+            let label = slot.label;
             let read = match state {
                 READY => slot.read(timer),
                 FAILED => Err(Error::Gpu("the counters of the frame could not be mapped".to_owned())),
@@ -173,7 +188,7 @@ impl InFlight {
             if read.is_ok() && self.free.len() < Self::KEPT {
                 self.free.push(slot.staging);
             }
-            finished.push(Finished { frame, generation, capacities, read });
+            finished.push(Finished { label, read });
         }
         self.slots = waiting;
         finished
@@ -185,13 +200,18 @@ impl InFlight {
     }
 }
 
+/// Where the time stamps stand behind so many bytes of counters, and the faults.
+fn stamps_at(status_bytes: u64) -> u64 {
+    (status_bytes + FAULT_WORDS as u64 * 4).next_multiple_of(8)
+}
+
 impl Slot {
     fn read(&self, timer: Option<&Timer>) -> Result<(Vec<u32>, Faults, Vec<StageTime>)> {
         let out = {
             let view = self
                 .staging
                 .get_mapped_range(..)
-                .map_err(|e| Error::Gpu(format!("reading the counters of frame {}: {e}", self.frame)))?;
+                .map_err(|e| Error::Gpu(format!("reading the counters of frame {}: {e}", self.label.frame)))?;
             let at = self.status_bytes as usize;
             let faults_end = at + FAULT_WORDS * 4;
             let words = |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, u32>(bytes);

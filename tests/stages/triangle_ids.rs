@@ -38,12 +38,16 @@ impl Case {
 
     /// Keys, padding included, and the count of unknown texels.
     fn ask(&self, gpu: &Gpu) -> Vec<u32> {
-        let image_size = self.size;
-        let frame = Frame { image_size, triangle_count: self.numbers.len() as u32, ..Frame::default() };
-        let frame = uniform(gpu, &frame);
+        self.ask_of(gpu, Frame { image_size: self.size, ..Frame::default() })
+    }
+
+    /// Those of a strip of rows.
+    fn ask_of(&self, gpu: &Gpu, strip: Frame) -> Vec<u32> {
+        let pixels = (strip.image_size[0] * strip.image_size[1]) as usize;
+        let frame = uniform(gpu, &Frame { triangle_count: self.numbers.len() as u32, ..strip });
         let ids = texture(gpu, self.size, wgpu::TextureFormat::R32Uint, Some(&self.texels));
         let numbers = upload(gpu, &self.numbers);
-        let keys = poisoned(gpu, self.texels.len());
+        let keys = poisoned(gpu, pixels);
         let faults = poisoned(gpu, 4);
         faults.write(&gpu.queue, &[POISON, POISON, 0]);
         let stage = TriangleIds::new(&gpu.device);
@@ -128,6 +132,33 @@ fn degenerate() {
 fn overflow_by_one() {
     for pixels in [63, 65, 127, 129] {
         check(gpu(), &Case::new([pixels, 1], 3, 0, 2, &mut Random::new(31)));
+    }
+}
+
+/// A strip of rows has the keys of its rows, and counts the faults of those that are its own.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_strip_is_its_rows() {
+    let case = Case::new([16, 30], 50, 7, 3, &mut Random::new(61));
+    let rows_of = |first: usize, count: usize| Case {
+        size: [16, count as u32],
+        texels: case.texels[16 * first..16 * (first + count)].to_vec(),
+        ..case.clone()
+    };
+    for (first, rows, above, below) in [(0, 12, 0, 0), (9, 12, 3, 0), (18, 12, 0, 0), (5, 20, 4, 4)] {
+        let strip = Frame {
+            image_size: [16, rows as u32],
+            first_row: first as u32,
+            rows_above: above as u32,
+            rows_below: below as u32,
+            ..Frame::default()
+        };
+        let got = case.ask_of(gpu(), strip);
+        let mut wanted = rows_of(first, rows).wanted();
+        let faults = wanted.len() - 4 + FAULT_UNKNOWN as usize;
+        let own = rows_of(first + above, rows - above - below).wanted();
+        wanted[faults] = own[own.len() - 4 + FAULT_UNKNOWN as usize];
+        assert_eq!(difference(&got, &wanted), None, "{rows} rows from {first}");
     }
 }
 

@@ -94,6 +94,27 @@ fn overflow_by_one() {
     }
 }
 
+/// A strip of rows is written where it belongs, but for the rows of its neighbours.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_strip_writes_its_own_rows() {
+    let (gpu, whole) = (gpu(), [9, 40]);
+    let values = values(whole, &mut Random::new(61));
+    for (first, rows, above, below) in [(0, 13, 0, 0), (5, 20, 3, 0), (11, 29, 0, 0), (7, 8, 4, 4), (7, 9, 4, 4)] {
+        let (image_size, first_row) = ([9, rows], first as u32);
+        let frame = Frame { image_size, first_row, rows_above: above, rows_below: below, ..Frame::default() };
+        let frame = uniform(gpu, &frame);
+        let target = texture(gpu, whole, wgpu::TextureFormat::R32Float, Some(&[BEFORE; 360]));
+        let visibility = upload(gpu, &values[9 * first..9 * (first + rows as usize)]);
+        let view = target.create_view(&Default::default());
+        run(gpu, |s| VisibilityTexture::new(&gpu.device).record(s, frame.raw(), &visibility, &view));
+        let mut wanted = wanted(whole, whole, &values);
+        let own = first + above as usize..first + (rows - below) as usize;
+        (0..360).filter(|t| !own.contains(&(t / 9))).for_each(|t| wanted[t] = BEFORE);
+        assert_eq!(difference(&read_texture(gpu, &target), &wanted), None, "{own:?}");
+    }
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {

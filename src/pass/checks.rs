@@ -1,0 +1,76 @@
+//! Checks of settings, device and a frame's inputs.
+
+use super::{GBuffer, Moved, ShadowPass};
+use crate::methods::{FacetMode, Settings};
+use crate::{Error, Result};
+use glam::{DVec3, Vec3};
+
+impl ShadowPass {
+    pub(super) fn check_gbuffer(&self, gbuffer: &GBuffer) -> Result<()> {
+        let refuse = |text: &str| Err(Error::Config(text.to_owned()));
+        let size = self.settings.size;
+        match gbuffer {
+            GBuffer::None => Ok(()),
+            GBuffer::SampleIds(_) if self.settings.facets == FacetMode::One => refuse(
+                "a G-buffer of several samples shows several surfaces a pixel; they need a facet for every surface",
+            ),
+            GBuffer::SampleIds(given) => given.check(size, self.settings.samples.offsets()),
+            _ if self.settings.facets == FacetMode::All => refuse(
+                "a G-buffer of one sample shows one surface a pixel; with a facet for every surface the pass finds them",
+            ),
+            GBuffer::TriangleIds(given) => given.check(size),
+            GBuffer::Surfaces(_) if !self.maker.receivers => {
+                refuse("surfaces in a G-buffer need a pass that was made with room for receivers")
+            }
+            GBuffer::Surfaces(given) => given.check(size),
+        }
+    }
+
+    /// The box of the casters.
+    pub(super) fn check_moved(&self, moved: Option<&Moved>) -> Result<(DVec3, DVec3)> {
+        match (&self.casters.places, moved) {
+            (None, None) => Ok(self.casters.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))),
+            (Some(places), Some(moved)) => {
+                let [low, high] = moved.bounds;
+                if !(0..3).all(|k| low[k].is_finite() && high[k].is_finite() && low[k] <= high[k]) {
+                    return Err(Error::Config(format!("moved casters: no box from {low:?} to {high:?}")));
+                }
+                moved.vertices.check(places.len(), &self.maker.device.limits())?;
+                Ok((Vec3::from(low).as_dvec3(), Vec3::from(high).as_dvec3()))
+            }
+            (None, Some(_)) => Err(Error::Config("static casters: they are not moved by a vertex buffer".to_owned())),
+            (Some(_), None) => Err(Error::Config("moving casters: the frame has no vertex buffer".to_owned())),
+        }
+    }
+}
+
+/// The settings as the pass can use them for any camera and light: no caster is left out, and without validity masks no facet
+/// is settled (see [`crate::plan`]).
+pub fn settled(wanted: &Settings) -> Settings {
+    let proved = wanted.validity || wanted.samples.count() == 1 || wanted.facets == FacetMode::All;
+    Settings { cull_back: false, settle: wanted.settle && proved, ..wanted.clone() }
+}
+
+pub fn check_limits(have: &wgpu::Limits) -> Result<()> {
+    let need = ShadowPass::required_limits();
+    let pairs = [
+        (
+            "storage buffers a stage",
+            need.max_storage_buffers_per_shader_stage,
+            have.max_storage_buffers_per_shader_stage,
+        ),
+        ("storage textures a stage", 1, have.max_storage_textures_per_shader_stage),
+        ("sampled textures a stage", 3, have.max_sampled_textures_per_shader_stage),
+        (
+            "invocations a workgroup",
+            need.max_compute_invocations_per_workgroup,
+            have.max_compute_invocations_per_workgroup,
+        ),
+        ("invocations along a workgroup", need.max_compute_workgroup_size_x, have.max_compute_workgroup_size_x),
+        ("bytes of workgroup memory", need.max_compute_workgroup_storage_size, have.max_compute_workgroup_storage_size),
+    ];
+    match pairs.into_iter().find(|(_, need, have)| have < need) {
+        Some((what, need, have)) => Err(Error::Config(format!("the device allows {have} {what}, {need} are needed"))),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,137 @@
+//! What depends on the size of the image and on the strips of rows in which it is rendered: the memory of one strip, which all
+//! of them use one after the other, and of more than one the whole image beside it.
+
+use super::casters::CasterSet;
+use super::seen::{HALO, keys};
+use crate::gpu::{Buffer, Recorder};
+use crate::light_view::Parts;
+use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines};
+use crate::methods::prepared::{Surfaces, surfaces};
+use crate::methods::render::Budget;
+use crate::methods::strips::{Rows, Strips};
+use crate::methods::{Settings, growth};
+use crate::{Error, Result};
+use std::sync::Arc;
+
+/// What makes it.
+pub struct Maker {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub pipelines: Arc<Pipelines>,
+    pub parts: Parts,
+    pub budget: Budget,
+    /// Room for surfaces that are no casters.
+    pub receivers: bool,
+    /// Fewest strips.
+    pub strips: u32,
+}
+
+/// An image in strips.
+pub struct CutImage {
+    pub strips: Strips,
+    pub method: FacetMasks,
+    whole: Option<Whole>,
+}
+
+struct Whole {
+    visibility: Buffer<f32>,
+    lit: Buffer<u32>,
+}
+
+/// What [`Maker::make`] makes.
+pub struct Made {
+    pub image: CutImage,
+    /// The casters, with room behind them for a triangle a pixel of a strip.
+    pub surfaces: Option<Surfaces>,
+    /// Triangle keys of a strip.
+    pub keys: Option<Buffer<u32>>,
+}
+
+impl Maker {
+    /// An image in no more strips than it takes to begin with.
+    pub fn first_strips(&self, settings: &Settings) -> Strips {
+        Strips::with_halo(settings.size, self.strips, if self.receivers { HALO } else { 0 })
+    }
+
+    /// Memory for an image in as many strips as it takes, but not fewer than `strips`; lists as long as `start` says, or as for a
+    /// first frame.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if not even the thinnest strips fit, [`Error::Gpu`].
+    pub fn make(
+        &self,
+        settings: &Settings,
+        casters: &CasterSet,
+        mut strips: Strips,
+        start: impl Fn(Strips) -> Option<Capacities>,
+    ) -> Result<Made> {
+        loop {
+            match self.make_strips(settings, casters, strips, start(strips)) {
+                Err(error @ Error::Memory { .. }) => strips = strips.more().ok_or(error)?,
+                made => return made,
+            }
+        }
+    }
+
+    fn make_strips(
+        &self,
+        settings: &Settings,
+        casters: &CasterSet,
+        strips: Strips,
+        start: Option<Capacities>,
+    ) -> Result<Made> {
+        let (device, queue) = (&self.device, &self.queue);
+        let of_strip = Settings { size: strips.size(), ..settings.of_part(self.parts) };
+        let pixels = of_strip.pixels();
+        let first = growth::first_for(&of_strip, self.budget, casters.buffers.triangles.len());
+        let first = start.map_or(first, |start| growth::larger(first, start));
+        let first = growth::within(&device.limits(), settings, first);
+        let method = FacetMasks::new(device, queue, self.pipelines.clone(), &casters.buffers, &of_strip, first)?;
+        let room = |_| surfaces(device, queue, &casters.mesh, pixels);
+        let whole = (strips.count() > 1).then(|| Whole::new(device, settings)).transpose()?;
+        Ok(Made {
+            image: CutImage { strips, method, whole },
+            surfaces: self.receivers.then_some(()).map(room).transpose()?,
+            keys: self.receivers.then(|| keys(device, pixels)).transpose()?,
+        })
+    }
+}
+
+impl Whole {
+    fn new(device: &wgpu::Device, settings: &Settings) -> Result<Self> {
+        let words = settings.samples.words() as usize;
+        Ok(Self {
+            visibility: Buffer::storage(device, "shadow_pass.visibility", settings.pixels())?,
+            lit: Buffer::storage(device, "shadow_pass.lit", settings.pixels() * words)?,
+        })
+    }
+}
+
+impl CutImage {
+    /// Visibility of the whole image.
+    pub fn visibility(&self) -> &Buffer<f32> {
+        self.whole.as_ref().map_or(self.method.visibility(), |whole| &whole.visibility)
+    }
+
+    /// Lit masks of the whole image.
+    pub fn lit(&self) -> &Buffer<u32> {
+        self.whole.as_ref().map_or(self.method.lit(), |whole| &whole.lit)
+    }
+
+    /// Copies a strip's own rows to where they belong, here and in the application's buffer.
+    pub fn record_copies(&self, rec: &mut Recorder, rows: Rows, target: Option<&wgpu::Buffer>) {
+        let (width, pixels) = (u64::from(self.strips.size()[0]), self.method.visibility().len() as u64);
+        let words = self.method.lit().len() as u64 / pixels.max(1);
+        let mut copy = |from: &wgpu::Buffer, to: &wgpu::Buffer, each: u64| {
+            let [first, at, count] = rows.own_words(each);
+            rec.copy_words(from, first, to, at, count);
+        };
+        if let Some(whole) = &self.whole {
+            copy(self.method.visibility().raw(), whole.visibility.raw(), width);
+            copy(self.method.lit().raw(), whole.lit.raw(), width * words);
+        }
+        if let Some(target) = target {
+            copy(self.method.lit().raw(), target, width * words);
+        }
+    }
+}
