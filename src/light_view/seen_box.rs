@@ -36,24 +36,56 @@ impl SeenBox {
         (0..8).map(move |k| DVec3::from_array([0, 1, 2].map(|a| if k >> a & 1 == 1 { hi[a] } else { lo[a] })))
     }
 
-    /// Points all over the part between two view depths that lies in `view`: their texels, and there the width of a texel of `view`
-    /// beside that of a pixel, but for a factor.
+    /// Points all over the part between two view depths that lies in `view`, three on each of 64 rays through the image that meet it,
+    /// in the far part of what the ray passes, where it is likelier to meet a surface than before it: their texels, and there the
+    /// width of a texel of `view` beside that of a pixel, but for a factor.
     pub(super) fn probes(&self, view: &LightView, from: f64, to: f64) -> Vec<(DVec2, f64)> {
-        const SIDE: u32 = 6;
+        const SIDE: u32 = 8;
+        const ALONG: [f64; 3] = [0.6, 0.8, 1.0];
         let share = |k: u32| (f64::from(k) + 0.5) / f64::from(SIDE);
-        let probe = |k: u32| {
-            let [x, y, z] = [k % SIDE, k / SIDE % SIDE, k / SIDE / SIDE].map(share);
-            let across = |a: DVec3, b: DVec3| a.lerp(b, x);
-            let [a, b, c, d] = self.corners;
-            let depth = from + (to - from) * z;
-            let p = across(a, b).lerp(across(d, c), y) * depth;
-            let (lo, hi) = self.bounds;
+        let [a, b, c, d] = self.corners;
+        let ray = |k: u32| a.lerp(b, share(k % SIDE)).lerp(d.lerp(c, share(k % SIDE)), share(k / SIDE));
+        let probe = |p: DVec3| {
             let texel = view.project(p)?.truncate();
-            let held = texel.cmpge(DVec2::ZERO).all() && texel.max_element() <= f64::from(view.map_size);
-            let inside = p.cmpge(lo).all() && p.cmple(hi).all();
-            (inside && held).then(|| (texel, if view.perspective { view.w.dot(p.extend(1.0)) } else { 1.0 } / depth))
+            let w = if view.perspective { view.w.dot(p.extend(1.0)) } else { 1.0 };
+            Some((texel, w / p.dot(self.forward)))
         };
-        (0..SIDE.pow(3)).filter_map(probe).collect()
+        let on_ray = |k: u32| {
+            let (ray, depths) = (ray(k), self.depths_along(ray(k), view, from, to));
+            let points = depths.map(|[near, far]| ALONG.map(|share| ray * (near + (far - near) * share)));
+            points.into_iter().flatten().filter_map(probe)
+        };
+        (0..SIDE * SIDE).flat_map(on_ray).collect()
+    }
+
+    /// Between which depths a ray, of view depth 1, passes the part between two view depths that lies in `view`; `None` if it does not.
+    fn depths_along(&self, ray: DVec3, view: &LightView, from: f64, to: f64) -> Option<[f64; 2]> {
+        let side = f64::from(view.map_size);
+        let (lo, hi) = self.bounds;
+        let (mut near, mut far) = (from, to);
+        // Inside where `at + change * depth` is not below 0.
+        let mut cut = |at: f64, change: f64| {
+            if change > 0.0 {
+                near = near.max(-at / change);
+            } else if change < 0.0 {
+                far = far.min(-at / change);
+            } else if at < 0.0 {
+                far = f64::NEG_INFINITY;
+            }
+        };
+        for k in 0..3 {
+            cut(-lo[k], ray[k]);
+            cut(hi[k], -ray[k]);
+        }
+        let mut row = |row: DVec4, less: f64| cut(row.w - less, row.truncate().dot(ray));
+        row(view.u, 0.0);
+        row(view.v, 0.0);
+        row(view.w * side - view.u, 0.0);
+        row(view.w * side - view.v, 0.0);
+        if view.perspective {
+            row(view.w, view.near * (1.0 + 1e-9));
+        }
+        (near <= far).then_some([near, far])
     }
 
     /// Corners of the part between two view depths that lies in `view`.
