@@ -9,9 +9,9 @@ use std::sync::{Arc, Mutex};
 use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::LightView;
-use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Pipelines, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
+use subpixel_shadows::methods::{Looks, Prepared, unshadowed};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
@@ -348,6 +348,31 @@ fn a_device_that_binds_little_renders_in_strips_and_parts() {
         assert_eq!(difference(&words(&whole), &words(&output)), None, "{facets:?} {light:?} {map}");
         assert_eq!(output.counts.silhouette_edges, whole.counts.silhouette_edges);
     }
+}
+
+/// Also where nothing casts a shadow.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn strips_do_not_matter_where_nothing_casts() {
+    let scene = scene("spheres");
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    let limits = Limits { max_storage_buffer_binding_size: 1 << 19, ..Limits::default() };
+    let small = Gpu::open_with_limits(None, Some(limits)).expect("a GPU");
+    let settings = Settings { size: [131, 97], ..settings(true) };
+    let render = |gpu: &Gpu| {
+        let (mut looks, mut strips) = (Looks::default(), 0);
+        let output =
+            unshadowed::render_and(gpu, &prepared, &settings, &scene.camera, &scene.light, &mut |made, rows| {
+                strips += 1;
+                looks.add_unshadowed_rows(gpu, made, settings.size[0], rows)
+            });
+        (output.expect("a frame"), looks, strips)
+    };
+    let ((whole, seen, one), (cut, seen_cut, several)) = (render(gpu()), render(&small));
+    assert!(one == 1 && several > 2, "{one} and {several} strips");
+    assert_eq!(difference(&picture(&whole), &picture(&cut)), None);
+    assert!(whole.triangles == cut.triangles && seen == seen_cut);
+    assert!(whole.counts.dark_facets > 100 && whole.counts.lit_facets > 100, "{:?}", whole.counts);
 }
 
 /// By tiles or by texels, sorted or grouped, what comes of the pairs is the same, with room for all from the start, with none, and

@@ -93,10 +93,15 @@ impl Engine {
                 })
             }
             (Extent::Facing, Self::Gpu(gpu)) => {
-                let (output, facets) = unshadowed::render(gpu, prepared, settings, &scene.camera, &scene.light)?;
-                let looks = || Looks::of_unshadowed(gpu, &facets, settings.pixels());
-                let looks = (options.looks && classes).then(looks).transpose()?;
-                let facets = options.truth.then(|| FacetSet::read(gpu, &facets, words)).transpose()?;
+                let (mut facets, mut looks) = (None, (options.looks && classes).then(Looks::default));
+                let (width, scene) = (settings.size[0], (&scene.camera, &scene.light));
+                let output = unshadowed::render_and(gpu, prepared, settings, scene.0, scene.1, &mut |made, rows| {
+                    if rows.first == 0 {
+                        facets = options.truth.then(FacetSet::default);
+                    }
+                    looks.as_mut().map_or(Ok(()), |looks| looks.add_unshadowed_rows(gpu, made, width, rows))?;
+                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, made, words, width, rows))
+                })?;
                 Ok(Rendered { output, facets, looks, cpu_stages: None })
             }
             (Extent::Everything, Self::Gpu(gpu)) if options.method != MethodName::FacetMasks => {

@@ -68,16 +68,20 @@ pub struct Looks {
 }
 
 impl Looks {
-    /// The classes of a frame of `pixels` pixels in which nothing casts a shadow, without a map.
+    /// Adds the strip of rows of an image `width` pixels wide, of whose facets nothing casts a shadow; without a map. Row 0 begins anew.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub fn of_unshadowed(gpu: &Gpu, facets: &Facets, pixels: usize) -> Result<Self> {
-        let mut classes = vec![PixelClass::Empty; pixels];
-        most_demanding(&mut classes, facets.list.read(gpu)?.iter().map(|f| (f.pixel as usize, f.state)));
+    pub fn add_unshadowed_rows(&mut self, gpu: &Gpu, facets: &Facets, width: u32, rows: Rows) -> Result<()> {
+        if rows.first == 0 {
+            *self = Self::default();
+        }
+        let before = self.classes.len();
+        self.add_classes(gpu, facets, ((rows.known + rows.own) * width) as usize, width, rows)?;
         // Without casters what is not settled is lit as well.
-        classes.iter_mut().filter(|c| **c == PixelClass::Undecided).for_each(|c| *c = PixelClass::Lit);
-        Ok(Self { classes, map: None })
+        let added = self.classes[before..].iter_mut();
+        added.filter(|c| **c == PixelClass::Undecided).for_each(|c| *c = PixelClass::Lit);
+        Ok(())
     }
 
     /// Adds the strip of rows of an image `width` pixels wide that `method` rendered last; the class of a pixel is that of its
@@ -92,9 +96,13 @@ impl Looks {
             let map = one.then(|| MapLook::of_layers(gpu, method.layers())).transpose()?;
             *self = Self { classes: Vec::new(), map };
         }
-        let [known, pixels] = [(rows.known * width) as usize, method.visibility().len()];
+        self.add_classes(gpu, method.facets(), method.visibility().len(), width, rows)
+    }
+
+    fn add_classes(&mut self, gpu: &Gpu, facets: &Facets, pixels: usize, width: u32, rows: Rows) -> Result<()> {
+        let known = (rows.known * width) as usize;
         let mut strip = vec![PixelClass::Empty; pixels];
-        most_demanding(&mut strip, method.facets().list.read(gpu)?.iter().map(|f| (f.pixel as usize, f.state)));
+        most_demanding(&mut strip, facets.list.read(gpu)?.iter().map(|f| (f.pixel as usize, f.state)));
         self.classes.extend_from_slice(&strip[known.min(pixels)..]);
         Ok(())
     }

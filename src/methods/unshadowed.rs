@@ -5,7 +5,7 @@ use super::facet_masks::{Settings, status};
 use super::geometry::{Geometry, GeometryPipelines};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
-use crate::Result;
+use super::strips::{Rows, Strips};
 use crate::frame::{Frame, sample_words};
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::LightView;
@@ -13,6 +13,7 @@ use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::{FacetClassify, Facets, State, Surroundings};
 use crate::stages::front_layer::UNCOVERED;
 use crate::stages::resolve::Resolve;
+use crate::{Error, Result};
 use std::time::Instant;
 
 /// The frame of a scene in which no pixel sees a surface: lit everywhere. Nothing is dispatched.
@@ -32,25 +33,89 @@ pub fn nothing_seen(settings: &Settings) -> Output {
     }
 }
 
-/// Renders a frame in which nothing casts a shadow: facets that face the light are lit, the others dark. Also returns the
-/// facets with their masks.
+/// Looks at the facets of each strip of rows.
+pub type Look<'a> = &'a mut dyn FnMut(&Facets, Rows) -> Result<()>;
+
+/// Renders a frame in which nothing casts a shadow: facets that face the light are lit, the others dark. In strips of rows where one
+/// binding does not hold the facets.
 ///
 /// # Errors
 /// As [`super::render::Renderer::render`].
-pub fn render(
+pub fn render(gpu: &Gpu, prepared: &Prepared, settings: &Settings, camera: &Camera, light: &Light) -> Result<Output> {
+    render_and(gpu, prepared, settings, camera, light, &mut |_, _| Ok(()))
+}
+
+/// As [`render`], and lets `look` see the facets with their masks after each strip of rows; from row 0 on once more, with other rows,
+/// where strips turned out too large.
+///
+/// # Errors
+/// As [`render`], and those of `look`.
+pub fn render_and(
     gpu: &Gpu,
     prepared: &Prepared,
     settings: &Settings,
     camera: &Camera,
     light: &Light,
-) -> Result<(Output, Facets)> {
+    look: Look,
+) -> Result<Output> {
     settings.check()?;
     let casters = prepared.upload(&gpu.device, &gpu.queue)?;
     let frame = frame(prepared, settings, camera, light, &casters)?;
+    let with = Pipelines::new(gpu, settings);
+    let mut strips = Strips::new(settings.size, 1);
+    'image: loop {
+        let mut image: Option<Output> = None;
+        for rows in strips.rows() {
+            let of_strip = Settings { size: strips.size(), ..settings.clone() };
+            let mut frame = Frame { image_size: of_strip.size, first_row: rows.first, ..frame };
+            frame.facets_total = of_strip.pixels() as u32;
+            frame.facet_count = frame.facets_total;
+            let (output, facets) = match strip(gpu, &with, &casters, &of_strip, frame) {
+                Err(error @ Error::Memory { .. }) => {
+                    strips = strips.more().ok_or(error)?;
+                    continue 'image;
+                }
+                made => made?,
+            };
+            look(&facets, rows)?;
+            match &mut image {
+                None => image = Some(output),
+                Some(image) => image.add_rows(output, rows),
+            }
+        }
+        return image.ok_or_else(|| Error::Config("an image without rows".to_owned()));
+    }
+}
+
+struct Pipelines {
+    geometry: GeometryPipelines,
+    classify: FacetClassify,
+    resolve: Resolve,
+}
+
+impl Pipelines {
+    fn new(gpu: &Gpu, settings: &Settings) -> Self {
+        let (device, words) = (&gpu.device, settings.samples.words());
+        Self {
+            geometry: GeometryPipelines::new(device),
+            classify: FacetClassify::new(device, words),
+            resolve: Resolve::new(device, words),
+        }
+    }
+}
+
+/// One strip of rows, and its facets.
+fn strip(
+    gpu: &Gpu,
+    with: &Pipelines,
+    casters: &CasterBuffers,
+    settings: &Settings,
+    frame: Frame,
+) -> Result<(Output, Facets)> {
     let mut timer = Timer::new(gpu);
     let mut encoder = gpu.encoder();
     let mut recorder = Recorder::new(&gpu.device, &mut encoder, timer.as_mut());
-    let made = record(gpu, &mut recorder, &casters, settings, frame)?;
+    let made = record(gpu, &mut recorder, with, casters, settings, frame)?;
     let dispatches = recorder.dispatches();
     if let Some(timer) = &timer {
         timer.resolve(&mut encoder);
@@ -95,8 +160,6 @@ fn frame(
     frame.vertex_count = casters.positions.len() as u32;
     frame.triangle_count = casters.triangles.len() as u32;
     frame.edge_count = casters.edges.len() as u32;
-    frame.facets_total = settings.size[0] * settings.size[1];
-    frame.facet_count = frame.facets_total;
     Ok(frame)
 }
 
@@ -109,7 +172,14 @@ struct Made {
     lit: Buffer<u32>,
 }
 
-fn record(gpu: &Gpu, rec: &mut Recorder, casters: &CasterBuffers, settings: &Settings, frame: Frame) -> Result<Made> {
+fn record(
+    gpu: &Gpu,
+    rec: &mut Recorder,
+    with: &Pipelines,
+    casters: &CasterBuffers,
+    settings: &Settings,
+    frame: Frame,
+) -> Result<Made> {
     let (device, queue) = (&gpu.device, &gpu.queue);
     let pixels = settings.size.iter().map(|&s| s as usize).product::<usize>();
     let words = settings.samples.words();
@@ -128,18 +198,15 @@ fn record(gpu: &Gpu, rec: &mut Recorder, casters: &CasterBuffers, settings: &Set
     let sat = Buffer::storage(device, "summed_area.sat", 1)?;
     let splits = Buffer::from_slice(device, queue, "front_layer.splits", &[UNCOVERED])?;
     let (frame, triangles) = (frame_buffer.raw(), casters.triangles.raw());
-    let with = GeometryPipelines::new(device);
     let geometry = &made.geometry;
-    geometry.record_setup(rec, &with, frame, casters)?;
-    geometry.record_camera(rec, &with, frame, casters)?;
+    geometry.record_setup(rec, &with.geometry, frame, casters)?;
+    geometry.record_camera(rec, &with.geometry, frame, casters)?;
     {
         let stage = &mut rec.stage("facet_classify");
-        let classify = FacetClassify::new(device, words);
         let around = Surroundings { triangles, positions: casters.positions.raw(), sat: &sat, splits: &splits };
-        classify.record_one(stage, frame, &geometry.id_keys, &made.facets)?;
-        classify.record_classify(stage, frame, samples.raw(), around, &made.facets, pixels)?;
+        with.classify.record_one(stage, frame, &geometry.id_keys, &made.facets)?;
+        with.classify.record_classify(stage, frame, samples.raw(), around, &made.facets, pixels)?;
     }
-    let resolve = Resolve::new(device, words);
-    resolve.record(&mut rec.stage("resolve"), frame, &made.facets, &made.visibility, &made.lit, &made.status)?;
+    with.resolve.record(&mut rec.stage("resolve"), frame, &made.facets, &made.visibility, &made.lit, &made.status)?;
     Ok(made)
 }

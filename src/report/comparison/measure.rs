@@ -145,7 +145,7 @@ impl<'a> Subject<'a> {
         let (camera, light) = (&case.scene.camera, &case.scene.light);
         match self {
             Self::Nothing(settings) => Ok(unshadowed::nothing_seen(settings)),
-            Self::Facing(settings) => Ok(unshadowed::render(gpu, &case.prepared, settings, camera, light)?.0),
+            Self::Facing(settings) => unshadowed::render(gpu, &case.prepared, settings, camera, light),
             Self::Whole(renderer) => renderer.render(camera, light),
         }
     }

@@ -137,8 +137,15 @@ fn measure(gpu: &Gpu, step: &Step, variant: &Variant, outcome: &mut Outcome) -> 
     let (output, facets) = match plan.extent {
         Extent::Nothing => (unshadowed::nothing_seen(settings), FacetSet { words, ..FacetSet::default() }),
         Extent::Facing => {
-            let (output, facets) = unshadowed::render(gpu, &prepared, settings, &step.camera, &step.light)?;
-            (output, FacetSet::read(gpu, &facets, words)?)
+            let (mut set, width) = (FacetSet::default(), settings.size[0]);
+            let output =
+                unshadowed::render_and(gpu, &prepared, settings, &step.camera, &step.light, &mut |facets, rows| {
+                    if rows.first == 0 {
+                        set = FacetSet::default();
+                    }
+                    set.add(gpu, facets, words, width, rows)
+                })?;
+            (output, set)
         }
         Extent::Everything => {
             let pipelines = variant.pipelines.clone();
