@@ -1,15 +1,15 @@
 //! `facet-masks`: the flagship (Pan, Wang, Chen, Zhou, Bao 2009), one page of calls to stages.
 
+mod asked;
 mod bands;
 mod memory;
 
-use super::every_surface::{EverySurface, SampleIds};
+use super::every_surface::EverySurface;
 use super::geometry::GeometryPipelines;
 use super::prepared::CasterBuffers;
 pub use super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::frame::Frame;
-use crate::gpu::kernels::dispatch_args;
-use crate::gpu::{Buffer, Groups, Program, Recorder};
+use crate::gpu::{Buffer, Recorder};
 use crate::light_view::LightView;
 use crate::mask_table::MaskVariant;
 use crate::scene::{Camera, Light};
@@ -23,8 +23,10 @@ use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
 use crate::stages::visibility_masks::VisibilityMasks;
-use crate::stages::{Count, PrefixScan, SortedPairs, SummedArea, WorkOwners};
+use crate::stages::work_owners::{ListWork, WorkOwners};
+use crate::stages::{Count, DispatchArgs, PrefixScan, SortedPairs, SummedArea};
 use crate::{Error, Result};
+pub use asked::{LightMaps, Seen, Strip};
 use glam::DVec3;
 use memory::{Arg, Memory, frames, requests, unsorted};
 pub use memory::{Capacities, status};
@@ -52,8 +54,8 @@ pub struct Pipelines {
     resolve: Resolve,
     sorted: Option<SortedPairs>,
     scan: PrefixScan,
-    owners: WorkOwners,
-    fold: Program,
+    work: ListWork,
+    fold: DispatchArgs,
 }
 
 impl Pipelines {
@@ -91,9 +93,9 @@ impl Pipelines {
             masks: VisibilityMasks::specialised(device, words, settings.masks.size(), two_step, !clamp),
             resolve: Resolve::new(device, words),
             sorted: sorted.then(|| SortedPairs::new(device, &scan)),
+            work: ListWork::new(device, &scan),
             scan,
-            owners: WorkOwners::new(device),
-            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+            fold: DispatchArgs::new(device),
         }
     }
 
@@ -101,24 +103,6 @@ impl Pipelines {
     pub fn serve(&self, settings: &Settings) -> bool {
         let ours = (self.words, self.facets, self.masks_by, self.pairs_by, self.lines_by);
         ours == (settings.samples.words(), settings.facets, settings.masks, settings.pairs, settings.projection)
-    }
-}
-
-/// Which part of an image a frame is: as many rows as its settings say, all of them as wide as the image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Strip {
-    /// Width and height of the image.
-    pub image: [u32; 2],
-    /// First row of the frame, from the top.
-    pub first_row: u32,
-    /// Rows at its top and at its bottom that belong to the strips above and below.
-    pub others: [u32; 2],
-}
-
-impl Strip {
-    /// All of an image.
-    pub fn whole(image: [u32; 2]) -> Self {
-        Self { image, first_row: 0, others: [0, 0] }
     }
 }
 
@@ -354,9 +338,7 @@ impl FacetMasks {
                 &m.status,
                 casters.edges.len(),
             )?;
-            self.scan(stage, &m.edge_items, &m.edge_offsets, casters.edges.len())?;
-            self.with.owners.record(stage, &m.edge_offsets, casters.edges.len())?;
-            self.args(stage, Arg::Edges, &m.edge_offsets)?;
+            self.list(stage, Arg::Edges, &m.edge_items, &m.edge_offsets)?;
             let args = (m.args.raw(), Arg::Edges.word());
             self.with.silhouettes.record_raster(
                 stage,
@@ -394,9 +376,7 @@ impl FacetMasks {
             }
             let count = m.facets.list.len();
             self.with.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, count)?;
-            self.scan(stage, &m.facets.items, &m.facet_offsets, count)?;
-            self.with.owners.record(stage, &m.facet_offsets, count)?;
-            self.args(stage, Arg::Facets, &m.facet_offsets)?;
+            self.list(stage, Arg::Facets, &m.facets.items, &m.facet_offsets)?;
         }
         for band in 0..self.capacities.bands {
             self.record_band(rec, casters, in_light, view, band)?;
@@ -418,6 +398,12 @@ impl FacetMasks {
         self.memory.geometry.record_camera(rec, &self.with.geometry, self.memory.frames[0].raw(), casters)
     }
 
+    /// Lists the work that `items` count, into `offsets`.
+    fn list(&self, stage: &mut crate::gpu::Stage, arg: Arg, items: &Buffer<u32>, offsets: &Buffer<u32>) -> Result<()> {
+        let m = &self.memory;
+        self.with.work.record(stage, items, offsets, &m.scan_scratch, (&m.requests[arg as usize], &m.args))
+    }
+
     /// Exclusive scan of `items` into `offsets`, whose last two words take the sum and the overflow flag.
     fn scan(
         &self,
@@ -432,9 +418,7 @@ impl FacetMasks {
     /// Indirect arguments for as many items as the last but one word of `offsets` says.
     fn args(&self, stage: &mut crate::gpu::Stage, arg: Arg, offsets: &Buffer<u32>) -> Result<()> {
         let m = &self.memory;
-        let requests = &m.requests[arg as usize];
-        let buffers = [("counts", offsets.raw()), ("requests", requests.raw()), ("args", m.args.raw())];
-        stage.run(&self.with.fold, &buffers, Groups::Workgroups(1))
+        self.with.fold.record(stage, offsets, &m.requests[arg as usize], &m.args)
     }
 
     /// The uniform `frame` of each view, band and round.
@@ -481,27 +465,4 @@ impl FacetMasks {
     pub fn status(&self) -> &Buffer<u32> {
         &self.memory.status
     }
-}
-
-/// Whether a frame finds what the light sees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LightMaps {
-    /// It does.
-    Made,
-    /// What the frame before found is right for this one too, as for another strip of its image: with one view it is kept, and
-    /// silhouettes are not counted again.
-    Kept,
-}
-
-/// Where it is known from what pixels show.
-#[derive(Clone, Copy, Default)]
-pub enum Seen<'a> {
-    /// Found among the triangles.
-    #[default]
-    Found,
-    /// With one facet a pixel: records what writes [`FacetMasks::id_keys`] in place of the stage `camera_visibility`. It is
-    /// given the frame.
-    Centres(&'a dyn Fn(&mut Recorder, &wgpu::Buffer) -> Result<()>),
-    /// With a facet for every surface: a G-buffer of several samples a pixel. The frames must have [`Frame::BEYOND`] set.
-    Samples(&'a SampleIds<'a>),
 }

@@ -3,12 +3,14 @@
 
 use super::prepared::CasterBuffers;
 use crate::Result;
-use crate::gpu::kernels::{camera_visibility, dispatch_args, light_layers};
-use crate::gpu::{Buffer, Groups, Program, Recorder, Stage};
+use crate::gpu::kernels::{camera_visibility, light_layers};
+use crate::gpu::{Buffer, Recorder};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility};
+use crate::stages::dispatch_args::{DispatchArgs, Request, Requests};
 use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use crate::stages::vertex_project::VertexProject;
-use crate::stages::{Count, PrefixScan, WorkOwners, prefix_scan};
+use crate::stages::work_owners::{ListWork, WorkOwners};
+use crate::stages::{PrefixScan, prefix_scan};
 
 /// The pipelines.
 #[derive(Debug)]
@@ -16,9 +18,7 @@ pub struct GeometryPipelines {
     project: VertexProject,
     setup: TriangleSetup,
     visibility: CameraVisibility,
-    scan: PrefixScan,
-    owners: WorkOwners,
-    fold: Program,
+    work: ListWork,
 }
 
 impl GeometryPipelines {
@@ -28,9 +28,7 @@ impl GeometryPipelines {
             project: VertexProject::new(device),
             setup: TriangleSetup::new(device),
             visibility: CameraVisibility::new(device),
-            scan: PrefixScan::new(device),
-            owners: WorkOwners::new(device),
-            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+            work: ListWork::new(device, &PrefixScan::new(device)),
         }
     }
 }
@@ -51,13 +49,13 @@ pub struct Geometry {
     camera_offsets: Buffer<u32>,
     light_offsets: Buffer<u32>,
     scan_scratch: prefix_scan::Scratch,
-    requests: [Buffer<[u32; 4]>; 2],
+    requests: [Requests; 2],
     args: Buffer<u32>,
 }
 
 /// First words of the indirect arguments.
-const CAMERA_ARGS: u32 = 0;
-const LIGHT_ARGS: u32 = 3;
+const CAMERA_ARGS: usize = 0;
+const LIGHT_ARGS: usize = 3;
 
 impl Geometry {
     /// Makes the memory for an image of `pixels` pixels and a map of `texels` texels.
@@ -72,9 +70,8 @@ impl Geometry {
         texels: usize,
     ) -> Result<Self> {
         let (vertices, triangles) = (casters.positions.len(), casters.triangles.len());
-        let request = |group: u32, at: u32| {
-            let words = [triangles as u32, group, u32::MAX, at];
-            Buffer::from_slice(device, queue, "dispatch_args.request", &[words])
+        let request = |group: u32, at: usize| {
+            DispatchArgs::requests(device, queue, &[Request::new(triangles, group, Request::MAX_LIMIT, at)?])
         };
         let offsets = |label: &str, cells: usize| Buffer::storage(device, label, WorkOwners::words(triangles, cells));
         Ok(Self {
@@ -110,24 +107,13 @@ impl Geometry {
         with.project.record(stage, frame, positions.raw(), &self.points, &self.map_points, positions.len())?;
         let count = triangles.len();
         with.setup.record(stage, frame, triangles.raw(), &self.points, &self.map_points, &self.facts, count)?;
-        self.list_blocks(stage, with, &self.facts.camera_items, &self.camera_offsets, 0)?;
-        self.list_blocks(stage, with, &self.facts.light_items, &self.light_offsets, 1)
-    }
-
-    fn list_blocks(
-        &self,
-        stage: &mut Stage,
-        with: &GeometryPipelines,
-        items: &Buffer<u32>,
-        offsets: &Buffer<u32>,
-        view: usize,
-    ) -> Result<()> {
-        let count = items.len();
-        with.scan.record(stage, items, offsets, (offsets, count), &self.scan_scratch, Count::Exactly(count))?;
-        with.owners.record(stage, offsets, count)?;
-        let request = &self.requests[view];
-        let buffers = [("counts", offsets.raw()), ("requests", request.raw()), ("args", self.args.raw())];
-        stage.run(&with.fold, &buffers, Groups::Workgroups(1))
+        for (items, offsets, requests) in [
+            (&self.facts.camera_items, &self.camera_offsets, &self.requests[0]),
+            (&self.facts.light_items, &self.light_offsets, &self.requests[1]),
+        ] {
+            with.work.record(stage, items, offsets, &self.scan_scratch, (requests, &self.args))?;
+        }
+        Ok(())
     }
 
     /// Records the stage `camera_visibility`, after [`Geometry::record_setup`].
@@ -153,7 +139,7 @@ impl Geometry {
             points: &self.points,
             rects: &self.facts.camera_rects,
             offsets: &self.camera_offsets,
-            args: (self.args.raw(), u64::from(CAMERA_ARGS)),
+            args: (self.args.raw(), CAMERA_ARGS as u64),
         }
     }
 
@@ -164,7 +150,7 @@ impl Geometry {
             points: &self.map_points,
             rects: &self.facts.light_rects,
             offsets: &self.light_offsets,
-            args: (self.args.raw(), u64::from(LIGHT_ARGS)),
+            args: (self.args.raw(), LIGHT_ARGS as u64),
         }
     }
 }

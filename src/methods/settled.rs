@@ -19,7 +19,8 @@ use crate::stages::resolve::Resolve;
 use crate::stages::shadow_rays::{Scene, TreeBuffers};
 use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
-use crate::stages::{Count, DispatchArgs, PrefixScan, SummedArea, WorkOwners, prefix_scan, summed_area};
+use crate::stages::work_owners::{ListWork, WorkOwners};
+use crate::stages::{DispatchArgs, PrefixScan, SummedArea, prefix_scan, summed_area};
 use glam::DVec3;
 
 /// Facets, the tree of casters, and the way from masks to the picture.
@@ -47,12 +48,10 @@ struct Proof {
     silhouettes: SilhouetteMask,
     front: FrontLayer,
     summed_area: SummedArea,
-    scan: PrefixScan,
-    fold: DispatchArgs,
+    work: ListWork,
     edge_rects: Buffer<[u32; 2]>,
     edge_items: Buffer<u32>,
     edge_offsets: Buffer<u32>,
-    owners: WorkOwners,
     scan_scratch: prefix_scan::Scratch,
     sat_scratch: summed_area::Scratch,
     requests: Requests,
@@ -202,12 +201,10 @@ impl Proof {
             layers: LightLayers::new(device),
             silhouettes: SilhouetteMask::new(device),
             front: FrontLayer::new(device),
-            scan: scan.clone(),
-            fold: DispatchArgs::new(device),
+            work: ListWork::new(device, scan),
             edge_rects: Buffer::storage(device, "settled.edge_rects", edges)?,
             edge_items: Buffer::storage(device, "settled.edge_items", edges)?,
             edge_offsets: Buffer::storage(device, "settled.edge_offsets", WorkOwners::words(edges, map * map))?,
-            owners: WorkOwners::new(device),
             scan_scratch: PrefixScan::scratch(device, edges)?,
             sat_scratch: summed_area.scratch(device, map, map)?,
             requests: DispatchArgs::requests(device, queue, &[request])?,
@@ -237,9 +234,7 @@ impl Proof {
             let (rects, items, offsets) = (&self.edge_rects, &self.edge_items, &self.edge_offsets);
             let facing = &geometry.facts.facing;
             self.silhouettes.record_classify(stage, frame, edges, facing, points, rects, items, status, count)?;
-            self.scan.record(stage, items, offsets, (offsets, count), &self.scan_scratch, Count::Exactly(count))?;
-            self.owners.record(stage, offsets, count)?;
-            self.fold.record(stage, offsets, &self.requests, &self.args)?;
+            self.work.record(stage, items, offsets, &self.scan_scratch, (&self.requests, &self.args))?;
             let args = (self.args.raw(), 0);
             self.silhouettes.record_raster(stage, frame, edges, points, rects, offsets, args, layers)?;
         }

@@ -124,8 +124,7 @@ impl FixedMethod for SplitMapping {
         let scale = unit_scale(rays.eye, self.bounds);
         let seen = SeenBox::new(&rays, self.size, f64::from(camera.near), self.bounds, scale);
         let view = view.relative_to(rays.eye, scale);
-        let far = SplitViews::farthest(&view, seen.box_corners());
-        self.splits.write(&gpu.queue, &[SplitViews::new(&view.split(&seen, &self.plan), self.map, far)]);
+        self.splits.write(&gpu.queue, &[SplitViews::of_view(&view, &seen, &self.plan)]);
         Ok(())
     }
 

@@ -9,10 +9,12 @@
 //! - **Cost.** About 18 bytes a triangle and view, 4 a texel and view; one dispatch for rectangles, three of the scan of their blocks, one
 //!   to list the blocks' owners, one for arguments, one indirect over blocks.
 
-use super::{Count, PrefixScan, WorkOwners, prefix_scan};
-use crate::gpu::kernels::{dispatch_args, split_maps as kernel};
+use super::dispatch_args::{DispatchArgs, Request, Requests};
+use super::work_owners::{ListWork, WorkOwners};
+use super::{PrefixScan, prefix_scan};
+use crate::gpu::kernels::split_maps as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage};
-use crate::light_view::{LightView, SplitPlan, SplitView};
+use crate::light_view::{LightView, SeenBox, SplitPlan, SplitView};
 use crate::{Result, shared_struct};
 
 shared_struct! {
@@ -77,6 +79,11 @@ impl SplitViews {
         (1..=Self::levels_of(map_size)).map(|l| (Self::side_of(map_size, l) as usize).pow(2)).sum()
     }
 
+    /// Of all slices of what is seen in `view`.
+    pub fn of_view(view: &LightView, seen: &SeenBox, plan: &SplitPlan) -> Self {
+        Self::new(&view.split(seen, plan), view.map_size, Self::farthest(view, seen.box_corners()))
+    }
+
     /// A depth in `view` for texels without a caster: by the casters' extent along the light beyond the greatest of a box, given by its
     /// corners in the space of the view's rows, so that the plane of a surface that ends lies before it beside its border too.
     pub fn farthest(view: &LightView, corners: impl Iterator<Item = glam::DVec3>) -> f64 {
@@ -92,9 +99,7 @@ impl SplitViews {
 pub struct SplitMaps {
     measure: Program,
     raster: Program,
-    scan: PrefixScan,
-    owners: WorkOwners,
-    fold: Program,
+    work: ListWork,
 }
 
 /// The maps, and what making them takes.
@@ -108,7 +113,7 @@ pub struct Maps {
     pub items: Buffer<u32>,
     offsets: Buffer<u32>,
     scratch: prefix_scan::Scratch,
-    request: Buffer<[u32; 4]>,
+    requests: Requests,
     args: Buffer<u32>,
 }
 
@@ -125,14 +130,14 @@ impl Maps {
         triangles: usize,
     ) -> Result<Self> {
         let (owners, texels) = (views * triangles, views * size * size);
-        let request = [owners as u32, kernel::WORKGROUP, u32::MAX, 0];
+        let request = Request::new(owners, kernel::WORKGROUP, Request::MAX_LIMIT, 0)?;
         Ok(Self {
             keys: Buffer::storage(device, "split_maps.keys", texels)?,
             rects: Buffer::storage(device, "split_maps.rects", owners)?,
             items: Buffer::storage(device, "split_maps.items", owners)?,
             offsets: Buffer::storage(device, "split_maps.offsets", WorkOwners::words(owners, texels))?,
             scratch: PrefixScan::scratch(device, owners)?,
-            request: Buffer::from_slice(device, queue, "split_maps.request", &[request])?,
+            requests: DispatchArgs::requests(device, queue, &[request])?,
             args: Buffer::indirect(device, "split_maps.args", 3)?,
         })
     }
@@ -155,9 +160,7 @@ impl SplitMaps {
         Self {
             measure: Program::new(device, kernel::ENTRY_MEASURE, &[]),
             raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
-            scan: PrefixScan::new(device),
-            owners: WorkOwners::new(device),
-            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+            work: ListWork::new(device, &PrefixScan::new(device)),
         }
     }
 
@@ -197,13 +200,9 @@ impl SplitMaps {
         mesh: Mesh,
         maps: &Maps,
     ) -> Result<()> {
-        let count = maps.items.len();
         self.measure(stage, frame, splits, mesh, maps)?;
         let offsets = &maps.offsets;
-        self.scan.record(stage, &maps.items, offsets, (offsets, count), &maps.scratch, Count::Exactly(count))?;
-        self.owners.record(stage, offsets, count)?;
-        let buffers = [("counts", offsets.raw()), ("requests", maps.request.raw()), ("args", maps.args.raw())];
-        stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
+        self.work.record(stage, &maps.items, offsets, &maps.scratch, (&maps.requests, &maps.args))?;
         let buffers = [
             ("frame", frame),
             ("splits", splits.raw()),

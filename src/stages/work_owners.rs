@@ -8,7 +8,9 @@
 //! - **Guarantee.** Exact: an owner is found with the table where it is without.
 //! - **Cost.** One dispatch, a search for every eighth item.
 
-use super::holds;
+use super::dispatch_args::{DispatchArgs, Requests};
+use super::prefix_scan::{PrefixScan, Scratch};
+use super::{Count, holds};
 use crate::gpu::kernels::work_owners as kernel;
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::{Result, shared_struct};
@@ -58,5 +60,39 @@ impl WorkOwners {
         let params = self.uniforms.get(stage.device, &Params { owners: owners as u32, ..Params::default() });
         let buffers = [("params", &params), ("work_offsets", offsets.raw())];
         stage.run(&self.list, &buffers, Groups::Items((offsets.len() - head).max(1) as u64))
+    }
+}
+
+/// What brings a list of counts to a dispatch over all that they count: scan, table of owners, arguments.
+#[derive(Debug)]
+pub struct ListWork {
+    scan: PrefixScan,
+    owners: WorkOwners,
+    fold: DispatchArgs,
+}
+
+impl ListWork {
+    /// Builds the pipelines, but for those of the scan.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
+        Self { scan: scan.clone(), owners: WorkOwners::new(device), fold: DispatchArgs::new(device) }
+    }
+
+    /// Records the scan of `items` with the table behind it into `offsets`, and the arguments that `requests` ask for, whose count is
+    /// the word behind the scan.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if a buffer is too short.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        items: &Buffer<u32>,
+        offsets: &Buffer<u32>,
+        scratch: &Scratch,
+        (requests, args): (&Requests, &Buffer<u32>),
+    ) -> Result<()> {
+        let count = items.len();
+        self.scan.record(stage, items, offsets, (offsets, count), scratch, Count::Exactly(count))?;
+        self.owners.record(stage, offsets, count)?;
+        self.fold.record(stage, offsets, requests, args)
     }
 }

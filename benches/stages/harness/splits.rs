@@ -37,9 +37,8 @@ impl Splits {
         let view = LightView::fit(&setup.prepared.mesh, &light, MAP)?.relative_to(rays.eye, scale);
         let seen = SeenBox::new(&rays, IMAGE, f64::from(camera.near), bounds, scale);
         let plan = SplitPlan { splits: VIEWS as u32, warp: Warp::Fitted, focus: 0.6 };
-        let far = SplitViews::farthest(&view, seen.box_corners());
         let views = Buffer::uniform(device, "bench.splits", 1)?;
-        views.write(queue, &[SplitViews::new(&view.split(&seen, &plan), MAP, far)]);
+        views.write(queue, &[SplitViews::of_view(&view, &seen, &plan)]);
         let maps = Maps::new(device, queue, VIEWS, MAP as usize, setup.casters.triangles.len())?;
         let moments = MapMoments::memory(device, VIEWS, MAP)?;
         let (make, reduce) = (SplitMaps::new(device), MapMoments::new(device));

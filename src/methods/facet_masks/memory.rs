@@ -9,6 +9,7 @@ use crate::mask_table::mask_table;
 use crate::methods::geometry::Geometry;
 use crate::methods::prepared::CasterBuffers;
 use crate::stages::candidate_pairs::tally;
+use crate::stages::dispatch_args::{DispatchArgs, Request, Requests};
 use crate::stages::facet_classify::Facets;
 use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::PairLists;
@@ -109,7 +110,7 @@ pub struct Memory {
     pub unsorted: Option<[sorted_pairs::Scratch; 2]>,
     pub scan_scratch: prefix_scan::Scratch,
     pub args: Buffer<u32>,
-    pub requests: Requests,
+    pub requests: Vec<Requests>,
     pub status: Buffer<u32>,
     pub visibility: Buffer<f32>,
     pub lit: Buffer<u32>,
@@ -182,22 +183,24 @@ pub fn unsorted(
     Ok(Some([of_pixels, SortedPairs::scratch(device, c.triangle_pairs, false)?]))
 }
 
-/// One request of indirect arguments for each [`Arg`].
-pub type Requests = Vec<Buffer<[u32; 4]>>;
-
-/// Requests: word of the count, items a workgroup, limit, word of the result. `totals` are the words of the totals of the
-/// first two counts; the rest are in the tally.
-pub fn requests(device: &wgpu::Device, queue: &wgpu::Queue, totals: [usize; 2], c: Capacities) -> Result<Requests> {
-    let [edges, facets] = totals.map(|t| t as u32);
+/// Requests of indirect arguments, one list of one for each [`Arg`]. `totals` are the words of the totals of the first two counts; the
+/// rest are in the tally.
+pub fn requests(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    totals: [usize; 2],
+    c: Capacities,
+) -> Result<Vec<Requests>> {
+    let [edges, facets] = totals;
     let all = [
-        (edges, silhouette_mask::WORKGROUP, u32::MAX),
-        (facets, pixel_texel_pairs::WORKGROUP, u32::MAX),
-        (tally::TALLY_PAIRS, candidate_pairs::WORKGROUP, c.pixel_pairs as u32),
-        (tally::TALLY_CANDIDATES, visibility_masks::WORKGROUP, c.candidates as u32),
-        (tally::TALLY_DOUBTS, visibility_masks::WORKGROUP, c.candidates as u32),
+        (edges, silhouette_mask::WORKGROUP, Request::MAX_LIMIT),
+        (facets, pixel_texel_pairs::WORKGROUP, Request::MAX_LIMIT),
+        (tally::TALLY_PAIRS as usize, candidate_pairs::WORKGROUP, c.pixel_pairs),
+        (tally::TALLY_CANDIDATES as usize, visibility_masks::WORKGROUP, c.candidates),
+        (tally::TALLY_DOUBTS as usize, visibility_masks::WORKGROUP, c.candidates),
     ];
-    let request = |(k, (count, group, limit)): (usize, (u32, u32, u32))| {
-        Buffer::from_slice(device, queue, "dispatch_args.request", &[[count, group, limit, 3 * k as u32]])
+    let request = |(k, (count, group, limit)): (usize, (usize, u32, usize))| {
+        DispatchArgs::requests(device, queue, &[Request::new(count, group, limit, 3 * k)?])
     };
     all.into_iter().enumerate().map(request).collect()
 }

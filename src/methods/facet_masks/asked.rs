@@ -1,0 +1,46 @@
+//! What may differ from frame to frame besides camera and light: the part of the image, and what is known already.
+
+use crate::Result;
+use crate::gpu::Recorder;
+use crate::methods::every_surface::SampleIds;
+
+/// Which part of an image a frame is: as many rows as its settings say, all of them as wide as the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Strip {
+    /// Width and height of the image.
+    pub image: [u32; 2],
+    /// First row of the frame, from the top.
+    pub first_row: u32,
+    /// Rows at its top and at its bottom that belong to the strips above and below.
+    pub others: [u32; 2],
+}
+
+impl Strip {
+    /// All of an image.
+    pub fn whole(image: [u32; 2]) -> Self {
+        Self { image, first_row: 0, others: [0, 0] }
+    }
+}
+
+/// Whether a frame finds what the light sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightMaps {
+    /// It does.
+    Made,
+    /// What the frame before found is right for this one too, as for another strip of its image: with one view it is kept, and
+    /// silhouettes are not counted again.
+    Kept,
+}
+
+/// Where it is known from what pixels show.
+#[derive(Clone, Copy, Default)]
+pub enum Seen<'a> {
+    /// Found among the triangles.
+    #[default]
+    Found,
+    /// With one facet a pixel: records what writes [`FacetMasks::id_keys`](super::FacetMasks::id_keys) in place of the stage `camera_visibility`. It is
+    /// given the frame.
+    Centres(&'a dyn Fn(&mut Recorder, &wgpu::Buffer) -> Result<()>),
+    /// With a facet for every surface: a G-buffer of several samples a pixel. The frames must have [`Frame::BEYOND`](crate::frame::Frame::BEYOND) set.
+    Samples(&'a SampleIds<'a>),
+}
