@@ -1,7 +1,7 @@
 //! Shadows inside an application's own frame: its device, its G-buffer pass, the shadow pass and its shading pass in one
 //! encoder and one submission.
 //!
-//! `cargo run --release --example deferred -- [--size WxH] [--map N] [SCENE]`
+//! `cargo run --release --example deferred -- [--size WxH] [--samples N] [--map N] [--ground] [SCENE]`
 //!
 //! The G-buffer is drawn with the hardware's rasterizer (triangle numbers, reversed depth); the shadow pass reads it and
 //! writes a texture, which the shading pass multiplies with diffuse light. Three ways to hand it over follow each other:
@@ -24,7 +24,7 @@ use subpixel_shadows::pass::{
 };
 use subpixel_shadows::report::write_png_rgb;
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::Scene;
+use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
@@ -105,7 +105,8 @@ struct App {
 
 fn main() -> Result<()> {
     let arguments = Arguments::of(std::env::args().skip(1))?;
-    let (size, scene) = (arguments.size, Scene::open(&arguments.scenes[0], &Default::default())?);
+    let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
+    let (size, scene) = (arguments.size, Scene::open(&arguments.scenes[0], &options)?);
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
     let adapter =
         block_on(instance.request_adapter(&Default::default())).map_err(|e| Error::NoAdapter(e.to_string()))?;
@@ -117,7 +118,8 @@ fn main() -> Result<()> {
     let (device, queue) = block_on(adapter.request_device(&descriptor)).map_err(|e| Error::Gpu(e.to_string()))?;
     let app = App::new(device, queue, &scene, size);
 
-    let settings = Settings::new(size, arguments.map, Samples::new(Pattern::LowDiscrepancy, 32)?);
+    let settings =
+        Settings::new(size, arguments.map, Samples::new(Pattern::LowDiscrepancy, arguments.samples.unwrap_or(32))?);
     let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };
     let config = PassConfig { timing: true, receivers: true, ..PassConfig::new(settings.clone(), casters) };
     let mut pass = ShadowPass::new(&app.device, &app.queue, &config)?;

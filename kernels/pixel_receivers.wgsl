@@ -23,7 +23,7 @@ const GIVEN_POSITIONS = 1u;
 const GIVEN_NORMALS = 2u;
 const GIVEN_IDS = 4u;
 const NEAR_EDGE = 0.03125;
-const MOST_STEPS = 4;  // pixels to look for a neighbour on the same surface; rows that strips share
+const MOST_STEPS = 4u; // pixels to look for a neighbour on the same surface; rows that strips share
 
 struct Params {
     depth: vec4<f32>,  // at view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
@@ -103,7 +103,7 @@ fn other_at(at: vec2<i32>) -> Place {
 
 // From the surface to that of the nearest neighbour, of two the one whose depth differs less; 0 if there is none.
 fn step_along(at: vec2<i32>, by: vec2<i32>, p: Place) -> vec3<f32> {
-    for (var d = 1; d <= MOST_STEPS; d++) {
+    for (var d = 1; d <= i32(MOST_STEPS); d++) {
         let q = other_at(at + by * d);
         let r = other_at(at - by * d);
         let ahead = select(3.0e38, abs(q.depth - p.depth), q.what == SURFACE);

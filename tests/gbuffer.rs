@@ -9,10 +9,11 @@ mod frames;
 use device::gpu;
 use frames::status_of;
 use subpixel_shadows::glam::{DVec3, Vec3};
+use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{
-    Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, PassConfig, Place, SampleTexture, SurfaceTextures,
-    Target, TriangleTexture,
+    Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, Place, SampleTexture,
+    SurfaceTextures, Target, TriangleTexture, Vertices,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
@@ -723,20 +724,31 @@ fn surfaces_in_strips_are_the_whole() {
     let by_depth = SurfaceTextures::new(Place::Depth { texture: &depth, terms, nothing: 0.0 });
     let by_position = SurfaceTextures::new(Place::Position(&positions));
     let ids = Some(TriangleTexture::new(&ids));
+    let words: Vec<[f32; 4]> = casters.positions.iter().map(|&[x, y, z]| [x, y, z, f32::NAN]).collect();
+    let rest = Buffer::from_slice(&gpu().device, &gpu().queue, "test", &words).expect("memory");
+    let (low, high) = casters.bounds().expect("a mesh");
+    let bounds = [(low - 0.01).as_vec3().into(), (high + 0.01).as_vec3().into()];
+    let at_rest = Moved { vertices: Vertices { buffer: rest.raw(), offset: 0, stride: 16 }, bounds };
     for (what, given) in [
         ("depth", by_depth),
         ("depth, numbers", SurfaceTextures { ids, ..by_depth }),
         ("position, normals", SurfaceTextures { normals: Some(&normals), ..by_position }),
     ] {
         let inputs = Inputs { gbuffer: GBuffer::Surfaces(given), ..plain };
-        let in_strips = |strips| {
-            let casters = Casters::Static { positions: &casters.positions, triangles: &casters.triangles };
+        let in_strips_of = |strips, casters, inputs: &Inputs| {
             let config =
                 PassConfig { receivers: true, strips, ..PassConfig::new(settings(FacetMode::One, 32), casters) };
             let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
-            (frame(&mut pass, &inputs), pass.strips())
+            (frame(&mut pass, inputs), pass.strips())
         };
+        let (positions, triangles) = (&casters.positions, &casters.triangles);
+        let in_strips = |strips| in_strips_of(strips, Casters::Static { positions, triangles }, &inputs);
         let ((want, status), _) = in_strips(1);
+        // Moving casters, at rest.
+        let moving = Casters::Moving { rest: positions, triangles };
+        let ((got, of_strips), _) = in_strips_of(3, moving, &Inputs { moved: Some(at_rest), ..inputs });
+        assert_same_shadows(&format!("{what}, moving"), &got, &want);
+        assert_eq!(of_strips.faults, status.faults, "{what}, moving");
         for strips in [2, 5, 61] {
             let ((got, of_strips), count) = in_strips(strips);
             assert!(count > 1 && count <= strips);

@@ -12,7 +12,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::Parts;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::render::{Budget, Counts, Output, Renderer};
-use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
+use subpixel_shadows::methods::{FacetMode, PairVariant, Prepared, Settings};
 use subpixel_shadows::pass::{
     Casters, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, Target, TriangleTexture, Vertices,
 };
@@ -408,8 +408,18 @@ fn strips_are_the_whole() {
                 }
             }
         }
-        // Every list short, of every strip.
+        // Pair lists in bands of facets, and sorted.
         let (want, _) = complete(&mut strips_of(1, casters(mesh), None), &still);
+        for pairs in [PairVariant::Tiled, PairVariant::Sorted] {
+            let settings = Settings { pairs, ..settings.clone() };
+            let budget = Budget { start: Some(64), bytes: 1 << 17 };
+            let config = PassConfig { strips: 3, budget, ..PassConfig::new(settings, casters(mesh)) };
+            let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+            let (got, _) = complete_within(9, &mut pass, &still);
+            assert!(pass.capacities().bands > 1 && pass.strips() == 3, "{:?}", pass.capacities());
+            assert_same(&format!("{facets:?}, {pairs:?}, in bands"), &got, &want);
+        }
+        // Every list short, of every strip.
         let (got, _) = complete_within(7, &mut strips_of(3, casters(mesh), Some(1)), &still);
         assert_same(&format!("{facets:?}, from nothing"), &got, &want);
         let mut pass = strips_of(2, casters(mesh), None);
@@ -446,8 +456,10 @@ fn a_device_that_binds_little_has_strips() {
     let inputs = Inputs::new(&scene.camera, &scene.light);
     let limits = wgpu::Limits { max_storage_buffer_binding_size: 1 << 19, ..wgpu::Limits::default() };
     // Facets of all pixels do not fit; with all surfaces the lists start small enough and grow.
-    for (facets, start) in [(FacetMode::One, None), (FacetMode::All, Some(1000))] {
-        let settings = Settings { size: [160, 120], ..settings(facets) };
+    for (facets, start, map) in
+        [(FacetMode::One, None, 64), (FacetMode::One, None, 512), (FacetMode::All, Some(1000), 64)]
+    {
+        let settings = Settings { size: [160, 120], map, ..settings(facets) };
         let mesh = Mesh { triangles: scene.mesh.triangles[..2500].to_vec(), ..scene.mesh.clone() };
         let (want, _) = rendered(&mesh, &scene.camera, &scene.light, &settings);
         let small = Gpu::open_with_limits(None, Some(limits.clone())).expect("a GPU");
@@ -455,6 +467,8 @@ fn a_device_that_binds_little_has_strips() {
         let config = PassConfig { budget, ..PassConfig::new(settings, casters(&mesh)) };
         let mut pass = ShadowPass::new(&small.device, &small.queue, &config).expect("a pass");
         assert_eq!(pass.strips() > 1, start.is_none(), "{facets:?}");
+        // An application may bind the results once.
+        let results = [pass.visibility().clone(), pass.lit().clone()];
         let mut frames = 0;
         let visibility = loop {
             let mut encoder = small.encoder();
@@ -469,6 +483,8 @@ fn a_device_that_binds_little_has_strips() {
             assert!(status.overflowed && frames < 9, "{facets:?}: {status:?}");
         };
         assert!(pass.strips() > 1, "{facets:?}: one binding was enough");
+        assert_eq!(pass.capacities().views > 1, map > 64, "{facets:?}");
+        assert!(results == [pass.visibility().clone(), pass.lit().clone()], "{facets:?}: other buffers");
         let wanted: Vec<u32> = want.visibility.iter().map(|v| v.to_bits()).collect();
         let dark = want.visibility.iter().filter(|&&v| v < 1.0).count();
         assert!(dark > 300 && visibility[..wanted.len()] == wanted, "{facets:?}: a pixel differs");
@@ -546,32 +562,43 @@ fn frames_of_one_submission_do_not_mix() {
     let scene = scene("spheres");
     let mut other = scene.camera;
     other.eye[0] += 1.5;
-    let mut pass = pass(settings.clone(), casters(&scene.mesh));
     let all: Vec<_> = [scene.camera, other]
         .into_iter()
         .map(|camera| (picture(&rendered(&scene.mesh, &camera, &scene.light, &settings).0), camera, Targets::new()))
         .collect();
-    for camera in [&scene.camera, &other] {
-        complete(&mut pass, &Inputs::new(camera, &scene.light));
+    for strips in [1, 3] {
+        let config = PassConfig { strips, ..PassConfig::new(settings.clone(), casters(&scene.mesh)) };
+        let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+        for camera in [&scene.camera, &other] {
+            complete(&mut pass, &Inputs::new(camera, &scene.light));
+        }
+        let mut encoder = gpu().encoder();
+        for (_, camera, targets) in &all {
+            pass.record(&mut encoder, &Inputs::new(camera, &scene.light), &targets.target()).expect("recorded");
+        }
+        assert!(pass.status().is_none() && pass.frames_in_flight() == 2);
+        gpu().submit_and_wait(encoder).expect("both frames run");
+        for (want, _, targets) in &all {
+            assert!(status_of(&mut pass).complete);
+            assert_same("a frame of two", &targets.read(), want);
+        }
+        let mut dropped = gpu().encoder();
+        let none = Target::default();
+        pass.record(&mut dropped, &Inputs::new(&scene.camera, &scene.light), &none).expect("recorded");
+        drop(dropped);
+        assert!(pass.status().is_none() && pass.frames_in_flight() == 0);
+        let (got, status) = frame(&mut pass, &Inputs::new(&scene.camera, &scene.light));
+        assert!(status.complete);
+        assert_same("after a dropped encoder", &got, &all[0].0);
+        // A frame whose image is cut otherwise before it has run.
+        let mut encoder = gpu().encoder();
+        pass.record(&mut encoder, &Inputs::new(&scene.camera, &scene.light), &none).expect("recorded");
+        pass.set_size([SIZE[0], 2]).expect("another size");
+        gpu().submit_and_wait(encoder).expect("the frame runs");
+        let late = status_of(&mut pass);
+        let of = |c: &Counts| (c.silhouette_edges, c.silhouette_pixels, c.pixel_texel_pairs, c.facets);
+        assert!(late.complete && of(&late.counts) == of(&status.counts), "{late:?}");
     }
-    let mut encoder = gpu().encoder();
-    for (_, camera, targets) in &all {
-        pass.record(&mut encoder, &Inputs::new(camera, &scene.light), &targets.target()).expect("recorded");
-    }
-    assert!(pass.status().is_none() && pass.frames_in_flight() == 2);
-    gpu().submit_and_wait(encoder).expect("both frames run");
-    for (want, _, targets) in &all {
-        assert!(status_of(&mut pass).complete);
-        assert_same("a frame of two", &targets.read(), want);
-    }
-    let mut dropped = gpu().encoder();
-    let none = Target::default();
-    pass.record(&mut dropped, &Inputs::new(&scene.camera, &scene.light), &none).expect("recorded");
-    drop(dropped);
-    assert!(pass.status().is_none() && pass.frames_in_flight() == 0);
-    let (got, status) = frame(&mut pass, &Inputs::new(&scene.camera, &scene.light));
-    assert!(status.complete);
-    assert_same("after a dropped encoder", &got, &all[0].0);
 }
 
 #[track_caller]
@@ -598,7 +625,9 @@ fn bad_input_is_refused() {
     assert!(refuse(&PassConfig::new(good.clone(), beyond)).expect("an error").contains("vertex 3"));
     let flat = Settings { size: [0, 5], ..good.clone() };
     assert!(refuse(&PassConfig::new(flat, casters(&scene.mesh))).expect("an error").contains("0x5"));
-    let vast = Settings { size: [16384, 16384], ..good.clone() };
+    // Whatever the strips, the results of the whole image are one buffer each.
+    let samples = Samples::new(Pattern::LowDiscrepancy, 128).expect("128 samples");
+    let vast = Settings { size: [16384, 16384], samples, ..good.clone() };
     assert!(refuse(&PassConfig::new(vast, casters(&scene.mesh))).expect("an error").contains("memory"));
 
     let mut pass = pass(good, casters(&scene.mesh));

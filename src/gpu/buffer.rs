@@ -7,7 +7,8 @@ use futures::executor::block_on;
 use std::marker::PhantomData;
 
 /// A GPU buffer of `len` elements of `T`. Never empty: a buffer of 0 elements holds one that nobody reads.
-#[derive(Debug)]
+/// A clone is another handle of the same memory.
+#[derive(Clone, Debug)]
 pub struct Buffer<T> {
     raw: wgpu::Buffer,
     len: usize,

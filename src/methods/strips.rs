@@ -34,7 +34,7 @@ impl Strips {
     /// Fewest rows of a strip.
     pub const LEAST: u32 = 8;
 
-    /// An image in `count` strips, as far as it has rows.
+    /// An image in about `count` strips: as many as it takes if all have the same rows, one at least.
     pub fn new(image: [u32; 2], count: u32) -> Self {
         Self::with_halo(image, count, 0)
     }

@@ -22,7 +22,7 @@ pub struct Maker {
     pub budget: Budget,
     /// Room for surfaces that are no casters.
     pub receivers: bool,
-    /// Fewest strips.
+    /// About so many strips to begin with.
     pub strips: u32,
 }
 
@@ -53,8 +53,8 @@ impl Maker {
         Strips::with_halo(settings.size, self.strips, if self.receivers { HALO } else { 0 })
     }
 
-    /// Memory for an image in as many strips as it takes, but not fewer than `strips`; lists as long as `start` says, or as for a
-    /// first frame.
+    /// Memory for an image in about as many `strips`, or as many more as it takes; lists as long as `start` says, or as for a first
+    /// frame. Results go on in those of the image before, if it had the same size.
     ///
     /// # Errors
     /// [`Error::Memory`] if not even the thinnest strips fit, [`Error::Gpu`].
@@ -63,14 +63,23 @@ impl Maker {
         settings: &Settings,
         casters: &CasterSet,
         mut strips: Strips,
-        start: impl Fn(Strips) -> Option<Capacities>,
+        before: Option<(&CutImage, Capacities)>,
     ) -> Result<Made> {
-        loop {
-            match self.make_strips(settings, casters, strips, start(strips)) {
+        let mut made = loop {
+            let start = before.map(|(image, wanted)| {
+                let share = f64::from(strips.size()[1]) / f64::from(image.strips.size()[1]);
+                growth::of_rows(wanted, share, settings.facets)
+            });
+            match self.make_strips(settings, casters, strips, start) {
                 Err(error @ Error::Memory { .. }) => strips = strips.more().ok_or(error)?,
-                made => return made,
+                made => break made?,
             }
+        };
+        if made.image.strips.count() > 1 {
+            let whole = before.map_or_else(|| Whole::new(&self.device, settings), |(image, _)| Ok(image.results()));
+            made.image.whole = Some(whole?);
         }
+        Ok(made)
     }
 
     fn make_strips(
@@ -88,9 +97,8 @@ impl Maker {
         let first = growth::within(&device.limits(), settings, first);
         let method = FacetMasks::new(device, queue, self.pipelines.clone(), &casters.buffers, &of_strip, first)?;
         let room = |_| surfaces(device, queue, &casters.mesh, pixels);
-        let whole = (strips.count() > 1).then(|| Whole::new(device, settings)).transpose()?;
         Ok(Made {
-            image: CutImage { strips, method, whole },
+            image: CutImage { strips, method, whole: None },
             surfaces: self.receivers.then_some(()).map(room).transpose()?,
             keys: self.receivers.then(|| keys(device, pixels)).transpose()?,
         })
@@ -99,10 +107,11 @@ impl Maker {
 
 impl Whole {
     fn new(device: &wgpu::Device, settings: &Settings) -> Result<Self> {
+        // They are copied to, and bound by nobody here.
         let words = settings.samples.words() as usize;
         Ok(Self {
-            visibility: Buffer::storage(device, "shadow_pass.visibility", settings.pixels())?,
-            lit: Buffer::storage(device, "shadow_pass.lit", settings.pixels() * words)?,
+            visibility: Buffer::banded(device, "shadow_pass.visibility", settings.pixels())?,
+            lit: Buffer::banded(device, "shadow_pass.lit", settings.pixels() * words)?,
         })
     }
 }
@@ -116,6 +125,11 @@ impl CutImage {
     /// Lit masks of the whole image.
     pub fn lit(&self) -> &Buffer<u32> {
         self.whole.as_ref().map_or(self.method.lit(), |whole| &whole.lit)
+    }
+
+    /// The memory of both.
+    fn results(&self) -> Whole {
+        Whole { visibility: self.visibility().clone(), lit: self.lit().clone() }
     }
 
     /// Copies a strip's own rows to where they belong, here and in the application's buffer.

@@ -76,8 +76,8 @@ pub struct PassConfig<'a> {
     /// Make room for surfaces that receive shadows and cast none, which [`GBuffer::Surfaces`] needs: 68 bytes a pixel of a strip,
     /// 48 of them behind the casters' positions in one binding.
     pub receivers: bool,
-    /// Strips of rows in which the image is rendered, at least; of more, memory is that of one, and of the results. It is cut
-    /// into as many as the device's bindings take, of [`Strips::LEAST`] rows or more.
+    /// About so many strips of rows in which the image is rendered, of as many rows each; more where the device's bindings do not hold
+    /// those (down to [`Strips::LEAST`] rows). Of several, memory is that of one, and of the results.
     pub strips: u32,
     /// Take the time of each stage, where the device has [`wgpu::Features::TIMESTAMP_QUERY`].
     pub timing: bool,
@@ -124,7 +124,8 @@ impl ShadowPass {
         Gpu::optional_features()
     }
 
-    /// Limits that a device must have: WebGPU's defaults. Large images and meshes need larger buffers and bindings.
+    /// Limits that a device must have: WebGPU's defaults. Large meshes need larger buffers and bindings, and so do the results of images of
+    /// more than 64 million words of lit masks.
     pub fn required_limits() -> wgpu::Limits {
         wgpu::Limits::default()
     }
@@ -153,7 +154,7 @@ impl ShadowPass {
                 strips: config.strips,
             };
             let mut casters = CasterSet::new(device, queue, &config.casters, mesh)?;
-            let made = maker.make(&settings, &casters, maker.first_strips(&settings), |_| None)?;
+            let made = maker.make(&settings, &casters, maker.first_strips(&settings), None)?;
             casters.take(made.surfaces);
             Ok(Self {
                 seen: Seen::new(device, &settings, made.keys),
@@ -205,7 +206,7 @@ impl ShadowPass {
 
     fn rebuild(&mut self, settings: Settings, casters: Option<CasterSet>) -> Result<()> {
         let strips = self.maker.first_strips(&settings);
-        let made = self.maker.make(&settings, casters.as_ref().unwrap_or(&self.casters), strips, |_| None)?;
+        let made = self.maker.make(&settings, casters.as_ref().unwrap_or(&self.casters), strips, None)?;
         self.settings = settings;
         if let Some(casters) = casters {
             self.casters = casters;
@@ -285,8 +286,8 @@ impl ShadowPass {
         rec.clear(faults.raw());
         for (k, rows) in (0..).zip(image.strips.rows()) {
             let words = size_of::<Frame>() as u64 / 4;
-            let each = method.frames().len() as u64;
-            for (at, frame) in (k * each..).zip(method.frames()) {
+            let each = frames.len() as u64 / u64::from(image.strips.count());
+            for (at, frame) in (k * each..(k + 1) * each).zip(method.frames()) {
                 rec.copy_words(&staged, at * words, frame.raw(), 0, words);
             }
             if let (0, Some(moved), Some(places)) = (k, &inputs.moved, &casters.places) {
@@ -328,7 +329,12 @@ impl ShadowPass {
         if now.views == views {
             return Ok(());
         }
-        self.image.method.resize(&self.maker.device, &self.maker.queue, Capacities { views, ..now })
+        let (device, queue, method) = (&self.maker.device, &self.maker.queue, &mut self.image.method);
+        let resized = method.resize(device, queue, Capacities { views, ..now });
+        if resized.is_err() {
+            method.resize(device, queue, now)?;
+        }
+        resized
     }
 
     /// How the oldest frame came out that the GPU is done with and that was not asked for yet; `None` if there is none. Does
@@ -358,13 +364,8 @@ impl ShadowPass {
         // What grew before there was no more memory shrinks again.
         method.resize(device, queue, now)?;
         // Strips of fewer rows have shorter lists.
-        let strips = self.image.strips;
-        let (Error::Memory { .. }, Some(more)) = (&error, strips.more()) else { return Err(error) };
-        let start = |cut: Strips| {
-            let share = f64::from(cut.size()[1]) / f64::from(strips.size()[1]);
-            Some(growth::of_rows(wanted, share, self.settings.facets))
-        };
-        let made = self.maker.make(&self.settings, &self.casters, more, start)?;
+        let (Error::Memory { .. }, Some(more)) = (&error, self.image.strips.more()) else { return Err(error) };
+        let made = self.maker.make(&self.settings, &self.casters, more, Some((&self.image, wanted)))?;
         self.take(made);
         Ok(true)
     }
@@ -401,26 +402,24 @@ impl ShadowPass {
             }
         };
         let (facets, limits, budget) = (self.settings.facets, self.maker.device.limits(), self.maker.budget.bytes);
-        for words in words.chunks_exact(words.len() / strips.max(1) as usize) {
-            status.counts = status.counts.with_rows(growth::counts(words, capacities));
-            let lists = growth::lists(words, capacities, facets, 1);
-            if status.lists.is_empty() {
-                status.lists = lists;
-            } else {
-                status.lists.iter_mut().zip(&lists).for_each(|(list, more)| list.needed = list.needed.max(more.needed));
-            }
-            match growth::wanted(words, capacities, &self.settings, &limits, budget) {
-                Ok(None) => {}
-                Ok(Some(wanted)) => {
-                    status.overflowed = true;
-                    // A frame with other lists than those in use says nothing of these.
-                    if generation == self.generation && capacities == self.image.method.capacities() {
-                        let ahead = growth::ahead(words, capacities, wanted, &self.settings, &limits, budget);
-                        self.wanted = Some(self.wanted.map_or(ahead, |other| growth::larger(other, ahead)));
-                    }
+        // What the lists must hold is what the largest strip needs of each.
+        let mut most = vec![0; words.len() / strips.max(1) as usize];
+        for strip in words.chunks_exact(most.len()) {
+            status.counts = status.counts.with_rows(growth::counts(strip, capacities));
+            most.iter_mut().zip(strip).for_each(|(most, word)| *most = (*most).max(*word));
+        }
+        status.lists = growth::lists(&most, capacities, facets, 1);
+        match growth::wanted(&most, capacities, &self.settings, &limits, budget) {
+            Ok(None) => {}
+            Ok(Some(wanted)) => {
+                status.overflowed = true;
+                // A frame with other lists than those in use says nothing of these.
+                if generation == self.generation && capacities == self.image.method.capacities() {
+                    let ahead = growth::ahead(&most, capacities, wanted, &self.settings, &limits, budget);
+                    self.wanted = Some(self.wanted.map_or(ahead, |other| growth::larger(other, ahead)));
                 }
-                Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
             }
+            Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
         }
         status.complete = !status.overflowed && status.faults == Faults::default();
         status

@@ -11,7 +11,7 @@ use crate::methods::{FacetMode, Settings};
 use crate::stages::PrefixScan;
 use crate::stages::gbuffer_triangles::{GbufferTriangles, Given, Texture};
 use crate::stages::pixel_receivers::{
-    GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, Params, PixelReceivers, Surfaces, Textures,
+    GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS, Params, PixelReceivers, Surfaces, Textures,
 };
 use crate::stages::triangle_ids::{self, TriangleIds};
 
@@ -34,7 +34,7 @@ pub struct With<'a> {
 }
 
 /// Rows of neighbours on either side in which `pixel_receivers` looks for what a pixel shows.
-pub const HALO: u32 = 4;
+pub const HALO: u32 = MOST_STEPS;
 
 struct Receivers {
     stage: PixelReceivers,

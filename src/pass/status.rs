@@ -51,11 +51,13 @@ pub struct FrameStatus {
     pub faults: Faults,
     /// Why no list can hold such a frame, or why nothing is known of it.
     pub error: Option<String>,
-    /// What was counted.
+    /// What was counted. Rows that strips share count in each of them.
     pub counts: Counts,
-    /// What each list needed and could hold. Where one was too short, later ones may have needed more than they say.
+    /// What each list needed, in the strip that needed most, and could hold. Where one was too short, later ones may have needed more
+    /// than they say.
     pub lists: Vec<ListUse>,
-    /// GPU time of each stage; empty without time stamps.
+    /// GPU time of each stage, of the first [`Timer::PASSES`] passes of the frame (about 13 for each strip and view, and 7 for each
+    /// further band); empty without time stamps.
     pub stages: Vec<StageTime>,
 }
 

@@ -6,6 +6,8 @@
 //!   triangles, or one and something else) and `facet_counts` (1 where all show one triangle). Counts into `faults` the samples
 //!   that name no triangle ([`FAULT_UNKNOWN`]); they count as none. [`GbufferTriangles::record_fill`] gives each sample of a
 //!   complex pixel that lies in none of its triangles what the nearest sample of the G-buffer shows, if anything.
+//! - **Strips.** Of a strip of rows ([`Frame::first_row`](crate::frame::Frame)) the texture is still the whole image's, and faults
+//!   count in rows that are its own.
 //! - **Guarantee.** Same inputs, same bits. Nothing is written beyond the capacity.
 //! - **Error.** A surface that no sample of the G-buffer shows is missing.
 //! - **Cost.** Two dispatches over pixels that read every sample, and a scan; a pixel that shows `n` triangles compares up to

@@ -8,6 +8,9 @@
 //!   2^-20. Without normals the plane is that of the nearest pixels in its row and column that show no caster, at most 4
 //!   away, of two the one whose depth differs less. Counts into `faults` texels that name no triangle ([`FAULT_UNKNOWN`]) and those that are no place or
 //!   normal ([`FAULT_UNUSABLE`]); both count as none.
+//! - **Strips.** Of a strip of rows ([`Frame::first_row`](crate::frame::Frame)) textures are still the whole image's, pixels and keys the
+//!   strip's. Neighbours are looked for in the strip alone: it must hold [`MOST_STEPS`] rows of other strips around its own.
+//!   Faults count in its own rows.
 //! - **Guarantee.** Same inputs, same bits.
 //! - **Cost.** One dispatch over pixels: without numbers up to nine triangles are looked at, without normals five texels or more; 52
 //!   bytes a pixel are written.
@@ -15,7 +18,7 @@
 use crate::Result;
 use crate::gpu::kernels::pixel_receivers as kernel;
 pub use crate::gpu::kernels::pixel_receivers::{
-    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS,
+    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS,
 };
 use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::shared_struct;

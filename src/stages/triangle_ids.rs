@@ -3,6 +3,8 @@
 //! - **Reads** a `r32uint` texture of the size of the image and the casters' number of each of the application's triangles.
 //! - **Writes** `id_keys` as [`camera_visibility`](super::camera_visibility) does: complement of the triangle, 0 where there
 //!   is none. Counts into `faults` the texels that name no triangle ([`FAULT_UNKNOWN`]); they count as none.
+//! - **Strips.** Of a strip of rows ([`Frame::first_row`](crate::frame::Frame)) the texture is still the whole image's, and faults
+//!   count in rows that are its own.
 //! - **Cost.** One dispatch over pixels.
 
 use crate::Result;

@@ -2,6 +2,8 @@
 //!
 //! - **Reads** `visibility`, row by row from the top.
 //! - **Writes** a `r32float` texture, texel (x, y) for the pixel in column x from the left and row y from the top.
+//! - **Strips.** Of a strip of rows ([`Frame::first_row`](crate::frame::Frame)) the texture is still the whole image's; rows that belong
+//!   to other strips are not written.
 //! - **Guarantee.** Bits are copied.
 //! - **Cost.** One dispatch over pixels.
 
