@@ -270,6 +270,7 @@ fn the_cpu_engine_works_and_says_so() {
     assert!(f["error"]["scene_rmse"].is_number(), "{}", f["error"]);
     assert_eq!(f["error"]["facet_wrong_outside_band"], 0, "{}", f["error"]);
     assert!(f["error"]["facet_samples"].as_u64() > Some(1000), "{}", f["error"]);
+    assert!(f["error"]["converged_rmse"].is_null(), "{}", f["error"]);
     let files = ["difference.png", "frame.json", "shaded.png", "truth.exr", "visibility.exr", "visibility.png"];
     assert_eq!(names(&out), files);
     assert_eq!(exr(&out, "truth.exr").2.len(), 64 * 48);
@@ -283,6 +284,25 @@ fn the_cpu_engine_works_and_says_so() {
     let done = render(&out, &["plane", "--engine", "cpu", "--facets", "one", "--looks", "--quiet"]);
     assert!(stdout(&done).contains("classes.png: "), "{}", stdout(&done));
     assert!(names(&out).contains(&"light-view.png".to_owned()), "{:?}", names(&out));
+}
+
+/// The error against many rays holds that of the samples: with one there is more of it than with 128, and those leave little.
+#[test]
+fn the_error_against_many_rays() {
+    let folder = Folder::new("converged");
+    let out = folder.path("out");
+    let errors = ["1", "128"].map(|samples| {
+        let args = ["plane", "--engine", "cpu", "--truth", "--converged", "--quiet", "--samples", samples];
+        let done = render(&out, &args);
+        assert!(stdout(&done).contains("against 1024 rays a pixel: RMSE 0."), "{}", stdout(&done));
+        let error = &frame(&out)["error"];
+        assert!(error["scene_band_rmse"].as_f64() < Some(0.01), "{error}");
+        assert!(error["converged_band_pixels"].as_u64() > Some(50), "{error}");
+        error["converged_band_rmse"].as_f64().expect("an error")
+    });
+    assert!(errors[0] > 0.15 && errors[1] > 0.0 && errors[1] < 0.05, "{errors:?}");
+    let alone = run(&["render", "plane", "--engine", "cpu", "--converged", "--out", &out]);
+    assert_eq!(alone.status.code(), Some(2));
 }
 
 #[test]

@@ -151,6 +151,9 @@ pub struct Options {
     /// Also compute facet truth and scene truth, and print the error
     #[arg(long)]
     pub truth: bool,
+    /// With --truth, also the error against 1024 rays a pixel, in which that of the samples is included
+    #[arg(long, requires = "truth")]
+    pub converged: bool,
     /// Also write classes.png (what was known of each pixel) and light-view.png (the map), as far as the method has them
     #[arg(long)]
     pub looks: bool,

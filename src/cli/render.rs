@@ -15,7 +15,8 @@ use subpixel_shadows::report::frame_json::{AdapterReport, ErrorReport, Sources};
 use subpixel_shadows::report::looks::{CLASS_COLOURS, write_classes, write_map};
 use subpixel_shadows::report::shaded::Shading;
 use subpixel_shadows::report::{
-    FacetErrors, FrameReport, TracedScene, shade, write_difference, write_exr, write_png_grey, write_png_rgb,
+    ConvergedErrors, FacetErrors, FrameReport, TracedScene, shade, write_difference, write_exr, write_png_grey,
+    write_png_rgb,
 };
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::truth::{Tracer, TruthImage};
@@ -31,7 +32,8 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let engine = Engine::open(options, console)?;
     let rendered = engine.render(options, &plan, &scene, &prepared, console)?;
-    let truth = options.truth.then(|| compare(&rendered, &plan, &scene, &prepared, console)).transpose()?;
+    let compared = || compare(options, &rendered, &plan, &scene, &prepared, console);
+    let truth = options.truth.then(compared).transpose()?;
     let error = truth.as_ref().map(|(error, _)| *error);
     let (name, backend) = engine.adapter();
     let frame = FrameReport::new(Sources {
@@ -73,6 +75,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
 
 /// The error against both truths, and scene truth.
 fn compare(
+    options: &Options,
     rendered: &Rendered,
     plan: &Plan,
     scene: &Scene,
@@ -92,8 +95,15 @@ fn compare(
     let task = console.task("scene truth");
     let progress = |done, total| task.at(done, total);
     let visibility = &rendered.output.visibility;
-    let traced = TracedScene::new(mesh, &tracer, &scene.camera, &scene.light, settings, Some(&progress))?;
-    Ok((ErrorReport { facet, scene: traced.errors(visibility)? }, traced.image))
+    let (camera, light) = (&scene.camera, &scene.light);
+    let traced = TracedScene::new(mesh, &tracer, camera, light, settings, Some(&progress))?;
+    let converged = || {
+        let task = console.task("1024 rays a pixel");
+        let progress = |done, total| task.at(done, total);
+        ConvergedErrors::of(visibility, &tracer, camera, light, settings, Some(&progress))
+    };
+    let converged = options.converged.then(converged).transpose()?;
+    Ok((ErrorReport { facet, scene: traced.errors(visibility)?, converged }, traced.image))
 }
 
 /// Writes all files, or none.
@@ -304,4 +314,13 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
         grouped(s.scene_leak_pixels),
         s.scene_flip
     ));
+    if let Some(c) = &error.converged {
+        report.text(&format!(
+            "against 1024 rays a pixel: RMSE {:.5}, in the silhouette band of {} pixels {:.5}, mean FLIP {:.5}",
+            c.converged_rmse,
+            grouped(c.converged_band_pixels),
+            c.converged_band_rmse,
+            c.converged_flip
+        ));
+    }
 }

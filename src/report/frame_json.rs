@@ -1,7 +1,7 @@
 //! `frame.json`: what a frame was computed from, with, and in what time.
 
 use super::picture;
-use super::{FacetErrors, SceneErrors};
+use super::{ConvergedErrors, FacetErrors, SceneErrors};
 use crate::methods::cpu::{self, CpuTime};
 use crate::methods::facet_masks::Settings;
 use crate::methods::prepared::Prepared;
@@ -106,6 +106,9 @@ pub struct ErrorReport {
     /// Against scene truth.
     #[serde(flatten)]
     pub scene: SceneErrors,
+    /// Against 1024 rays a pixel, where that was asked for.
+    #[serde(flatten)]
+    pub converged: Option<ConvergedErrors>,
 }
 
 /// What a report is made of.

@@ -103,6 +103,54 @@ pub struct SceneErrors {
     pub scene_one_plane_match: f64,
 }
 
+/// A frame against rays so many that more change nothing: the error of the method and of its samples together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ConvergedErrors {
+    /// Root of the mean squared difference.
+    pub converged_rmse: f64,
+    /// Mean absolute difference.
+    pub converged_mean: f64,
+    /// Largest absolute difference.
+    pub converged_max: f64,
+    /// Pixels of the silhouette band of this truth.
+    pub converged_band_pixels: u64,
+    /// Root of the mean squared difference in the band.
+    pub converged_band_rmse: f64,
+    /// Mean absolute difference in the band.
+    pub converged_band_mean: f64,
+    /// Mean of the FLIP map.
+    pub converged_flip: f64,
+}
+
+impl ConvergedErrors {
+    /// Holds a picture of visibility against 1024 rays a pixel ([`SceneTruth::converged`]).
+    ///
+    /// # Errors
+    /// As [`SceneTruth::new`]; [`crate::Error::Config`] if the sizes do not agree.
+    pub fn of(
+        visibility: &[f32],
+        tracer: &Tracer,
+        camera: &Camera,
+        light: &Light,
+        settings: &Settings,
+        progress: Progress,
+    ) -> Result<Self> {
+        let ([width, height], samples) = (settings.size, &settings.samples);
+        let truth = SceneTruth::new(tracer, camera, light, samples, width, height)?.converged(progress);
+        let truth: Vec<f32> = truth.into_iter().map(|(share, _)| share).collect();
+        let e = SceneErrors::against(width, height, samples.count(), &truth, visibility)?;
+        Ok(Self {
+            converged_rmse: e.scene_rmse,
+            converged_mean: e.scene_mean,
+            converged_max: e.scene_max,
+            converged_band_pixels: e.scene_band_pixels,
+            converged_band_rmse: e.scene_band_rmse,
+            converged_band_mean: e.scene_band_mean,
+            converged_flip: e.scene_flip,
+        })
+    }
+}
+
 impl SceneErrors {
     /// Holds `visibility` against any picture of truth; nothing is said of pixels that see one plane.
     ///
