@@ -453,17 +453,21 @@ mod with_a_gpu {
     #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
     fn remix_takes_its_options() {
         let folder = Folder::new("remix");
-        let of = |method: &str, more: &[&str]| {
+        let in_scene = |scene: &str, method: &str, more: &[&str]| {
             let out = folder.path("out");
-            render(&out, &[&["windmill", "--method", method, "--samples", "8"], more].concat());
+            render(&out, &[&[scene, "--method", method, "--samples", "8"], more].concat());
             exr(&out, "visibility.exr").2
         };
+        let of = |method: &str, more: &[&str]| in_scene("windmill", method, more);
         let light = |v: &[[f32; 2]]| v.iter().map(|v| f64::from(v[0])).sum::<f64>();
         let usual = of("remix", &[]);
         let given = ["--warp", "fitted", "--splits", "3", "--bleeding", "0", "--grazing", "0"];
         assert!(of("remix", &given) == usual, "other defaults");
         let trapezoid = of("remix", &["--warp", "trapezoid"]);
-        for more in [["--warp", "even"], ["--warp", "lispsm"], ["--splits", "1"], ["--splits", "4"]] {
+        // From outside a scene the fitted warp is even, as that makes texels smallest.
+        let inside = |warp| in_scene("plane", "remix", &["--camera", "eye=0,2,6;target=8,0,-8", "--warp", warp]);
+        assert!(inside("fitted") != inside("even"), "an even warp is no other");
+        for more in [["--warp", "lispsm"], ["--splits", "1"], ["--splits", "4"]] {
             let other = of("remix", &more);
             assert!(other != usual && other != trapezoid, "{more:?} changes nothing");
         }
