@@ -87,8 +87,9 @@ shared_struct! {
         pub rows_above: u32,
         /// Rows at its bottom that belong to the strip below.
         pub rows_below: u32,
-        /// Unused.
-        pub pad_0: u32,
+        /// Always 0. Arithmetic of two `f32` goes through it, so that no compiler takes it apart: nothing else may ask for it, for
+        /// some drivers (llvmpipe) compile a kernel anew for the values that its conditions ask for.
+        pub seal: u32,
         /// Unused.
         pub pad_1: u32,
     }

@@ -4,14 +4,13 @@
 fn order_46(i: vec3<u32>, j: vec3<u32>, ray: vec3<f32>) -> f32 {
     let n = full_normal(i);
     let m = full_normal(j);
-    let r = df3_of(ray);
     let a = df3_dot(n, full_point_of(i.x));
     let b = df3_dot(m, full_point_of(j.x));
-    let over = df3_dot(n, r);
-    let under = df3_dot(m, r);
+    let over = df3_along(n, ray);
+    let under = df3_along(m, ray);
     let p = df_mul(a, under);
     let q = df_mul(b, over);
-    let s = df_sub(p, q).x;
+    let s = df_add_fast(p, -q).x;
     let noise = EDGE_ON * (df3_size(n) * df3_size(full_point_of(i.x)) * abs(under.x) + df3_size(m) * df3_size(full_point_of(j.x)) * abs(over.x));
     return select(0.0, sign(s) * sign(over.x) * sign(under.x), abs(s) > noise);
 }

@@ -41,7 +41,7 @@ struct Frame {
     first_row: u32,          // of the image: pixels are those of a strip of rows
     rows_above: u32,         // at its top: they belong to the strip above
     rows_below: u32,         // likewise at its bottom
-    pad_0: u32,
+    seal: u32,               // always 0, and no condition asks for it: see double_float
     pad_1: u32,
 }
 
