@@ -120,6 +120,8 @@ fn write_kernel(out: &mut String, stem: &str, source: &str, allowed: Capabilitie
             if uses[handle] == GlobalUse::empty() {
                 continue;
             }
+            // A uniform `x_given` is bound by the name `x`: the kernel works on a copy of that name.
+            let name = name.strip_suffix("_given").unwrap_or(name);
             let access = match global.space {
                 naga::AddressSpace::Uniform => "Uniform",
                 naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => "ReadWrite",

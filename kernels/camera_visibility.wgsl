@@ -12,7 +12,7 @@
 
 const WORKGROUP = 64u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
 @group(0) @binding(2) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
@@ -21,8 +21,11 @@ const WORKGROUP = 64u;
 @group(0) @binding(6) var<storage, read_write> keys: array<atomic<Key>>;
 @group(0) @binding(7) var<storage, read_write> id_keys: array<u32>;
 
+//@import frame_copy
+
 @compute @workgroup_size(WORKGROUP)
 fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
     let seen = seen_in(item);
@@ -38,6 +41,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 
 @compute @workgroup_size(WORKGROUP)
 fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel < arrayLength(&id_keys) { id_keys[pixel] = held_triangle(pixel); }
 }

@@ -22,7 +22,7 @@ override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
 const ROUND_LENGTH = 4096u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<storage, read> facets: array<Facet>;
 @group(0) @binding(2) var<storage, read> pairs: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> triangle_offsets: array<u32>;
@@ -31,6 +31,8 @@ const ROUND_LENGTH = 4096u;
 @group(0) @binding(6) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> candidates: Candidates;
 @group(0) @binding(8) var<storage, read_write> masks: array<atomic<u32>>;
+
+//@import frame_copy
 
 var<workgroup> wg_tests: atomic<u32>;
 
@@ -170,6 +172,7 @@ fn walk(pair: vec2<u32>) -> u32 {
 
 @compute @workgroup_size(WORKGROUP)
 fn cull(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let k = flat_invocation(group, groups, WORKGROUP, local);
     var tests = 0u;
     if k < min(atomicLoad(&candidates.tally[TALLY_PAIRS]), frame.pixel_texel_capacity) { tests = walk(pairs[k]); }

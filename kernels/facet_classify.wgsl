@@ -35,8 +35,8 @@ override RECEIVERS: u32 = 1u;  // 0: there are no triangles behind the casters'
 const WORKGROUP = 64u;
 const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure facets
 
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+@group(0) @binding(0) var<uniform> frame_given: Frame;
+@group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
 @group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(4) var<storage, read> positions: array<vec3<f32>>;
@@ -49,11 +49,14 @@ const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure 
 
 @group(0) @binding(11) var<storage, read_write> unsure: array<atomic<u32>>;  // how many, and the facets
 
+//@import frame_copy
+
 //@import facet_samples
 //@import facet_place
 
 @compute @workgroup_size(WORKGROUP)
 fn one(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let pixels = frame.image_size.x * frame.image_size.y;
     if pixel > pixels { return; }
@@ -72,6 +75,8 @@ fn begin() {
 
 @compute @workgroup_size(WORKGROUP)
 fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
+    if CLAMPED != 0u { take_samples(); }
     let f = flat_invocation(group, groups, WORKGROUP, local);
     if f >= frame.facets_total { return; }
     if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
@@ -95,6 +100,8 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
 
 @compute @workgroup_size(WORKGROUP)
 fn classify_unsure(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
+    if CLAMPED != 0u { take_samples(); }
     let count = atomicLoad(&unsure[0]);
     for (var k = flat_invocation(group, groups, WORKGROUP, local); k < count; k += WORKGROUP * groups.x * groups.y) {
         let f = atomicLoad(&unsure[1u + k]);

@@ -15,7 +15,7 @@
 
 const WORKGROUP = 64u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(2) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> light_rects: array<vec2<u32>>;
@@ -25,8 +25,11 @@ const WORKGROUP = 64u;
 @group(0) @binding(7) var<storage, read_write> mask: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> splits: array<f32>;
 
+//@import frame_copy
+
 @compute @workgroup_size(WORKGROUP)
 fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
     let t = owner_of(item, frame.triangle_count);
@@ -54,6 +57,7 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 
 @compute @workgroup_size(WORKGROUP)
 fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let texel = flat_invocation(group, groups, WORKGROUP, local);
     if texel >= frame.map_size * frame.map_size { return; }
     let x = texel % frame.map_size;

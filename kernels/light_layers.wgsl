@@ -16,7 +16,7 @@
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(2) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> light_rects: array<vec2<u32>>;
@@ -24,6 +24,8 @@ const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge 
 @group(0) @binding(5) var<storage, read_write> nearest_keys: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> second_keys: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> mask: array<atomic<u32>>;
+
+//@import frame_copy
 
 override BOTH: u32 = 1u;  // 0: the nearest alone, and no marks
 
@@ -34,6 +36,7 @@ fn mark(x: u32, y: u32) {
 
 @compute @workgroup_size(WORKGROUP)
 fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
     let t = owner_of(item, frame.triangle_count);

@@ -26,7 +26,7 @@
 
 const WORKGROUP = 64u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
 @group(0) @binding(2) var<storage, read> facets: array<Facet>;
 @group(0) @binding(3) var<storage, read> work_offsets: array<u32>;
@@ -39,6 +39,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(10) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(11) var<storage, read_write> values: array<u32>;
 @group(0) @binding(12) var<storage, read_write> touched: array<vec2<u32>>;
+
+//@import frame_copy
 
 // A facet and a block of texels; beyond the last, NO_TRIANGLE for the facet.
 struct Item { facet: u32, block: Rect }
@@ -116,6 +118,7 @@ fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
 
 @compute @workgroup_size(WORKGROUP)
 fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let item = item_of(index);
     if item.facet == NO_TRIANGLE { return; }
@@ -131,6 +134,7 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 
 @compute @workgroup_size(WORKGROUP)
 fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     if index >= step.index { return; }
     let item = item_of(index);
@@ -139,12 +143,14 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 
 @compute @workgroup_size(WORKGROUP)
 fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
     if item.facet != NO_TRIANGLE { write_pairs(item, texels_of(item), true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
     if item.facet == NO_TRIANGLE { return; }
     let deepest = deepest_of(item.facet);

@@ -31,7 +31,7 @@ const LANES = 8u;
 const MOST_SAMPLES = 2097152u;  // of a band
 const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked at twice
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> step: Pass;
 @group(0) @binding(3) var<storage, read> facets: array<Facet>;
@@ -45,6 +45,8 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 @group(0) @binding(11) var<storage, read> listed: array<u32>;       // undecided facets
 @group(0) @binding(12) var<storage, read> listed_total: array<u32>;
 @group(0) @binding(13) var<storage, read_write> wanted: array<u32>;  // blocks of four runs, doubts
+
+//@import frame_copy
 
 //@import shadow_lines
 //@import shadow_lines_46
@@ -68,6 +70,7 @@ fn label(index: u32, moved: f32) -> u32 {
 
 @compute @workgroup_size(WORKGROUP)
 fn bin(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let slot = index / frame.sample_count;
     let k = index % frame.sample_count;
@@ -91,6 +94,7 @@ fn bin(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups:
 
 @compute @workgroup_size(1)
 fn ask() {
+    take_frame(0u);
     let map = frame.map_size * frame.map_size;
     let doubtful = atomicLoad(&texel_ends[map]);
     let blocks = select(0u, work_offsets[frame.triangle_count], atomicLoad(&texel_ends[map - 1u]) != 0u);
@@ -130,18 +134,21 @@ fn is_block(item: u32) -> bool {
 
 @compute @workgroup_size(WORKGROUP)
 fn occlude(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = flat_group(group, groups) * (WORKGROUP / LANES) + local / LANES;
     if is_block(item) { raster(item, local % LANES, false, false); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn occlude_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = flat_group(group, groups);
     if is_block(item) { raster(item, local, false, true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let room = doubts();
     let n = flat_invocation(group, groups, WORKGROUP, local);
     if n >= min(atomicLoad(&texel_ends[frame.map_size * frame.map_size]), room.y) { return; }
@@ -155,12 +162,14 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 
 @compute @workgroup_size(WORKGROUP)
 fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = flat_group(group, groups) * (WORKGROUP / LANES) + local / LANES;
     if is_block(item) { raster(item, local % LANES, true, false); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn refine_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = flat_group(group, groups);
     if is_block(item) { raster(item, local, true, true); }
 }

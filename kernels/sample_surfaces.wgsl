@@ -38,7 +38,7 @@ override SAMPLES: u32 = 32u;  // of a word at most: code for more is left out
 const WORKGROUP = 64u;
 const ROUND_LENGTH = 512u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> step: Step;
 @group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
@@ -62,8 +62,8 @@ const ROUND_LENGTH = 512u;
 @group(0) @binding(20) var<storage, read> seen_keys: array<u32>;   // as `sample_keys`
 @group(0) @binding(21) var<storage, read> group_keys: array<u32>;  // as `named_keys`
 
+//@import frame_copy
 const SEVERAL = 0x80000000u;
-
 //@import surface_groups
 //@import touching_samples
 
@@ -74,32 +74,26 @@ fn begin() {
 
 @compute @workgroup_size(WORKGROUP)
 fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
+    take_offsets();
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     let pixel = complex_pixel(slot);
     let centre = pixel_ray(pixel);
     let first = pixel_offsets[pixel] + step.round * ROUND_LENGTH;
     let end = min(min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity), first + ROUND_LENGTH);
-    let word = 32u * step.word;
-    let count = min(frame.sample_count - word, 32u);
-    let masks_at = place(slot, 32u * WORDS + step.word);
+    let count = min(frame.sample_count - 32u * step.word, 32u);
     if step.round != 0u {
         if first >= end { return; }
-        rivals = rivals_found[masks_at];
-        crowded = rivals_found[masks_at + WORDS * step.slots];
-        for (var k = 0u; k < count; k++) {
-            let key = sample_keys[place(slot, word + k)];
-            if key != 0u { keep(k, key, eye_depth(corners_at(corners_of(~key)), ray_at(pixel, sample_offset(word + k)))); }
-        }
+        resume(slot, pixel, count);
     }
     for (var n = first; n < end; n += BATCH) { take_in(n, min(n + BATCH, end), count, slot, pixel, centre); }
-    for (var k = 0u; k < 32u; k++) { sample_keys[place(slot, word + k)] = select(0u, best_keys[k], k < count); }
-    rivals_found[masks_at] = rivals;
-    rivals_found[masks_at + WORDS * step.slots] = crowded;
+    put_down(slot, count);
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     settle_rivals_of(slot);
@@ -107,6 +101,7 @@ fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 
 @compute @workgroup_size(WORKGROUP)
 fn settle_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let n = flat_invocation(group, groups, WORKGROUP, local);
     if n >= atomicLoad(&crowds[0]) { return; }
     settle_crowd(n);
@@ -114,6 +109,7 @@ fn settle_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 
 @compute @workgroup_size(WORKGROUP)
 fn name_surfaces(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     var several = 0u;
@@ -139,6 +135,7 @@ fn name_surfaces(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 
 @compute @workgroup_size(WORKGROUP)
 fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     load_groups(slot);
@@ -151,6 +148,7 @@ fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 
 @compute @workgroup_size(WORKGROUP)
 fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
     let pixel = complex_pixel(slot);
@@ -180,6 +178,7 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 
 @compute @workgroup_size(WORKGROUP)
 fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let pixels = frame.image_size.x * frame.image_size.y;
     if pixel >= pixel_facets[pixels] && pixel < frame.facets_total { facets[pixel].triangle = NO_TRIANGLE; }

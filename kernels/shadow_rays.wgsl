@@ -23,7 +23,7 @@ override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
 const WORK_HEAD = 4u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> tree: TreePlace;
 @group(0) @binding(3) var<storage, read> facets: array<Facet>;
@@ -34,6 +34,8 @@ const WORK_HEAD = 4u;
 @group(0) @binding(8) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(10) var<storage, read_write> masks: array<atomic<u32>>;  // coverage, occluded, invalid: WORDS words each
+
+//@import frame_copy
 
 //@import shadow_lines
 //@import shadow_lines_46
@@ -89,6 +91,7 @@ fn follow(g: Ground, r: Ray, sample: u32, exact: bool) -> u32 {
 
 @compute @workgroup_size(WORKGROUP)
 fn trace(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let lanes = min(frame.sample_count, 32u);
     let mine = local / lanes;
     let slot = flat_group(group, groups) * (WORKGROUP / lanes) + mine;
@@ -118,6 +121,7 @@ fn trace(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 
 @compute @workgroup_size(WORKGROUP)
 fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let n = flat_invocation(group, groups, WORKGROUP, local);
     let room = doubts();
     if n >= min(atomicLoad(&work[3]), room.y) { return; }
@@ -133,6 +137,7 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 
 @compute @workgroup_size(WORKGROUP)
 fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let lanes = min(frame.sample_count, 32u);
     let slot = flat_group(group, groups) * (WORKGROUP / lanes) + local / lanes;
     if slot >= atomicLoad(&work[1]) { return; }
@@ -149,6 +154,7 @@ fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
 
 @compute @workgroup_size(WORKGROUP)
 fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= atomicLoad(&work[0]) { return; }
     let f = listed[slot];

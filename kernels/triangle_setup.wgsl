@@ -14,7 +14,7 @@
 
 const WORKGROUP = 64u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(2) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
@@ -23,6 +23,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(6) var<storage, read_write> light_rects: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> camera_items: array<u32>;
 @group(0) @binding(8) var<storage, read_write> light_items: array<u32>;
+
+//@import frame_copy
 
 var<private> box_low: vec2<f32>;
 var<private> box_high: vec2<f32>;
@@ -86,6 +88,7 @@ fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32
 
 @compute @workgroup_size(WORKGROUP)
 fn setup(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let t = flat_invocation(group, groups, WORKGROUP, local);
     if t >= frame.triangle_count { return; }
     let i = triangles[t];

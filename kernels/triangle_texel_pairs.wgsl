@@ -19,7 +19,7 @@
 
 const WORKGROUP = 64u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
 @group(0) @binding(2) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
@@ -33,6 +33,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(11) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(12) var<storage, read_write> values: array<u32>;
 @group(0) @binding(13) var<storage, read_write> touched: array<vec2<u32>>;
+
+//@import frame_copy
 
 // A caster and a block of texels; beyond the last, NO_TRIANGLE for the caster.
 struct Item { triangle: u32, block: Rect }
@@ -130,6 +132,7 @@ fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
 
 @compute @workgroup_size(WORKGROUP)
 fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let item = item_of(index);
     if item.triangle == NO_TRIANGLE { return; }
@@ -141,6 +144,7 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 
 @compute @workgroup_size(WORKGROUP)
 fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     if index >= step.index { return; }
     let item = item_of(index);
@@ -149,12 +153,14 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 
 @compute @workgroup_size(WORKGROUP)
 fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
     if item.triangle != NO_TRIANGLE { write_pairs(item, shared_places(item.triangle, item.block), true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
     if item.triangle == NO_TRIANGLE { return; }
     var found = shared_places(item.triangle, item.block);

@@ -10,13 +10,16 @@
 
 const WORKGROUP = 64u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(2) var<storage, read_write> points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> map_points: array<vec4<f32>>;
 
+//@import frame_copy
+
 @compute @workgroup_size(WORKGROUP)
 fn project(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
     let v = flat_invocation(group, groups, WORKGROUP, local);
     if v >= frame.vertex_count { return; }
     let world = positions[v];

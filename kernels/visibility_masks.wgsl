@@ -7,8 +7,8 @@
 // the four is a half-plane, found without division: see shared/shadow_lines. A triangle with no part strictly on the
 // light's side of the facet casts nothing on it.
 // `evaluate` works in single precision and puts every candidate it cannot decide, whose lines it cannot place within
-// LINE_TRUST pixels, or with a line nearer to a sample than rounding may move it, on the list `doubts`; `refine` decides
-// those with 46 bits. So two triangles at an edge agree on every sample, whichever of the two decides each. What may cut the
+// LINE_TRUST pixels, or with a line nearer to a sample than rounding may move it, on the list `doubts`;
+// `refine` decides those with 46 bits. So two triangles at an edge agree on every sample, whichever of the two decides each. What may cut the
 // facet is put on the same list, from its end, for `cut_facets`: few candidates do, and vector machines pay for code that no
 // lane takes. No candidate is on it twice.
 
@@ -29,8 +29,8 @@ override TWO_STEP: u32 = 0u;  // 1: by two projections (shared/two_step), and no
 const WORKGROUP = 64u;
 const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+@group(0) @binding(0) var<uniform> frame_given: Frame;
+@group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> facets: array<Facet>;
 @group(0) @binding(3) var<storage, read_write> candidates: Candidates;
 @group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
@@ -39,22 +39,16 @@ const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 @group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> doubts: array<u32>;
 
+//@import frame_copy
+
 //@import shadow_lines
 //@import shadow_lines_46
 //@import sample_masks
 //@import two_step
 //@import facet_masks
 
-fn rising(t: u32) -> vec3<u32> {
-    var i = triangles[t];
-    if i.x > i.y { i = i.yxz; }
-    if i.y > i.z { i = i.xzy; }
-    if i.x > i.y { i = i.yxz; }
-    return i;
-}
-
 fn project(f: u32, t: u32) {
-    let i = rising(t);
+    let i = rising(triangles[t]);
     let g = ground_of(f);
     let a = point_of(i.x);
     let b = point_of(i.y);
@@ -69,7 +63,7 @@ fn project(f: u32, t: u32) {
 
 // False if single precision cannot tell. `k`: the candidate.
 fn settle(k: u32, f: u32, t: u32) -> bool {
-    let i = rising(t);
+    let i = rising(triangles[t]);
     let a = point_of(i.x);
     let b = point_of(i.y);
     let c = point_of(i.z);
@@ -90,7 +84,7 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
     if any(h == vec3(OPEN)) { return false; }
     if all(h <= vec3(0.0)) { return true; }
     if all(h > vec3(0.0)) {
-        l.centre.w = 3.0e38;
+        l.centre.w = 1.0;
     } else {
         let own = own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z));
         l.centre.w = turn * own.x;
@@ -101,12 +95,14 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
     let slope = abs(l.right) + abs(l.down);
     let doubtful = (error > LINE_TRUST * slope) & (abs(l.centre) <= 0.501 * slope + error);
     if any(doubtful) { return false; }
-    let most = inside(Lines(l.centre + error, l.right, l.down));
-    var m = most;
-    if any(most != vec4(0u)) {
-        m = inside(Lines(l.centre - error, l.right, l.down));
-        // The table rounds lines farther than that.
-        if ANGLES != 0u { m = inside(l); } else if any(m != most) { return false; }
+    var m = vec4(0u);
+    if ANGLES != 0u {
+        // The table rounds lines farther than `error`.
+        m = inside(l);
+    } else {
+        let t = told(l, error);
+        if t.open { return false; }
+        m = t.mask;
     }
     add(f, 1u, m);
     if may_cut(vec3(l.centre.w, l.right.w, l.down.w), h) {
@@ -117,11 +113,13 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
 
 @compute @workgroup_size(WORKGROUP)
 fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
+    take_samples();
     let count = atomicLoad(&candidates.tally[TALLY_CUTS]);
     for (var n = flat_invocation(group, groups, WORKGROUP, local); n < count; n += WORKGROUP * groups.x * groups.y) {
         let pair = candidates.list[doubts[frame.candidate_capacity - 1u - n]];
         if is_dark(pair.x) { continue; }
-        let i = rising(pair.y);
+        let i = rising(triangles[pair.y]);
         let g = ground_of(pair.x);
         let a = point_of(i.x);
         let b = point_of(i.y);
@@ -133,6 +131,8 @@ fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
 
 @compute @workgroup_size(WORKGROUP)
 fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
+    take_samples();
     let k = flat_invocation(group, groups, WORKGROUP, local);
     if k >= min(atomicLoad(&candidates.tally[TALLY_CANDIDATES]), frame.candidate_capacity) { return; }
     let pair = candidates.list[k];
@@ -146,11 +146,13 @@ fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
 
 @compute @workgroup_size(WORKGROUP)
 fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
+    take_samples();
     let k = flat_invocation(group, groups, WORKGROUP, local);
     if k >= atomicLoad(&candidates.tally[TALLY_DOUBTS]) { return; }
     let pair = candidates.list[doubts[k]];
     if is_dark(pair.x) { return; }
-    let i = rising(pair.y);
+    let i = rising(triangles[pair.y]);
     let g = ground_of(pair.x);
     let n = full_normal(g.own);
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));

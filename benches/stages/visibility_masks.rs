@@ -8,7 +8,7 @@ use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
-    let stage = VisibilityMasks::new(&gpu.device, 1, [0, 0]);
+    let stage = VisibilityMasks::new(&gpu.device, 32, [0, 0]);
     let (bytes, atomics) = (shadow.counts[2] * 200, 0);
     Ok(vec![Case {
         name: "visibility_masks".to_owned(),

@@ -9,7 +9,7 @@ fn cut_by(f: u32, g: Ground, k: u32) {
     if all(near > vec3(0.0)) || (all(near <= vec3(0.0)) && !any(near == vec3(OPEN))) { return; }
     let rough = own_line(g, c.at, c.ab, c.ac);
     if abs(rough.x) > 0.51 * (abs(rough.y) + abs(rough.z)) + rough.w { return; }
-    let i = rising_of(c);
+    let i = rising(c.vertices);
     let n = full_normal(g.own);
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
     if all(h <= vec3(0.0)) || all(h > vec3(0.0)) { return; }

@@ -20,10 +20,7 @@ fn shape_of(t: u32) -> Shape {
     var s: Shape;
     s.triangle = t;
     s.given = triangles[t];
-    var i = s.given;
-    if i.x > i.y { i = i.yxz; }
-    if i.y > i.z { i = i.xzy; }
-    if i.x > i.y { i = i.yxz; }
+    let i = rising(s.given);
     s.i = i;
     let a = world_of(i.x);
     let b = world_of(i.y);

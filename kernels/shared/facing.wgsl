@@ -25,6 +25,15 @@ fn facing_of(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, light: vec4<f32>) -> u32 
     return UNSURE;
 }
 
+// The vertices of a triangle by rising index.
+fn rising(given: vec3<u32>) -> vec3<u32> {
+    var i = given;
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    return i;
+}
+
 // Whether three vertices in rising order run around the other way than as given.
 fn is_reversed(given: vec3<u32>, rising: vec3<u32>) -> bool {
     return !(all(given == rising) || all(given == rising.yzx) || all(given == rising.zxy));

@@ -2,6 +2,8 @@
 // linear functions; what those leave open is computed from the corners. Where two surfaces almost touch, the other one is kept as
 // a rival; where more may, the sample is crowded. Needs the override SAMPLES, `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
 
+//@import word_offsets
+
 // What is known of each sample of the word: the complement of its triangle (0: none) and bounds of its inverse depth. They
 // are only indexed by what compilers know, so that they stay in registers. Where `rivals` has a bit, another triangle almost
 // touches it there: `rivals_found`.
@@ -67,7 +69,7 @@ fn look(k: u32, offset: vec2<f32>, t: u32) {
 }
 
 fn look_twice(n: u32, t: u32) {
-    let pair = samples[16u * step.word + n];
+    let pair = offsets[n];
     look(2u * n, pair.xy, t);
     look(2u * n + 1u, pair.zw, t);
 }
@@ -158,4 +160,23 @@ fn take_in(first: u32, end: u32, count: u32, slot: u32, pixel: u32, centre: vec3
         }
         decide(firstTrailingBit(left), pixel_list[first + at], slot, pixel);
     }
+}
+
+// What earlier rounds left of the word's `count` samples.
+fn resume(slot: u32, pixel: u32, count: u32) {
+    let word = 32u * step.word;
+    let masks_at = place(slot, 32u * WORDS + step.word);
+    rivals = rivals_found[masks_at];
+    crowded = rivals_found[masks_at + WORDS * step.slots];
+    for (var k = 0u; k < count; k++) {
+        let key = sample_keys[place(slot, word + k)];
+        if key != 0u { keep(k, key, eye_depth(corners_at(corners_of(~key)), ray_at(pixel, sample_offset(word + k)))); }
+    }
+}
+
+fn put_down(slot: u32, count: u32) {
+    let masks_at = place(slot, 32u * WORDS + step.word);
+    for (var k = 0u; k < 32u; k++) { sample_keys[place(slot, 32u * step.word + k)] = select(0u, best_keys[k], k < count); }
+    rivals_found[masks_at] = rivals;
+    rivals_found[masks_at + WORDS * step.slots] = crowded;
 }

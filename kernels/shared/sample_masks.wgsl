@@ -1,5 +1,6 @@
-// From lines of the image to masks of samples. Needs `frame`, the uniform `samples`, the array `table`, and the overrides
-// WORDS, ANGLES and OFFSETS.
+// From lines of the image to masks of samples. Needs the array `table` and the overrides WORDS, ANGLES and OFFSETS.
+
+//@import sample_copy
 
 // Four half-planes as matrices: column k holds what line k is at the centre, per pixel right, per pixel down.
 struct Lines {
@@ -8,21 +9,53 @@ struct Lines {
     down: vec4<f32>,
 }
 
-// Samples inside all four lines. A sample on a line is inside for one of the two triangles that share it.
-fn word_mask(word: u32, l: Lines) -> u32 {
-    var out = 0u;
-    let count = (min(frame.sample_count, 32u) + 1u) >> 1u;
-    let first = word << 4u;
-    for (var k = 0u; k < count; k++) {
-        let s = samples[first + k];
-        let a = l.centre + s.x * l.right + s.y * l.down;
-        let b = l.centre + s.z * l.right + s.w * l.down;
-        let ma = min(min(a.x, a.y), min(a.z, a.w));
-        let mb = min(min(b.x, b.y), min(b.z, b.w));
-        out |= ((bitcast<u32>(ma) >> 31u) | ((bitcast<u32>(mb) >> 31u) << 1u)) << (2u * k);
-    }
-    return ~out;
+// Of the samples of a word: which lie outside a line, and how near any comes to changing that, in the lines' own units.
+struct Sides {
+    outside: u32,
+    nearest: f32,
 }
+
+// Takes in two samples. One on a line is inside for one of the two triangles that share it.
+fn take_two(at: u32, k: u32, l: Lines, sides: ptr<function, Sides>) {
+    let s = samples[at + k];
+    let a = l.centre + s.x * l.right + s.y * l.down;
+    let b = l.centre + s.z * l.right + s.w * l.down;
+    let ma = min(min(a.x, a.y), min(a.z, a.w));
+    let mb = min(min(b.x, b.y), min(b.z, b.w));
+    (*sides).outside |= ((bitcast<u32>(ma) >> 31u) | ((bitcast<u32>(mb) >> 31u) << 1u)) << (2u * k);
+    (*sides).nearest = min((*sides).nearest, min(abs(ma), abs(mb)));
+}
+
+fn sides_of(word: u32, l: Lines) -> Sides {
+    let at = word << 4u;
+    var sides = Sides(0u, 3.0e38);
+    take_two(at, 0u, l, &sides);
+    if SAMPLES > 2u {
+        take_two(at, 1u, l, &sides);
+        take_two(at, 2u, l, &sides);
+        take_two(at, 3u, l, &sides);
+    }
+    if SAMPLES > 8u {
+        take_two(at, 4u, l, &sides);
+        take_two(at, 5u, l, &sides);
+        take_two(at, 6u, l, &sides);
+        take_two(at, 7u, l, &sides);
+    }
+    if SAMPLES > 16u {
+        take_two(at, 8u, l, &sides);
+        take_two(at, 9u, l, &sides);
+        take_two(at, 10u, l, &sides);
+        take_two(at, 11u, l, &sides);
+        take_two(at, 12u, l, &sides);
+        take_two(at, 13u, l, &sides);
+        take_two(at, 14u, l, &sides);
+        take_two(at, 15u, l, &sides);
+    }
+    return sides;
+}
+
+// Samples inside all four lines.
+fn word_mask(word: u32, l: Lines) -> u32 { return ~sides_of(word, l).outside; }
 
 // Samples inside one line, from the table: the mask of the nearest tabulated direction and distance from the centre.
 fn table_mask(line: vec3<f32>) -> vec4<u32> {
@@ -64,4 +97,36 @@ fn inside(l: Lines) -> vec4<u32> {
         m.w = word_mask(3u, l);
     }
     return m;
+}
+
+struct Told {
+    mask: vec4<u32>,
+    open: bool,  // rounding may have put a sample on the wrong side
+}
+
+// Samples inside four lines each of which may be off by `error` anywhere in the pixel.
+fn told(l: Lines, error: vec4<f32>) -> Told {
+    let slope = abs(l.right) + abs(l.down);
+    let reach = 0.501 * slope;
+    if any(l.centre + error < -reach) { return Told(vec4(0u), false); }
+    if all(l.centre - error > reach) { return Told(vec4(0xffffffffu), false); }
+    // In units of its error, with room for the roundings of that, each line is off by at most 1.
+    let unit = 1.0 / max(error + 1e-6 * slope, vec4(1e-37));
+    let scaled = Lines(unit * l.centre, unit * l.right, unit * l.down);
+    let first = sides_of(0u, scaled);
+    var outside = vec4(first.outside, 0xffffffffu, 0xffffffffu, 0xffffffffu);
+    var nearest = first.nearest;
+    if WORDS > 1u {
+        let second = sides_of(1u, scaled);
+        outside.y = second.outside;
+        nearest = min(nearest, second.nearest);
+    }
+    if WORDS > 2u {
+        let third = sides_of(2u, scaled);
+        let fourth = sides_of(3u, scaled);
+        outside.z = third.outside;
+        outside.w = fourth.outside;
+        nearest = min(nearest, min(third.nearest, fourth.nearest));
+    }
+    return Told(~outside, nearest < 1.0);
 }

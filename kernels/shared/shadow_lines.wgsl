@@ -30,11 +30,7 @@ const OPEN = -3.0e38;
 fn ground_of(k: u32) -> Ground {
     let f = facets[k];
     var g: Ground;
-    var i = triangles[f.triangle];
-    if i.x > i.y { i = i.yxz; }
-    if i.y > i.z { i = i.xzy; }
-    if i.x > i.y { i = i.yxz; }
-    g.own = i;
+    g.own = rising(triangles[f.triangle]);
     g.pixel = f.pixel;
     g.origin = f.origin;
     g.normal = f.plane.xyz;

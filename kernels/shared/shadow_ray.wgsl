@@ -24,14 +24,6 @@ struct Caster {
     vertices: vec3<u32>,
 }
 
-fn rising_of(c: Caster) -> vec3<u32> {
-    var i = c.vertices;
-    if i.x > i.y { i = i.yxz; }
-    if i.y > i.z { i = i.xzy; }
-    if i.x > i.y { i = i.yxz; }
-    return i;
-}
-
 // Heights of its vertices over the facet.
 fn heights_of(g: Ground, c: Caster) -> vec3<f32> {
     return vec3(
@@ -127,7 +119,7 @@ fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
 }
 
 fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
-    let i = rising_of(caster_of(k));
+    let i = rising(caster_of(k).vertices);
     let n = full_normal(g.own);
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
     if all(h <= vec3(0.0)) { return FREE; }

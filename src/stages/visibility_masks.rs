@@ -14,7 +14,7 @@ use crate::Result;
 use crate::gpu::kernels::visibility_masks as kernel;
 use crate::gpu::{Groups, Program, Stage};
 
-/// The pipelines for one number of mask words.
+/// The pipelines for one number of samples.
 #[derive(Debug)]
 pub struct VisibilityMasks {
     evaluate: Program,
@@ -36,30 +36,31 @@ pub struct Casters<'a> {
 }
 
 impl VisibilityMasks {
-    /// Builds the pipelines for masks of `words` words, with a lookup table of `angles` by `offsets` masks or, if both are
+    /// Builds the pipelines for `samples` samples a pixel, with a lookup table of `angles` by `offsets` masks or, if both are
     /// 0, without.
-    pub fn new(device: &wgpu::Device, words: u32, table: [u32; 2]) -> Self {
-        Self::specialised(device, words, table, false, true)
+    pub fn new(device: &wgpu::Device, samples: u32, table: [u32; 2]) -> Self {
+        Self::specialised(device, samples, table, false, true)
     }
 
     /// As [`VisibilityMasks::new`], by the two projections of the paper: from the light onto the facet's plane, then onto the
     /// screen, in single precision. The guarantee is void: no rounding is bounded and nothing is left to refinement. For
     /// comparison.
-    pub fn two_step(device: &wgpu::Device, words: u32, table: [u32; 2]) -> Self {
-        Self::specialised(device, words, table, true, true)
+    pub fn two_step(device: &wgpu::Device, samples: u32, table: [u32; 2]) -> Self {
+        Self::specialised(device, samples, table, true, true)
     }
 
     /// As [`VisibilityMasks::new`] or [`VisibilityMasks::two_step`], for frames that set
     /// [`Frame::VALIDITY`](crate::frame::Frame::VALIDITY) only with `cuts`: less code to run without.
     pub fn specialised(
         device: &wgpu::Device,
-        words: u32,
+        samples: u32,
         [angles, offsets]: [u32; 2],
         two_step: bool,
         cuts: bool,
     ) -> Self {
         let constants = [
-            ("WORDS", f64::from(words)),
+            ("SAMPLES", f64::from(samples)),
+            ("WORDS", f64::from(samples.div_ceil(32))),
             ("ANGLES", f64::from(angles)),
             ("OFFSETS", f64::from(offsets)),
             ("CUTS", f64::from(u8::from(cuts))),
@@ -67,8 +68,8 @@ impl VisibilityMasks {
         ];
         Self {
             evaluate: Program::new(device, kernel::ENTRY_EVALUATE, &constants),
-            cut: cuts.then(|| Program::new(device, kernel::ENTRY_CUT_FACETS, &constants[..4])),
-            refine: Program::new(device, kernel::ENTRY_REFINE, &constants[..4]),
+            cut: cuts.then(|| Program::new(device, kernel::ENTRY_CUT_FACETS, &constants[..5])),
+            refine: Program::new(device, kernel::ENTRY_REFINE, &constants[..5]),
         }
     }
 

@@ -25,14 +25,14 @@ use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, Places, TALLY_WORDS
 use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
 use subpixel_shadows::truth::AMBIGUITY;
 
-fn stage(gpu: &Gpu, words: usize) -> &'static VisibilityMasks {
+fn stage(gpu: &Gpu, samples: u32) -> &'static VisibilityMasks {
     static MADE: Pipelines<VisibilityMasks> = Pipelines::new();
-    MADE.get(gpu, words, || VisibilityMasks::new(&gpu.device, words as u32, [0, 0]))
+    MADE.get(gpu, samples as usize, || VisibilityMasks::new(&gpu.device, samples, [0, 0]))
 }
 
 /// Evaluates every facet against every other triangle on the GPU.
 fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
-    evaluate_by(stage(world.gpu, world.words()), world, listed, validity)
+    evaluate_by(stage(world.gpu, world.samples.count()), world, listed, validity)
 }
 
 fn evaluate_by(stage: &VisibilityMasks, world: &World, listed: &List, validity: bool) -> (Masks, usize) {
@@ -204,7 +204,7 @@ fn by_two_steps(world: &World, facet: &reference::Facet) -> [u128; 2] {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_projections_are_as_defined() {
-    let two_step = VisibilityMasks::two_step(&gpu().device, 1, [0, 0]);
+    let two_step = VisibilityMasks::two_step(&gpu().device, 32, [0, 0]);
     let mut random = Random::new(77);
     let mut cases = vec![boxes_case()];
     cases.extend((0..6).map(|_| soup_case(30, 0.4, &mut random)));
@@ -371,7 +371,7 @@ fn closed_fans_do_not_leak() {
 fn overflow_by_one() {
     let world = world(boxes_case(), [8, 8], samples(32));
     let listed = world.seen();
-    let stage = stage(gpu(), 1);
+    let stage = stage(gpu(), 32);
     let reach = |capacity: u32, counted: u32| {
         let facets = classify(&world, &listed);
         let lists = PairLists::new(&gpu().device, 1, Places::default(), 1, 1, 8).expect("memory");
@@ -447,14 +447,16 @@ const ARITHMETIC: &str = concat!(
 @compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&inputs) { return; }
     let v = inputs[id.x];
-    outputs[3u * id.x] = df_add(v.xy, v.zw);
-    outputs[3u * id.x + 1u] = df_sub(v.xy, v.zw);
-    outputs[3u * id.x + 2u] = df_mul(v.xy, v.zw);
+    outputs[5u * id.x] = df_add(v.xy, v.zw);
+    outputs[5u * id.x + 1u] = df_sub(v.xy, v.zw);
+    outputs[5u * id.x + 2u] = df_add_fast(v.xy, v.zw);
+    outputs[5u * id.x + 3u] = df_mul(v.xy, v.zw);
+    outputs[5u * id.x + 4u] = df_scale(v.xy, v.z);
 }
 "
 );
 
-/// Arithmetic of two `f32` on this adapter: 2^-44 of the exact result.
+/// Arithmetic of two `f32` on this adapter: 2^-44 of the exact result, of the fast sum 2^-44 of the numbers added.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn double_floats_keep_44_bits() {
@@ -491,7 +493,7 @@ fn double_floats_keep_44_bits() {
         .collect();
     let program = Program::new(&gpu().device, WORK, &[]);
     let (input, output) =
-        (upload(gpu(), &inputs), Buffer::<[f32; 2]>::storage(&gpu().device, "test.output", 3 * COUNT));
+        (upload(gpu(), &inputs), Buffer::<[f32; 2]>::storage(&gpu().device, "test.output", 5 * COUNT));
     let (output, frame) = (output.expect("memory"), uniform(gpu(), &Default::default()));
     let buffers = [("frame", frame.raw()), ("inputs", input.raw()), ("outputs", output.raw())];
     run(gpu(), |s| s.run(&program, &buffers, Groups::Items(COUNT as u64)));
@@ -499,25 +501,30 @@ fn double_floats_keep_44_bits() {
     // Sums in units of 2^-90, exactly; products as sums of exact products, the largest parts first.
     let fixed = |v: f32| (f64::from(v) * 2f64.powi(90)) as i128;
     let worst = |inputs: &[[f32; 4]], outputs: &[[f32; 2]]| {
-        let mut worst = [0f64; 3];
-        for (i, o) in inputs.iter().zip(outputs.chunks(3)) {
+        let mut worst = [0f64; 5];
+        for (i, o) in inputs.iter().zip(outputs.chunks(5)) {
             let [a, al, b, bl] = i.map(fixed);
-            for (k, exact) in [(0, a + al + b + bl), (1, a + al - b - bl)] {
+            let (sum, difference) = (a + al + b + bl, a + al - b - bl);
+            for (k, exact, whole) in [(0, sum, sum), (1, difference, difference), (2, sum, a.abs().max(b.abs()))] {
                 let error = (exact - fixed(o[k][0]) - fixed(o[k][1])).unsigned_abs() as f64;
-                let relative = if error == 0.0 { 0.0 } else { error / exact.unsigned_abs() as f64 };
+                let relative = if error == 0.0 { 0.0 } else { error / whole.unsigned_abs() as f64 };
                 worst[k] = worst[k].max(relative);
             }
             let [a, al, b, bl] = i.map(f64::from);
-            let [p, pl] = o[2].map(f64::from);
-            let error = (a * b - p) + (a * bl + al * b - pl) + al * bl;
-            worst[2] = worst[2].max((error / (a * b)).abs());
+            for (k, bl) in [(3, bl), (4, 0.0)] {
+                let [p, pl] = o[k].map(f64::from);
+                let error = (a * b - p) + (a * bl + al * b - pl) + al * bl;
+                worst[k] = worst[k].max((error / (a * b)).abs());
+            }
         }
         worst
     };
     let found = worst(&inputs, &outputs);
-    println!("relative errors of sum, difference, product: 2^{:?}", found.map(f64::log2));
+    println!("relative errors of sum, difference, fast sum, product, multiple: 2^{:?}", found.map(f64::log2));
     assert!(found.iter().all(|&e| e <= 2f64.powi(-44)), "2^{:?}", found.map(f64::log2));
-    let mut corrupted = outputs;
-    corrupted[5][1] += corrupted[5][0] * 2f32.powi(-40);
-    assert!(worst(&inputs, &corrupted).iter().any(|&e| e > 2f64.powi(-44)), "a corrupted product passes");
+    for k in 0..5 {
+        let mut corrupted = outputs.clone();
+        corrupted[5 + k][1] += corrupted[5 + k][0] * 2f32.powi(-40);
+        assert!(worst(&inputs, &corrupted)[k] > 2f64.powi(-44), "a corrupted result {k} passes");
+    }
 }
