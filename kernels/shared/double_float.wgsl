@@ -35,8 +35,6 @@ fn df_add_fast(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return two_sum(s.x, s.y + (a.y + b.y));
 }
 
-fn df_negate(a: vec2<f32>) -> vec2<f32> { return -a; }
-
 fn df_sub(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> { return df_add(a, -b); }
 
 fn df_mul(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
