@@ -33,9 +33,8 @@ const WORKGROUP = 64u;
 const STATUS_EDGES = 8u;
 
 fn is_silhouette(e: Edge) -> bool {
-    let culled = (frame.flags & FLAG_CULL_BACK) != 0u;
+    if e.t1 == NO_TRIANGLE { return true; }
     let first = facing[e.t0];
-    if e.t1 == NO_TRIANGLE { return !(culled && first == BACK) ; }
     let second = facing[e.t1];
     if first == DROPPED || second == DROPPED { return true; }
     return first == UNSURE || second == UNSURE || first != second;

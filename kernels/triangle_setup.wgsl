@@ -15,7 +15,7 @@
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
-@group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 for one of a closed body
 @group(0) @binding(2) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> facing: array<u32>;
@@ -111,7 +111,7 @@ fn setup(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     camera_items[t] = block_count(in_camera);
     var in_light = light_rect(
         map_points[i.x], map_points[i.y], map_points[i.z], sides_beyond(a.xyz) & sides_beyond(b.xyz) & sides_beyond(c.xyz));
-    if (frame.flags & FLAG_CULL_BACK) != 0u && side == BACK { in_light = EMPTY_RECT; }
+    if (frame.flags & FLAG_CULL_BACK) != 0u && side == BACK && i.w != 0u { in_light = EMPTY_RECT; }
     light_rects[t] = in_light;
     light_items[t] = block_count(in_light);
 }

@@ -96,7 +96,7 @@ shared_struct! {
 }
 
 impl Frame {
-    /// The mesh is closed: triangles that face away from the light cast nothing of their own.
+    /// Triangles of closed bodies that face away from the light are no casters.
     pub const CULL_BACK: u32 = 1;
     /// Keep the validity mask.
     pub const VALIDITY: u32 = 2;

@@ -69,7 +69,8 @@ const STAGES: [(&str, &str, Extent); 15] = [
 const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that see another surface than the centre");
 const MERGE: (&str, &str) = ("sample_surfaces.merge", "takes neighbouring triangles of one plane as one surface");
 const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
-const BACK_FACING: (&str, &str) = ("triangle_setup.back_facing", "casters that face away from the light");
+const BACK_FACING: (&str, &str) =
+    ("triangle_setup.back_facing", "casters of closed bodies that face away from the light");
 const PERSPECTIVE: (&str, &str) = ("vertex_project.divide", "perspective divide of the light view");
 
 impl Plan {
@@ -315,6 +316,16 @@ mod tests {
         assert!(!inside.settings.cull_back, "the shell around a light is all back faces");
         let open = plan(triangles(&[A, B, C, A, D, B]), spot, &settings(1, true), false);
         assert!(!open.settings.cull_back);
+        // A body beside a sheet: its triangles are two thirds. The light has to be outside the body, wherever the sheet is.
+        let mut beside = body();
+        beside.positions.extend(triangles(&[[-9.0, -9.0, -9.0], [9.0, -9.0, -9.0], [0.0, 9.0, 9.0]]).positions);
+        beside.positions.extend(triangles(&[[-9.0, 9.0, 9.0], [9.0, -9.0, 9.0], [0.0, 9.0, -9.0]]).positions);
+        beside.triangles.extend([[12, 13, 14], [15, 16, 17]]);
+        for (position, outside) in [([3.0, 6.0, 2.0], true), ([0.3, 0.2, 0.3], false), ([0.3, 1.2, 0.3], true)] {
+            let plan = plan(beside.clone(), Light::Point { position }, &settings(1, true), false);
+            assert_eq!(plan.settings.cull_back, outside, "{position:?}");
+            assert_eq!(reason(&plan, BACK_FACING.0).is_some_and(|why| why.contains("66 %")), outside, "{plan:?}");
+        }
     }
 
     #[test]

@@ -176,10 +176,17 @@ fn the_picture_is_the_renderers() {
         let mut pass = pass(settings.clone(), casters(&Mesh::default()));
         for name in ["windmill", "spheres", "plant"] {
             let scene = scene(name);
-            let (want, _) = rendered(&scene.mesh, &scene.camera, &scene.light, &settings);
+            // Of closed bodies the pass leaves out what turns away, if it cannot cut facets.
+            let all = rendered(&scene.mesh, &scene.camera, &scene.light, &settings).0;
+            let culled = Settings { cull_back: true, ..settings.clone() };
+            let (want, prepared) = rendered(&scene.mesh, &scene.camera, &scene.light, &culled);
             pass.set_casters(&casters(&scene.mesh)).expect("other casters");
             let (got, status) = complete(&mut pass, &Inputs::new(&scene.camera, &scene.light));
             assert_same(&format!("{name}, {facets:?}"), &got, &picture(&want));
+            assert_same(&format!("{name}, {facets:?}, no caster left out"), &got, &picture(&all));
+            let fewer = status.counts.triangle_texel_pairs * 10 < all.counts.triangle_texel_pairs * 9;
+            let expected = facets == FacetMode::All && prepared.bodies.contains(&true);
+            assert_eq!(fewer, expected, "{name}, {facets:?}: {:?} of {:?}", status.counts, all.counts);
             // How many evaluations it takes depends on who comes first.
             let counts = |c: &Counts| Counts { visibility_evaluations: 0, refined_evaluations: 0, ..*c };
             assert_eq!(counts(&status.counts), counts(&want.counts), "{name}, {facets:?}");

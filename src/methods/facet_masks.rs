@@ -231,8 +231,8 @@ impl FacetMasks {
             return Err(Error::Config(format!("a view of {map} texels a side in a frame made for {have}")));
         }
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
-        let flags = flag(s.cull_back && casters.closed, Frame::CULL_BACK)
-            | flag(s.validity && s.samples.count() > 1 && s.facets == FacetMode::One, Frame::VALIDITY)
+        let flags = flag(s.leaves_backs_out(), Frame::CULL_BACK)
+            | flag(s.keeps_validity(), Frame::VALIDITY)
             | flag(s.facets == FacetMode::All, Frame::CLAMP)
             | flag(!s.settle, Frame::ALL_UNDECIDED);
         let mut frames = Vec::with_capacity(self.memory.frames.len());

@@ -17,6 +17,8 @@ pub struct Prepared {
     pub edges: Vec<Edge>,
     /// Whether every edge joins two consistently wound triangles and every part is turned outward.
     pub closed: bool,
+    /// Of each triangle, whether the part of the mesh that hangs together with it is closed and turned outward.
+    pub bodies: Vec<bool>,
     /// Of each triangle the lowest of its surface: of those that hang together by edges and lie in one plane, exactly.
     pub surfaces: Vec<u32>,
 }
@@ -29,8 +31,8 @@ impl Prepared {
     pub fn new(mesh: &Mesh) -> Result<Self> {
         mesh.check("mesh")?;
         let (mesh, given) = mesh.canonical();
-        let Adjacency { edges, closed, surfaces, .. } = Adjacency::of(&mesh);
-        Ok(Self { mesh, given, edges, closed, surfaces })
+        let Adjacency { edges, closed, bodies, surfaces, .. } = Adjacency::of(&mesh);
+        Ok(Self { mesh, given, edges, closed, bodies, surfaces })
     }
 
     /// Whether any two triangles are one surface.
@@ -43,7 +45,7 @@ impl Prepared {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<CasterBuffers> {
-        let (positions, triangles) = surfaces(device, queue, &self.mesh, 0)?;
+        let (positions, triangles) = surfaces(device, queue, &self.mesh, &self.bodies, 0)?;
         Ok(CasterBuffers {
             positions,
             triangles,
@@ -75,12 +77,25 @@ pub fn padded<T: Copy + Default>(elements: &[[T; 3]]) -> Vec<[T; 4]> {
     elements.iter().map(|&[x, y, z]| [x, y, z, T::default()]).collect()
 }
 
-/// Uploads positions and triangles, with room behind them for `room` triangles with vertices of their own.
+/// Triangles as kernels read them; the fourth word is 1 where `bodies` says that the triangle is of a closed body.
+pub fn marked_triangles(triangles: &[[u32; 3]], bodies: &[bool]) -> Vec<[u32; 4]> {
+    let of_body = bodies.iter().copied().chain(std::iter::repeat(false));
+    triangles.iter().zip(of_body).map(|(&[a, b, c], body)| [a, b, c, u32::from(body)]).collect()
+}
+
+/// Uploads positions and triangles, of which `bodies` tells those of closed bodies, with room behind them for `room` triangles
+/// with vertices of their own.
 ///
 /// # Errors
 /// As [`Buffer::storage`].
-pub fn surfaces(device: &wgpu::Device, queue: &wgpu::Queue, mesh: &Mesh, room: usize) -> Result<Surfaces> {
-    let (positions, triangles) = (padded(&mesh.positions), padded(&mesh.triangles));
+pub fn surfaces(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    mesh: &Mesh,
+    bodies: &[bool],
+    room: usize,
+) -> Result<Surfaces> {
+    let (positions, triangles) = (padded(&mesh.positions), marked_triangles(&mesh.triangles, bodies));
     let positions = Buffer::with_room(device, queue, "casters.positions", &positions, 3 * room)?;
     let triangles = Buffer::with_room(device, queue, "casters.triangles", &triangles, room)?;
     Ok((positions, triangles))
@@ -91,7 +106,7 @@ pub fn surfaces(device: &wgpu::Device, queue: &wgpu::Queue, mesh: &Mesh, room: u
 pub struct CasterBuffers {
     /// Positions, world units, and 0.
     pub positions: Buffer<[f32; 4]>,
-    /// Vertex indices of each triangle, and 0.
+    /// Vertex indices of each triangle, and 1 where it is of a closed body ([`Prepared::bodies`]), else 0.
     pub triangles: Buffer<[u32; 4]>,
     /// Edges with their two triangles.
     pub edges: Buffer<Edge>,

@@ -269,7 +269,8 @@ pub struct Settings {
     pub facets: FacetMode,
     /// Keep the validity mask.
     pub validity: bool,
-    /// Leave out casters that face away from the light, in closed meshes.
+    /// Leave out casters of closed bodies that face away from the light, which must be outside all of them (the
+    /// [plan](crate::plan) sees to it). With validity masks none is left out: such casters may cut facets.
     pub cull_back: bool,
     /// How half-planes become masks.
     pub masks: MaskVariant,
@@ -326,6 +327,16 @@ impl Settings {
     /// The settings of each of the views that a map is cut into.
     pub(crate) fn of_part(&self, parts: Parts) -> Self {
         Self { map: parts.texels(), ..self.clone() }
+    }
+
+    /// Whether validity masks are kept: of several samples in one facet.
+    pub(crate) fn keeps_validity(&self) -> bool {
+        self.validity && self.samples.count() > 1 && self.facets == FacetMode::One
+    }
+
+    /// Whether casters of closed bodies that face away from the light are left out.
+    pub(crate) fn leaves_backs_out(&self) -> bool {
+        self.cull_back && !self.keeps_validity()
     }
 
     /// Texels of the light-view map.

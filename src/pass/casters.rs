@@ -4,13 +4,16 @@ use super::Casters;
 use crate::Result;
 use crate::gpu::Buffer;
 use crate::methods::prepared::{CasterBuffers, Prepared, Surfaces};
-use crate::scene::Mesh;
 use crate::scene::weld::{UNUSED, weld};
+use crate::scene::{Light, Mesh};
 
 /// The casters on the GPU.
 pub struct CasterSet {
     /// The mesh in canonical order; of moving casters, the pose at rest.
     pub mesh: Mesh,
+    /// Of each triangle whether it is of a closed body that is turned outward ([`Prepared::bodies`]); of moving casters none is,
+    /// for which way they will be turned is not known.
+    pub bodies: Vec<bool>,
     pub buffers: CasterBuffers,
     /// The number here of each triangle that was given.
     pub numbers: Buffer<u32>,
@@ -21,7 +24,10 @@ pub struct CasterSet {
 impl CasterSet {
     /// Prepares and uploads them.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
-        let prepared = Prepared::new(&given)?;
+        let mut prepared = Prepared::new(&given)?;
+        if matches!(casters, Casters::Moving { .. }) {
+            prepared.bodies.fill(false);
+        }
         let mut buffers = prepared.upload(device, queue)?;
         if matches!(casters, Casters::Moving { .. }) {
             buffers.surfaces = None; // what lies in one plane at rest may not in motion
@@ -35,7 +41,12 @@ impl CasterSet {
             Casters::Moving { .. } => Some(Buffer::from_slice(device, queue, "casters.places", &places(&given))?),
         };
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers)?;
-        Ok(Self { mesh: prepared.mesh, buffers, numbers, places })
+        Ok(Self { mesh: prepared.mesh, bodies: prepared.bodies, buffers, numbers, places })
+    }
+
+    /// Whether what turns away from `light` adds nothing to the shadows of some of them: of closed bodies, if it is outside them.
+    pub fn backs_add_nothing(&self, light: &Light) -> bool {
+        self.bodies.contains(&true) && self.mesh.is_outside_of(light, |t| self.bodies[t])
     }
 
     /// Uses other memory for positions and triangles from now on.

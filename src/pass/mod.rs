@@ -65,7 +65,8 @@ use views::Views;
 /// What a pass is made for.
 #[derive(Clone, Debug)]
 pub struct PassConfig<'a> {
-    /// Image size, samples, map and facets. `cull_back` and the options of other methods are not looked at.
+    /// Image size, samples, map and facets. `cull_back` is not looked at: casters of
+    /// closed bodies that turn away from the light are left out wherever that changes nothing. Nor are the options of other methods.
     pub settings: Settings,
     /// The triangles.
     pub casters: Casters<'a>,
@@ -240,7 +241,8 @@ impl ShadowPass {
         target.check(self.settings.size, self.image.lit().len() as u64 * 4)?;
         self.check_gbuffer(&inputs.gbuffer)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
-        let views = self.maker.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
+        let known = self.views.of(inputs, &self.casters, &self.settings, bounds)?;
+        let views = self.maker.parts.of(known.views);
         if self.grows {
             self.grow()?;
         }
@@ -253,6 +255,10 @@ impl ShadowPass {
         }
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
+        }
+        // With validity masks they may cut facets.
+        if known.backs_add_nothing && frames.iter().all(|frame| frame.flags & Frame::VALIDITY == 0) {
+            frames.iter_mut().for_each(|frame| frame.flags |= Frame::CULL_BACK);
         }
         let (strips, status) = (self.image.strips.count(), self.image.method.status());
         let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips));

@@ -131,9 +131,20 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     2.0 * volume.atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
 }
 
-/// Why casters that face away from the light add no shadow, if that is certain: every segment that crosses a closed body
-/// and ends outside it leaves the body, through a face turned to the light.
+/// Why casters of closed bodies that face away from the light add no shadow, if that is certain: every segment towards the light
+/// that crosses such a body leaves it, through a face turned to the light.
 pub fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> {
-    (prepared.closed && prepared.mesh.is_outside(light))
-        .then(|| "closed mesh, light outside: faces turned to the light cast it all".to_owned())
+    let (of_bodies, all) = (prepared.bodies.iter().filter(|b| **b).count(), prepared.bodies.len());
+    if of_bodies == 0 || !prepared.mesh.is_outside_of(light, |t| prepared.bodies[t]) {
+        return None;
+    }
+    Some(match prepared.closed {
+        true => "closed mesh, light outside: faces turned to the light cast it all".to_owned(),
+        false => {
+            let share = (100.0 * of_bodies as f64 / all as f64).floor();
+            format!(
+                "closed bodies ({share} % of the triangles), light outside: their faces turned to the light cast it all"
+            )
+        }
+    })
 }

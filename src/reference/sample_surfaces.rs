@@ -147,7 +147,7 @@ mod tests {
             let map = LightView::fit(&scene.mesh, &scene.light, 1).unwrap();
             let view = View::new(&scene.camera, &scene.light, &map, scene.mesh.bounds().unwrap(), [32, 24], false);
             let vertices = project(&view, &scene.mesh.positions);
-            let triangles = setup(&view, &vertices, &scene.mesh.triangles);
+            let triangles = setup(&view, &vertices, &scene.mesh.triangles, &[]);
             let offsets = [[0.5, 0.5], [0.0, 0.0], [0.99, 0.01], [0.25, 0.75]].map(|[x, y]| DVec2::new(x, y));
             let all = see(&view, &triangles, &offsets, Doubt { edge: 0.0, depth: 0.0 });
             let all: Vec<_> = all.into_iter().map(|s| s.triangle).collect();

@@ -20,9 +20,6 @@ pub fn silhouettes(view: &View, edges: &[Sides], triangles: &[Triangle], doubt: 
         Some((triangle.side > -bound, triangle.side < bound))
     };
     let one = |&[_, _, first, second]: &Sides| {
-        if second == u32::MAX {
-            return !(view.cull_back && facing(first).is_some_and(|(front, _)| !front));
-        }
         let (Some((front0, back0)), Some((front1, back1))) = (facing(first), facing(second)) else { return true };
         (front0 && back1) || (back0 && front1)
     };

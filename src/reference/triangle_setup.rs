@@ -70,12 +70,13 @@ pub fn side_doubt(view: &View, [a, b, c]: [DVec3; 3]) -> f64 {
     largest(to_light) * (2e-6 * ab * ac + 6e-7 * reach * (ab + ac))
 }
 
-/// Sets all triangles up.
-pub fn setup(view: &View, vertices: &[Vertex], triangles: &[[u32; 3]]) -> Vec<Triangle> {
-    triangles.par_iter().map(|&t| one(view, vertices, t)).collect()
+/// Sets all triangles up. `bodies` tells those of closed bodies; what it does not reach is of none.
+pub fn setup(view: &View, vertices: &[Vertex], triangles: &[[u32; 3]], bodies: &[bool]) -> Vec<Triangle> {
+    let of_body = |t: usize| bodies.get(t).is_some_and(|b| *b);
+    triangles.par_iter().enumerate().map(|(t, &corners)| one(view, vertices, corners, of_body(t))).collect()
 }
 
-fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3]) -> Triangle {
+fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3], of_body: bool) -> Triangle {
     let vertex = |v: u32| vertices.get(v as usize).copied().unwrap_or_default();
     let all = [vertex(i), vertex(j), vertex(k)];
     let ([Some(a), Some(b), Some(c)], true) = (all.map(|v| v.point), i != j && j != k && k != i) else {
@@ -84,7 +85,7 @@ fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3]) -> Triangle {
     let corners = [a, b, c];
     let side = view.side(corners);
     let map = match all.map(|v| v.map) {
-        _ if view.cull_back && side < 0.0 => Reach::Nowhere,
+        _ if view.cull_back && of_body && side < 0.0 => Reach::Nowhere,
         [Some(a), Some(b), Some(c)] => Reach::Flat(Flat::new([a, b, c].map(|p| p.truncate()))),
         _ if all.iter().all(|v| v.behind) || view.beyond(&corners) => Reach::Nowhere,
         _ => Cut::new(view, corners).map_or(Reach::Everywhere, Reach::Cut),

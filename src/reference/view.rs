@@ -21,7 +21,7 @@ pub struct View {
     pub image: [u32; 2],
     /// The light view; its rows take scaled points.
     pub map: LightView,
-    /// Triangles that face away from the light cast nothing.
+    /// Triangles of closed bodies that face away from the light are no casters.
     pub cull_back: bool,
 }
 

@@ -124,7 +124,7 @@ mod tests {
             };
             let map = LightView::fit(&mesh, &light, 4).unwrap();
             let view = View::new(&camera, &light, &map, mesh.bounds().unwrap(), [16, 12], false);
-            let triangles = setup(&view, &project(&view, &mesh.positions), &mesh.triangles);
+            let triangles = setup(&view, &project(&view, &mesh.positions), &mesh.triangles, &[]);
             let [own, caster] = [0, 1].map(|t: usize| triangles[t].corners.unwrap());
             let around = Surroundings {
                 triangles: &triangles,

@@ -128,7 +128,7 @@ impl FacetErrors {
     ) -> Result<Self> {
         let [w, h] = settings.size;
         let mut truth = FacetTruth::new(tracer, camera, light, &settings.samples, w, h)?;
-        let validity = settings.validity && settings.samples.count() > 1;
+        let validity = settings.keeps_validity();
         if !validity {
             truth = truth.without_validity();
         }

@@ -35,6 +35,9 @@ pub struct Adjacency {
     /// Whether the mesh bounds solid bodies: it has triangles, every edge joins exactly two that wind consistently,
     /// and every connected part has a positive volume, so faces look outward.
     pub closed: bool,
+    /// Of each triangle, whether the part of the mesh that hangs together with it by edges bounds a solid body, seen from
+    /// outside: every edge of the part joins exactly two triangles that wind consistently, and its volume is positive.
+    pub bodies: Vec<bool>,
     /// Number of edges with one triangle.
     pub boundary: u32,
     /// Number of edges with more than two triangles.
@@ -80,18 +83,22 @@ impl Adjacency {
         let (starts, mut sides) = sides(mesh, &welded.place, welded.positions.len(), &mut adjacency.collapsed);
         adjacency.edges.reserve_exact(sides.len() / 2);
         let mut joining = Joining::new(mesh);
+        let mut torn = vec![false; mesh.triangles.len()];
         for bucket in starts.windows(2) {
             let bucket = &mut sides[bucket[0] as usize..bucket[1] as usize];
             bucket.sort_unstable();
             for group in bucket.chunk_by(|a, b| a.high == b.high) {
-                adjacency.push(mesh, group);
+                if adjacency.push(mesh, group) == NO_TRIANGLE {
+                    group.iter().for_each(|side| torn[side.triangle() as usize] = true);
+                }
                 joining.meet(group.iter().map(|side| side.triangle()));
             }
         }
         adjacency.surfaces = joining.surfaces();
-        adjacency.closed = !adjacency.edges.is_empty()
-            && adjacency.silhouettes_from_everywhere() == 0
-            && every_part_is_outward(mesh, &adjacency.edges);
+        adjacency.bodies = bodies(mesh, &adjacency.edges, &torn);
+        // A collapsed triangle is a line and bounds nothing.
+        let bounds = |t: usize| adjacency.bodies[t] || is_line(mesh.triangles[t].map(|v| welded.place[v as usize]));
+        adjacency.closed = !adjacency.edges.is_empty() && (0..mesh.triangles.len()).all(bounds);
         adjacency
     }
 
@@ -100,7 +107,8 @@ impl Adjacency {
         self.boundary + self.non_manifold + self.inconsistent
     }
 
-    fn push(&mut self, mesh: &Mesh, group: &[Side]) {
+    /// Adds the edge of a group of sides, and returns its second triangle.
+    fn push(&mut self, mesh: &Mesh, group: &[Side]) -> u32 {
         let first = group[0];
         let t1 = match group {
             [_] => {
@@ -120,13 +128,18 @@ impl Adjacency {
         let corners = mesh.triangles[first.triangle() as usize];
         let (v0, v1) = (corners[first.corner()], corners[(first.corner() + 1) % 3]);
         self.edges.push(Edge { v0, v1, t0: first.triangle(), t1 });
+        t1
     }
+}
+
+/// Whether a triangle uses one vertex twice.
+fn is_line(w: [u32; 3]) -> bool {
+    w[0] == w[1] || w[1] == w[2] || w[2] == w[0]
 }
 
 /// All sides of all triangles, grouped by their lower end: where each group starts, and the sides.
 fn sides(mesh: &Mesh, place: &[u32], places: usize, collapsed: &mut u32) -> (Vec<u32>, Vec<Side>) {
     let welded = |tri: &[u32; 3]| tri.map(|v| place[v as usize]);
-    let is_line = |w: [u32; 3]| w[0] == w[1] || w[1] == w[2] || w[2] == w[0];
     let lows = |w: [u32; 3]| [w[0].min(w[1]), w[1].min(w[2]), w[2].min(w[0])];
 
     // starts[low + 2] first counts; after the scan starts[low + 1] is where the next side of `low` goes, and once all
@@ -157,16 +170,18 @@ fn sides(mesh: &Mesh, place: &[u32], places: usize, collapsed: &mut u32) -> (Vec
     (starts, sides)
 }
 
-/// Whether each edge-connected part of a mesh without silhouettes from everywhere has a positive volume.
-fn every_part_is_outward(mesh: &Mesh, edges: &[Edge]) -> bool {
+/// Of each triangle whether its edge-connected part has no triangle that is `torn` (one of its edges does not join exactly
+/// two that wind consistently), and a positive volume.
+fn bodies(mesh: &Mesh, edges: &[Edge], torn: &[bool]) -> Vec<bool> {
     let mut parent: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    for edge in edges {
+    for edge in edges.iter().filter(|edge| edge.t1 != NO_TRIANGLE) {
         let (a, b) = (root(&mut parent, edge.t0), root(&mut parent, edge.t1));
         // The lower index is the root, so the roots do not depend on the order of the edges.
         parent[a.max(b) as usize] = a.min(b);
     }
     // Signed volume and its size without cancellation, of six times the tetrahedra from the part's first corner.
     let mut volumes = vec![[0.0f64; 2]; mesh.triangles.len()];
+    let mut whole = vec![true; mesh.triangles.len()];
     for t in 0..mesh.triangles.len() {
         let part = root(&mut parent, t as u32) as usize;
         let origin = mesh.corners(part)[0];
@@ -174,13 +189,10 @@ fn every_part_is_outward(mesh: &Mesh, edges: &[Edge]) -> bool {
         let volume = a.dot(b.cross(c));
         volumes[part][0] += volume;
         volumes[part][1] += volume.abs();
+        whole[part] &= !torn[t];
     }
-    // A part of a collapsed triangle alone is a line and bounds nothing.
-    let is_line = |t: usize| {
-        let [a, b, c] = mesh.corners(t);
-        a == b || b == c || c == a
-    };
-    (0..mesh.triangles.len()).all(|t| parent[t] as usize != t || volumes[t][0] > 1e-12 * volumes[t][1] || is_line(t))
+    let is_body = |part: usize| whole[part] && volumes[part][0] > 1e-12 * volumes[part][1];
+    (0..mesh.triangles.len()).map(|t| is_body(root(&mut parent, t as u32) as usize)).collect()
 }
 
 #[cfg(test)]
@@ -256,6 +268,33 @@ mod tests {
         both.triangles.extend(inward.triangles.iter().map(|t| t.map(|v| v + 8)));
         let adjacency = Adjacency::of(&both);
         assert_eq!((adjacency.silhouettes_from_everywhere(), adjacency.closed), (0, false));
+        assert_eq!(adjacency.bodies, [[true; 12], [false; 12]].concat());
+    }
+
+    #[test]
+    fn bodies_are_bodies_whatever_stands_beside_them() {
+        let part = cube();
+        let mut mesh = cube();
+        // Beside a whole cube: a torn one, a single triangle, one with a fin on an edge, one with a triangle turned around.
+        let torn = &part.triangles[..11];
+        let fin = [&part.triangles[..], &[[0, 1, 8]]].concat();
+        let mut turned = part.triangles.clone();
+        turned[7].reverse();
+        let parts: [&[[u32; 3]]; 4] = [torn, &[[0, 1, 2]], &fin, &turned];
+        for (k, triangles) in (1u8..).zip(parts) {
+            let base = mesh.positions.len() as u32;
+            let corners = part.positions.iter().chain(&[[0.5, -1.0, -1.0]]);
+            mesh.positions.extend(corners.map(|p| [p[0] + 5.0 * f32::from(k), p[1], p[2]]));
+            mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| v + base)));
+        }
+        // A cube that touches the first along an edge: the four triangles there are no one's.
+        let adjacency = Adjacency::of(&mesh);
+        let others = mesh.triangles.len() - 12;
+        assert_eq!(adjacency.bodies, [vec![true; 12], vec![false; others]].concat());
+        let base = mesh.positions.len() as u32;
+        mesh.positions.extend(part.positions.iter().map(|p| [p[0] - 1.0, p[1] - 1.0, p[2]]));
+        mesh.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + base)));
+        assert!(Adjacency::of(&mesh).bodies.iter().all(|body| !body));
     }
 
     #[test]

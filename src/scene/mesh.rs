@@ -97,6 +97,14 @@ impl Mesh {
     /// # Panics
     /// If an index is out of range ([`Mesh::check`]).
     pub fn is_outside(&self, light: &Light) -> bool {
+        self.is_outside_of(light, |_| true)
+    }
+
+    /// The same of the bodies that the triangles which `of_bodies` names make, whatever else there is.
+    ///
+    /// # Panics
+    /// If an index is out of range ([`Mesh::check`]).
+    pub fn is_outside_of(&self, light: &Light, of_bodies: impl Fn(usize) -> bool + Sync) -> bool {
         let Some((lowest, highest)) = self.bounds() else { return true };
         let (at, slack) = (light.homogeneous().truncate(), 1e-5 * (highest - lowest).length());
         if light.is_directional() || (at.cmplt(lowest - slack) | at.cmpgt(highest + slack)).any() {
@@ -110,7 +118,7 @@ impl Mesh {
         // Half of them: 2 pi a body around the light. In fixed parts, so that the sum is the same on any number of cores.
         let parts: Vec<f64> = (0..self.triangles.len().div_ceil(4096))
             .into_par_iter()
-            .map(|k| (4096 * k..(4096 * (k + 1)).min(self.triangles.len())).map(angle).sum())
+            .map(|k| (4096 * k..(4096 * (k + 1)).min(self.triangles.len())).filter(|&t| of_bodies(t)).map(angle).sum())
             .collect();
         parts.iter().sum::<f64>().abs() < 0.1
     }

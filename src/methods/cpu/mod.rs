@@ -114,7 +114,7 @@ pub fn render(
     let first_side = side(&mut clock, map);
     let tracer = Tracer::new(mesh)?;
     let truth = FacetTruth::new(&tracer, camera, light, &settings.samples, settings.size[0], settings.size[1])?;
-    let validity = settings.validity && settings.samples.count() > 1;
+    let validity = settings.keeps_validity();
     let truth = if validity { truth } else { truth.without_validity() };
 
     let mut frame = Frame {

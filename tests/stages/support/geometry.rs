@@ -8,7 +8,7 @@ use subpixel_shadows::glam::{DVec2, DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels, recorder::fold_within};
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
-use subpixel_shadows::methods::prepared::padded;
+use subpixel_shadows::methods::prepared::{marked_triangles, padded};
 use subpixel_shadows::reference::front_layer::Margin;
 use subpixel_shadows::reference::light_layers::{self, Layer};
 use subpixel_shadows::reference::triangle_setup::{self, Triangle};
@@ -92,7 +92,7 @@ impl Case {
     pub fn wanted(&self) -> Wanted {
         let view = self.view();
         let vertices = vertex_project::project(&view, self.positions());
-        let triangles = triangle_setup::setup(&view, &vertices, &self.prepared.mesh.triangles);
+        let triangles = triangle_setup::setup(&view, &vertices, &self.prepared.mesh.triangles, &self.prepared.bodies);
         Wanted { view, vertices, triangles }
     }
 }
@@ -212,7 +212,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     uniform.write(&gpu.queue, &[frame]);
     let frame_buffer = uniform.raw();
     let positions = super::upload(gpu, &padded(case.positions()));
-    let triangles = super::upload(gpu, &padded(&case.prepared.mesh.triangles));
+    let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh.triangles, &case.prepared.bodies));
     let edges = super::upload(gpu, &case.prepared.edges);
     let (vertex_count, count, edge_count) = (positions.len(), triangles.len(), edges.len());
 
@@ -316,8 +316,9 @@ fn marks(gpu: &Gpu, mask: &Buffer<u32>, size: u32) -> Vec<bool> {
 }
 
 /// Names of the meshes of [`mesh`].
-pub const MESHES: [&str; 12] = [
+pub const MESHES: [&str; 13] = [
     "closed balls",
+    "bodies and sheets",
     "leaves",
     "interpenetrating",
     "doubled",
@@ -337,6 +338,17 @@ pub fn mesh(name: &str, seed: u64) -> Mesh {
     let mut m = Mesh::default();
     match name {
         "closed balls" => (0..5).for_each(|_| ball(&mut m, r.point(), 0.15 + 0.3 * r.unit(), 7, 5)),
+        "bodies and sheets" => {
+            // Bodies that meet each other and a floor, one that is torn, one turned inside out.
+            (0..4).for_each(|_| ball(&mut m, r.point(), 0.15 + 0.3 * r.unit(), 7, 5));
+            ball(&mut m, r.point(), 0.3, 6, 4);
+            m.triangles.pop();
+            let first = m.triangles.len();
+            ball(&mut m, r.point(), 0.3, 5, 4);
+            m.triangles[first..].iter_mut().for_each(|t| t.reverse());
+            let floor = [[-1.5, -0.3, -1.5], [1.5, -0.3, -1.5], [1.5, -0.3, 1.5], [-1.5, -0.3, 1.5]];
+            add(&mut m, &floor.map(DVec3::from), &[[0, 2, 1], [0, 3, 2]]);
+        }
         "leaves" => (0..30).for_each(|_| {
             let (at, u, v) = (r.point(), r.point() * 0.3, r.point() * 0.3);
             add(&mut m, &[at, at + u, at + u + v, at + v], &[[0, 1, 2], [0, 2, 3]]);

@@ -218,7 +218,7 @@ impl World {
         });
         let view = View::new(&camera, &light, &fitted, bounds, size, false);
         let projected = project(&view, &prepared.mesh.positions);
-        let set_up = setup(&view, &projected, &prepared.mesh.triangles);
+        let set_up = setup(&view, &projected, &prepared.mesh.triangles, &prepared.bodies);
         Self { gpu, prepared, camera, light, samples, frame, casters, map_points, facts, view, triangles: set_up }
     }
 
