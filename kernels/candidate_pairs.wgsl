@@ -12,6 +12,7 @@
 //@import frame
 //@import dispatch
 //@import facet
+//@import facing
 //@import candidates
 //@import rect
 //@import places
@@ -46,7 +47,7 @@ const KNOWN = 0x80000000u;
 // Whether the pair was met before, as far as `seen` remembers; it does from now on. A facet of 25 bits and the high bits of a
 // triangle of 22 fill a slot; the low bits of the triangle, and they, choose it.
 fn was_met(f: u32, t: u32) -> bool {
-    if f >= (1u << 25u) || t >= (1u << (SEEN_BITS + 6u)) { return false; }
+    if (f >= (1u << 25u)) | (t >= (1u << (SEEN_BITS + 6u))) { return false; }
     let content = KNOWN | f | ((t >> SEEN_BITS) << 25u);
     let slot = (t ^ ((content * 2654435769u) >> (32u - SEEN_BITS))) & (SEEN - 1u);
     return atomicExchange(&candidates.seen[slot], content) == content;
@@ -60,15 +61,36 @@ fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, middle: vec2<f32>, half: vec2
     return vec2(at - wide, at + wide);
 }
 
-// What a triangle may do to a facet: nothing, something, or cover all of it.
-fn effect(t: u32, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest: f32) -> u32 {
+// What is asked of a facet's own triangle: its vertices, and the sign of its area in the light view; 0 if the facet has samples
+// elsewhere.
+struct Own { i: vec3<u32>, turn: f32 }
+
+fn own_of(f: u32, t: u32) -> Own {
+    let given = triangles[t];
+    // What faces the light runs around this way in the light view.
+    let way = -sign(dot(cross(frame.map_u.xyz, frame.map_v.xyz), frame.map_z.xyz));
+    let turn = way * sign(facets[f].doubt) * select(1.0, -1.0, is_reversed(given, rising(given)));
+    return Own(given, select(0.0, turn, facets[f].tilt < 0.0));
+}
+
+// Whether two triangles run through an edge in opposite directions.
+fn share_edge(i: vec3<u32>, j: vec3<u32>) -> bool {
+    let one = (i == j.yzx) & (i.yzx == j);
+    let two = (i == j.zxy) & (i.yzx == j.yzx);
+    let three = (i == j) & (i.yzx == j.zxy);
+    return any(one | two | three);
+}
+
+// What a triangle may do to a facet: nothing, something, or cover all of it. Of two triangles at an edge that face the light alike
+// neither casts on the other.
+fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest: f32) -> u32 {
     let i = triangles[t];
     let a = map_points[i.x];
     let b = map_points[i.y];
     let c = map_points[i.z];
     let low = min(min(a.xy, b.xy), c.xy);
     let high = max(max(a.xy, b.xy), c.xy);
-    let apart = any(low > middle + half) || any(high < middle - half);
+    let apart = any((low > middle + half) | (high < middle - half));
     let beyond = min(a.z, min(b.z, c.z)) > farthest + frame.depth_margin;
     let over = vec3(
         dot(slope.xyz, vec3(a.xy, 1.0)) - a.z, dot(slope.xyz, vec3(b.xy, 1.0)) - b.z, dot(slope.xyz, vec3(c.xy, 1.0)) - c.z);
@@ -86,10 +108,11 @@ fn effect(t: u32, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest
     let e0 = reach_of(a.xy, b.xy, turn, middle, grown);
     let e1 = reach_of(b.xy, c.xy, turn, middle, grown);
     let e2 = reach_of(c.xy, a.xy, turn, middle, grown);
-    let outside = min(e0.y, min(e1.y, e2.y)) < 0.0 && !thin;
-    let covers = min(e0.x, min(e1.x, e2.x)) > 0.0 && !thin && all(over > vec3(noise)) && noise < 1e30;
+    let beside = share_edge(own.i, i) & (turn * own.turn > 0.0) & !thin;
+    let outside = (min(e0.y, min(e1.y, e2.y)) < 0.0) & !thin;
+    let covers = (min(e0.x, min(e1.x, e2.x)) > 0.0) & !thin & all(over > vec3(noise)) & (noise < 1e30);
     let in_front = min(a.w, min(b.w, c.w)) > 0.0;
-    let e = select(select(MATTERS, COVERS, covers), NOTHING, apart || beyond || below || outside);
+    let e = select(select(MATTERS, COVERS, covers), NOTHING, apart | beyond | below | outside | beside);
     return select(MATTERS, e, in_front);
 }
 
@@ -104,7 +127,7 @@ fn near(first: u32, end: u32, cells: u32, depth: u32) -> u32 {
     var found = 0u;
     for (var n = first; n < end; n++) {
         let word = pair_triangles[2u * n];
-        found |= select(0u, 1u << (n - first), (word & cells) != 0u && (word >> 16u) <= depth);
+        found |= select(0u, 1u << (n - first), ((word & cells) != 0u) & ((word >> 16u) <= depth));
     }
     return found;
 }
@@ -130,6 +153,7 @@ fn walk(pair: vec2<u32>) -> u32 {
     let end = min(list_end, first + ROUND_LENGTH);
     if first >= end { return 0u; }
     let own = facets[f].triangle;
+    let around = own_of(f, own);
     let low = facets[f].box_low;
     let high = facets[f].box_high;
     let middle = 0.5 * (low + high);
@@ -150,9 +174,9 @@ fn walk(pair: vec2<u32>) -> u32 {
         var covered = false;
         for (; left != 0u; left &= left - 1u) {
             let t = triangle_at(batch + firstTrailingBit(left));
-            let e = effect(t, middle, half, slope, farthest);
-            kept |= select(0u, left & (0u - left), e == MATTERS && t != own);
-            covered = covered || (e == COVERS && t != own);
+            let e = effect(t, around, middle, half, slope, farthest);
+            kept |= select(0u, left & (0u - left), (e == MATTERS) & (t != own));
+            covered = covered | ((e == COVERS) & (t != own));
         }
         if covered {
             // Every sample is occluded, whatever else there is.

@@ -2,7 +2,8 @@
 // `one` lists one facet a pixel, from the triangle at its centre, with a full coverage mask.
 // `classify` finds for each listed facet its plane, its light-view outline and rectangle, and its state:
 //   DARK where its seen side faces away from the light, or light or eye are in its plane; decided with 46 bits where single
-//   precision leaves it open; with FLAG_CLOSED also where it is seen from inside the body, whose rest keeps the light off;
+//   precision leaves it open; where it is seen from inside a body that the light is outside of, whose rest keeps the light off
+//   (FLAG_CLOSED, FLAG_OUTSIDE);
 //   LIT where no caster is in the rectangle, or where no texel of it is marked and the facet lies before the split depth;
 //   SHADOWED where no texel of it is marked and it lies behind the split depth;
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
@@ -38,7 +39,7 @@ const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 for one of a closed body
 @group(0) @binding(4) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(5) var<storage, read> sat: array<u32>;
 @group(0) @binding(6) var<storage, read> splits: array<f32>;

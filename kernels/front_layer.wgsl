@@ -49,8 +49,8 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
         let second = second_keys[texel];
         let split = split_depth(first, second);
         let range = depth_range(shape, centre);
-        let parted = range.x > split || range.y < split;
-        if first == 0u || first == second || shape.cut || !parted { add_texel(&marks, place); }
+        let parted = (range.x > split) | (range.y < split);
+        if (first == 0u) | (first == second) | shape.cut | !parted { add_texel(&marks, place); }
     }
     mark_rows(corner, marks);
 }

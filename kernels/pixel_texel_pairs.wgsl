@@ -71,7 +71,7 @@ fn texels_of(item: Item) -> vec2<u32> {
         for (var x = block.low.x; x <= block.high.x; x++) {
             let split = splits[y * frame.map_size + x];
             if split == UNCOVERED { continue; }
-            if split != MARKED && skip_front && facet.farthest + frame.depth_margin < split { continue; }
+            if (split != MARKED) & skip_front & (facet.farthest + frame.depth_margin < split) { continue; }
             if !outline_touches(outline, vec2(f32(x) + 0.5, f32(y) + 0.5), reach) { continue; }
             add_texel(&texels, vec2(x, y) - corner);
         }

@@ -27,6 +27,7 @@ override OFFSETS: u32 = 0u;
 override CUTS: u32 = 1u;     // 0: FLAG_VALIDITY is never set
 override TWO_STEP: u32 = 0u;  // 1: by two projections (shared/two_step), and nothing is put on the list `doubts`
 const WORKGROUP = 64u;
+const CREASE = 0.0009765625; // pixels; far above what rounding in camera_visibility may have moved an edge
 const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
@@ -54,11 +55,18 @@ fn project(f: u32, t: u32) {
     let b = point_of(i.y);
     let c = point_of(i.z);
     var h = vec3(dot(g.normal, a - g.at), dot(g.normal, b - g.at), dot(g.normal, c - g.at));
-    h = select(h, vec3(0.0), vec3(is_own(i.x, g.own), is_own(i.y, g.own), is_own(i.z, g.own)));
+    h = select(h, vec3(0.0), owned_by(i, g.own));
     if all(h <= vec3(0.0)) { return; }
     let l = two_step_lines(g, a, b, c, h);
     add(f, 1u, inside(l));
     cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
+}
+
+// The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge that
+// the two share, whatever rounding made of that.
+fn centre_of(l: Lines, beside: bool, owned: vec3<bool>) -> vec4<f32> {
+    let at_edge = vec4(!owned.z, !owned.x, !owned.y, true) & vec4(beside & ((frame.flags & FLAG_CLAMP) == 0u));
+    return select(l.centre, vec4(-1e-37), at_edge & (abs(l.centre) <= CREASE * (abs(l.right) + abs(l.down))));
 }
 
 // False if single precision cannot tell. `k`: the candidate.
@@ -71,6 +79,9 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
     if side == UNSURE { return false; }
     let g = ground_of(f);
     let turn = select(-1.0, 1.0, side == FRONT);
+    let owned = owned_by(i, g.own);
+    let beside = is_beside(g, i, owned, turn);
+    if beside && g.alone { return true; }
     let ab = edge_line(g, a, edge_of(i.x, i.y));
     let bc = edge_line(g, b, edge_of(i.y, i.z));
     let ac = edge_line(g, a, edge_of(i.x, i.z));
@@ -80,7 +91,7 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
     let reach = 0.501 * (abs(l.right) + abs(l.down));
     // Wholly outside an edge: nothing is cast, and no cut of the facet lies in the pixel either.
     if any(l.centre.xyz < -reach.xyz - error.xyz) { return true; }
-    let h = vec3(height_of(g, is_own(i.x, g.own), a), height_of(g, is_own(i.y, g.own), b), height_of(g, is_own(i.z, g.own), c));
+    let h = vec3(height_of(g, owned.x, a), height_of(g, owned.y, b), height_of(g, owned.z, c));
     if any(h == vec3(OPEN)) { return false; }
     if all(h <= vec3(0.0)) { return true; }
     if all(h > vec3(0.0)) {
@@ -92,6 +103,7 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
         l.down.w = turn * own.z;
         error.w = own.w;
     }
+    l.centre = centre_of(l, beside, owned);
     let slope = abs(l.right) + abs(l.down);
     let doubtful = (error > LINE_TRUST * slope) & (abs(l.centre) <= 0.501 * slope + error);
     if any(doubtful) { return false; }
@@ -124,8 +136,12 @@ fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
         let a = point_of(i.x);
         let b = point_of(i.y);
         let c = point_of(i.z);
-        let h = vec3(height_of(g, is_own(i.x, g.own), a), height_of(g, is_own(i.y, g.own), b), height_of(g, is_own(i.z, g.own), c));
-        cut(pair.x, g, own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z)).xyz, a, b, c, h);
+        let owned = owned_by(i, g.own);
+        let h = vec3(height_of(g, owned.x, a), height_of(g, owned.y, b), height_of(g, owned.z, c));
+        let turn = select(-1.0, 1.0, facing_of(a, b, c, frame.light) == FRONT);
+        let line = turn * own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z)).xyz;
+        let centre = centre_of(Lines(vec4(line.x), vec4(line.y), vec4(line.z)), is_beside(g, i, owned, turn), owned).w;
+        cut(pair.x, g, vec3(centre, line.yz), a, b, c, h);
     }
 }
 
@@ -170,12 +186,16 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
         if crosses { cut(pair.x, g, own, a, b, c, h); }
         return;
     }
+    let owned = owned_by(i, g.own);
+    let beside = is_beside(g, i, owned, turn);
+    if beside && g.alone { return; }
     let ab = full_edge_line(g, n, i.xy);
     let bc = full_edge_line(g, n, i.yz);
     let ac = full_edge_line(g, n, i.xz);
     if !crosses { own = vec3(3.0e38, 0.0, 0.0) * turn; }
-    let l = Lines(
+    var l = Lines(
         turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y), turn * vec4(ab.z, bc.z, -ac.z, own.z));
+    l.centre = centre_of(l, beside, owned);
     add(pair.x, 1u, inside(l));
     cut(pair.x, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }

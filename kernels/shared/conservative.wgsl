@@ -106,17 +106,17 @@ fn line_beside(n: vec3<f32>, reach: f32, slack: f32) -> vec3<f32> {
 
 fn covers(s: Cover, centre: vec2<f32>) -> bool {
     if !s.in_front { return true; }
-    if any(centre < s.low) || any(centre > s.high) { return false; }
+    if any((centre < s.low) | (centre > s.high)) { return false; }
     let at = vec3(centre, 1.0);
     let e = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at));
     if all(e >= vec3(0.0)) { return true; }
     if !s.thin { return false; }
     // Within reach of the line of an edge: e - 2 * reach * |n| <= 0 <= e.
-    return near_edge(s, 0u, e.x) || near_edge(s, 1u, e.y) || near_edge(s, 2u, e.z);
+    return near_edge(s, 0u, e.x) | near_edge(s, 1u, e.y) | near_edge(s, 2u, e.z);
 }
 
 fn near_edge(s: Cover, k: u32, e: f32) -> bool {
-    return e >= 0.0 && e <= 2.0 * s.reach * (abs(s.edges[k].x) + abs(s.edges[k].y));
+    return (e >= 0.0) & (e <= 2.0 * s.reach * (abs(s.edges[k].x) + abs(s.edges[k].y)));
 }
 
 // Nearest and farthest depth the triangle may have over the texel.

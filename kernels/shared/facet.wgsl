@@ -10,9 +10,10 @@ struct Facet {
     state: u32,
     farthest: f32,      // its largest depth from the light
     limit: f32,         // view depth beyond which the plane is not followed
-    tilt: f32,          // relative rounding of the normal, in units of 2^-24
+    tilt: f32,          // relative rounding of the normal, in units of 2^-24; below 0 if its samples all lie on its triangle
     at: vec3<f32>,      // its point at the sample `origin`
-    doubt: f32,         // how far rounding may have moved that point along its ray, times -dot(plane.xyz, ray)
+    doubt: f32,         // how far rounding may have moved that point along its ray, times -dot(plane.xyz, ray); below 0 if the
+                        // triangle, its vertices by rising index, turns away from the light
     box_low: vec2<f32>, // box of its outline, in texels
     box_high: vec2<f32>,
     slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w

@@ -52,7 +52,7 @@ fn facet_outline(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> O
             }
         }
         // More than five there are only by rounding.
-        out.known = out.known && count >= 3u && count <= 5u;
+        out.known = out.known & (count >= 3u) & (count <= 5u);
     }
     return out;
 }
@@ -77,7 +77,7 @@ fn outline_touches(out: Outline, centre: vec2<f32>, reach: f32) -> bool {
     ends = beside(ends, out.e, out.a, centre, reach);
     let low = min(min(out.a, out.b), min(out.c, min(out.d, out.e))) - reach;
     let high = max(max(out.a, out.b), max(out.c, max(out.d, out.e))) + reach;
-    return !out.known || ((ends.x >= 0.0 || ends.y <= 0.0) && all(centre >= low) && all(centre <= high));
+    return !out.known | (((ends.x >= 0.0) | (ends.y <= 0.0)) & all((centre >= low) & (centre <= high)));
 }
 
 // Least and greatest place beside an edge that the texel reaches to, of this edge and those before.

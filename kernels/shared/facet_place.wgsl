@@ -7,7 +7,7 @@
 // A triangle, its vertices by rising index, and their edges from the first.
 struct Shape {
     triangle: u32,
-    given: vec3<u32>,
+    given: vec4<u32>,  // w: 1 for one of a closed body
     i: vec3<u32>,
     a: vec3<f32>,
     b: vec3<f32>,
@@ -20,7 +20,7 @@ fn shape_of(t: u32) -> Shape {
     var s: Shape;
     s.triangle = t;
     s.given = triangles[t];
-    let i = rising(s.given);
+    let i = rising(s.given.xyz);
     s.i = i;
     let a = world_of(i.x);
     let b = world_of(i.y);
@@ -64,7 +64,7 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
         if (known & WAS_SETTLED) != 0u || state == STATE_LIT { state = known; }
     }
     // To be evaluated in this view.
-    let undecided = state == STATE_UNDECIDED && found.here;
+    let undecided = (state == STATE_UNDECIDED) & found.here;
     let rect = select(EMPTY_RECT, found.rect, undecided);
     if (frame.flags & FLAG_MORE_VIEWS) != 0u {
         if merged { state |= WAS_MERGED; }
@@ -85,9 +85,10 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     facets[f].plane = found.plane;
     facets[f].farthest = found.farthest;
     facets[f].limit = found.limit;
-    facets[f].tilt = tilt;
+    let alone = is_clamped() & !merged & ((frame.flags & FLAG_BEYOND) == 0u);
+    facets[f].tilt = select(tilt, -tilt, alone);
     facets[f].at = at;
-    facets[f].doubt = 5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a));
+    facets[f].doubt = turns.x * (5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a)));
     facets[f].box_low = found.low;
     facets[f].box_high = found.high;
     facets[f].slope = light_slope(found.plane);
@@ -95,8 +96,10 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
 }
 
 fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<function, Found>) -> u32 {
-    let away = turns.x * select(1.0, -1.0, is_reversed(shape.given, shape.i)) < 0.0;
-    if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) { return STATE_DARK; }
+    let away = turns.x * select(1.0, -1.0, is_reversed(shape.given.xyz, shape.i)) < 0.0;
+    // Of a body that the light is outside of.
+    let closes = select(FLAG_CLOSED, FLAG_CLOSED | FLAG_OUTSIDE, shape.given.w != 0u);
+    if turns.x * turns.y <= 0.0 || (away && (frame.flags & closes) != 0u) { return STATE_DARK; }
     let pixel = facets[f].pixel;
     let a = shape.a;
     let b = shape.b;
@@ -123,7 +126,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     if near && !merged {
         cut_to_triangle(&outline, a, b, c);
     } else if !clamped && !outline.whole {
-        keep_own_triangle(f, shape.given, pixel_ray(pixel));
+        keep_own_triangle(f, shape.given.xyz, pixel_ray(pixel));
     }
     var rect = EMPTY_RECT;
     let low = select(vec2(-3.0e38), outline.low, outline.in_front);
@@ -147,7 +150,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     }
     if is_empty(rect) { return STATE_LIT; }
     // What lies in part beyond one of several views is settled in none of them.
-    let inside = all(low >= vec2(margin)) && all(high <= vec2(f32(frame.map_size) - margin));
+    let inside = all((low >= vec2(margin)) & (high <= vec2(f32(frame.map_size) - margin)));
     let whole = inside || (frame.flags & FLAG_ONE_OF_SEVERAL) == 0u;
     if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front && whole {
         let r = unpack_rect(rect);
@@ -160,9 +163,9 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
             var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
             if (frame.flags & FLAG_PERSPECTIVE) != 0u { uvz /= dot(frame.map_w, p); }
             let texel = floor(uvz.xy);
-            if all(texel >= vec2(0.0)) && all(texel < vec2(f32(frame.map_size))) {
+            if all((texel >= vec2(0.0)) & (texel < vec2(f32(frame.map_size)))) {
                 let split = splits[u32(texel.y) * frame.map_size + u32(texel.x)];
-                return WAS_SETTLED | select(STATE_SHADOWED, STATE_LIT, split == UNCOVERED || uvz.z < split);
+                return WAS_SETTLED | select(STATE_SHADOWED, STATE_LIT, (split == UNCOVERED) | (uvz.z < split));
             }
         }
     }

@@ -51,17 +51,18 @@ fn keep(k: u32, key: u32, depth: f32) {
     }
 }
 
-// Triangle `t` at sample `k`, a constant, by bounds. No branch.
+// Triangle `t` at sample `k`, a constant, by bounds. No branch, so `&` for `&&`, which is one: in a loop, SwiftShader follows
+// every way through branches in a row when it compiles.
 fn look(k: u32, offset: vec2<f32>, t: u32) {
     let v = view.at + offset.x * view.right + offset.y * view.down;
     let ahead = v > view.doubt;
     let behind = v < -view.doubt;
     let high = min(view.high.x + offset.x * view.high.y + offset.y * view.high.z, view.highest);
     let low = max(view.low.x + offset.x * view.low.y + offset.y * view.low.z, view.lowest);
-    let matters = !(any(ahead) && any(behind)) && high >= best_low[k];
-    let sure = (all(ahead) || all(behind)) && low > best_high[k] && high * frame.forward.w < 0.99999;
-    open |= select(0u, 1u << k, matters && !sure);
-    let takes = matters && sure;
+    let matters = !(any(ahead) & any(behind)) & (high >= best_low[k]);
+    let sure = (all(ahead) | all(behind)) & (low > best_high[k]) & (high * frame.forward.w < 0.99999);
+    open |= select(0u, 1u << k, matters & !sure);
+    let takes = matters & sure;
     best_keys[k] = select(best_keys[k], ~t, takes);
     best_high[k] = select(best_high[k], high, takes);
     best_low[k] = select(best_low[k], low, takes);

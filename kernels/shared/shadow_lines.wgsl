@@ -20,6 +20,8 @@ struct Ground {
     tilt: f32,              // relative rounding of the normal, in units of TINY
     pixel: u32,
     origin: vec2<f32>,      // offset of the sample that q belongs to
+    alone: bool,            // its samples all lie on its own triangle
+    turn: f32,              // 1 if that, in the order of `own`, turns to the light, -1 if it turns away
 }
 
 const TINY = 5.9604645e-8;        // 2^-24
@@ -38,13 +40,30 @@ fn ground_of(k: u32) -> Ground {
     g.at = f.at;
     g.along_x = f.plane.w * frame.ray_x.xyz - g.at * g.over.y;
     g.along_y = f.plane.w * frame.ray_y.xyz - g.at * g.over.z;
-    g.tilt = f.tilt;
-    g.doubt = f.doubt;
+    g.tilt = abs(f.tilt);
+    g.doubt = abs(f.doubt);
+    g.alone = f.tilt < 0.0;
+    g.turn = sign(f.doubt);
     return g;
 }
 
 fn is_own(v: u32, own: vec3<u32>) -> bool {
     return any(vec3(v) == own);
+}
+
+fn owned_by(i: vec3<u32>, own: vec3<u32>) -> vec3<bool> {
+    return vec3(is_own(i.x, own), is_own(i.y, own), is_own(i.z, own));
+}
+
+// Whether a triangle shares an edge with the facet's own, and seen from the light the two lie on its two sides: then it casts
+// nothing on that. `i`: its vertices, rising, `owned` those that are the facet's own, `turn`: 1 if in this order it turns to
+// the light, -1 if it turns away.
+fn is_beside(g: Ground, i: vec3<u32>, owned: vec3<bool>, turn: f32) -> bool {
+    let shared_vertices = dot(select(vec3(0.0), vec3(1.0), owned), vec3(1.0));
+    // The order of a shared edge's ends and the third vertex is that of rising index, unless the third is between them.
+    let theirs = select(-turn, turn, owned.y);
+    let ours = select(-g.turn, g.turn, any(vec3(g.own.y) == i));
+    return (shared_vertices == 2.0) & (theirs * ours < 0.0);
 }
 
 // Height of a point over the facet towards the light: exactly 0 for the facet's own vertices, OPEN where rounding leaves

@@ -138,6 +138,7 @@ impl LightView {
             complete: true,
             one_of_several: false,
             closed: false,
+            outside: false,
         }
     }
 
@@ -186,6 +187,7 @@ impl LightView {
             complete: true,
             one_of_several: false,
             closed: false,
+            outside: false,
         }
     }
 }

@@ -41,6 +41,10 @@ pub struct LightView {
     /// Whether triangles that turn away from the light are never lit, whatever side of them is seen: the mesh is closed, and the
     /// light outside.
     pub closed: bool,
+    /// Whether the light is outside all closed bodies of the mesh: triangles of these that turn away from it are never lit, whatever
+    /// side of them is seen, and add nothing to the shadow. Fitting leaves it `false`; [`Settings::light_views`](crate::methods::Settings::light_views)
+    /// says it.
+    pub outside: bool,
 }
 
 /// What a view of a light at a point looks through: across at distance 1, and along its axis.

@@ -231,7 +231,7 @@ impl FacetMasks {
             return Err(Error::Config(format!("a view of {map} texels a side in a frame made for {have}")));
         }
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
-        let flags = flag(s.leaves_backs_out(), Frame::CULL_BACK)
+        let flags = flag(s.leaves_backs_out() && views.iter().all(|view| view.outside), Frame::CULL_BACK)
             | flag(s.keeps_validity(), Frame::VALIDITY)
             | flag(s.facets == FacetMode::All, Frame::CLAMP)
             | flag(!s.settle, Frame::ALL_UNDECIDED);

@@ -50,7 +50,6 @@ impl Prepared {
             positions,
             triangles,
             edges: Buffer::from_slice(device, queue, "casters.edges", &self.edges)?,
-            closed: self.closed,
             surfaces: self
                 .merges()
                 .then(|| Buffer::from_slice(device, queue, "casters.surfaces", &marked(&self.surfaces)))
@@ -110,8 +109,6 @@ pub struct CasterBuffers {
     pub triangles: Buffer<[u32; 4]>,
     /// Edges with their two triangles.
     pub edges: Buffer<Edge>,
-    /// Whether the mesh is closed.
-    pub closed: bool,
     /// Of each triangle the lowest of its surface, with [`SEVERAL`] where that has more than one; none if all have one.
     pub surfaces: Option<Buffer<u32>>,
 }

@@ -269,8 +269,8 @@ pub struct Settings {
     pub facets: FacetMode,
     /// Keep the validity mask.
     pub validity: bool,
-    /// Leave out casters of closed bodies that face away from the light, which must be outside all of them (the
-    /// [plan](crate::plan) sees to it). With validity masks none is left out: such casters may cut facets.
+    /// Leave out casters of closed bodies that face away from the light, if it is outside all of these ([`LightView::outside`]). With
+    /// validity masks none is left out: such casters may cut facets.
     pub cull_back: bool,
     /// How half-planes become masks.
     pub masks: MaskVariant,
@@ -293,35 +293,41 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The light's view of a mesh, which may be `closed`, as tight as what may be in shadow allows.
+    /// The light's view of a mesh, as tight as what may be in shadow allows. `bodies`: of each triangle whether it is of a closed body
+    /// ([`Prepared::bodies`]).
     ///
     /// # Errors
     /// As [`LightView::fit`].
-    pub fn light_view(&self, mesh: &Mesh, closed: bool, light: &Light) -> Result<LightView> {
+    pub fn light_view(&self, mesh: &Mesh, bodies: &[bool], light: &Light) -> Result<LightView> {
         mesh.check("mesh")?;
+        let outside = backs_are_dark(mesh, bodies, light);
         let beyond = self.facets == FacetMode::One && self.samples.count() > 1;
         if beyond && !self.validity {
             let view = LightView::fit_for(mesh, light, self.map, Receivers::Anything)?;
             if view.complete {
-                return Ok(view);
+                return Ok(LightView { outside, ..view });
             }
             // The light stands over a wide floor, say: no view holds all of that.
         }
         let receivers = match beyond {
             true => Receivers::Planes,
-            false if closed && mesh.is_outside(light) => Receivers::Outsides,
+            false if outside && bodies.iter().all(|body| *body) => Receivers::Outsides,
             false => Receivers::Surfaces,
         };
-        LightView::fit_for(mesh, light, self.map, receivers)
+        Ok(LightView { outside, ..LightView::fit_for(mesh, light, self.map, receivers)? })
     }
 
     /// The light's views of a mesh: one, or of a light that stands among its casters a [cube](LightView::cube) of them.
     ///
     /// # Errors
     /// As [`LightView::fit`].
-    pub fn light_views(&self, mesh: &Mesh, closed: bool, light: &Light) -> Result<Vec<LightView>> {
-        let view = self.light_view(mesh, closed, light)?;
-        if view.complete { Ok(vec![view]) } else { LightView::cube(mesh, light, self.map) }
+    pub fn light_views(&self, mesh: &Mesh, bodies: &[bool], light: &Light) -> Result<Vec<LightView>> {
+        let view = self.light_view(mesh, bodies, light)?;
+        if view.complete {
+            return Ok(vec![view]);
+        }
+        let cube = LightView::cube(mesh, light, self.map)?;
+        Ok(cube.into_iter().map(|side| LightView { outside: view.outside, ..side }).collect())
     }
 
     /// The settings of each of the views that a map is cut into.
@@ -394,6 +400,12 @@ impl Settings {
     }
 }
 
+/// Whether `light` is outside all closed bodies of a mesh, and there are any: what turns away from it of these is dark, and adds
+/// nothing to the shadow of the rest.
+pub(crate) fn backs_are_dark(mesh: &Mesh, bodies: &[bool], light: &Light) -> bool {
+    bodies.contains(&true) && mesh.is_outside_of(light, |t| bodies[t])
+}
+
 /// The light's views that were fitted last, which goes through all triangles: kept while the light is the same.
 #[derive(Debug, Default)]
 pub(super) struct LastView(Option<(Light, Vec<LightView>)>);
@@ -405,7 +417,7 @@ impl LastView {
     /// As [`LightView::fit`] and [`LightView::check`].
     pub fn of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<LightView> {
         let one = || {
-            let view = settings.light_view(&prepared.mesh, prepared.closed, light)?;
+            let view = settings.light_view(&prepared.mesh, &prepared.bodies, light)?;
             view.check()?;
             Ok(vec![view])
         };
@@ -417,7 +429,7 @@ impl LastView {
     /// # Errors
     /// As [`Settings::light_views`].
     pub fn all_of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<Vec<LightView>> {
-        self.kept(light, || settings.light_views(&prepared.mesh, prepared.closed, light)).map(<[_]>::to_vec)
+        self.kept(light, || settings.light_views(&prepared.mesh, &prepared.bodies, light)).map(<[_]>::to_vec)
     }
 
     fn kept(&mut self, light: &Light, views: impl FnOnce() -> Result<Vec<LightView>>) -> Result<&[LightView]> {

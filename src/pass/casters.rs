@@ -4,8 +4,8 @@ use super::Casters;
 use crate::Result;
 use crate::gpu::Buffer;
 use crate::methods::prepared::{CasterBuffers, Prepared, Surfaces};
+use crate::scene::Mesh;
 use crate::scene::weld::{UNUSED, weld};
-use crate::scene::{Light, Mesh};
 
 /// The casters on the GPU.
 pub struct CasterSet {
@@ -42,11 +42,6 @@ impl CasterSet {
         };
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers)?;
         Ok(Self { mesh: prepared.mesh, bodies: prepared.bodies, buffers, numbers, places })
-    }
-
-    /// Whether what turns away from `light` adds nothing to the shadows of some of them: of closed bodies, if it is outside them.
-    pub fn backs_add_nothing(&self, light: &Light) -> bool {
-        self.bodies.contains(&true) && self.mesh.is_outside_of(light, |t| self.bodies[t])
     }
 
     /// Uses other memory for positions and triangles from now on.

@@ -44,11 +44,11 @@ impl ShadowPass {
     }
 }
 
-/// The settings as the pass can use them for any camera and light: no caster is left out, and without validity masks no facet
-/// is settled (see [`crate::plan`]).
+/// The settings as the pass can use them for any camera and light: without validity masks no facet is settled (see
+/// [`crate::plan`]), and casters that turn away are left out where that changes nothing.
 pub fn settled(wanted: &Settings) -> Settings {
     let proved = wanted.validity || wanted.samples.count() == 1 || wanted.facets == FacetMode::All;
-    Settings { cull_back: false, settle: wanted.settle && proved, ..wanted.clone() }
+    Settings { cull_back: true, settle: wanted.settle && proved, ..wanted.clone() }
 }
 
 pub fn check_limits(have: &wgpu::Limits) -> Result<()> {

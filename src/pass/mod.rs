@@ -241,8 +241,7 @@ impl ShadowPass {
         target.check(self.settings.size, self.image.lit().len() as u64 * 4)?;
         self.check_gbuffer(&inputs.gbuffer)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
-        let known = self.views.of(inputs, &self.casters, &self.settings, bounds)?;
-        let views = self.maker.parts.of(known.views);
+        let views = self.maker.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
         if self.grows {
             self.grow()?;
         }
@@ -255,10 +254,6 @@ impl ShadowPass {
         }
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
-        }
-        // With validity masks they may cut facets.
-        if known.backs_add_nothing && frames.iter().all(|frame| frame.flags & Frame::VALIDITY == 0) {
-            frames.iter_mut().for_each(|frame| frame.flags |= Frame::CULL_BACK);
         }
         let (strips, status) = (self.image.strips.count(), self.image.method.status());
         let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips));

@@ -177,6 +177,7 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
     };
     let found = triangle.and_then(|t| around.triangles.get(t as usize)).and_then(|t| t.corners);
     let Some(corners) = found else { return facet };
+    let of_body = triangle.is_some_and(|t| around.triangles[t as usize].of_body);
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
     let to_light = view.light.truncate() - a * view.light.w;
@@ -188,7 +189,7 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
     facet.open = facet.open_side;
     facet.state = State::Dark;
     // Edge-on to either: unlit by definition. Seen from inside a closed body it is in the shadow of the rest.
-    if turn * turn_to_eye <= 0.0 || (view.map.closed && turn < 0.0) {
+    if turn * turn_to_eye <= 0.0 || ((view.map.closed || (view.map.outside && of_body)) && turn < 0.0) {
         return facet;
     }
     let normal = normal * turn;

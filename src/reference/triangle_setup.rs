@@ -29,11 +29,13 @@ pub struct Triangle {
     pub image: Option<(DVec2, DVec2)>,
     /// Where it is in the light view.
     pub map: Reach,
+    /// Whether it is of a closed body.
+    pub of_body: bool,
 }
 
 impl Triangle {
     /// No triangle.
-    pub const DROPPED: Self = Self { corners: None, side: 0.0, image: None, map: Reach::Nowhere };
+    pub const DROPPED: Self = Self { corners: None, side: 0.0, image: None, map: Reach::Nowhere, of_body: false };
 
     /// Pixels whose centre the box of its image holds: first and last column and row.
     pub fn pixels(&self, size: [u32; 2]) -> Option<[u32; 4]> {
@@ -90,7 +92,7 @@ fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3], of_body: bool) -> 
         _ if all.iter().all(|v| v.behind) || view.beyond(&corners) => Reach::Nowhere,
         _ => Cut::new(view, corners).map_or(Reach::Everywhere, Reach::Cut),
     };
-    Triangle { corners: Some(corners), side, image: image_box(view, corners), map }
+    Triangle { corners: Some(corners), side, image: image_box(view, corners), map, of_body }
 }
 
 /// Box in the image of the part of a triangle beyond the near plane.

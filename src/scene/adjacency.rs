@@ -36,7 +36,8 @@ pub struct Adjacency {
     /// and every connected part has a positive volume, so faces look outward.
     pub closed: bool,
     /// Of each triangle, whether the part of the mesh that hangs together with it by edges bounds a solid body, seen from
-    /// outside: every edge of the part joins exactly two triangles that wind consistently, and its volume is positive.
+    /// outside: every edge of the part joins exactly two triangles that wind consistently, and its volume is positive. Collapsed
+    /// triangles, which are no surface, count as such.
     pub bodies: Vec<bool>,
     /// Number of edges with one triangle.
     pub boundary: u32,
@@ -96,9 +97,10 @@ impl Adjacency {
         }
         adjacency.surfaces = joining.surfaces();
         adjacency.bodies = bodies(mesh, &adjacency.edges, &torn);
-        // A collapsed triangle is a line and bounds nothing.
-        let bounds = |t: usize| adjacency.bodies[t] || is_line(mesh.triangles[t].map(|v| welded.place[v as usize]));
-        adjacency.closed = !adjacency.edges.is_empty() && (0..mesh.triangles.len()).all(bounds);
+        for (body, corners) in adjacency.bodies.iter_mut().zip(&mesh.triangles) {
+            *body |= is_line(corners.map(|v| welded.place[v as usize]));
+        }
+        adjacency.closed = !adjacency.edges.is_empty() && adjacency.bodies.iter().all(|body| *body);
         adjacency
     }
 

@@ -35,7 +35,7 @@ impl LightSide {
     ) -> Self {
         let mesh = &prepared.mesh;
         let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let view = View::new(camera, light, map, bounds, settings.size, settings.leaves_backs_out());
+        let view = View::new(camera, light, map, bounds, settings.size, settings.leaves_backs_out() && map.outside);
         let (vertices, triangles) = clock.time("triangle_setup", || {
             let vertices = project(&view, &mesh.positions);
             let triangles = setup(&view, &vertices, &mesh.triangles, &prepared.bodies);
