@@ -35,11 +35,9 @@ const ROUND_LENGTH = 4096u;
 
 //@import frame_copy
 
-var<workgroup> wg_tests: atomic<u32>;
+//@import caster_effect
 
-const NOTHING = 0u;
-const MATTERS = 1u;
-const COVERS = 2u;
+var<workgroup> wg_tests: atomic<u32>;
 
 const SEEN_BITS = 16u;  // SEEN = 1 << SEEN_BITS
 const KNOWN = 0x80000000u;
@@ -51,69 +49,6 @@ fn was_met(f: u32, t: u32) -> bool {
     let content = KNOWN | f | ((t >> SEEN_BITS) << 25u);
     let slot = (t ^ ((content * 2654435769u) >> (32u - SEEN_BITS))) & (SEEN - 1u);
     return atomicExchange(&candidates.seen[slot], content) == content;
-}
-
-// How far the box reaches beyond the line a-b (x: its outermost point, y: its innermost, both positive inside).
-fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, middle: vec2<f32>, half: vec2<f32>) -> vec2<f32> {
-    let n = turn * vec2(a.y - b.y, b.x - a.x);
-    let at = dot(n, middle - a);
-    let wide = dot(abs(n), half);
-    return vec2(at - wide, at + wide);
-}
-
-// What is asked of a facet's own triangle: its vertices, and the sign of its area in the light view; 0 if the facet has samples
-// elsewhere.
-struct Own { i: vec3<u32>, turn: f32 }
-
-fn own_of(f: u32, t: u32) -> Own {
-    let given = triangles[t];
-    // What faces the light runs around this way in the light view.
-    let way = -sign(dot(cross(frame.map_u.xyz, frame.map_v.xyz), frame.map_z.xyz));
-    let turn = way * sign(facets[f].doubt) * select(1.0, -1.0, is_reversed(given, rising(given)));
-    return Own(given, select(0.0, turn, facets[f].tilt < 0.0));
-}
-
-// Whether two triangles run through an edge in opposite directions.
-fn share_edge(i: vec3<u32>, j: vec3<u32>) -> bool {
-    let one = (i == j.yzx) & (i.yzx == j);
-    let two = (i == j.zxy) & (i.yzx == j.yzx);
-    let three = (i == j) & (i.yzx == j.zxy);
-    return any(one | two | three);
-}
-
-// What a triangle may do to a facet: nothing, something, or cover all of it. Of two triangles at an edge that face the light alike
-// neither casts on the other.
-fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest: f32) -> u32 {
-    let i = triangles[t];
-    let a = map_points[i.x];
-    let b = map_points[i.y];
-    let c = map_points[i.z];
-    let low = min(min(a.xy, b.xy), c.xy);
-    let high = max(max(a.xy, b.xy), c.xy);
-    let apart = any((low > middle + half) | (high < middle - half));
-    let beyond = min(a.z, min(b.z, c.z)) > farthest + frame.depth_margin;
-    let over = vec3(
-        dot(slope.xyz, vec3(a.xy, 1.0)) - a.z, dot(slope.xyz, vec3(b.xy, 1.0)) - b.z, dot(slope.xyz, vec3(c.xy, 1.0)) - c.z);
-    // Rounding grows with the distance at which the slope is followed.
-    let reach = max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
-    let noise = slope.w + 1e-6 * (abs(slope.x) + abs(slope.y)) * reach;
-    let below = all(over < vec3(-noise));
-    let ab = b.xy - a.xy;
-    let ac = c.xy - a.xy;
-    let area = ab.x * ac.y - ab.y * ac.x;
-    let size = max(abs(ab.x) + abs(ab.y), abs(ac.x) + abs(ac.y));
-    let thin = abs(area) <= 4e-6 * (reach + size) * size;
-    let turn = select(-1.0, 1.0, area > 0.0);
-    let grown = half + 4e-6 * reach;
-    let e0 = reach_of(a.xy, b.xy, turn, middle, grown);
-    let e1 = reach_of(b.xy, c.xy, turn, middle, grown);
-    let e2 = reach_of(c.xy, a.xy, turn, middle, grown);
-    let beside = share_edge(own.i, i) & (turn * own.turn > 0.0) & !thin;
-    let outside = (min(e0.y, min(e1.y, e2.y)) < 0.0) & !thin;
-    let covers = (min(e0.x, min(e1.x, e2.x)) > 0.0) & !thin & all(over > vec3(noise)) & (noise < 1e30);
-    let in_front = min(a.w, min(b.w, c.w)) > 0.0;
-    let e = select(select(MATTERS, COVERS, covers), NOTHING, apart | beyond | below | outside | beside);
-    return select(MATTERS, e, in_front);
 }
 
 fn triangle_at(n: u32) -> u32 {

@@ -62,8 +62,8 @@ fn project(f: u32, t: u32) {
     cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }
 
-// The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge that
-// the two share, whatever rounding made of that.
+// The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge
+// that the two share, whatever rounding made of that.
 fn centre_of(l: Lines, beside: bool, owned: vec3<bool>) -> vec4<f32> {
     let at_edge = vec4(!owned.z, !owned.x, !owned.y, true) & vec4(beside & ((frame.flags & FLAG_CLAMP) == 0u));
     return select(l.centre, vec4(-1e-37), at_edge & (abs(l.centre) <= CREASE * (abs(l.right) + abs(l.down))));

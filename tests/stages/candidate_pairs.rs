@@ -194,6 +194,41 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], got: &Got) -> [usize; 3]
     faults
 }
 
+/// Whether two triangles of the world run through an edge in opposite directions.
+fn share_edge(world: &World, s: u32, t: u32) -> bool {
+    let [s, t] = [s, t].map(|k| world.prepared.mesh.triangles[k as usize]);
+    (0..3).any(|a| (0..3).any(|b| s[a] == t[(b + 1) % 3] && s[(a + 1) % 3] == t[b]))
+}
+
+/// Of facets whose samples all lie on their own triangle a neighbour at an edge that faces the light alike is no candidate; of others,
+/// and where the two face it differently, it is.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn neighbours_at_an_edge() {
+    use subpixel_shadows::frame::Frame;
+    let mut random = Random::new(79);
+    let mut found = [[0usize; 2]; 2];
+    for round in 0..12 {
+        let mut world = world(gpu(), &random_scene(2, &mut random), &mut random);
+        let listed = world.seen();
+        for alone in [false, true] {
+            world.frame.flags = if alone { 8 | Frame::CLAMP } else { 8 };
+            let room = 4 * listed.len() * world.triangles.len() + 1;
+            let got = cull(&world, &stages()[round % 2], &listed, room as u32, room);
+            for [f, t] in got.kept {
+                let Some(own) = listed[f as usize].1 else { continue };
+                if share_edge(&world, own, t) {
+                    let [a, b] = [own, t].map(|k| world.triangles[k as usize].side);
+                    found[usize::from(alone)][usize::from(a * b > 0.0)] += 1;
+                }
+            }
+        }
+    }
+    let [[apart, alike], [apart_alone, alike_alone]] = found;
+    assert!(alike > 200 && alike_alone == 0, "{found:?}");
+    assert!(apart > 10 && apart_alone * 10 > apart, "{found:?}");
+}
+
 trait IntoReference {
     fn into_reference(self) -> subpixel_shadows::reference::facet_classify::State;
 }

@@ -266,7 +266,8 @@ impl World {
         let one = |&(pixel, t): &(u32, Option<u32>)| Facet {
             pixel,
             triangle: t.unwrap_or(u32::MAX),
-            state: POISON,
+            // With it the stage before says what it merged: nothing.
+            state: if self.frame.flags & Frame::CLAMP == 0 { POISON } else { 0 },
             ..Facet::default()
         };
         facets.list.write(&gpu.queue, &listed.iter().map(one).collect::<Vec<_>>());
