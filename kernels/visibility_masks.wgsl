@@ -27,7 +27,6 @@ override OFFSETS: u32 = 0u;
 override CUTS: u32 = 1u;     // 0: FLAG_VALIDITY is never set
 override TWO_STEP: u32 = 0u;  // 1: by two projections (shared/two_step), and nothing is put on the list `doubts`
 const WORKGROUP = 64u;
-const CREASE = 0.0009765625; // pixels; far above what rounding in camera_visibility may have moved an edge
 const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
@@ -60,13 +59,6 @@ fn project(f: u32, t: u32) {
     let l = two_step_lines(g, a, b, c, h);
     add(f, 1u, inside(l));
     cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
-}
-
-// The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge
-// that the two share, whatever rounding made of that.
-fn centre_of(l: Lines, beside: bool, owned: vec3<bool>) -> vec4<f32> {
-    let at_edge = vec4(!owned.z, !owned.x, !owned.y, true) & vec4(beside & ((frame.flags & FLAG_CLAMP) == 0u));
-    return select(l.centre, vec4(-1e-37), at_edge & (abs(l.centre) <= CREASE * (abs(l.right) + abs(l.down))));
 }
 
 // False if single precision cannot tell. `k`: the candidate.

@@ -96,7 +96,7 @@ shared_struct! {
 }
 
 impl Frame {
-    /// Triangles of closed bodies that face away from the light are no casters.
+    /// Triangles of closed bodies that face away from the light are no casters; with [`Frame::VALIDITY`] they may cut facets.
     pub const CULL_BACK: u32 = 1;
     /// Keep the validity mask.
     pub const VALIDITY: u32 = 2;

@@ -135,9 +135,8 @@ impl Plan {
         let no_validity = no_validity(wanted);
         settings.validity = part(VALIDITY, no_validity);
         settings.settle = part(SETTLE, no_settling(wanted, settings.validity, force_all));
-        let culled = (wanted.cull_back && !force_all && !settings.validity)
-            .then(|| back_faces_add_nothing(prepared, light))
-            .flatten();
+        let culled = (wanted.cull_back && !force_all).then(|| back_faces_add_nothing(prepared, light)).flatten();
+        let culled = culled.map(|why| if settings.validity { why + "; those that may cut a facet stay" } else { why });
         settings.cull_back = culled.is_some();
         part(BACK_FACING, culled);
         if wanted.facets == FacetMode::All {
@@ -308,8 +307,9 @@ mod tests {
         assert!(reason(&one, PERSPECTIVE.0).unwrap().contains("directional"));
         assert!(one.settings.cull_back && one.settings.settle && !one.settings.validity);
         let many = of(spot, 32, true);
-        assert_eq!(many.left_out().count(), 0, "{many:?}");
-        assert!(!many.settings.cull_back && many.settings.settle && many.settings.validity);
+        assert_eq!(many.left_out().count(), 1, "{many:?}");
+        assert!(reason(&many, BACK_FACING.0).unwrap().contains("may cut a facet stay"));
+        assert!(many.settings.cull_back && many.settings.settle && many.settings.validity);
         let off = of(spot, 32, false);
         assert!(off.settings.cull_back && !off.settings.settle && !off.settings.validity);
         let inside = of(Light::Point { position: [0.3, 0.2, 0.3] }, 1, true);

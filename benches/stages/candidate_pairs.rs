@@ -8,7 +8,7 @@ use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
-    let stage = CandidatePairs::new(&gpu.device, 1, PLACES);
+    let stage = CandidatePairs::new(&gpu.device, 1, PLACES, true);
     let (bytes, atomics) = (shadow.counts[0] * 136, shadow.counts[2]);
     Ok(vec![Case {
         name: "candidate_pairs".to_owned(),

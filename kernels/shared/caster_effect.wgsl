@@ -1,5 +1,5 @@
 // What a caster may do to a facet, as far as boxes and slopes in the light view tell (candidate_pairs). Needs `frame`, facet,
-// facing, and the arrays `facets`, `triangles` and `map_points`.
+// facing, the arrays `facets`, `triangles` and `map_points`, and the override ALONE.
 
 const NOTHING = 0u;
 const MATTERS = 1u;
@@ -13,16 +13,22 @@ fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, middle: vec2<f32>, half: vec2
     return vec2(at - wide, at + wide);
 }
 
-// What is asked of a facet's own triangle: its vertices, and the sign of its area in the light view; 0 if the facet has samples
-// elsewhere.
-struct Own { i: vec3<u32>, turn: f32 }
+// What is asked of a facet's surroundings.
+struct Own {
+    i: vec3<u32>,  // its own triangle
+    turn: f32,     // sign of the area of that in the light view; 0 if the facet has samples elsewhere
+    back: f32,     // sign of the area of what turns away from the light, if such casters of closed bodies are left out; else 0
+}
 
 fn own_of(f: u32, t: u32) -> Own {
-    let given = triangles[t];
-    // What faces the light runs around this way in the light view.
-    let way = -sign(dot(cross(frame.map_u.xyz, frame.map_v.xyz), frame.map_z.xyz));
-    let turn = way * sign(facets[f].doubt) * select(1.0, -1.0, is_reversed(given, rising(given)));
-    return Own(given, select(0.0, turn, facets[f].tilt < 0.0));
+    let way = sign(dot(cross(frame.map_u.xyz, frame.map_v.xyz), frame.map_z.xyz));
+    var own = Own(vec3(0u), 0.0, select(0.0, way, (frame.flags & FLAG_CULL_BACK) != 0u));
+    if ALONE != 0u {
+        own.i = triangles[t].xyz;
+        let turn = -way * sign(facets[f].doubt) * select(1.0, -1.0, is_reversed(own.i, rising(own.i)));
+        own.turn = select(0.0, turn, facets[f].tilt < 0.0);
+    }
+    return own;
 }
 
 // Whether two triangles run through an edge in opposite directions.
@@ -34,7 +40,7 @@ fn share_edge(i: vec3<u32>, j: vec3<u32>) -> bool {
 }
 
 // What a triangle may do to a facet: nothing, something, or cover all of it. Of two triangles at an edge that face the light alike
-// neither casts on the other.
+// neither casts on the other. What is no caster (FLAG_CULL_BACK) may still cut a facet whose plane it reaches.
 fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest: f32) -> u32 {
     let i = triangles[t];
     let a = map_points[i.x];
@@ -60,10 +66,13 @@ fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>
     let e0 = reach_of(a.xy, b.xy, turn, middle, grown);
     let e1 = reach_of(b.xy, c.xy, turn, middle, grown);
     let e2 = reach_of(c.xy, a.xy, turn, middle, grown);
-    let beside = share_edge(own.i, i) & (turn * own.turn > 0.0) & !thin;
+    var beside = false;
+    if ALONE != 0u { beside = share_edge(own.i, i.xyz) & (turn * own.turn > 0.0) & !thin; }
+    let above = all(over > vec3(noise)) & (noise < 1e30);
+    let spare = (i.w != 0u) & (turn * own.back > 0.0) & above & !thin;
     let outside = (min(e0.y, min(e1.y, e2.y)) < 0.0) & !thin;
-    let covers = (min(e0.x, min(e1.x, e2.x)) > 0.0) & !thin & all(over > vec3(noise)) & (noise < 1e30);
+    let covers = (min(e0.x, min(e1.x, e2.x)) > 0.0) & !thin & above;
     let in_front = min(a.w, min(b.w, c.w)) > 0.0;
-    let e = select(select(MATTERS, COVERS, covers), NOTHING, apart | beyond | below | outside | beside);
+    let e = select(select(MATTERS, COVERS, covers), NOTHING, apart | beyond | below | outside | beside | spare);
     return select(MATTERS, e, in_front);
 }

@@ -25,6 +25,15 @@ fn is_partial(f: u32) -> bool {
     return seen != frame.sample_count;
 }
 
+const CREASE = 0.0009765625;  // pixels; far above what rounding in camera_visibility may have moved an edge
+
+// The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge
+// that the two share, whatever rounding made of that.
+fn centre_of(l: Lines, beside: bool, owned: vec3<bool>) -> vec4<f32> {
+    let at_edge = vec4(!owned.z, !owned.x, !owned.y, true) & vec4(beside & ((frame.flags & FLAG_CLAMP) == 0u));
+    return select(l.centre, vec4(-1e-37), at_edge & (abs(l.centre) <= CREASE * (abs(l.right) + abs(l.down))));
+}
+
 // Whether a triangle of heights `h` over a facet may cut it within its pixel, along `line`.
 fn may_cut(line: vec3<f32>, h: vec3<f32>) -> bool {
     if CUTS == 0u { return false; }

@@ -45,7 +45,7 @@ struct Frame {
     pad_1: u32,
 }
 
-const FLAG_CULL_BACK = 1u;      // triangles of closed bodies that face away from the light are no casters
+const FLAG_CULL_BACK = 1u;      // triangles of closed bodies that face away from the light are no casters; they may cut facets
 const FLAG_VALIDITY = 2u;       // keep the validity mask
 const FLAG_PERSPECTIVE = 4u;    // the light is at a point: divide by the light's w
 const FLAG_ALL_UNDECIDED = 8u;  // settle no facet before evaluation

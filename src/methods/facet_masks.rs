@@ -89,7 +89,7 @@ impl Pipelines {
             classify: FacetClassify::specialised(device, words, clamp, receivers),
             pixel_pairs: PixelTexelPairs::new(device, places),
             triangle_pairs: TriangleTexelPairs::new(device, places),
-            candidates: CandidatePairs::new(device, words, places),
+            candidates: CandidatePairs::new(device, words, places, clamp),
             masks: VisibilityMasks::specialised(
                 device,
                 settings.samples.count(),
@@ -231,7 +231,7 @@ impl FacetMasks {
             return Err(Error::Config(format!("a view of {map} texels a side in a frame made for {have}")));
         }
         let flag = |on: bool, bit: u32| if on { bit } else { 0 };
-        let flags = flag(s.leaves_backs_out() && views.iter().all(|view| view.outside), Frame::CULL_BACK)
+        let flags = flag(s.cull_back && views.iter().all(|view| view.outside), Frame::CULL_BACK)
             | flag(s.keeps_validity(), Frame::VALIDITY)
             | flag(s.facets == FacetMode::All, Frame::CLAMP)
             | flag(!s.settle, Frame::ALL_UNDECIDED);

@@ -270,7 +270,7 @@ pub struct Settings {
     /// Keep the validity mask.
     pub validity: bool,
     /// Leave out casters of closed bodies that face away from the light, if it is outside all of these ([`LightView::outside`]). With
-    /// validity masks none is left out: such casters may cut facets.
+    /// validity masks those that may cut a facet stay.
     pub cull_back: bool,
     /// How half-planes become masks.
     pub masks: MaskVariant,
@@ -340,7 +340,7 @@ impl Settings {
         self.validity && self.samples.count() > 1 && self.facets == FacetMode::One
     }
 
-    /// Whether casters of closed bodies that face away from the light are left out.
+    /// Whether casters of closed bodies that face away from the light are left out of everything.
     pub(crate) fn leaves_backs_out(&self) -> bool {
         self.cull_back && !self.keeps_validity()
     }

@@ -65,8 +65,8 @@ use views::Views;
 /// What a pass is made for.
 #[derive(Clone, Debug)]
 pub struct PassConfig<'a> {
-    /// Image size, samples, map and facets. `cull_back` is not looked at: casters of
-    /// closed bodies that turn away from the light are left out wherever that changes nothing. Nor are the options of other methods.
+    /// Image size, samples, map and facets. Not looked at are `cull_back` (casters of closed bodies that turn away from the light are
+    /// left out wherever that changes nothing) and the options of other methods.
     pub settings: Settings,
     /// The triangles.
     pub casters: Casters<'a>,

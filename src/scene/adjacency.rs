@@ -184,14 +184,14 @@ fn bodies(mesh: &Mesh, edges: &[Edge], torn: &[bool]) -> Vec<bool> {
     // Signed volume and its size without cancellation, of six times the tetrahedra from the part's first corner.
     let mut volumes = vec![[0.0f64; 2]; mesh.triangles.len()];
     let mut whole = vec![true; mesh.triangles.len()];
-    for t in 0..mesh.triangles.len() {
+    for (t, torn) in torn.iter().enumerate() {
         let part = root(&mut parent, t as u32) as usize;
         let origin = mesh.corners(part)[0];
         let [a, b, c] = mesh.corners(t).map(|p| p - origin);
         let volume = a.dot(b.cross(c));
         volumes[part][0] += volume;
         volumes[part][1] += volume.abs();
-        whole[part] &= !torn[t];
+        whole[part] &= !torn;
     }
     let is_body = |part: usize| whole[part] && volumes[part][0] > 1e-12 * volumes[part][1];
     (0..mesh.triangles.len()).map(|t| is_body(root(&mut parent, t as u32) as usize)).collect()

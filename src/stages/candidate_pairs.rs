@@ -33,9 +33,10 @@ pub struct CandidatePairs {
 }
 
 impl CandidatePairs {
-    /// Builds the pipeline for masks of `words` words and pairs that meet at `places`.
-    pub fn new(device: &wgpu::Device, words: u32, places: Places) -> Self {
-        let constants = [("WORDS", f64::from(words)), places.constant()];
+    /// Builds the pipeline for masks of `words` words and pairs that meet at `places`. `alone`: there may be facets whose samples all lie
+    /// on their own triangle ([`Frame::CLAMP`](crate::frame::Frame::CLAMP)), on which neighbours that face the light alike cast nothing.
+    pub fn new(device: &wgpu::Device, words: u32, places: Places, alone: bool) -> Self {
+        let constants = [("WORDS", f64::from(words)), places.constant(), ("ALONE", f64::from(u8::from(alone)))];
         Self { cull: Program::new(device, kernel::ENTRY_CULL, &constants), places }
     }
 

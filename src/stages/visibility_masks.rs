@@ -6,7 +6,8 @@
 //!   precision could not decide.
 //! - **Guarantee.** Bit-equal from run to run, whatever the order of the candidates. A sample farther than 1/256 pixel from
 //!   every shadow edge is decided as in exact arithmetic: what `f32` does not place that well is computed with 46 bits.
-//! - **Cost.** Two indirect dispatches; per candidate about 250 flop and 10 a sample, one atomic a word that changes.
+//! - **Cost.** Two indirect dispatches; per candidate about 250 flop and 25 a sample, in one pass over the samples, one atomic a
+//!   word that changes.
 
 use super::facet_classify::Facets;
 use super::pixel_texel_pairs::PairLists;

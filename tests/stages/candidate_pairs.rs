@@ -229,6 +229,47 @@ fn neighbours_at_an_edge() {
     assert!(apart > 10 && apart_alone * 10 > apart, "{found:?}");
 }
 
+/// Where what turns away of closed bodies is no caster, such triangles are left out, no others, and none that cuts a facet.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_turns_away_stays_where_it_cuts() {
+    use subpixel_shadows::frame::Frame;
+    let mut random = Random::new(80);
+    let (mut left_out, mut cutting) = (0, 0);
+    for round in 0..64 {
+        let mut world = world(gpu(), &random_scene([1, 2][round % 2], &mut random), &mut random);
+        let listed = world.seen();
+        let exact = classified(&world, &listed, Margin::default());
+        let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
+        let [w, h] = world.view.image;
+        let truth = FacetTruth::new(&tracer, &world.camera, &world.light, &world.samples, w, h).expect("truth");
+        let room = 4 * listed.len() * world.triangles.len() + 1;
+        let [all, few] = [0, Frame::CULL_BACK | Frame::VALIDITY].map(|flags| {
+            world.frame.flags |= flags;
+            cull(&world, &stages()[round / 2 % 2], &listed, room as u32, room)
+        });
+        for &[f, t] in &all.kept {
+            let Some(own) = exact[f as usize].triangle.filter(|_| !all.settled[f as usize] && !few.settled[f as usize])
+            else {
+                continue;
+            };
+            let (of_body, side) = (world.prepared.bodies[t as usize], world.triangles[t as usize].side);
+            let coverage = split_mask(full_mask(32));
+            let input = FacetInput { pixel: exact[f as usize].pixel, triangle: own, coverage };
+            let result = truth.judge_among(&input, &[t]);
+            let met = join_mask(truth.clone().without_validity().judge_among(&input, &[]).valid);
+            let cuts = !join_mask(result.valid) & !join_mask(result.ambiguous_valid) & met != 0;
+            if few.kept.binary_search(&[f, t]).is_err() {
+                assert!(of_body && side < 0.0 && !cuts, "round {round}: facet {f}, triangle {t}, side {side}, {cuts}");
+                left_out += 1;
+            } else if of_body && side < 0.0 {
+                cutting += usize::from(cuts);
+            }
+        }
+    }
+    assert!(left_out > 1000 && cutting > 20, "{left_out} left out, {cutting} that cut");
+}
+
 trait IntoReference {
     fn into_reference(self) -> subpixel_shadows::reference::facet_classify::State;
 }
@@ -245,7 +286,7 @@ const PLACES: [Places; 2] = [Places::Texels, Places::Tiles];
 /// One for each kind of places.
 fn stages() -> &'static [CandidatePairs; 2] {
     static STAGES: std::sync::OnceLock<[CandidatePairs; 2]> = std::sync::OnceLock::new();
-    STAGES.get_or_init(|| PLACES.map(|places| CandidatePairs::new(&gpu().device, 1, places)))
+    STAGES.get_or_init(|| PLACES.map(|places| CandidatePairs::new(&gpu().device, 1, places, true)))
 }
 
 /// As `check`, with pairs that meet by texel and by tile.
@@ -382,7 +423,7 @@ fn repetitions_are_left_out_and_nothing_else() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
     let mut random = Random::new(77);
-    let small = PLACES.map(|places| CandidatePairs::new(&folding_gpu().device, 1, places));
+    let small = PLACES.map(|places| CandidatePairs::new(&folding_gpu().device, 1, places, true));
     let world = world(folding_gpu(), &crate::support::shadow::soup(30, 0.8, &mut random), &mut random);
     let any = world.anything(500, &mut random);
     assert!(any.len() > 3 * 64);

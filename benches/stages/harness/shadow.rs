@@ -130,7 +130,7 @@ impl Shadow {
         tally[0] = pixel_count as u32;
         shadow.lists.candidates.write(queue, &tally);
         shadow.pair_args = args(gpu, pixel_count)?;
-        submit(gpu, |s| shadow.candidates(s, &CandidatePairs::new(device, 1, PLACES)))?;
+        submit(gpu, |s| shadow.candidates(s, &CandidatePairs::new(device, 1, PLACES, true)))?;
         let found = shadow.lists.candidates.read_first(gpu, 2)?[1] as usize;
         shadow.candidate_args = args(gpu, found.min(room))?;
         shadow.counts = [pixel_count, triangle_count, found.min(room)];
