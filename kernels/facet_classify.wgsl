@@ -2,8 +2,7 @@
 // `one` lists one facet a pixel, from the triangle at its centre, with a full coverage mask.
 // `classify` finds for each listed facet its plane, its light-view outline and rectangle, and its state:
 //   DARK where its seen side faces away from the light, or light or eye are in its plane; decided with 46 bits where single
-//   precision leaves it open; where it is seen from inside a body that the light is outside of, whose rest keeps the light off
-//   (FLAG_CLOSED, FLAG_OUTSIDE);
+//   precision leaves it open; with FLAG_CLOSED also where it is seen from inside the body, whose rest keeps the light off;
 //   LIT where no caster is in the rectangle, or where no texel of it is marked and the facet lies before the split depth;
 //   SHADOWED where no texel of it is marked and it lies behind the split depth;
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
@@ -11,6 +10,7 @@
 // and settled by the splits of all texels of a small rectangle.
 // `begin` empties the list of unsure facets; `classify` puts those on it of whose triangle single precision does not tell which
 // side light or eye are on, and `classify_unsure` classifies them with 46 bits: vector machines pay for code that no lane takes.
+// A facet of what is no caster (FLAG_CULL_BACK) is never settled.
 // There is no depth bias: the split depth was proved (front_layer) to lie between two sheets.
 // A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle. With
 // FLAG_CLAMP all facets have only such samples, but for FLAG_BEYOND: their rectangles are cut to their triangles. A merged facet

@@ -130,9 +130,11 @@ fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
         let c = point_of(i.z);
         let owned = owned_by(i, g.own);
         let h = vec3(height_of(g, owned.x, a), height_of(g, owned.y, b), height_of(g, owned.z, c));
-        let turn = select(-1.0, 1.0, facing_of(a, b, c, frame.light) == FRONT);
+        let side = facing_of(a, b, c, frame.light);
+        let turn = select(-1.0, 1.0, side == FRONT);
+        let beside = is_beside(g, i, owned, select(turn, 0.0, side == UNSURE));
         let line = turn * own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z)).xyz;
-        let centre = centre_of(Lines(vec4(line.x), vec4(line.y), vec4(line.z)), is_beside(g, i, owned, turn), owned).w;
+        let centre = centre_of(Lines(vec4(line.x), vec4(line.y), vec4(line.z)), beside, owned).w;
         cut(pair.x, g, vec3(centre, line.yz), a, b, c, h);
     }
 }

@@ -110,8 +110,6 @@ impl Frame {
     pub const BEYOND: u32 = 32;
     /// The mesh is closed, and the light outside: triangles that turn away from the light are dark on both sides.
     pub const CLOSED: u32 = 64;
-    /// The light is outside all closed bodies: triangles of these that turn away from it are dark on both sides.
-    pub const OUTSIDE: u32 = 1024;
     /// The view is one of several: see [`LightView::one_of_several`].
     pub const ONE_OF_SEVERAL: u32 = 512;
     /// Another view of the light follows.
@@ -174,7 +172,6 @@ impl Frame {
             sample_count: samples.count(),
             flags: if view.perspective { Self::PERSPECTIVE } else { 0 }
                 | if view.closed { Self::CLOSED } else { 0 }
-                | if view.outside { Self::OUTSIDE } else { 0 }
                 | if view.one_of_several { Self::ONE_OF_SEVERAL } else { 0 },
             map_margin: map_margin as f32,
             depth_margin: depth_margin as f32,

@@ -67,9 +67,11 @@ fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>
     let e1 = reach_of(b.xy, c.xy, turn, middle, grown);
     let e2 = reach_of(c.xy, a.xy, turn, middle, grown);
     var beside = false;
-    if ALONE != 0u { beside = share_edge(own.i, i.xyz) & (turn * own.turn > 0.0) & !thin; }
+    // That a triangle turns to the light or away is known if no corner's rounding turns it.
+    let known = abs(area) > (2.0 * frame.map_margin + 4e-6 * (reach + size)) * size;
+    if ALONE != 0u { beside = share_edge(own.i, i.xyz) & (turn * own.turn > 0.0) & known; }
     let above = all(over > vec3(noise)) & (noise < 1e30);
-    let spare = (i.w != 0u) & (turn * own.back > 0.0) & above & !thin;
+    let spare = (i.w != 0u) & (turn * own.back > 0.0) & above & known;
     let outside = (min(e0.y, min(e1.y, e2.y)) < 0.0) & !thin;
     let covers = (min(e0.x, min(e1.x, e2.x)) > 0.0) & !thin & above;
     let in_front = min(a.w, min(b.w, c.w)) > 0.0;

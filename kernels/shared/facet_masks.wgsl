@@ -25,7 +25,7 @@ fn is_partial(f: u32) -> bool {
     return seen != frame.sample_count;
 }
 
-const CREASE = 0.0009765625;  // pixels; far above what rounding in camera_visibility may have moved an edge
+const CREASE = 0.0035;  // pixels; above what rounding in camera_visibility, or a rasterizer's grid, may have moved an edge
 
 // The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge
 // that the two share, whatever rounding made of that.

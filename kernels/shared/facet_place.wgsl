@@ -97,9 +97,9 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
 
 fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<function, Found>) -> u32 {
     let away = turns.x * select(1.0, -1.0, is_reversed(shape.given.xyz, shape.i)) < 0.0;
-    // Of a body that the light is outside of.
-    let closes = select(FLAG_CLOSED, FLAG_CLOSED | FLAG_OUTSIDE, shape.given.w != 0u);
-    if turns.x * turns.y <= 0.0 || (away && (frame.flags & closes) != 0u) { return STATE_DARK; }
+    if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) { return STATE_DARK; }
+    // Of what is no caster the splits know nothing.
+    let hidden = away & (shape.given.w != 0u) & ((frame.flags & (FLAG_CULL_BACK | FLAG_VALIDITY)) == FLAG_CULL_BACK);
     let pixel = facets[f].pixel;
     let a = shape.a;
     let b = shape.b;
@@ -131,7 +131,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     var rect = EMPTY_RECT;
     let low = select(vec2(-3.0e38), outline.low, outline.in_front);
     let high = select(vec2(3.0e38), outline.high, outline.in_front);
-    var farthest = select(3.0e38, outline.farthest, outline.in_front);
+    var farthest = select(3.0e38, outline.farthest, outline.in_front & !hidden);
     var margin = frame.map_margin;
     let receives = RECEIVERS != 0u && only_receives(shape.triangle);
     if receives {
@@ -152,7 +152,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     // What lies in part beyond one of several views is settled in none of them.
     let inside = all((low >= vec2(margin)) & (high <= vec2(f32(frame.map_size) - margin)));
     let whole = inside || (frame.flags & FLAG_ONE_OF_SEVERAL) == 0u;
-    if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front && whole {
+    if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front && whole && !hidden {
         let r = unpack_rect(rect);
         let unmarked = rect_sum(vec2(frame.map_size), r.low, r.high) == 0u;
         if unmarked && receives {

@@ -52,7 +52,6 @@ const FLAG_ALL_UNDECIDED = 8u;  // settle no facet before evaluation
 const FLAG_CLAMP = 16u;         // a facet covers only its own triangle
 const FLAG_BEYOND = 32u;        // with it: but may also cover samples beyond
 const FLAG_CLOSED = 64u;        // the mesh is closed, the light outside: what turns away from the light is dark on both sides
-const FLAG_OUTSIDE = 1024u;     // the light is outside all closed bodies: what turns away of them is dark on both sides
 const FLAG_MORE_VIEWS = 128u;   // another view of the light follows
 const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of facets is kept
 const FLAG_ONE_OF_SEVERAL = 512u; // the view is one of several: facets are settled only where all of them lies in it

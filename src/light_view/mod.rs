@@ -41,9 +41,10 @@ pub struct LightView {
     /// Whether triangles that turn away from the light are never lit, whatever side of them is seen: the mesh is closed, and the
     /// light outside.
     pub closed: bool,
-    /// Whether the light is outside all closed bodies of the mesh: triangles of these that turn away from it are never lit, whatever
-    /// side of them is seen, and add nothing to the shadow. Fitting leaves it `false`; [`Settings::light_views`](crate::methods::Settings::light_views)
-    /// says it.
+    /// Whether the light is outside all closed bodies of the mesh: triangles of these that turn away from it add nothing to the
+    /// shadow. (A body that runs through itself so that some of its space is inside out counts as any other: what lies in such
+    /// space is not shadowed by it.) Fitting leaves it `false`;
+    /// [`Settings::light_views`](crate::methods::Settings::light_views) says it.
     pub outside: bool,
 }
 

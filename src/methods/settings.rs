@@ -297,9 +297,15 @@ impl Settings {
     /// ([`Prepared::bodies`]).
     ///
     /// # Errors
-    /// As [`LightView::fit`].
+    /// As [`LightView::fit`]; [`Error::Config`] if `bodies` is not as long as the triangles.
     pub fn light_view(&self, mesh: &Mesh, bodies: &[bool], light: &Light) -> Result<LightView> {
         mesh.check("mesh")?;
+        if bodies.len() != mesh.triangles.len() {
+            let (known, all) = (bodies.len(), mesh.triangles.len());
+            return Err(Error::Config(format!(
+                "it is known of {known} triangles whether they are of bodies, the mesh has {all}"
+            )));
+        }
         let outside = backs_are_dark(mesh, bodies, light);
         let beyond = self.facets == FacetMode::One && self.samples.count() > 1;
         if beyond && !self.validity {
@@ -320,7 +326,7 @@ impl Settings {
     /// The light's views of a mesh: one, or of a light that stands among its casters a [cube](LightView::cube) of them.
     ///
     /// # Errors
-    /// As [`LightView::fit`].
+    /// As [`Settings::light_view`].
     pub fn light_views(&self, mesh: &Mesh, bodies: &[bool], light: &Light) -> Result<Vec<LightView>> {
         let view = self.light_view(mesh, bodies, light)?;
         if view.complete {

@@ -189,7 +189,7 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
     facet.open = facet.open_side;
     facet.state = State::Dark;
     // Edge-on to either: unlit by definition. Seen from inside a closed body it is in the shadow of the rest.
-    if turn * turn_to_eye <= 0.0 || ((view.map.closed || (view.map.outside && of_body)) && turn < 0.0) {
+    if turn * turn_to_eye <= 0.0 || (view.map.closed && turn < 0.0) {
         return facet;
     }
     let normal = normal * turn;
@@ -237,9 +237,19 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
         return facet;
     };
     facet.state = State::Undecided;
+    // Of what is no caster the splits know nothing.
+    let hidden = view.cull_back && of_body && turn < 0.0;
+    if hidden {
+        facet.outline.farthest = f64::INFINITY;
+    }
     let inside = low.min_element() >= texels && high.max_element() <= f64::from(size) - texels;
     let whole = inside || !view.map.one_of_several;
-    if settle && facet.outline.in_front && whole && rect_sum(sat, size as usize, rect.map(|v| v as usize)) == 0 {
+    if settle
+        && !hidden
+        && facet.outline.in_front
+        && whole
+        && rect_sum(sat, size as usize, rect.map(|v| v as usize)) == 0
+    {
         if receives {
             behind_splits(around.splits, size, rect, inside, &mut facet);
         } else {
