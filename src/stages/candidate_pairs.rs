@@ -3,7 +3,8 @@
 //! - **Reads** both pair lists, facets, light-view vertices.
 //! - **Writes** `candidates` (facet, triangle) and, before them, how many were needed and how many tests were made; the
 //!   occluded mask of a facet that one triangle covers wholly, which then needs no candidates.
-//! - **Guarantee.** Conservative: a triangle that casts on a facet, or cuts it within its pixel, is kept. The order is not
+//! - **Guarantee.** Conservative: a triangle that casts on a facet, or cuts it within its pixel, is kept; with
+//!   [`Frame::CULL_BACK`](crate::frame::Frame::CULL_BACK), of those that are no casters, what cuts. The order is not
 //!   defined, and of a pair that shares several places most but not all repetitions are left out (which is why the count
 //!   may differ a little from run to run); what is made of it depends on neither. Nothing is written beyond the capacity.
 //! - **Capacity.** [`ROUND_LENGTH`] triangles of a place a dispatch; longer lists take more rounds.

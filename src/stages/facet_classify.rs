@@ -30,11 +30,12 @@ shared_struct! {
         pub farthest: f32,
         /// View depth beyond which the plane is not followed.
         pub limit: f32,
-        /// Relative rounding of the normal, in units of 2^-24.
+        /// Relative rounding of the normal, in units of 2^-24; below 0 if all samples lie on the facet's own triangle.
         pub tilt: f32,
         /// Point of the plane at the sample `origin`.
         pub at: [f32; 3],
-        /// How far rounding may have moved that point along its ray, times the ray's slant.
+        /// How far rounding may have moved that point along its ray, times the ray's slant; below 0 if the triangle, its vertices by
+        /// rising index, turns away from the light.
         pub doubt: f32,
         /// Box of the light-view outline, texels.
         pub box_low: [f32; 2],

@@ -1,8 +1,9 @@
 //! What each triangle is to the light, and where it lies in the camera view and the light view.
 //!
-//! - **Reads** triangles (three vertex indices each), projected vertices.
+//! - **Reads** triangles (three vertex indices each, and 1 for one of a closed body), projected vertices.
 //! - **Writes** per triangle: facing ([`FRONT`] …), the rectangle of pixels and of texels it may touch (packed corners, both
 //!   included, `x | y << 16`; empty if the first x exceeds the second), and how many 8 × 8 blocks each takes.
+//!   With [`Frame::CULL_BACK`](crate::frame::Frame::CULL_BACK), and no validity masks, what surely turns away of closed bodies has no texels.
 //! - **Guarantee.** Rectangles are conservative; facing is `UNSURE` within the rounding bound.
 //! - **Cost.** One dispatch; about 70 bytes a triangle.
 
