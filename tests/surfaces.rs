@@ -157,9 +157,7 @@ fn one_facet_is_wrong() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn creases_are_lit() {
-    for (name, facets, fewest) in
-        [("knot", FacetMode::All, 40_000), ("bumpy", FacetMode::All, 40_000), ("bumpy", FacetMode::One, 40_000)]
-    {
+    for (name, facets) in [("knot", FacetMode::All), ("bumpy", FacetMode::All), ("bumpy", FacetMode::One)] {
         let scene = scene(name, false);
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let wanted = Settings { size: [640, 480], map: 256, ..settings(facets) };
@@ -168,7 +166,7 @@ fn creases_are_lit() {
             render(&prepared, &scene, &plan.settings, Budget::default())
         });
         let settled = planned.counts.lit_facets;
-        assert!(settled > fewest && forced.counts.lit_facets < settled / 2, "{name}: {settled} facets settled");
+        assert!(settled > 40_000 && forced.counts.lit_facets < settled / 2, "{name}: {settled} facets settled");
         // Not of masks: that of a facet which was settled holds what an evaluated one drops as another's.
         let off = planned.visibility.iter().zip(&forced.visibility).filter(|(a, b)| a != b).count();
         assert_eq!(off, 0, "{name}, {facets:?}: pixels differ where every facet is evaluated");
@@ -224,6 +222,35 @@ fn seen_from_inside_a_body() {
                 assert_eq!(lit.count(), 0, "{eye:?} {light:?} {method:?}");
             }
         }
+    }
+}
+
+/// A box over a floor far below, seen from inside it: its bottom, which is no caster, lies nearer to its top than to the floor, and is
+/// in shadow all the same.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn the_bottom_of_a_box_from_inside() {
+    let corners = (0..8u8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|c| 4.0 * f32::from(c) - 2.0));
+    let mut mesh = Mesh { positions: corners.collect(), triangles: Vec::new() };
+    for [a, b, c, d] in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    mesh.add_ground(&subpixel_shadows::scene::Ground { y: -40.0, half_width: 12.0, center: [0.0; 2] });
+    let given = Scene::of_mesh("box", mesh).expect("a sound mesh");
+    let prepared = Prepared::new(&given.mesh).expect("a sound mesh");
+    let camera = Camera { eye: [0.1, 1.0, 0.2], target: [0.0, -2.0, 0.1], near: 1e-3, ..given.camera };
+    for light in [
+        Light::Directional { direction: [0.05, 1.0, 0.02] },
+        Light::Point { position: [1.0, 90.0, 0.5] },
+        Light::Spot { position: [1.0, 90.0, 0.5], target: [0.0; 3], angle_degrees: 40.0 },
+    ] {
+        let scene = Scene { camera, light, ..given.clone() };
+        let plan = Plan::of(&prepared, &camera, &light, &settings(FacetMode::All), false).expect("a plan");
+        assert!(plan.settings.cull_back && plan.settings.settle);
+        let output = render(&prepared, &scene, &plan.settings, Budget::default());
+        let seen = output.triangles.iter().filter(|t| **t != u32::MAX).count();
+        let lit = output.visibility.iter().zip(&output.triangles).filter(|(v, t)| **t != u32::MAX && **v > 0.0).count();
+        assert!(seen > output.triangles.len() / 2 && lit == 0, "{light:?}: {lit} of {seen} pixels lit");
     }
 }
 

@@ -306,7 +306,7 @@ impl Settings {
                 "it is known of {known} triangles whether they are of bodies, the mesh has {all}"
             )));
         }
-        let outside = backs_are_dark(mesh, bodies, light);
+        let outside = backs_add_nothing(mesh, bodies, light);
         let beyond = self.facets == FacetMode::One && self.samples.count() > 1;
         if beyond && !self.validity {
             let view = LightView::fit_for(mesh, light, self.map, Receivers::Anything)?;
@@ -406,10 +406,10 @@ impl Settings {
     }
 }
 
-/// Whether `light` is outside all closed bodies of a mesh, and there are any: what turns away from it of these is dark, and adds
-/// nothing to the shadow of the rest.
-pub(crate) fn backs_are_dark(mesh: &Mesh, bodies: &[bool], light: &Light) -> bool {
-    bodies.contains(&true) && mesh.is_outside_of(light, |t| bodies[t])
+/// Whether `light` is outside all closed bodies of a mesh, and there are any: what turns away from it of these adds nothing to the
+/// shadow.
+pub(crate) fn backs_add_nothing(mesh: &Mesh, bodies: &[bool], light: &Light) -> bool {
+    bodies.contains(&true) && mesh.is_outside_of(light, |t| bodies.get(t) == Some(&true))
 }
 
 /// The light's views that were fitted last, which goes through all triangles: kept while the light is the same.

@@ -25,11 +25,12 @@ impl CasterSet {
     /// Prepares and uploads them.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
         let mut prepared = Prepared::new(&given)?;
-        if matches!(casters, Casters::Moving { .. }) {
+        let moving = matches!(casters, Casters::Moving { .. });
+        if moving {
             prepared.bodies.fill(false);
         }
         let mut buffers = prepared.upload(device, queue)?;
-        if matches!(casters, Casters::Moving { .. }) {
+        if moving {
             buffers.surfaces = None; // what lies in one plane at rest may not in motion
         }
         let mut numbers = vec![0; prepared.given.len()];

@@ -6,7 +6,7 @@ use super::inputs::Inputs;
 use crate::Result;
 use crate::light_view::LightView;
 use crate::methods::Settings;
-use crate::methods::settings::backs_are_dark;
+use crate::methods::settings::backs_add_nothing;
 use crate::scene::Light;
 use glam::DVec3;
 
@@ -38,7 +38,7 @@ impl Views {
         let views = if all {
             let view = LightView::fit_all(mesh, light, map)?;
             let views = if view.complete { vec![view] } else { LightView::cube(mesh, light, map)? };
-            let outside = backs_are_dark(mesh, &casters.bodies, light);
+            let outside = backs_add_nothing(mesh, &casters.bodies, light);
             views.into_iter().map(|view| LightView { outside, ..view }).collect()
         } else {
             settings.light_views(mesh, &casters.bodies, light)?
