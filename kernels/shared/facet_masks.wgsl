@@ -25,13 +25,13 @@ fn is_partial(f: u32) -> bool {
     return seen != frame.sample_count;
 }
 
-const CREASE = 0.0035;  // pixels; above what rounding in camera_visibility, or a rasterizer's grid, may have moved an edge
+const CREASE = 0.0025;  // pixels across and down; above half a step of a rasterizer's grid, by which it may have moved an edge
 
 // The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge
 // that the two share, whatever rounding made of that.
 fn centre_of(l: Lines, beside: bool, owned: vec3<bool>) -> vec4<f32> {
     let at_edge = vec4(!owned.z, !owned.x, !owned.y, true) & vec4(beside & ((frame.flags & FLAG_CLAMP) == 0u));
-    return select(l.centre, vec4(-1e-37), at_edge & (abs(l.centre) <= CREASE * (abs(l.right) + abs(l.down))));
+    return select(l.centre, vec4(-1e-37), at_edge & (l.centre >= vec4(0.0)) & (l.centre <= CREASE * (abs(l.right) + abs(l.down))));
 }
 
 // Whether a triangle of heights `h` over a facet may cut it within its pixel, along `line`.
