@@ -104,6 +104,7 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
         "stages",
         "gpu_ms",
         "wall_ms",
+        "timed_frames",
         "counts",
         "lists",
         "error",
@@ -140,7 +141,7 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
         assert!(stage["left_out"].is_null() || stage["left_out"].is_string(), "{stage}");
         assert!(stage["cpu_ms"].as_f64().is_some_and(|ms| ms == 0.0 || (ms > 0.0 && engine == "cpu")), "{stage}");
     }
-    assert!(f["gpu_ms"].is_number() && f["wall_ms"].is_number());
+    assert!(f["gpu_ms"].is_number() && f["wall_ms"].is_number() && f["timed_frames"].is_u64());
     for key in [
         "silhouette_edges",
         "silhouette_texels",
@@ -387,7 +388,12 @@ mod with_a_gpu {
         for part in ["visibility_masks", "undecided facets", "silhouette edges", "frame.json", "look further"] {
             assert!(stdout(&done).contains(part), "{part}: {}", stdout(&done));
         }
-        assert!(frame(&out)["error"].is_null());
+        let f = frame(&out);
+        assert!(f["error"].is_null() && f["timed_frames"].as_u64().is_some_and(|n| (1..4).contains(&n)), "{f}");
+        let first = exr(&out, "visibility.exr");
+        let one = render(&out, &["spheres", "--frames", "1"]);
+        assert_eq!((frame(&out)["timed_frames"].as_u64(), exr(&out, "visibility.exr")), (Some(0), first));
+        assert!(stdout(&done).contains("after the first") && !stdout(&one).contains("after the first"), "{}", stdout(&one));
         render(&out, &["spheres", "--truth"]);
         let f = frame(&out);
         assert!(f["error"]["facet_samples"].as_u64().is_some_and(|n| n > 0), "{}", f["error"]);

@@ -25,8 +25,6 @@ fn is_partial(f: u32) -> bool {
     return seen != frame.sample_count;
 }
 
-const CREASE = 0.0025;  // pixels across and down; above half a step of a rasterizer's grid, by which it may have moved an edge
-
 // The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge
 // that the two share, whatever rounding made of that.
 fn centre_of(l: Lines, beside: bool, owned: vec3<bool>) -> vec4<f32> {

@@ -26,6 +26,7 @@ struct Ground {
 
 const TINY = 5.9604645e-8;        // 2^-24
 const LINE_TRUST = 0.001953125;   // pixels; half of the band in which a sample's side counts as open
+const CREASE = 0.0025;            // pixels across and down; above half a step of a rasterizer's grid, by which it may have moved an edge
 
 const OPEN = -3.0e38;
 
@@ -64,6 +65,12 @@ fn is_beside(g: Ground, i: vec3<u32>, owned: vec3<bool>, turn: f32) -> bool {
     let theirs = select(-turn, turn, owned.y);
     let ours = select(-g.turn, g.turn, any(vec3(g.own.y) == i));
     return (shared_vertices == 2.0) & (theirs * ours < 0.0);
+}
+
+// A line of the image that bounds a triangle's shadow, moved within CREASE so that the pixel centre is not inside.
+fn beyond_centre(line: vec3<f32>, is_moved: bool) -> vec3<f32> {
+    let near = (line.x >= 0.0) & (line.x <= CREASE * (abs(line.y) + abs(line.z)));
+    return vec3(select(line.x, -1e-37, is_moved & near), line.yz);
 }
 
 // Height of a point over the facet towards the light: exactly 0 for the facet's own vertices, OPEN where rounding leaves

@@ -37,6 +37,11 @@ fn offset_of(k: u32) -> vec2<f32> {
     return select(pair.xy, pair.zw, (k & 1u) == 1u);
 }
 
+// Whether a sample is the pixel centre of the one facet of that, whose triangle is what the centre sees.
+fn is_centre(offset: vec2<f32>) -> bool {
+    return all(offset == vec2(0.0)) & ((frame.flags & FLAG_CLAMP) == 0u);
+}
+
 fn ray_of_sample(g: Ground, k: u32) -> Ray {
     var r: Ray;
     r.offset = offset_of(k);
@@ -107,6 +112,8 @@ fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
     let is_open = any(h == vec3(OPEN));
     if all(h <= vec3(0.0)) && !is_open { return FREE; }
     if is_open || !(all(outside) || all(inside)) { return DOUBTFUL; }
+    // Which side of an edge of its own triangle the pixel centre lies on is known.
+    if is_centre(r.offset) && dot(vec3<u32>(owned_by(c.vertices, g.own)), vec3(1u)) == 2u { return DOUBTFUL; }
     let turn = sign(over);
     if frame.light.w != 0.0 {
         if turn * beyond < -over_doubt { return FREE; }
@@ -125,11 +132,16 @@ fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
     if all(h <= vec3(0.0)) { return FREE; }
     let turn = full_turn_of(i);
     if turn == 0.0 { return FREE; }
+    let owned = owned_by(i, g.own);
+    let beside = is_centre(offset) && is_beside(g, i, owned, turn);
     let at = vec3(1.0, offset);
-    let ab = dot(at, turn * full_edge_line(g, n, i.xy));
-    let bc = dot(at, turn * full_edge_line(g, n, i.yz));
-    let ca = dot(at, -turn * full_edge_line(g, n, i.xz));
+    let ab = dot(at, beyond_centre(turn * full_edge_line(g, n, i.xy), beside & !owned.z));
+    let bc = dot(at, beyond_centre(turn * full_edge_line(g, n, i.yz), beside & !owned.x));
+    let ca = dot(at, beyond_centre(-turn * full_edge_line(g, n, i.xz), beside & !owned.y));
     var least = min(ab, min(bc, ca));
-    if !all(h > vec3(0.0)) { least = min(least, dot(at, turn * full_line(g, n, full_normal(i), full_point_of(i.x)))); }
+    if !all(h > vec3(0.0)) {
+        let own = turn * full_line(g, n, full_normal(i), full_point_of(i.x));
+        least = min(least, dot(at, beyond_centre(own, beside)));
+    }
     return select(BLOCKED, FREE, (bitcast<u32>(least) >> 31u) == 1u);
 }

@@ -160,6 +160,9 @@ pub struct Options {
     /// Run every stage, also those the plan would leave out, and settle no pixel early
     #[arg(long)]
     pub force_all: bool,
+    /// Frames to render: the times are the medians of all but the first, or as many as begin within 5 seconds
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub frames: u32,
     /// MiB that the two pair lists may take together; a frame that needs more is split
     #[arg(long, default_value_t = 1024, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub memory_limit: u64,

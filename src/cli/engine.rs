@@ -3,6 +3,7 @@
 use super::args::Options;
 use super::choices::EngineName;
 use super::progress::Console;
+use super::repeat::warm;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::cpu::{self, CpuTime};
 use subpixel_shadows::methods::render::{Output, Renderer};
@@ -25,6 +26,8 @@ pub struct Rendered {
     pub looks: Option<Looks>,
     /// The stages that ran on the CPU; `None` on a GPU.
     pub cpu_stages: Option<Vec<CpuTime>>,
+    /// Frames after the first whose median time each time is; 0 where it is that of the first.
+    pub timed_frames: u32,
 }
 
 impl Engine {
@@ -90,6 +93,7 @@ impl Engine {
                     facets: Some(FacetSet { words, ..FacetSet::default() }),
                     looks: (options.looks && classes).then_some(looks),
                     cpu_stages: matches!(self, Self::Cpu).then(Vec::new),
+                    timed_frames: 0,
                 })
             }
             (Extent::Facing, Self::Gpu(gpu)) => {
@@ -102,7 +106,7 @@ impl Engine {
                     looks.as_mut().map_or(Ok(()), |looks| looks.add_unshadowed_rows(gpu, made, width, rows))?;
                     facets.as_mut().map_or(Ok(()), |set| set.add(gpu, made, words, width, rows))
                 })?;
-                Ok(Rendered { output, facets, looks, cpu_stages: None })
+                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames: 0 })
             }
             (Extent::Everything, Self::Gpu(gpu)) if options.method != MethodName::FacetMasks => {
                 let mut renderer = AnyRenderer::new(gpu, prepared, options.method, settings, options.budget())?;
@@ -111,7 +115,9 @@ impl Engine {
                 } else {
                     (renderer.render(&scene.camera, &scene.light)?, None)
                 };
-                Ok(Rendered { output, facets: None, looks, cpu_stages: None })
+                let again = || renderer.render(&scene.camera, &scene.light);
+                let (output, timed_frames) = warm(output, options.frames, again)?;
+                Ok(Rendered { output, facets: None, looks, cpu_stages: None, timed_frames })
             }
             (Extent::Everything, Self::Gpu(gpu)) => {
                 let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
@@ -142,7 +148,9 @@ impl Engine {
                         renderer.strips()
                     ));
                 }
-                Ok(Rendered { output, facets, looks, cpu_stages: None })
+                let again = || renderer.render(&scene.camera, &scene.light);
+                let (output, timed_frames) = warm(output, options.frames, again)?;
+                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames })
             }
             (_, Self::Cpu) if options.method != MethodName::FacetMasks => {
                 let name = options.method.name();
@@ -160,7 +168,7 @@ impl Engine {
                 let frame = cpu::render(prepared, settings, &scene.camera, &scene.light, request)?;
                 let facets = options.truth.then(|| FacetSet::of_cpu(&frame.facets, words));
                 let cpu_stages = Some(frame.stages);
-                Ok(Rendered { output: frame.output, facets, looks: frame.looks, cpu_stages })
+                Ok(Rendered { output: frame.output, facets, looks: frame.looks, cpu_stages, timed_frames: 0 })
             }
         }
     }

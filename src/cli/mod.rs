@@ -8,6 +8,7 @@ mod explain;
 mod output;
 mod progress;
 mod render;
+mod repeat;
 mod report;
 mod stability;
 mod table;

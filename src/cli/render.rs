@@ -46,6 +46,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
         plan: &plan,
         output: &rendered.output,
         cpu_stages: rendered.cpu_stages.as_deref(),
+        timed_frames: rendered.timed_frames,
         error,
     });
     let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;
@@ -169,7 +170,12 @@ fn stages(report: &mut Report, frame: &FrameReport, plan: &Plan, rendered: &Rend
         format!("{:.3} ms on the CPU, {left_out} steps left out", output.wall_ms)
     } else {
         let time = format!("{:.3} ms from submission to the end", output.wall_ms);
-        format!("{time}, {} dispatches, {left_out} steps left out", output.dispatches)
+        let of_frames = match rendered.timed_frames {
+            0 => String::new(),
+            1 => "; times of the second frame".to_owned(),
+            n => format!("; times are medians of the {n} frames after the first"),
+        };
+        format!("{time}, {} dispatches, {left_out} steps left out{of_frames}", output.dispatches)
     });
 }
 

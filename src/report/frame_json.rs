@@ -47,6 +47,8 @@ pub struct FrameReport<'a> {
     pub gpu_ms: f64,
     /// From submission to the end.
     pub wall_ms: f64,
+    /// Frames after the first whose median time each time is; 0 where it is that of the first.
+    pub timed_frames: u32,
     /// What was counted.
     pub counts: &'a Counts,
     /// How the lists fared.
@@ -132,6 +134,8 @@ pub struct Sources<'a> {
     pub output: &'a Output,
     /// The stages that ran on the CPU engine; `None` on a GPU.
     pub cpu_stages: Option<&'a [CpuTime]>,
+    /// Frames after the first whose median time each time is; 0 where it is that of the first.
+    pub timed_frames: u32,
     /// Its error, where truth was computed.
     pub error: Option<ErrorReport>,
 }
@@ -171,6 +175,7 @@ impl<'a> FrameReport<'a> {
                 .collect(),
             gpu_ms: s.output.stages.iter().map(|t| t.gpu_ms).sum::<f64>().max(0.0),
             wall_ms: s.output.wall_ms,
+            timed_frames: s.timed_frames,
             counts: &s.output.counts,
             lists: &s.output.lists,
             error: s.error,
