@@ -103,6 +103,27 @@ fn check_against_facet_masks(name: &str, settings: &Settings, output: &Output) {
     assert!(off <= 2, "{name}: {off} pixels differ from facet-masks");
 }
 
+/// Triangles at an edge that face the light alike do not shadow each other: no pixel is dark whose centre rounding puts beyond the edge.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn creases_are_lit() {
+    let scene = scene("bumpy", false);
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    for samples in [1, 8] {
+        let settings = Settings { size: [800, 600], map: 256, ..settings(samples) };
+        let render = |method| {
+            let mut renderer =
+                AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default()).expect("a renderer");
+            renderer.render(&scene.camera, &scene.light).expect("a frame").visibility
+        };
+        let flagship = render(MethodName::FacetMasks);
+        for method in [MethodName::RayTraced, MethodName::Supersampled] {
+            let off = flagship.iter().zip(render(method)).filter(|(a, b)| (*a - b).abs() > 0.2).count();
+            assert_eq!(off, 0, "{}, {samples} samples: pixels differ from facet-masks", method.name());
+        }
+    }
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn ray_traced() {

@@ -393,7 +393,11 @@ mod with_a_gpu {
         let first = exr(&out, "visibility.exr");
         let one = render(&out, &["spheres", "--frames", "1"]);
         assert_eq!((frame(&out)["timed_frames"].as_u64(), exr(&out, "visibility.exr")), (Some(0), first));
-        assert!(stdout(&done).contains("after the first") && !stdout(&one).contains("after the first"), "{}", stdout(&one));
+        assert!(
+            stdout(&done).contains("after the first") && !stdout(&one).contains("after the first"),
+            "{}",
+            stdout(&one)
+        );
         render(&out, &["spheres", "--truth"]);
         let f = frame(&out);
         assert!(f["error"]["facet_samples"].as_u64().is_some_and(|n| n > 0), "{}", f["error"]);

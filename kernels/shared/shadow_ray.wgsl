@@ -112,8 +112,6 @@ fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
     let is_open = any(h == vec3(OPEN));
     if all(h <= vec3(0.0)) && !is_open { return FREE; }
     if is_open || !(all(outside) || all(inside)) { return DOUBTFUL; }
-    // Which side of an edge of its own triangle the pixel centre lies on is known.
-    if is_centre(r.offset) && dot(vec3<u32>(owned_by(c.vertices, g.own)), vec3(1u)) == 2u { return DOUBTFUL; }
     let turn = sign(over);
     if frame.light.w != 0.0 {
         if turn * beyond < -over_doubt { return FREE; }
