@@ -15,7 +15,8 @@
 //! used rather than probes around each sample: they also notice slivers. A sample that no triangle shadows is ambiguous
 //! if it is within [`AMBIGUITY`] of one's shadow. A shadowed sample is not if it lies in one shadow by more than that;
 //! else eight places around it are probed, so that the edge shared by two casters, whose shadows together leave no gap,
-//! is not counted as an edge.
+//! is not counted as an edge. What a triangle does that rises over the facet's plane by no more than 2^-36 of the distance is
+//! ambiguous, too: whether it rises at all is left to rounding.
 
 use super::beam::Beam;
 use super::predicate::{Cover, Line, Plane, Shadow};
@@ -229,11 +230,14 @@ impl<'a> Judge<'a> {
         let candidates = candidates(&self);
         for &(_, corners) in &candidates {
             let heights = corners.map(|c| light * self.plane.height(c));
-            if heights.iter().any(|&h| h > 0.0) {
+            let rises = |(&h, &c): (&f64, &DVec3)| h > 0.0 && !self.plane.is_nearly_on(c);
+            if heights.iter().zip(&corners).any(rises) {
                 self.add_shadow(corners);
                 if self.validity && heights.iter().any(|&h| h <= 0.0) {
                     self.cut(corners, heights);
                 }
+            } else if heights.iter().any(|&h| h > 0.0) {
+                self.add_doubt(corners, heights);
             }
         }
         let occluded = self.occlusion();
@@ -291,6 +295,20 @@ impl<'a> Judge<'a> {
         let (centre, half) = ((self.low + self.high) * 0.5, (self.high - self.low) * 0.5);
         if shadow.may_reach(self.ray(centre), truth.rays.step_x * half.x, truth.rays.step_y * half.y) {
             self.shadows.push(shadow);
+        }
+    }
+
+    /// Leaves open what a triangle does that may or may not rise over the facet's plane.
+    fn add_doubt(&mut self, corners: [DVec3; 3], heights: [f64; 3]) {
+        let truth = self.truth;
+        let shadow = Shadow::new(&self.plane, corners, truth.local_light, &truth.rays);
+        let near = |&k: &usize| shadow.comes_near(self.ray(truth.offsets[k]), &truth.rays);
+        self.doubt_occluded |= bits(self.met).filter(near).fold(0, |mask, k| mask | 1 << k);
+        if self.validity {
+            let valid = self.valid;
+            self.cut(corners, heights);
+            self.doubt_valid |= valid & !self.valid;
+            self.valid = valid;
         }
     }
 
@@ -430,5 +448,38 @@ mod tests {
         assert_eq!(crossing(t, [0.0, 1.0, 1.0]), [DVec3::ZERO; 2]);
         assert_eq!(crossing(t, [-1.0, 1.0, 1.0]), [DVec3::X * 0.5, DVec3::Y * 0.5]);
         assert_eq!(crossing(t, [0.0, -1.0, 1.0]), [DVec3::ZERO, DVec3::new(0.5, 0.5, 0.0)]);
+    }
+
+    /// A neighbour that lies in the facet's plane but for 3e-12 of the distance (two triangles of `bicycle`) leaves open what is valid
+    /// beyond their edge; one that clearly rises cuts, one that falls away does nothing.
+    #[test]
+    fn what_hardly_rises_is_ambiguous() {
+        let judged = |moved: f32| {
+            let positions = vec![
+                [-0.8957466, 0.3435681, -0.05061803],
+                [-0.8942471, 0.34360868, -0.050621286],
+                [-0.89511025, 0.32021797, -0.048746023],
+                [-0.89361084, 0.32025856, -0.04874928 + moved],
+            ];
+            let tracer = Tracer::new(&crate::scene::Mesh { positions, triangles: vec![[0, 1, 2], [2, 1, 3]] }).unwrap();
+            let camera = Camera {
+                eye: [1.0647434, 1.5, -1.6144502],
+                target: [0.07, 0.27, 0.24],
+                up: [0.0, 1.0, 0.0],
+                vertical_fov_degrees: 39.0,
+                near: 1e-3,
+                far: 1e3,
+            };
+            let light = Light::Directional { direction: [-0.22, 0.78, -0.55] };
+            let samples = Samples::new(crate::samples::Pattern::LowDiscrepancy, 32).unwrap();
+            let truth = FacetTruth::new(&tracer, &camera, &light, &samples, 400, 300).unwrap();
+            let facet = FacetInput { pixel: 362 + 400 * 123, triangle: 0, coverage: split_mask(full_mask(32)) };
+            truth.judge(&[facet], None).unwrap()[0]
+        };
+        let [hardly, rises, falls] = [0.0, -1e-5, 1e-5].map(judged);
+        let lost = !rises.valid[0];
+        assert!(lost != 0 && lost & !rises.ambiguous_valid[0] != 0);
+        assert_eq!((hardly.valid[0], hardly.ambiguous_valid[0] & lost), (u32::MAX, lost));
+        assert_eq!((falls.valid[0], falls.ambiguous_valid[0]), (u32::MAX, 0));
     }
 }

@@ -15,6 +15,8 @@ use glam::{DVec3, DVec4};
 
 /// Heights up to this share of the distance over which they are measured count as 0.
 const FLAT: f64 = 1.0 / (1u64 << 40) as f64;
+/// Up to this share a height above 0 may also count as 0: kernels, which have 46 bits, take 2^-38 for nothing.
+const NEARLY_FLAT: f64 = 16.0 * FLAT;
 
 /// A plane relative to the eye: points `p` with `normal·p = distance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +50,13 @@ impl Plane {
         let from = point - self.corners[0];
         let height = self.normal.dot(from);
         if height.abs() <= FLAT * self.normal.length() * from.length() { 0.0 } else { height }
+    }
+
+    /// Whether a point, which is none of the corners, lies so near to the plane that kernels may take its height for 0: within 2^-36
+    /// of the distance to the corner it is measured from.
+    pub fn is_nearly_on(&self, point: DVec3) -> bool {
+        let from = point - self.corners[0];
+        self.normal.dot(from).abs() <= NEARLY_FLAT * self.normal.length() * from.length()
     }
 
     /// The side of the homogeneous `light` (relative to the eye): 1, -1, or 0 within the error bound.
