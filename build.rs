@@ -1,7 +1,10 @@
 //! Joins the kernels with what they import, validates each with naga, and writes the table the host reads:
-//! source, entry points, workgroup sizes, bindings and `const` values. Any shader error fails the build.
+//! source, entry points, workgroup sizes, bindings and `const` values. Any shader error fails the build, and so does a kernel that
+//! naga cannot put into the languages of the other platforms, Metal's and Direct3D 12's: this machine may not be able to run those.
 
-use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
+use naga::back::{hlsl, msl, pipeline_constants::process_overrides};
+use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
+use naga::{Module, ShaderStage};
 use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -94,6 +97,9 @@ fn write_kernel(out: &mut String, stem: &str, source: &str, allowed: Capabilitie
     let info = Validator::new(ValidationFlags::all(), allowed)
         .validate(&module)
         .map_err(|e| format!("kernels/{stem}.wgsl: {}", e.emit_to_string_with_path(source, stem)))?;
+    for entry in &module.entry_points {
+        translate(&module, &info, &entry.name).map_err(|e| format!("kernels/{stem}.wgsl: '{}' {e}", entry.name))?;
+    }
     let describe = |e: std::fmt::Error| e.to_string();
     writeln!(
         out,
@@ -149,6 +155,24 @@ fn write_kernel(out: &mut String, stem: &str, source: &str, allowed: Capabilitie
         .map_err(describe)?;
     }
     writeln!(out, "}}").map_err(describe)
+}
+
+/// Puts an entry point, its overrides at their defaults, into the languages of Metal and Direct3D 12.
+fn translate(module: &Module, info: &ModuleInfo, entry: &str) -> Result<(), String> {
+    let (module, info) = process_overrides(module, info, Some((ShaderStage::Compute, entry)), &Default::default())
+        .map_err(|e| format!("with its defaults: {e}"))?;
+    let entry_point = Some((ShaderStage::Compute, entry.to_owned()));
+    let options = msl::Options { lang_version: (2, 4), ..Default::default() };
+    let pipeline = msl::PipelineOptions { entry_point: entry_point.clone(), ..Default::default() };
+    let (_, told) = msl::write_string(&module, &info, &options, &pipeline).map_err(|e| format!("for Metal: {e}"))?;
+    told.entry_point_names.into_iter().collect::<Result<Vec<_>, _>>().map_err(|e| format!("for Metal: {e}"))?;
+    let options = hlsl::Options { shader_model: hlsl::ShaderModel::V6_0, ..Default::default() };
+    let mut text = String::new();
+    let told = hlsl::Writer::new(&mut text, &options, &hlsl::PipelineOptions { entry_point })
+        .write(&module, &info, None)
+        .map_err(|e| format!("for Direct3D 12: {e}"))?;
+    told.entry_point_names.into_iter().collect::<Result<Vec<_>, _>>().map_err(|e| format!("for Direct3D 12: {e}"))?;
+    Ok(())
 }
 
 /// How a kernel uses a texture; `None` if the host knows no such binding.
