@@ -117,6 +117,7 @@ fn creases_are_lit() {
             renderer.render(&scene.camera, &scene.light).expect("a frame").visibility
         };
         let flagship = render(MethodName::FacetMasks);
+        assert!((100_000.0..470_000.0).contains(&flagship.iter().sum::<f32>()), "all lit or all dark");
         for method in [MethodName::RayTraced, MethodName::Supersampled] {
             let off = flagship.iter().zip(render(method)).filter(|(a, b)| (*a - b).abs() > 0.2).count();
             assert_eq!(off, 0, "{}, {samples} samples: pixels differ from facet-masks", method.name());

@@ -251,6 +251,9 @@ fn the_bottom_of_a_box_from_inside() {
         let seen = output.triangles.iter().filter(|t| **t != u32::MAX).count();
         let lit = output.visibility.iter().zip(&output.triangles).filter(|(v, t)| **t != u32::MAX && **v > 0.0).count();
         assert!(seen > output.triangles.len() / 2 && lit == 0, "{light:?}: {lit} of {seen} pixels lit");
+        let outside = Scene { camera: Camera { eye: [5.0, 9.0, 6.0], ..camera }, ..scene };
+        let lit: f32 = render(&prepared, &outside, &plan.settings, Budget::default()).visibility.iter().sum();
+        assert!(lit > 1000.0, "{light:?}: {lit} pixels lit from outside");
     }
 }
 
