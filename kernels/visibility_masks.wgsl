@@ -133,9 +133,9 @@ fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
         let side = facing_of(a, b, c, frame.light);
         let turn = select(-1.0, 1.0, side == FRONT);
         let beside = is_beside(g, i, owned, select(turn, 0.0, side == UNSURE));
-        let line = turn * own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z)).xyz;
-        let centre = centre_of(Lines(vec4(line.x), vec4(line.y), vec4(line.z)), beside, owned).w;
-        cut(pair.x, g, vec3(centre, line.yz), a, b, c, h);
+        // Facets that are cut are one a pixel.
+        let line = beyond_centre(turn * own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z)).xyz, beside);
+        cut(pair.x, g, line, a, b, c, h);
     }
 }
 

@@ -91,16 +91,9 @@ impl Mesh {
         Some(vertices.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p))))
     }
 
-    /// Whether a light is outside all bodies of a closed mesh, whose triangles are turned outward: at infinity, clearly beside
-    /// its bounds, or where the solid angles of all triangles add up to nothing (van Oosterom and Strackee 1983).
-    ///
-    /// # Panics
-    /// If an index is out of range ([`Mesh::check`]).
-    pub fn is_outside(&self, light: &Light) -> bool {
-        self.is_outside_of(light, |_| true)
-    }
-
-    /// The same of the bodies that the triangles which `of_bodies` names make, whatever else there is.
+    /// Whether a light is outside the closed bodies that the triangles which `of_bodies` names make, turned outward, whatever else there
+    /// is: at infinity, clearly beside the mesh's bounds, or where the solid angles of these triangles add up to nothing (van Oosterom
+    /// and Strackee 1983).
     ///
     /// # Panics
     /// If an index is out of range ([`Mesh::check`]).
@@ -277,10 +270,10 @@ mod tests {
     #[test]
     fn a_light_is_in_a_body_or_outside() {
         let mesh = crate::scene::builtin("knot").unwrap().mesh;
-        let at = |position| mesh.is_outside(&Light::Point { position });
+        let at = |position| mesh.is_outside_of(&Light::Point { position }, |_| true);
         // Above, in the slab, in the hole of the knot, beneath the slab.
         assert!(at([0.0, 9.0, 0.0]) && !at([0.0, -0.2, 0.0]) && at([0.0, 1.9, 0.0]) && at([0.0, -0.6, 0.0]));
-        assert!(mesh.is_outside(&Light::Directional { direction: [0.0, 1.0, 0.0] }));
+        assert!(mesh.is_outside_of(&Light::Directional { direction: [0.0, 1.0, 0.0] }, |_| true));
         let mut found = [0, 0];
         for p in mesh.positions.iter().skip(8).step_by(97) {
             // The centre line of a tube is inside it.
