@@ -25,7 +25,7 @@ const WORKGROUP = 64u;
 const ROUND_LENGTH = 4096u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
-@group(0) @binding(1) var<storage, read> facets: array<Facet>;
+@group(0) @binding(1) var<storage, read> undecided: array<Undecided>;
 @group(0) @binding(2) var<storage, read> pairs: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> triangle_offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> pair_triangles: array<u32>;
@@ -88,14 +88,14 @@ fn walk(pair: vec2<u32>) -> u32 {
     let first = list + frame.round * ROUND_LENGTH;
     let end = min(list_end, first + ROUND_LENGTH);
     if first >= end { return 0u; }
-    let own = facets[f].triangle;
+    let own = undecided[f].triangle;
     let around = own_of(f, own);
-    let low = facets[f].box_low;
-    let high = facets[f].box_high;
+    let low = undecided[f].box_low;
+    let high = undecided[f].box_high;
     let middle = 0.5 * (low + high);
     let half = 0.5 * (high - low);
-    let slope = facets[f].slope;
-    let farthest = facets[f].farthest;
+    let slope = undecided[f].slope;
+    let farthest = undecided[f].farthest;
     var cells = 0u;
     if TILE_SHIFT != 0u {
         cells = texel_cells(pair.y & 15u) & box_cells(divided(place, places_across()).yx, 0.5 * low, 0.5 * high);

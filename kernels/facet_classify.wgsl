@@ -44,11 +44,10 @@ const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure 
 @group(0) @binding(5) var<storage, read> sat: array<u32>;
 @group(0) @binding(6) var<storage, read> splits: array<f32>;
 @group(0) @binding(7) var<storage, read_write> facets: array<Facet>;
+@group(0) @binding(11) var<storage, read_write> undecided: array<Undecided>;
 @group(0) @binding(8) var<storage, read_write> masks: array<u32>;   // coverage, occluded, invalid: WORDS words each
-@group(0) @binding(9) var<storage, read_write> facet_items: array<u32>;
+@group(0) @binding(9) var<storage, read_write> facet_items: array<atomic<u32>>;  // behind them how many are unsure, and which
 @group(0) @binding(10) var<storage, read_write> pixel_facets: array<u32>;  // first facet of each pixel, and the end
-
-@group(0) @binding(11) var<storage, read_write> unsure: array<atomic<u32>>;  // how many, and the facets
 
 //@import frame_copy
 
@@ -63,15 +62,37 @@ fn one(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups:
     if pixel > pixels { return; }
     pixel_facets[pixel] = pixel;
     if pixel == pixels { return; }
-    facets[pixel].pixel = pixel;
-    facets[pixel].triangle = ~id_keys[pixel];
-    facets[pixel].origin = vec2(0.0);
+    facets[pixel] = Facet(pixel, ~id_keys[pixel], STATE_EMPTY, 0.0, vec2(0.0));
     for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * pixel + w] = full_word(w); }
 }
 
 @compute @workgroup_size(1)
 fn begin() {
-    atomicStore(&unsure[0], 0u);
+    atomicStore(&facet_items[frame_given.facets_total], 0u);
+}
+
+// What is in the facet's memory from before; whether it has a surface.
+fn begin_facet(f: u32) -> bool {
+    if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
+        for (var w = WORDS; w < 3u * WORDS; w++) { masks[3u * WORDS * f + w] = 0u; }
+    }
+    let seen = facets[f].triangle != NO_TRIANGLE;
+    if !seen {
+        facets[f].state = STATE_EMPTY;
+        atomicStore(&facet_items[f], 0u);
+    }
+    return seen;
+}
+
+fn classify_seen(f: u32) {
+    let shape = shape_of(facets[f].triangle);
+    let turns = turns_in_single(shape.a, shape.ab, shape.ac);
+    if any(turns == vec2(0.0)) {
+        let count = &facet_items[frame.facets_total];
+        atomicStore(&facet_items[frame.facets_total + 1u + atomicAdd(count, 1u)], f);
+        return;
+    }
+    place(f, shape, turns);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -79,33 +100,17 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     take_frame(local);
     if CLAMPED != 0u { take_samples(); }
     let f = flat_invocation(group, groups, WORKGROUP, local);
-    if f >= frame.facets_total { return; }
-    if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
-        for (var w = WORDS; w < 3u * WORDS; w++) { masks[3u * WORDS * f + w] = 0u; }
-    }
-    let triangle = facets[f].triangle;
-    if triangle == NO_TRIANGLE {
-        facets[f].state = STATE_EMPTY;
-        facets[f].rect = EMPTY_RECT;
-        facet_items[f] = 0u;
-        return;
-    }
-    let shape = shape_of(triangle);
-    let turns = turns_in_single(shape.a, shape.ab, shape.ac);
-    if any(turns == vec2(0.0)) {
-        atomicStore(&unsure[1u + atomicAdd(&unsure[0], 1u)], f);
-        return;
-    }
-    place(f, shape, turns);
+    if f >= frame.facets_total || !begin_facet(f) { return; }
+    classify_seen(f);
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn classify_unsure(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     take_frame(local);
     if CLAMPED != 0u { take_samples(); }
-    let count = atomicLoad(&unsure[0]);
+    let count = atomicLoad(&facet_items[frame.facets_total]);
     for (var k = flat_invocation(group, groups, WORKGROUP, local); k < count; k += WORKGROUP * groups.x * groups.y) {
-        let f = atomicLoad(&unsure[1u + k]);
+        let f = atomicLoad(&facet_items[frame.facets_total + 1u + k]);
         let shape = shape_of(facets[f].triangle);
         place(f, shape, turns_of(shape.i, shape.a, shape.ab, shape.ac));
     }

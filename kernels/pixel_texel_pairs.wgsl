@@ -28,7 +28,7 @@ const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
-@group(0) @binding(2) var<storage, read> facets: array<Facet>;
+@group(0) @binding(2) var<storage, read> undecided: array<Undecided>;
 @group(0) @binding(3) var<storage, read> work_offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> splits: array<f32>;
 @group(0) @binding(5) var<storage, read_write> place_counts: array<atomic<u32>>;
@@ -50,12 +50,12 @@ fn item_of(invocation: u32) -> Item {
     let end = frame.first_facet + frame.facet_count;
     if item >= work_offsets[end] { return Item(NO_TRIANGLE, Rect()); }
     let f = owner_of(item, frame.facets_total);
-    return Item(f, block_of(facets[f].rect, item - work_offsets[f]));
+    return Item(f, block_of(undecided[f].rect, item - work_offsets[f]));
 }
 
 // The texels of the block, one bit each row by row, where a caster may shadow the facet.
 fn texels_of(item: Item) -> vec2<u32> {
-    let facet = facets[item.facet];
+    let facet = undecided[item.facet];
     let block = item.block;
     let outline = facet_outline(facet.pixel, part_of(facet.span), facet.plane, facet.limit);
     var reach = 0.5 + frame.map_margin;
@@ -102,7 +102,7 @@ fn note_depth(block: Rect, place: u32, deepest: u32) {
 }
 
 fn deepest_of(f: u32) -> u32 {
-    return bitcast<u32>(max(facets[f].farthest, 0.0)) + 1u;
+    return bitcast<u32>(max(undecided[f].farthest, 0.0)) + 1u;
 }
 
 // `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within what was counted.

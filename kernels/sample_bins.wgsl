@@ -34,7 +34,7 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> step: Pass;
-@group(0) @binding(3) var<storage, read> facets: array<Facet>;
+@group(0) @binding(3) var<storage, read> undecided: array<Undecided>;
 @group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(5) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;  // coverage, occluded, in doubt: WORDS words each

@@ -160,18 +160,18 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
         var k = lowest_sample(left);
         let mask = samples_of(slot, group_keys[place(slot, k)]);
         left &= ~mask;
+        var facet = Facet(pixel, NO_TRIANGLE, STATE_EMPTY, 0.0, vec2(0.0));
         if MERGE != 0u {
-            facets[f].state = STATE_EMPTY;
             let own = most_seen(slot, mask);
             if any(own != mask) {
                 k = lowest_sample(own);
-                facets[f].state = STATE_MERGED;
-                facets[f].limit = bitcast<f32>(group_keys[place(slot, 32u * WORDS)]);
+                facet.state = STATE_MERGED;
+                facet.limit = bitcast<f32>(group_keys[place(slot, 32u * WORDS)]);
             }
         }
-        facets[f].pixel = pixel;
-        facets[f].triangle = ~seen_keys[place(slot, k)];
-        facets[f].origin = sample_offset(k);
+        facet.triangle = ~seen_keys[place(slot, k)];
+        facet.origin = sample_offset(k);
+        facets[f] = facet;
         for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * f + w] = mask[w]; }
     }
 }
@@ -181,7 +181,10 @@ fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
     take_frame(local);
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let pixels = frame.image_size.x * frame.image_size.y;
-    if pixel >= pixel_facets[pixels] && pixel < frame.facets_total { facets[pixel].triangle = NO_TRIANGLE; }
+    if pixel >= pixel_facets[pixels] && pixel < frame.facets_total {
+        facets[pixel].triangle = NO_TRIANGLE;
+        facets[pixel].state = STATE_EMPTY;
+    }
     if pixel >= pixels || complex_flags[pixel] != 0u { return; }
     let f = pixel_facets[pixel];
     let entry = pixel_offsets[pixel];
@@ -191,9 +194,7 @@ fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
         return;
     }
     let t = pixel_list[entry];
-    facets[f].pixel = pixel;
-    facets[f].triangle = t;
-    facets[f].origin = vec2(0.0);
+    facets[f] = Facet(pixel, t, STATE_EMPTY, 0.0, vec2(0.0));
     for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * f + w] = full_word(w); }
     id_keys[pixel] = ~t;
 }

@@ -26,7 +26,7 @@ const WORK_HEAD = 4u;
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> tree: TreePlace;
-@group(0) @binding(3) var<storage, read> facets: array<Facet>;
+@group(0) @binding(3) var<storage, read> undecided: array<Undecided>;
 @group(0) @binding(4) var<storage, read> listed: array<u32>;
 @group(0) @binding(5) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read> nodes: array<vec4<u32>>;

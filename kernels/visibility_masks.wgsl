@@ -31,7 +31,7 @@ const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
-@group(0) @binding(2) var<storage, read> facets: array<Facet>;
+@group(0) @binding(2) var<storage, read> undecided: array<Undecided>;
 @group(0) @binding(3) var<storage, read_write> candidates: Candidates;
 @group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(5) var<storage, read> positions: array<vec3<f32>>;

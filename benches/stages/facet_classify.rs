@@ -3,7 +3,7 @@
 use crate::harness::Case;
 use crate::harness::shadow::Shadow;
 use subpixel_shadows::Result;
-use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::gpu::{Gpu, Groups};
 use subpixel_shadows::stages::facet_classify::{FacetClassify, Surroundings};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
@@ -25,7 +25,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
                 splits: &shadow.splits,
             };
             let count = shadow.facets.list.len();
-            stage.record_classify(s, shadow.frame.raw(), shadow.samples.raw(), around, &shadow.facets, count)
+            stage.record_classify(s, shadow.frame.raw(), shadow.samples.raw(), around, &shadow.facets, Groups::Items(count as u64))
         }),
     }])
 }

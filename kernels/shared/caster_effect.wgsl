@@ -1,5 +1,5 @@
 // What a caster may do to a facet, as far as boxes and slopes in the light view tell (candidate_pairs). Needs `frame`, facet,
-// facing, the arrays `facets`, `triangles` and `map_points`, and the override ALONE.
+// facing, the arrays `undecided`, `triangles` and `map_points`, and the override ALONE.
 
 const NOTHING = 0u;
 const MATTERS = 1u;
@@ -25,8 +25,8 @@ fn own_of(f: u32, t: u32) -> Own {
     var own = Own(vec3(0u), 0.0, select(0.0, way, (frame.flags & FLAG_CULL_BACK) != 0u));
     if ALONE != 0u {
         own.i = triangles[t].xyz;
-        let turn = -way * sign(facets[f].doubt) * select(1.0, -1.0, is_reversed(own.i, rising(own.i)));
-        own.turn = select(0.0, turn, facets[f].tilt < 0.0);
+        let turn = -way * sign(undecided[f].doubt) * select(1.0, -1.0, is_reversed(own.i, rising(own.i)));
+        own.turn = select(0.0, turn, undecided[f].tilt < 0.0);
     }
     return own;
 }

@@ -1,23 +1,33 @@
-// Facets: what stands for a surface inside one pixel (Pan 2009, section 3.1). Needs `frame`.
+// Facets: what stands for a surface inside one pixel (Pan 2009, section 3.1). Needs `frame`. What only evaluation asks is apart:
+// most facets are settled, and what is never touched costs no time.
 
 //@import pixel_ray
 
 struct Facet {
-    plane: vec4<f32>,   // dot(xyz, point) = w on it; the light and the eye lie where dot(xyz, point) > w
     pixel: u32,
     triangle: u32,      // the triangle whose plane it is
-    rect: vec2<u32>,    // texels its light-view outline touches
     state: u32,
+    limit: f32,         // merged: view depth that its triangles reach
+    origin: vec2<f32>,  // a sample of its coverage, relative to the pixel centre
+}
+
+// What evaluation asks of a facet.
+struct Undecided {
+    plane: vec4<f32>,   // dot(xyz, point) = w on it; the light and the eye lie where dot(xyz, point) > w
+    pixel: u32,
+    triangle: u32,
+    rect: vec2<u32>,    // texels its light-view outline touches
     farthest: f32,      // its largest depth from the light
     limit: f32,         // view depth beyond which the plane is not followed
-    tilt: f32,          // relative rounding of the normal, in units of 2^-24; below 0 if its samples all lie on its triangle
+    origin: vec2<f32>,
     at: vec3<f32>,      // its point at the sample `origin`
     doubt: f32,         // how far rounding may have moved that point along its ray, times -dot(plane.xyz, ray); below 0 if the
                         // triangle, its vertices by rising index, turns away from the light
     box_low: vec2<f32>, // box of its outline, in texels
     box_high: vec2<f32>,
     slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w
-    origin: vec2<f32>,  // a sample of its coverage, relative to the pixel centre: where `at` is
+    tilt: f32,          // relative rounding of the normal, in units of 2^-24; below 0 if its samples all lie on its triangle
+    pad: u32,
     span: vec2<u32>,    // box around the samples it covers, lowest and highest corner packed; 0: the whole pixel
 }
 

@@ -1,5 +1,5 @@
 // Triangles that cut a facet within its pixel (Pan 2009, section 3.4, figure 7), and where to look for them. Needs `frame`,
-// shadow_ray, caster_tree, and the arrays `facets` and `masks` (coverage, occluded, invalid: WORDS words each).
+// shadow_ray, caster_tree, and the arrays `undecided` and `masks` (coverage, occluded, invalid: WORDS words each).
 
 // Takes in a triangle that may cut the facet: the samples on the other side of its line than the pixel centre see another
 // surface.
@@ -42,13 +42,13 @@ fn corner_of(k: u32) -> vec2<f32> {
 // The part of the pixel's pencil of rays in which the facet lies.
 fn pencil_of(f: u32, g: Ground) -> Walk {
     let centre = pixel_ray(g.pixel);
-    var near = facets[f].limit;
+    var near = undecided[f].limit;
     var far = 0.0;
     var wide = 0.0;
     for (var k = 0u; k < 4u; k++) {
         let ray = ray_at(g.pixel, corner_of(k));
         let over = dot(g.normal, ray);
-        let depth = select(facets[f].limit, min(facets[f].plane.w / over, facets[f].limit), over < 0.0);
+        let depth = select(undecided[f].limit, min(undecided[f].plane.w / over, undecided[f].limit), over < 0.0);
         near = min(near, depth);
         far = max(far, depth);
         wide = max(wide, largest(ray - centre));

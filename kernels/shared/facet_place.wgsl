@@ -1,5 +1,5 @@
 // Where a facet of a triangle lies in the light view, and what follows from that (facet_classify). Needs `frame`, rect, facet,
-// facet_samples, vertex, front_split, only_receiver, summed_area, the arrays `facets`, `masks`, `facet_items`, `triangles` and
+// facet_samples, vertex, front_split, only_receiver, summed_area, the arrays `facets`, `undecided`, `masks`, `facet_items`, `triangles` and
 // `splits`, and the overrides CLAMPED and RECEIVERS.
 
 //@import facet_box
@@ -64,17 +64,16 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
         if (known & WAS_SETTLED) != 0u || state == STATE_LIT { state = known; }
     }
     // To be evaluated in this view.
-    let undecided = (state == STATE_UNDECIDED) & found.here;
-    let rect = select(EMPTY_RECT, found.rect, undecided);
+    let is_here = (state == STATE_UNDECIDED) & found.here;
+    let rect = select(EMPTY_RECT, found.rect, is_here);
     if (frame.flags & FLAG_MORE_VIEWS) != 0u {
         if merged { state |= WAS_MERGED; }
     } else {
         state &= STATE_BITS;
     }
     facets[f].state = state;
-    facets[f].rect = rect;
-    facet_items[f] = block_count(rect);
-    if !undecided { return; }
+    atomicStore(&facet_items[f], block_count(rect));
+    if !is_here { return; }
     let a = shape.a;
     let normal = found.plane.xyz;
     // One Newton step takes the rounding of the quotient out of the point.
@@ -82,17 +81,10 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     let raw = found.ray * found.depth;
     let at = raw - found.ray * (dot(normal, raw - a) / over);
     let tilt = 2.0 * largest(shape.ab) * largest(shape.ac) / largest(cross(shape.ab, shape.ac));
-    facets[f].plane = found.plane;
-    facets[f].farthest = found.farthest;
-    facets[f].limit = found.limit;
     let alone = is_clamped() & !merged & ((frame.flags & FLAG_BEYOND) == 0u);
-    facets[f].tilt = select(tilt, -tilt, alone);
-    facets[f].at = at;
-    facets[f].doubt = turns.x * (5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a)));
-    facets[f].box_low = found.low;
-    facets[f].box_high = found.high;
-    facets[f].slope = light_slope(found.plane);
-    facets[f].span = found.span;
+    let doubt = turns.x * (5.9604645e-8 * (3.0 * largest(at) + tilt * largest(at - a)));
+    undecided[f] = Undecided(found.plane, facets[f].pixel, shape.triangle, rect, found.farthest, found.limit, facets[f].origin, at, doubt,
+        found.low, found.high, light_slope(found.plane), select(tilt, -tilt, alone), 0u, found.span);
 }
 
 fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<function, Found>) -> u32 {

@@ -1,5 +1,5 @@
 // The boundaries of a triangle's shadow on a facet, as lines of the image. Needs `frame`, `facet`, `facing`, `vertex`, and
-// the arrays `facets`, `triangles` and `positions`.
+// the arrays `undecided`, `triangles` and `positions`.
 //
 // The eye is the origin; r(x, y) = r + x * rx + y * ry is the ray of the sample at offset (x, y) from the pixel centre, the
 // facet's plane is n . p = d, q is its point at one of its samples, from which offsets count until the line is done. A plane through the light and an edge starting at `a` has
@@ -31,7 +31,7 @@ const CREASE = 0.0025;            // pixels across and down; above half a step o
 const OPEN = -3.0e38;
 
 fn ground_of(k: u32) -> Ground {
-    let f = facets[k];
+    let f = undecided[k];
     var g: Ground;
     g.own = rising(triangles[f.triangle]);
     g.pixel = f.pixel;

@@ -9,7 +9,7 @@ use super::geometry::GeometryPipelines;
 use super::prepared::CasterBuffers;
 pub use super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::frame::Frame;
-use crate::gpu::{Buffer, Recorder};
+use crate::gpu::{Buffer, Groups, Recorder};
 use crate::light_view::LightView;
 use crate::mask_table::MaskVariant;
 use crate::scene::{Camera, Light};
@@ -177,7 +177,7 @@ impl FacetMasks {
             every_surface.resize(device, queue, &self.settings, capacities)?;
         }
         m.frames = frames(device, capacities)?;
-        let totals = [m.edge_items.len(), m.facets.items.len()];
+        let totals = [m.edge_items.len(), m.visibility.len(), m.facets.list.len()];
         m.requests = requests(device, queue, totals, capacities)?;
         m.status = Buffer::storage(device, "status", status::words(capacities))?;
         self.capacities = capacities;
@@ -344,7 +344,7 @@ impl FacetMasks {
                 &m.status,
                 casters.edges.len(),
             )?;
-            self.list(stage, Arg::Edges, &m.edge_items, &m.edge_offsets)?;
+            self.list(stage, Arg::Edges, (&m.edge_items, m.edge_items.len()), &m.edge_offsets)?;
             let args = (m.args.raw(), Arg::Edges.word());
             self.with.silhouettes.record_raster(
                 stage,
@@ -373,6 +373,11 @@ impl FacetMasks {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
         let frame = m.frames[self.frame_at(view, 0, 0)].raw();
         let (triangles, in_light) = (casters.triangles.raw(), geometry.in_light(casters));
+        let count = m.facets.list.len();
+        if self.every_surface.is_some() {
+            // Those beyond the last are not classified.
+            rec.clear_words(m.facets.items.raw(), 0, count as u64);
+        }
         {
             let stage = &mut rec.stage("facet_classify");
             let around =
@@ -380,9 +385,10 @@ impl FacetMasks {
             if view == 0 && self.every_surface.is_none() {
                 self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets)?;
             }
-            let count = m.facets.list.len();
-            self.with.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, count)?;
-            self.list(stage, Arg::Facets, &m.facets.items, &m.facet_offsets)?;
+            self.args(stage, Arg::Listed, &m.facets.pixel_facets)?;
+            let groups = Groups::Indirect(m.args.raw(), Arg::Listed.word());
+            self.with.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, groups)?;
+            self.list(stage, Arg::Facets, (&m.facets.items, count), &m.facet_offsets)?;
         }
         for band in 0..self.capacities.bands {
             self.record_band(rec, casters, in_light, view, band)?;
@@ -404,8 +410,14 @@ impl FacetMasks {
         self.memory.geometry.record_camera(rec, &self.with.geometry, self.memory.frames[0].raw(), casters)
     }
 
-    /// Lists the work that `items` count, into `offsets`.
-    fn list(&self, stage: &mut crate::gpu::Stage, arg: Arg, items: &Buffer<u32>, offsets: &Buffer<u32>) -> Result<()> {
+    /// Lists the work that the first of `items`, so many, count, into `offsets`.
+    fn list(
+        &self,
+        stage: &mut crate::gpu::Stage,
+        arg: Arg,
+        items: (&Buffer<u32>, usize),
+        offsets: &Buffer<u32>,
+    ) -> Result<()> {
         let m = &self.memory;
         self.with.work.record(stage, items, offsets, &m.scan_scratch, (&m.requests[arg as usize], &m.args))
     }

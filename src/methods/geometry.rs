@@ -111,7 +111,7 @@ impl Geometry {
             (&self.facts.camera_items, &self.camera_offsets, &self.requests[0]),
             (&self.facts.light_items, &self.light_offsets, &self.requests[1]),
         ] {
-            with.work.record(stage, items, offsets, &self.scan_scratch, (requests, &self.args))?;
+            with.work.record(stage, (items, items.len()), offsets, &self.scan_scratch, (requests, &self.args))?;
         }
         Ok(())
     }

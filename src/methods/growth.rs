@@ -4,7 +4,7 @@ use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings, status};
 use super::render::{Budget, Counts, ListUse};
 use crate::stages::SortedPairs;
 use crate::stages::candidate_pairs::ROUND_LENGTH;
-use crate::stages::facet_classify::{Facet, State};
+use crate::stages::facet_classify::{State, Undecided};
 use crate::stages::pixel_texel_pairs::TALLY_WORDS;
 use crate::stages::sample_surfaces;
 use crate::{Error, Result};
@@ -142,7 +142,7 @@ fn wanted_of_camera(
     };
     // No more slack than one binding holds.
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) as usize;
-    let most_facets = (binding / size_of::<Facet>()).max(needs[2] as usize);
+    let most_facets = (binding / size_of::<Undecided>()).max(needs[2] as usize);
     Ok(Some(Capacities {
         pixel_triangles: grown(0),
         complex_pixels: grown(1).min(settings.pixels()),

@@ -9,7 +9,7 @@ use crate::Result;
 use crate::caster_tree::CasterTree;
 use crate::frame::Frame;
 use crate::gpu::kernels::silhouette_mask;
-use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::gpu::{Buffer, Gpu, Groups, Recorder};
 use crate::scene::Camera;
 use crate::stages::dispatch_args::{Request, Requests};
 use crate::stages::facet_classify::{FacetClassify, Facets, State, Surroundings};
@@ -160,7 +160,7 @@ impl Settled {
         };
         let stage = &mut rec.stage("facet_classify");
         self.classify.record_one(stage, frame, &inputs.geometry.id_keys, &self.facets)?;
-        self.classify.record_classify(stage, frame, inputs.samples, around, &self.facets, self.facets.list.len())
+        self.classify.record_classify(stage, frame, inputs.samples, around, &self.facets, Groups::Items(self.facets.list.len() as u64))
     }
 
     /// Records the picture.
@@ -234,7 +234,7 @@ impl Proof {
             let (rects, items, offsets) = (&self.edge_rects, &self.edge_items, &self.edge_offsets);
             let facing = &geometry.facts.facing;
             self.silhouettes.record_classify(stage, frame, edges, facing, points, rects, items, status, count)?;
-            self.work.record(stage, items, offsets, &self.scan_scratch, (&self.requests, &self.args))?;
+            self.work.record(stage, (items, items.len()), offsets, &self.scan_scratch, (&self.requests, &self.args))?;
             let args = (self.args.raw(), 0);
             self.silhouettes.record_raster(stage, frame, edges, points, rects, offsets, args, layers)?;
         }

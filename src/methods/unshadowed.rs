@@ -7,7 +7,7 @@ use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
 use super::strips::{Rows, Strips};
 use crate::frame::{Frame, sample_words};
-use crate::gpu::{Buffer, Gpu, Recorder, Timer};
+use crate::gpu::{Buffer, Gpu, Groups, Recorder, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::{FacetClassify, Facets, State, Surroundings};
@@ -205,7 +205,7 @@ fn record(
         let stage = &mut rec.stage("facet_classify");
         let around = Surroundings { triangles, positions: casters.positions.raw(), sat: &sat, splits: &splits };
         with.classify.record_one(stage, frame, &geometry.id_keys, &made.facets)?;
-        with.classify.record_classify(stage, frame, samples.raw(), around, &made.facets, pixels)?;
+        with.classify.record_classify(stage, frame, samples.raw(), around, &made.facets, Groups::Items(pixels as u64))?;
     }
     with.resolve.record(&mut rec.stage("resolve"), frame, &made.facets, &made.visibility, &made.lit, &made.status)?;
     Ok(made)

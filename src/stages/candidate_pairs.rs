@@ -64,7 +64,7 @@ impl CandidatePairs {
         lists.check(self.places)?;
         let buffers = [
             ("frame", frame),
-            ("facets", facets.list.raw()),
+            ("undecided", facets.undecided.raw()),
             ("pairs", lists.pixel_pairs.raw()),
             ("triangle_offsets", lists.triangle_offsets.raw()),
             ("pair_triangles", lists.triangle_pairs.raw()),

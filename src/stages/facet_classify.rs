@@ -16,22 +16,36 @@ use crate::shared_struct;
 shared_struct! {
     /// What stands for a surface inside one pixel.
     "shared/facet" => pub struct Facet {
-        /// Plane: `dot(xyz, point) = w` on it, more on the side of the light and the eye.
-        pub plane: [f32; 4],
         /// The pixel.
         pub pixel: u32,
         /// The triangle whose plane it is; `u32::MAX` if the pixel sees none.
         pub triangle: u32,
-        /// Texels its outline touches, packed corners.
-        pub rect: [u32; 2],
         /// One of [`State`].
         pub state: u32,
+        /// Of a facet merged of several triangles, the view depth that they reach.
+        pub limit: f32,
+        /// A sample of its coverage, relative to the pixel centre.
+        pub origin: [f32; 2],
+    }
+}
+
+shared_struct! {
+    /// What evaluation asks of a facet.
+    "shared/facet" => pub struct Undecided {
+        /// Plane: `dot(xyz, point) = w` on it, more on the side of the light and the eye.
+        pub plane: [f32; 4],
+        /// The pixel.
+        pub pixel: u32,
+        /// The triangle whose plane it is.
+        pub triangle: u32,
+        /// Texels its outline touches, packed corners.
+        pub rect: [u32; 2],
         /// Largest depth from the light.
         pub farthest: f32,
         /// View depth beyond which the plane is not followed.
         pub limit: f32,
-        /// Relative rounding of the normal, in units of 2^-24; below 0 if all samples lie on the facet's own triangle.
-        pub tilt: f32,
+        /// A sample of its coverage, relative to the pixel centre: where `at` is.
+        pub origin: [f32; 2],
         /// Point of the plane at the sample `origin`.
         pub at: [f32; 3],
         /// How far rounding may have moved that point along its ray, times the ray's slant; below 0 if the triangle, its vertices by
@@ -43,8 +57,10 @@ shared_struct! {
         pub box_high: [f32; 2],
         /// Depth from the light over texels: per x, per y, at 0, and how far it may be off.
         pub slope: [f32; 4],
-        /// A sample of its coverage, relative to the pixel centre: where `at` is.
-        pub origin: [f32; 2],
+        /// Relative rounding of the normal, in units of 2^-24; below 0 if all samples lie on the facet's own triangle.
+        pub tilt: f32,
+        /// Not read.
+        pub pad: u32,
         /// Box around the samples it covers, relative to the pixel centre: lowest and highest corner, each two 16-bit
         /// fractions; 0 is the whole pixel.
         pub span: [u32; 2],
@@ -86,14 +102,14 @@ pub struct FacetClassify {
 pub struct Facets {
     /// The facets.
     pub list: Buffer<Facet>,
+    /// What evaluation asks of those that are undecided; of others, nothing that counts.
+    pub undecided: Buffer<Undecided>,
     /// Coverage, occluded and invalid mask of each facet, `words` words each.
     pub masks: Buffer<u32>,
-    /// Blocks of each facet.
+    /// Blocks of each facet; then how many facets single precision could not place, and which.
     pub items: Buffer<u32>,
     /// First facet of each pixel, the end, and a flag: more than 2^32.
     pub pixel_facets: Buffer<u32>,
-    /// How many facets single precision could not place, and which.
-    pub unsure: Buffer<u32>,
 }
 
 impl Facets {
@@ -104,10 +120,10 @@ impl Facets {
     pub fn new(device: &wgpu::Device, count: usize, pixels: usize, words: usize) -> Result<Self> {
         Ok(Self {
             list: Buffer::storage(device, "facets.list", count)?,
+            undecided: Buffer::storage(device, "facets.undecided", count)?,
             masks: Buffer::storage(device, "facets.masks", count * 3 * words)?,
-            items: Buffer::storage(device, "facets.items", count)?,
+            items: Buffer::storage(device, "facets.items", 2 * count + 1)?,
             pixel_facets: Buffer::storage(device, "facets.pixel_facets", pixels + 2)?,
-            unsure: Buffer::storage(device, "facets.unsure", count + 1)?,
         })
     }
 }
@@ -172,7 +188,8 @@ impl FacetClassify {
         stage.run(&self.one, &buffers, Groups::Items(facets.pixel_facets.len() as u64))
     }
 
-    /// Records the classification of `count` listed facets.
+    /// Records the classification of the listed facets, which take `groups`, one invocation each. What is beyond them must have
+    /// no triangle, and its `items` be 0.
     ///
     /// # Errors
     /// None that input can cause.
@@ -183,7 +200,7 @@ impl FacetClassify {
         samples: &wgpu::Buffer,
         around: Surroundings,
         facets: &Facets,
-        count: usize,
+        groups: Groups,
     ) -> Result<()> {
         let buffers = [
             ("frame", frame),
@@ -195,12 +212,12 @@ impl FacetClassify {
             ("facets", facets.list.raw()),
             ("masks", facets.masks.raw()),
             ("facet_items", facets.items.raw()),
-            ("unsure", facets.unsure.raw()),
+            ("undecided", facets.undecided.raw()),
         ];
-        stage.run(&self.begin, &[("unsure", facets.unsure.raw())], Groups::Workgroups(1))?;
-        stage.run(&self.classify, &buffers, Groups::Items(count as u64))?;
+        stage.run(&self.begin, &[("frame", frame), ("facet_items", facets.items.raw())], Groups::Workgroups(1))?;
+        stage.run(&self.classify, &buffers, groups)?;
         // At most 64 an invocation: a device may cut loops off after 65,535 turns.
-        let groups = (count as u64).div_ceil(64 * u64::from(kernel::WORKGROUP)).max(u64::from(kernel::UNSURE_GROUPS));
+        let groups = (facets.list.len() as u64).div_ceil(64 * u64::from(kernel::WORKGROUP)).max(u64::from(kernel::UNSURE_GROUPS));
         stage.run(&self.unsure, &buffers, Groups::Strides(groups))
     }
 }

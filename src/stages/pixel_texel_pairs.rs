@@ -176,7 +176,7 @@ impl PixelTexelPairs {
         let buffers = [
             ("frame", frame),
             ("step", &kept),
-            ("facets", facets.list.raw()),
+            ("undecided", facets.undecided.raw()),
             ("work_offsets", offsets.raw()),
             ("splits", splits.raw()),
             ("place_counts", lists.place_counts.raw()),
@@ -209,7 +209,7 @@ impl PixelTexelPairs {
         lists.check(Places::Texels)?;
         let buffers = [
             ("frame", frame),
-            ("facets", facets.list.raw()),
+            ("undecided", facets.undecided.raw()),
             ("work_offsets", offsets.raw()),
             ("splits", splits.raw()),
             ("place_deepest", lists.place_deepest.raw()),

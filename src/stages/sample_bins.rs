@@ -224,7 +224,7 @@ impl SampleBins {
             ("frame", bins.frames[band].raw()),
             ("samples", samples),
             ("step", &pass),
-            ("facets", facets.list.raw()),
+            ("undecided", facets.undecided.raw()),
             ("triangles", blocks.triangles),
             ("positions", positions),
             ("masks", facets.masks.raw()),

@@ -201,7 +201,7 @@ impl ShadowRays {
             ("frame", frame),
             ("samples", scene.samples),
             ("tree", scene.tree.place.raw()),
-            ("facets", facets.list.raw()),
+            ("undecided", facets.undecided.raw()),
             ("listed", rays.listed.raw()),
             ("work", rays.work.raw()),
             ("nodes", scene.tree.nodes.raw()),

@@ -123,7 +123,7 @@ impl VisibilityMasks {
         let buffers = [
             ("frame", frame),
             ("samples", casters.samples),
-            ("facets", facets.list.raw()),
+            ("undecided", facets.undecided.raw()),
             ("candidates", lists.candidates.raw()),
             ("table", casters.table),
             ("triangles", casters.triangles),

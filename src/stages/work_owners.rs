@@ -77,7 +77,7 @@ impl ListWork {
         Self { scan: scan.clone(), owners: WorkOwners::new(device), fold: DispatchArgs::new(device) }
     }
 
-    /// Records the scan of `items` with the table behind it into `offsets`, and the arguments that `requests` ask for, whose count is
+    /// Records the scan of the first `count` of `items` with the table behind it into `offsets`, and the arguments that `requests` ask for, whose count is
     /// the word behind the scan.
     ///
     /// # Errors
@@ -85,12 +85,11 @@ impl ListWork {
     pub fn record(
         &self,
         stage: &mut Stage,
-        items: &Buffer<u32>,
+        (items, count): (&Buffer<u32>, usize),
         offsets: &Buffer<u32>,
         scratch: &Scratch,
         (requests, args): (&Requests, &Buffer<u32>),
     ) -> Result<()> {
-        let count = items.len();
         self.scan.record(stage, items, offsets, (offsets, count), scratch, Count::Exactly(count))?;
         self.owners.record(stage, offsets, count)?;
         self.fold.record(stage, offsets, requests, args)

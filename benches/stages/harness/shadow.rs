@@ -81,7 +81,7 @@ impl Shadow {
         };
         submit(gpu, |s| {
             classify.record_one(s, frame.raw(), &setup.id_keys, &facets)?;
-            classify.record_classify(s, frame.raw(), samples.raw(), around, &facets, pixels)
+            classify.record_classify(s, frame.raw(), samples.raw(), around, &facets, Groups::Items(pixels as u64))
         })?;
         let (words, items) = scanned(gpu, &facets.items)?;
         let facet_offsets = Buffer::from_slice(device, queue, "bench.facet_offsets", &words)?;

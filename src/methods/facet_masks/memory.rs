@@ -4,7 +4,7 @@ use super::{PairVariant, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::Buffer;
-use crate::gpu::kernels::{candidate_pairs, pixel_texel_pairs, silhouette_mask, visibility_masks};
+use crate::gpu::kernels::{candidate_pairs, facet_classify, pixel_texel_pairs, silhouette_mask, visibility_masks};
 use crate::mask_table::mask_table;
 use crate::methods::geometry::Geometry;
 use crate::methods::prepared::CasterBuffers;
@@ -79,6 +79,7 @@ pub mod status {
 #[derive(Clone, Copy)]
 pub enum Arg {
     Edges,
+    Listed,
     Facets,
     Pairs,
     Candidates,
@@ -157,8 +158,8 @@ impl Memory {
             )?,
             unsorted: unsorted(device, settings, capacities)?,
             scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
-            args: Buffer::indirect(device, "dispatch_args.args", 15)?,
-            requests: requests(device, queue, [edges, facets], capacities)?,
+            args: Buffer::indirect(device, "dispatch_args.args", 18)?,
+            requests: requests(device, queue, [edges, pixels, facets], capacities)?,
             status: words_of("status", status::words(capacities))?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,
@@ -183,17 +184,18 @@ pub fn unsorted(
     Ok(Some([of_pixels, SortedPairs::scratch(device, c.triangle_pairs, false)?]))
 }
 
-/// Requests of indirect arguments, one list of one for each [`Arg`]. `totals` are the words of the totals of the first two counts; the
+/// Requests of indirect arguments, one list of one for each [`Arg`]. `totals` are the words of the totals of the first three counts; the
 /// rest are in the tally.
 pub fn requests(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    totals: [usize; 2],
+    totals: [usize; 3],
     c: Capacities,
 ) -> Result<Vec<Requests>> {
-    let [edges, facets] = totals;
+    let [edges, listed, facets] = totals;
     let all = [
         (edges, silhouette_mask::WORKGROUP, Request::MAX_LIMIT),
+        (listed, facet_classify::WORKGROUP, c.facets),
         (facets, pixel_texel_pairs::WORKGROUP, Request::MAX_LIMIT),
         (tally::TALLY_PAIRS as usize, candidate_pairs::WORKGROUP, c.pixel_pairs),
         (tally::TALLY_CANDIDATES as usize, visibility_masks::WORKGROUP, c.candidates),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::glam::DVec3;
-use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups, recorder};
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
@@ -289,7 +289,7 @@ impl World {
             sat: &sat,
             splits: &splits,
         };
-        run(gpu, |s| classify.record_classify(s, frame.raw(), offsets.raw(), around, &facets, listed.len()));
+        run(gpu, |s| classify.record_classify(s, frame.raw(), offsets.raw(), around, &facets, Groups::Items(listed.len() as u64)));
         facets
     }
 
