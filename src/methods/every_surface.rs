@@ -3,10 +3,10 @@
 
 use super::facet_masks::{Capacities, Settings, status};
 use crate::Result;
-use crate::gpu::kernels::dispatch_args;
-use crate::gpu::{Buffer, Groups, Program, Recorder, Stage};
+use crate::gpu::{Buffer, Groups, Recorder, Stage};
 use crate::stages::camera_visibility::Blocks;
 use crate::stages::compact::{self, Compact, Flags};
+use crate::stages::dispatch_args::{DispatchArgs, Request, Requests};
 use crate::stages::facet_classify::Facets;
 use crate::stages::gbuffer_triangles::{GbufferTriangles, Given};
 use crate::stages::pixel_triangles::{PixelLists, PixelTriangles};
@@ -30,12 +30,12 @@ pub struct EverySurface {
     triangles: PixelTriangles,
     compact: Compact,
     surfaces: SampleSurfaces,
-    fold: Program,
+    fold: DispatchArgs,
     lists: PixelLists,
     complex: ComplexPixels,
     compact_scratch: compact::Scratch,
     scan_scratch: prefix_scan::Scratch,
-    request: Buffer<[u32; 4]>,
+    requests: Requests,
     args: Buffer<u32>,
     rounds: u32,
 }
@@ -64,12 +64,12 @@ impl EverySurface {
             } else {
                 SampleSurfaces::new(device, scan, samples)
             },
-            fold: Program::new(device, dispatch_args::ENTRY_FOLD, &[]),
+            fold: DispatchArgs::new(device),
             lists: PixelLists::new(device, pixels, c.pixel_triangles)?,
             complex: ComplexPixels::new(device, queue, c.complex_pixels, words as usize)?,
             compact_scratch: Compact::scratch(device, pixels)?,
             scan_scratch: PrefixScan::scratch(device, pixels)?,
-            request: request(device, queue, c)?,
+            requests: requests(device, queue, c)?,
             args: Buffer::indirect(device, "every_surface.args", 3)?,
             rounds: c.camera_rounds,
         })
@@ -88,7 +88,7 @@ impl EverySurface {
     ) -> Result<()> {
         self.lists = PixelLists::new(device, settings.pixels(), capacities.pixel_triangles)?;
         self.complex = ComplexPixels::new(device, queue, capacities.complex_pixels, settings.samples.words() as usize)?;
-        self.request = request(device, queue, capacities)?;
+        self.requests = requests(device, queue, capacities)?;
         self.rounds = capacities.camera_rounds;
         Ok(())
     }
@@ -128,9 +128,7 @@ impl EverySurface {
             let total = (&complex.total, 0);
             let count = Count::Exactly(pixels);
             self.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
-            let buffers =
-                [("counts", complex.total.raw()), ("requests", self.request.raw()), ("args", self.args.raw())];
-            stage.run(&self.fold, &buffers, Groups::Workgroups(1))?;
+            self.fold.record(stage, &complex.total, &self.requests, &self.args)?;
             let mesh = Mesh {
                 samples,
                 triangles: in_camera.triangles,
@@ -161,6 +159,6 @@ impl EverySurface {
 }
 
 /// One workgroup for each [`WORKGROUP`] complex pixels.
-fn request(device: &wgpu::Device, queue: &wgpu::Queue, c: Capacities) -> Result<Buffer<[u32; 4]>> {
-    Buffer::from_slice(device, queue, "dispatch_args.request", &[[0, WORKGROUP, c.complex_pixels as u32, 0]])
+fn requests(device: &wgpu::Device, queue: &wgpu::Queue, c: Capacities) -> Result<Requests> {
+    DispatchArgs::requests(device, queue, &[Request::new(0, WORKGROUP, c.complex_pixels, 0)?])
 }

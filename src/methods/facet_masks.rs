@@ -177,7 +177,7 @@ impl FacetMasks {
             every_surface.resize(device, queue, &self.settings, capacities)?;
         }
         m.frames = frames(device, capacities)?;
-        let totals = [m.edge_items.len(), m.visibility.len(), m.facets.list.len()];
+        let totals = [m.edge_items.len(), m.visibility.len(), m.facets.list.len(), m.geometry.facts.light_items.len()];
         m.requests = requests(device, queue, totals, capacities)?;
         m.status = Buffer::storage(device, "status", status::words(capacities))?;
         self.capacities = capacities;

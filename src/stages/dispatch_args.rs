@@ -3,10 +3,10 @@
 //! - **Purpose.** Runs a kernel over a list whose length only the GPU knows.
 //! - **Reads** any words of a buffer of counts, and one [`Request`] a dispatch.
 //! - **Writes** three words a request ([`Groups::Indirect`] reads them).
-//! - **Guarantee.** `min(count, limit)` items are covered by as few workgroups as the fold over two dimensions allows; a
+//! - **Guarantee.** `min(count, limit)` items, but for the first `skip`, are covered by as few workgroups as the fold over two dimensions allows; a
 //!   kernel finds its flat index with `kernels/shared/dispatch.wgsl` and must check it against the count.
 //! - **Capacity.** Lists of up to 2^31 items: no flat index wraps.
-//! - **Cost.** One dispatch, 16 bytes in and 12 out a request.
+//! - **Cost.** One dispatch, 32 bytes in and 12 out a request.
 //! - **Source.** wgpu replaces an indirect dispatch of more than 65,535 groups along a dimension by none, silently; hence
 //!   the fold.
 
@@ -27,6 +27,14 @@ shared_struct! {
         pub limit: u32,
         /// Where the three words go.
         pub args_word: u32,
+        /// Items at the beginning that another dispatch takes.
+        pub skip: u32,
+        /// Not read.
+        pub pad_1: u32,
+        /// Not read.
+        pub pad_2: u32,
+        /// Not read.
+        pub pad_3: u32,
     }
 }
 
@@ -43,7 +51,14 @@ impl Request {
         if per_group == 0 || limit > Self::MAX_LIMIT {
             return Err(Error::Config(format!("dispatch_args: {limit} items in groups of {per_group}")));
         }
-        Ok(Self { count_word: count_word as u32, per_group, limit: limit as u32, args_word: args_word as u32 })
+        let (count_word, limit, args_word) = (count_word as u32, limit as u32, args_word as u32);
+        Ok(Self { count_word, per_group, limit, args_word, ..Self::default() })
+    }
+
+    /// Of the list, what comes after the first `skip` items.
+    #[must_use]
+    pub fn after(self, skip: usize) -> Self {
+        Self { skip: u32::try_from(skip).unwrap_or(u32::MAX), ..self }
     }
 }
 
@@ -73,7 +88,7 @@ impl DispatchArgs {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn requests(device: &wgpu::Device, queue: &wgpu::Queue, requests: &[Request]) -> Result<Requests> {
-        // A buffer is padded with nothing that could be taken for a request: each is 16 bytes.
+        // A buffer is padded with nothing that could be taken for a request: each is 32 bytes.
         Ok(Requests {
             list: Buffer::from_slice(device, queue, "dispatch_args.requests", requests)?,
             counts: requests.iter().map(|r| r.count_word as usize + 1).max().unwrap_or(0),

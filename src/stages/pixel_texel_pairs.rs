@@ -120,11 +120,15 @@ impl PairLists {
             triangle_offsets: Buffer::storage(device, "pairs.triangle_offsets", count + 2)?,
             pixel_pairs: Buffer::storage(device, "pairs.pixel_pairs", pixel_pairs)?,
             triangle_pairs: Buffer::storage(device, "pairs.triangle_pairs", places.words() * triangle_pairs)?,
-            // A block makes several pairs as a rule.
-            touched: Buffer::storage(device, "pairs.touched", (pixel_pairs + triangle_pairs) / 4)?,
+            touched: Buffer::storage(device, "pairs.touched", Self::touched_words(pixel_pairs, triangle_pairs))?,
             candidates: Buffer::storage(device, "pairs.candidates", TALLY_WORDS + 2 * candidates)?,
             doubts: Buffer::storage(device, "pairs.doubts", candidates)?,
         })
+    }
+
+    /// Blocks that [`PairLists::touched`] has room for: one makes several pairs as a rule.
+    pub(crate) fn touched_words(pixel_pairs: usize, triangle_pairs: usize) -> usize {
+        (pixel_pairs + triangle_pairs) / 4
     }
 
     /// That a stage made for `places` may use them.
@@ -155,7 +159,8 @@ impl PixelTexelPairs {
         self.places
     }
 
-    /// Records run `index`: 0 counts, 1 emits.
+    /// Records run `index`: 0 counts, 1 emits. `args`: for all blocks of the facets; `rest`: for those that find no room in
+    /// [`PairLists::touched`].
     ///
     /// # Errors
     /// [`Error::Config`] if the lists are of other places.
@@ -167,7 +172,7 @@ impl PixelTexelPairs {
         frame: &wgpu::Buffer,
         facets: &Facets,
         offsets: &Buffer<u32>,
-        args: (&wgpu::Buffer, u64),
+        [args, rest]: [(&wgpu::Buffer, u64); 2],
         splits: &Buffer<f32>,
         lists: &PairLists,
     ) -> Result<()> {
@@ -185,8 +190,11 @@ impl PixelTexelPairs {
             ("pairs", lists.pixel_pairs.raw()),
             ("touched", lists.touched.raw()),
         ];
-        let programs = if index == 0 { vec![&self.count] } else { vec![&self.emit, &self.emit_rest] };
-        programs.into_iter().try_for_each(|program| stage.run(program, &buffers, Groups::Indirect(args.0, args.1)))
+        if index == 0 {
+            return stage.run(&self.count, &buffers, Groups::Indirect(args.0, args.1));
+        }
+        stage.run(&self.emit, &buffers, Groups::Indirect(args.0, args.1))?;
+        stage.run(&self.emit_rest, &buffers, Groups::Indirect(rest.0, rest.1))
     }
 
     /// Records the listing of pairs as they come, texel by texel, to be sorted; the capacity of `frame` may not be above that

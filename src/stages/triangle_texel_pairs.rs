@@ -47,7 +47,7 @@ impl TriangleTexelPairs {
         self.places
     }
 
-    /// Records run `index`: 0 counts, 1 emits.
+    /// Records run `index`: 0 counts, 1 emits. `rest`: arguments for those blocks that find no room in [`PairLists::touched`].
     ///
     /// # Errors
     /// [`Error::Config`](crate::Error::Config) if the lists are of other places.
@@ -57,6 +57,7 @@ impl TriangleTexelPairs {
         index: u32,
         frame: &wgpu::Buffer,
         blocks: Blocks,
+        rest: (&wgpu::Buffer, u64),
         lists: &PairLists,
     ) -> Result<()> {
         lists.check(self.places)?;
@@ -74,9 +75,12 @@ impl TriangleTexelPairs {
             ("pair_triangles", lists.triangle_pairs.raw()),
             ("touched", lists.touched.raw()),
         ];
-        let programs = if index == 0 { vec![&self.count] } else { vec![&self.emit, &self.emit_rest] };
-        let run = |program| stage.run(program, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1));
-        programs.into_iter().try_for_each(run)
+        let all = Groups::Indirect(blocks.args.0, blocks.args.1);
+        if index == 0 {
+            return stage.run(&self.count, &buffers, all);
+        }
+        stage.run(&self.emit, &buffers, all)?;
+        stage.run(&self.emit_rest, &buffers, Groups::Indirect(rest.0, rest.1))
     }
 
     /// Records the listing of pairs as they come, texel by texel, to be sorted; the capacity of `frame` may not be above that

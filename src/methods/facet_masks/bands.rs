@@ -86,13 +86,17 @@ impl FacetMasks {
     /// The pairs of one band, counted, scanned and written to their places.
     fn record_grouped(&self, rec: &mut Recorder, frame: &wgpu::Buffer, in_light: Blocks) -> Result<()> {
         let m = &self.memory;
-        let (places, facet_args) = (m.lists.place_counts.len(), (m.args.raw(), Arg::Facets.word()));
+        let places = m.lists.place_counts.len();
+        let args = [Arg::Facets, Arg::FacetsAgain].map(|arg| (m.args.raw(), arg.word()));
         for run in 0..2 {
             rec.clear(m.lists.place_counts.raw());
             let stage = &mut rec.stage("pixel_texel_pairs");
             let splits = &m.layers.splits;
             let offsets = &m.facet_offsets;
-            self.with.pixel_pairs.record(stage, run, frame, &m.facets, offsets, facet_args, splits, &m.lists)?;
+            if run == 1 {
+                self.args(stage, Arg::FacetsAgain, offsets)?;
+            }
+            self.with.pixel_pairs.record(stage, run, frame, &m.facets, offsets, args, splits, &m.lists)?;
             if run == 0 {
                 self.scan(stage, &m.lists.place_counts, &m.lists.pixel_offsets, places)?;
             }
@@ -100,7 +104,11 @@ impl FacetMasks {
         for run in 0..2 {
             rec.clear(m.lists.place_counts.raw());
             let stage = &mut rec.stage("triangle_texel_pairs");
-            self.with.triangle_pairs.record(stage, run, frame, in_light, &m.lists)?;
+            if run == 1 {
+                self.args(stage, Arg::CastersAgain, in_light.offsets)?;
+            }
+            let rest = (m.args.raw(), Arg::CastersAgain.word());
+            self.with.triangle_pairs.record(stage, run, frame, in_light, rest, &m.lists)?;
             if run == 0 {
                 self.scan(stage, &m.lists.place_counts, &m.lists.triangle_offsets, places)?;
             }

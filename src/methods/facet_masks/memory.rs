@@ -4,7 +4,7 @@ use super::{PairVariant, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::Buffer;
-use crate::gpu::kernels::{candidate_pairs, facet_classify, pixel_texel_pairs, silhouette_mask, visibility_masks};
+use crate::gpu::kernels::{candidate_pairs, facet_classify, pixel_texel_pairs, silhouette_mask, triangle_texel_pairs, visibility_masks};
 use crate::mask_table::mask_table;
 use crate::methods::geometry::Geometry;
 use crate::methods::prepared::CasterBuffers;
@@ -84,6 +84,10 @@ pub enum Arg {
     Pairs,
     Candidates,
     Doubts,
+    /// Blocks of facets whose texels are found twice.
+    FacetsAgain,
+    /// The same of casters.
+    CastersAgain,
 }
 
 impl Arg {
@@ -158,8 +162,8 @@ impl Memory {
             )?,
             unsorted: unsorted(device, settings, capacities)?,
             scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
-            args: Buffer::indirect(device, "dispatch_args.args", 18)?,
-            requests: requests(device, queue, [edges, pixels, facets], capacities)?,
+            args: Buffer::indirect(device, "dispatch_args.args", 3 * 8)?,
+            requests: requests(device, queue, [edges, pixels, facets, casters.triangles.len()], capacities)?,
             status: words_of("status", status::words(capacities))?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,
@@ -184,25 +188,29 @@ pub fn unsorted(
     Ok(Some([of_pixels, SortedPairs::scratch(device, c.triangle_pairs, false)?]))
 }
 
-/// Requests of indirect arguments, one list of one for each [`Arg`]. `totals` are the words of the totals of the first three counts; the
-/// rest are in the tally.
+/// Requests of indirect arguments, one list of one for each [`Arg`]. `totals` are the words of the totals of edges, listed facets, blocks of facets and of
+/// casters; the rest are in the tally.
 pub fn requests(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    totals: [usize; 3],
+    totals: [usize; 4],
     c: Capacities,
 ) -> Result<Vec<Requests>> {
-    let [edges, listed, facets] = totals;
+    let [edges, listed, facets, casters] = totals;
+    let all = Request::MAX_LIMIT;
+    let found_once = PairLists::touched_words(c.pixel_pairs, c.triangle_pairs);
     let all = [
-        (edges, silhouette_mask::WORKGROUP, Request::MAX_LIMIT),
-        (listed, facet_classify::WORKGROUP, c.facets),
-        (facets, pixel_texel_pairs::WORKGROUP, Request::MAX_LIMIT),
-        (tally::TALLY_PAIRS as usize, candidate_pairs::WORKGROUP, c.pixel_pairs),
-        (tally::TALLY_CANDIDATES as usize, visibility_masks::WORKGROUP, c.candidates),
-        (tally::TALLY_DOUBTS as usize, visibility_masks::WORKGROUP, c.candidates),
+        (edges, silhouette_mask::WORKGROUP, all, 0),
+        (listed, facet_classify::WORKGROUP, c.facets, 0),
+        (facets, pixel_texel_pairs::WORKGROUP, all, 0),
+        (tally::TALLY_PAIRS as usize, candidate_pairs::WORKGROUP, c.pixel_pairs, 0),
+        (tally::TALLY_CANDIDATES as usize, visibility_masks::WORKGROUP, c.candidates, 0),
+        (tally::TALLY_DOUBTS as usize, visibility_masks::WORKGROUP, c.candidates, 0),
+        (facets, pixel_texel_pairs::WORKGROUP, all, found_once),
+        (casters, triangle_texel_pairs::WORKGROUP, all, found_once),
     ];
-    let request = |(k, (count, group, limit)): (usize, (usize, u32, usize))| {
-        DispatchArgs::requests(device, queue, &[Request::new(count, group, limit, 3 * k)?])
+    let request = |(k, (count, group, limit, skip)): (usize, (usize, u32, usize, usize))| {
+        DispatchArgs::requests(device, queue, &[Request::new(count, group, limit, 3 * k)?.after(skip)])
     };
     all.into_iter().enumerate().map(request).collect()
 }

@@ -343,7 +343,7 @@ impl World {
             }
             lists.place_counts.write(&gpu.queue, &vec![0; places.count(map)]);
             if total > 0 {
-                run(gpu, |s| stage.record(s, pass, frame.raw(), facets, &offsets, (args.raw(), 0), &splits, &lists));
+                run(gpu, |s| stage.record(s, pass, frame.raw(), facets, &offsets, [(args.raw(), 0); 2], &splits, &lists));
             }
             counts.push(lists.place_counts.read(gpu).expect("readback"));
             if pass == 0 {
@@ -396,7 +396,7 @@ impl World {
         let counts = self.pixel_pairs(stage, facets, splits, 1).counts;
         lists.pixel_offsets.write(&gpu.queue, &with_total(&counts));
         lists.pixel_pairs.write(&gpu.queue, &vec![[POISON; 2]; len]);
-        run(gpu, |s| stage.record(s, 1, frame.raw(), facets, &offsets, (args.raw(), 0), &splits_on_gpu, &lists));
+        run(gpu, |s| stage.record(s, 1, frame.raw(), facets, &offsets, [(args.raw(), 0); 2], &splits_on_gpu, &lists));
         lists.pixel_pairs.read(gpu).expect("readback")
     }
 
