@@ -12,6 +12,8 @@
 //@import frame
 //@import dispatch
 //@import facet
+//@import facet_outline
+//@import facet_quad
 //@import facing
 //@import candidates
 //@import rect
@@ -100,6 +102,8 @@ fn walk(pair: vec2<u32>) -> u32 {
     if TILE_SHIFT != 0u {
         cells = texel_cells(pair.y & 15u) & box_cells(divided(place, places_across()).yx, 0.5 * low, 0.5 * high);
     }
+    let quad = quad_of(f);
+    if TILE_SHIFT != 0u { cells &= quad_cells(quad, divided(place, places_across()).yx); }
     let depth = depth_code(farthest + frame.depth_margin);
     // One loop a question, each over what the ones before left: vector machines pay for code that no lane takes. What costs less
     // comes first: of texels most pairs are new, of tiles most are not.
@@ -110,7 +114,7 @@ fn walk(pair: vec2<u32>) -> u32 {
         var covered = false;
         for (; left != 0u; left &= left - 1u) {
             let t = triangle_at(batch + firstTrailingBit(left));
-            let e = effect(t, around, middle, half, slope, farthest);
+            let e = effect(t, around, middle, half, quad, slope, farthest);
             kept |= select(0u, left & (0u - left), (e == MATTERS) & (t != own));
             covered = covered | ((e == COVERS) & (t != own));
         }

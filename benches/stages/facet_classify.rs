@@ -25,7 +25,14 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
                 splits: &shadow.splits,
             };
             let count = shadow.facets.list.len();
-            stage.record_classify(s, shadow.frame.raw(), shadow.samples.raw(), around, &shadow.facets, Groups::Items(count as u64))
+            stage.record_classify(
+                s,
+                shadow.frame.raw(),
+                shadow.samples.raw(),
+                around,
+                &shadow.facets,
+                Groups::Items(count as u64),
+            )
         }),
     }])
 }

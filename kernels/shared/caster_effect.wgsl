@@ -5,11 +5,11 @@ const NOTHING = 0u;
 const MATTERS = 1u;
 const COVERS = 2u;
 
-// How far the box reaches beyond the line a-b (x: its outermost point, y: its innermost, both positive inside).
-fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, middle: vec2<f32>, half: vec2<f32>) -> vec2<f32> {
+// How far the quad reaches beyond the line a-b (x: its outermost point, y: its innermost, both positive inside).
+fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, quad: Quad) -> vec2<f32> {
     let n = turn * vec2(a.y - b.y, b.x - a.x);
-    let at = dot(n, middle - a);
-    let wide = dot(abs(n), half);
+    let at = dot(n, quad.middle - a);
+    let wide = abs(dot(n, quad.u)) + abs(dot(n, quad.v)) + dot(abs(n), quad.rest);
     return vec2(at - wide, at + wide);
 }
 
@@ -41,7 +41,7 @@ fn share_edge(i: vec3<u32>, j: vec3<u32>) -> bool {
 
 // What a triangle may do to a facet: nothing, something, or cover all of it. Of two triangles at an edge that face the light alike
 // neither casts on the other. What is no caster (FLAG_CULL_BACK) may still cut a facet whose plane it reaches.
-fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>, farthest: f32) -> u32 {
+fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, quad: Quad, slope: vec4<f32>, farthest: f32) -> u32 {
     let i = triangles[t];
     let a = map_points[i.x];
     let b = map_points[i.y];
@@ -62,10 +62,10 @@ fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, slope: vec4<f32>
     let size = max(abs(ab.x) + abs(ab.y), abs(ac.x) + abs(ac.y));
     let thin = abs(area) <= 4e-6 * (reach + size) * size;
     let turn = select(-1.0, 1.0, area > 0.0);
-    let grown = half + 4e-6 * reach;
-    let e0 = reach_of(a.xy, b.xy, turn, middle, grown);
-    let e1 = reach_of(b.xy, c.xy, turn, middle, grown);
-    let e2 = reach_of(c.xy, a.xy, turn, middle, grown);
+    let grown = Quad(quad.middle, quad.u, quad.v, quad.rest + 4e-6 * reach);
+    let e0 = reach_of(a.xy, b.xy, turn, grown);
+    let e1 = reach_of(b.xy, c.xy, turn, grown);
+    let e2 = reach_of(c.xy, a.xy, turn, grown);
     var beside = false;
     // That a triangle turns to the light or away is known if no corner's rounding turns it.
     let known = abs(area) > (2.0 * frame.map_margin + 4e-6 * (reach + size)) * size;

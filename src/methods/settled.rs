@@ -160,7 +160,14 @@ impl Settled {
         };
         let stage = &mut rec.stage("facet_classify");
         self.classify.record_one(stage, frame, &inputs.geometry.id_keys, &self.facets)?;
-        self.classify.record_classify(stage, frame, inputs.samples, around, &self.facets, Groups::Items(self.facets.list.len() as u64))
+        self.classify.record_classify(
+            stage,
+            frame,
+            inputs.samples,
+            around,
+            &self.facets,
+            Groups::Items(self.facets.list.len() as u64),
+        )
     }
 
     /// Records the picture.

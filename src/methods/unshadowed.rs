@@ -205,7 +205,14 @@ fn record(
         let stage = &mut rec.stage("facet_classify");
         let around = Surroundings { triangles, positions: casters.positions.raw(), sat: &sat, splits: &splits };
         with.classify.record_one(stage, frame, &geometry.id_keys, &made.facets)?;
-        with.classify.record_classify(stage, frame, samples.raw(), around, &made.facets, Groups::Items(pixels as u64))?;
+        with.classify.record_classify(
+            stage,
+            frame,
+            samples.raw(),
+            around,
+            &made.facets,
+            Groups::Items(pixels as u64),
+        )?;
     }
     with.resolve.record(&mut rec.stage("resolve"), frame, &made.facets, &made.visibility, &made.lit, &made.status)?;
     Ok(made)

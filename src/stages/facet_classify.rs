@@ -217,7 +217,9 @@ impl FacetClassify {
         stage.run(&self.begin, &[("frame", frame), ("facet_items", facets.items.raw())], Groups::Workgroups(1))?;
         stage.run(&self.classify, &buffers, groups)?;
         // At most 64 an invocation: a device may cut loops off after 65,535 turns.
-        let groups = (facets.list.len() as u64).div_ceil(64 * u64::from(kernel::WORKGROUP)).max(u64::from(kernel::UNSURE_GROUPS));
+        let groups = (facets.list.len() as u64)
+            .div_ceil(64 * u64::from(kernel::WORKGROUP))
+            .max(u64::from(kernel::UNSURE_GROUPS));
         stage.run(&self.unsure, &buffers, Groups::Strides(groups))
     }
 }

@@ -202,7 +202,13 @@ impl SplitMaps {
     ) -> Result<()> {
         self.measure(stage, frame, splits, mesh, maps)?;
         let offsets = &maps.offsets;
-        self.work.record(stage, (&maps.items, maps.items.len()), offsets, &maps.scratch, (&maps.requests, &maps.args))?;
+        self.work.record(
+            stage,
+            (&maps.items, maps.items.len()),
+            offsets,
+            &maps.scratch,
+            (&maps.requests, &maps.args),
+        )?;
         let buffers = [
             ("frame", frame),
             ("splits", splits.raw()),

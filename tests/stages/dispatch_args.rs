@@ -29,12 +29,19 @@ const TOUCH: Entry = Entry {
     ],
 };
 
-/// The arguments of each `(count, per_group, limit)`, made on the GPU; then one word of poison.
-fn folded(gpu: &Gpu, cases: &[[u32; 3]]) -> Vec<u32> {
+/// The arguments of each `(count, per_group, limit, skip)`, made on the GPU; then one word of poison.
+fn folded(gpu: &Gpu, cases: &[[u32; 4]]) -> Vec<u32> {
     let stage = DispatchArgs::new(&gpu.device);
     let requests: Vec<Request> = (0u32..)
         .zip(cases)
-        .map(|(i, &[_, per_group, limit])| Request { count_word: i, per_group, limit, args_word: i * 3 })
+        .map(|(i, &[_, per_group, limit, skip])| Request {
+            count_word: i,
+            per_group,
+            limit,
+            args_word: i * 3,
+            skip,
+            ..Request::default()
+        })
         .collect();
     let requests = DispatchArgs::requests(&gpu.device, &gpu.queue, &requests).expect("requests");
     let counts = upload(gpu, &cases.iter().map(|case| case[0]).collect::<Vec<_>>());
@@ -43,15 +50,15 @@ fn folded(gpu: &Gpu, cases: &[[u32; 3]]) -> Vec<u32> {
     args.read(gpu).expect("readback")
 }
 
-fn wanted(cases: &[[u32; 3]]) -> Vec<u32> {
+fn wanted(cases: &[[u32; 4]]) -> Vec<u32> {
     let mut want: Vec<u32> =
-        cases.iter().flat_map(|&[count, per_group, limit]| fold(count, per_group, limit)).collect();
+        cases.iter().flat_map(|&[count, per_group, limit, skip]| fold(count, per_group, limit, skip)).collect();
     want.push(POISON);
     want
 }
 
 #[track_caller]
-fn check(gpu: &Gpu, cases: &[[u32; 3]]) {
+fn check(gpu: &Gpu, cases: &[[u32; 4]]) {
     assert_same(&format!("{} requests", cases.len()), &folded(gpu, cases), &wanted(cases));
 }
 
@@ -79,14 +86,14 @@ fn touches_each_once(gpu: &Gpu, program: &Program, items: usize, indirect: bool)
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn empty() {
     check(gpu(), &[]);
-    check(gpu(), &[[0, 64, 100], [5, 64, 0], [5, 0, 5]]);
+    check(gpu(), &[[0, 64, 100, 0], [5, 64, 0, 0], [5, 0, 5, 0], [5, 64, 5, 5]]);
     touches_each_once(gpu(), &Program::new(&gpu().device, TOUCH, &[]), 0, true);
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn one() {
-    check(gpu(), &[[1, 64, 100]]);
+    check(gpu(), &[[1, 64, 100, 0], [1, 64, 100, 1]]);
     touches_each_once(gpu(), &Program::new(&gpu().device, TOUCH, &[]), 1, true);
 }
 
@@ -94,7 +101,7 @@ fn one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn every_size_around_workgroup() {
     for size in sizes_around(64) {
-        let cases: Vec<_> = (0..size as u32).map(|i| [i, 64, 150]).collect();
+        let cases: Vec<_> = (0..size as u32).map(|i| [i, 64, 150, i % 70]).collect();
         check(gpu(), &cases);
     }
 }
@@ -104,7 +111,7 @@ fn every_size_around_workgroup() {
 fn random_seeded() {
     let mut random = Random::new(51);
     let mut word = || random.word() >> random.below(32);
-    let cases: Vec<_> = (0..20_000).map(|_| [word(), word(), word()]).collect();
+    let cases: Vec<_> = (0..20_000).map(|_| [word(), word(), word(), word()]).collect();
     check(gpu(), &cases);
     check(gpu(), &cases);
 }
@@ -116,7 +123,8 @@ fn degenerate() {
     let mut cases = Vec::new();
     for count in edges {
         for per_group in edges {
-            cases.extend(edges.map(|limit| [count, per_group, limit]));
+            cases.extend(edges.map(|limit| [count, per_group, limit, limit / 2]));
+            cases.extend(edges.map(|skip| [count, per_group, u32::MAX, skip]));
         }
     }
     check(gpu(), &cases);
@@ -126,7 +134,10 @@ fn degenerate() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn overflow_by_one() {
     // A count beyond the capacity runs the capacity.
-    check(gpu(), &[[99, 10, 100], [100, 10, 100], [101, 10, 100], [u32::MAX, 10, 100], [u32::MAX, 1, u32::MAX]]);
+    check(
+        gpu(),
+        &[[99, 10, 100, 0], [100, 10, 100, 0], [101, 10, 100, 0], [u32::MAX, 10, 100, 0], [u32::MAX, 1, u32::MAX, 0]],
+    );
     assert!(Request::new(0, 64, Request::MAX_LIMIT, 0).is_ok());
     assert!(Request::new(0, 64, Request::MAX_LIMIT + 1, 0).is_err());
     assert!(Request::new(0, 0, 5, 0).is_err());
@@ -164,7 +175,7 @@ fn two_d_dispatch() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn detects_corruption() {
-    let cases = [[70_000, 1, 80_000], [5, 64, 5]];
+    let cases = [[70_000, 1, 80_000, 0], [5, 64, 5, 0]];
     let (mut got, want) = (folded(gpu(), &cases), wanted(&cases));
     assert_eq!(difference(&got, &want), None);
     got.swap(0, 1);

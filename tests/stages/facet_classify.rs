@@ -11,7 +11,7 @@ use subpixel_shadows::reference::facet_classify::{self as reference, State, Surr
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::view::block_count;
 use subpixel_shadows::scene::Light;
-use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets};
+use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets, Undecided};
 use subpixel_shadows::truth::Tracer;
 
 const STATES: [State; 5] = [State::Empty, State::Dark, State::Lit, State::Shadowed, State::Undecided];
@@ -19,6 +19,7 @@ const STATES: [State; 5] = [State::Empty, State::Dark, State::Lit, State::Shadow
 /// What the GPU made of a list.
 struct Got {
     facets: Vec<Facet>,
+    undecided: Vec<Undecided>,
     masks: Vec<u32>,
     items: Vec<u32>,
 }
@@ -27,7 +28,8 @@ fn read(gpu: &Gpu, facets: &Facets) -> Got {
     Got {
         facets: facets.list.read(gpu).expect("readback"),
         masks: facets.masks.read(gpu).expect("readback"),
-        items: facets.items.read(gpu).expect("readback"),
+        undecided: facets.undecided.read(gpu).expect("readback"),
+        items: facets.items.read_first(gpu, facets.list.len()).expect("readback"),
     }
 }
 
@@ -54,7 +56,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
     let words = world.words();
     let mut out = Vec::new();
     let mut open = 0;
-    for (k, facet) in got.facets.iter().enumerate() {
+    for (k, (facet, more)) in got.facets.iter().zip(&got.undecided).enumerate() {
         let mut fault = |what: String| out.push(format!("facet {k} of {:?}: {what}", listed[k]));
         let wanted = [&exact[k], &same[k], &wide[k]];
         let Some(&state) = STATES.get(facet.state as usize) else {
@@ -62,7 +64,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
             continue;
         };
         let undecided = state == State::Undecided;
-        let items = if undecided { block_count(Some(rect(facet.rect))) } else { 0 };
+        let items = if undecided { block_count(Some(rect(more.rect))) } else { 0 };
         if got.items[k] != items {
             fault(format!("{} items, {items} expected", got.items[k]));
         }
@@ -84,12 +86,15 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
             continue;
         }
         if undecided {
-            if !within(exact[k].rect, Some(rect(facet.rect))) || !within(Some(rect(facet.rect)), wide[k].rect) {
-                fault(format!("rect {:?}, {:?} to {:?} expected", rect(facet.rect), exact[k].rect, wide[k].rect));
+            if (more.pixel, more.triangle, more.origin) != (facet.pixel, facet.triangle, facet.origin) {
+                fault(format!("pixel {}, triangle {}, origin {:?}", more.pixel, more.triangle, more.origin));
             }
-            let (n, p) = (same[k].plane.truncate().normalize(), facet.plane.map(f64::from));
+            if !within(exact[k].rect, Some(rect(more.rect))) || !within(Some(rect(more.rect)), wide[k].rect) {
+                fault(format!("rect {:?}, {:?} to {:?} expected", rect(more.rect), exact[k].rect, wide[k].rect));
+            }
+            let (n, p) = (same[k].plane.truncate().normalize(), more.plane.map(f64::from));
             let tilt = (n - subpixel_shadows::glam::DVec3::new(p[0], p[1], p[2]).normalize()).length();
-            if tilt > 6e-8 * (f64::from(facet.tilt) + 4.0) * 6.0 {
+            if tilt > 6e-8 * (f64::from(more.tilt) + 4.0) * 6.0 {
                 fault(format!("plane is off by {tilt}"));
             }
         }
@@ -322,13 +327,17 @@ fn overflow_by_one() {
         // The same list, told to be one shorter: its last facet stays as it was.
         longer = world.classify(&seen[..count], &marked, &splits);
         let part = read(gpu(), &longer);
-        let bytes = |f: &[Facet]| bytemuck_words(f);
-        assert_same("facets", &bytes(&part.facets), &bytes(&whole.facets[..count]));
+        assert_same("facets", &words_of(&part, count), &words_of(&whole, count));
     }
 }
 
-fn bytemuck_words(facets: &[Facet]) -> Vec<u32> {
-    facets.iter().flat_map(|f| [f.state, f.rect[0], f.rect[1], f.pixel, f.triangle]).collect()
+fn words_of(got: &Got, count: usize) -> Vec<u32> {
+    let of = |f: usize| {
+        let (facet, more) = (&got.facets[f], &got.undecided[f]);
+        let rect = if facet.state == State::Undecided as u32 { more.rect } else { [0; 2] };
+        [facet.state, rect[0], rect[1], facet.pixel, facet.triangle]
+    };
+    (0..count).flat_map(of).collect()
 }
 
 #[test]
@@ -367,8 +376,8 @@ fn detects_corruption() {
     };
     let wanted: Vec<reference::Facet> = classify(&world.view, &around, &seen, Margin::default(), true);
     let k = wanted.iter().position(|f| f.state == State::Undecided && !f.open).expect("an undecided facet");
-    got.facets[k].rect[1] -= 1;
-    got.facets[k].rect[0] += 2;
+    got.undecided[k].rect[1] -= 1;
+    got.undecided[k].rect[0] += 2;
     assert!(check(&got) > 0, "a shrunken rectangle passes");
     got = read(gpu(), &facets);
     got.facets[k].state = State::Lit as u32;

@@ -78,6 +78,7 @@ fn check(world: &World, stage: &PixelTexelPairs, listed: &[(u32, Option<u32>)], 
     // Of what casts nothing, no texel is skipped.
     let skip = world.frame.flags & (2 | 8) == 0 && world.frame.triangle_count != 0;
     let states = on_gpu.list.read(world.gpu).expect("readback");
+    let undecided = on_gpu.undecided.read(world.gpu).expect("readback");
     // Facets whose state is open to rounding, or differs by the margin, are not compared.
     let clear = |f: usize| {
         let undecided = states[f].state == facet_classify::State::Undecided as u32;
@@ -98,7 +99,7 @@ fn check(world: &World, stage: &PixelTexelPairs, listed: &[(u32, Option<u32>)], 
     let sets = listed_pairs.sets();
     for (place, set) in sets.iter().enumerate() {
         assert!(set.windows(2).all(|w| w[0] < w[1]), "place {place}: a facet is listed twice");
-        let deepest = set.iter().map(|&f| states[f as usize].farthest.max(0.0).to_bits() + 1).max().unwrap_or(0);
+        let deepest = set.iter().map(|&f| undecided[f as usize].farthest.max(0.0).to_bits() + 1).max().unwrap_or(0);
         assert_eq!(listed_pairs.deepest[place], deepest, "place {place}");
     }
     let (size, across) = (size as usize, size.div_ceil(8) as usize);

@@ -4,7 +4,7 @@ use super::geometry::{IMAGE, MAP, Setup};
 use std::rc::Rc;
 use subpixel_shadows::Result;
 use subpixel_shadows::frame::{Frame, sample_words};
-use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage, recorder};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder, Stage, recorder};
 use subpixel_shadows::reference::prefix_scan;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
@@ -43,8 +43,8 @@ fn submit(gpu: &Gpu, record: impl FnOnce(&mut Stage) -> Result<()>) -> Result<()
     gpu.submit_and_wait(encoder)
 }
 
-fn scanned(gpu: &Gpu, counts: &Buffer<u32>) -> Result<(Vec<u32>, usize)> {
-    let scan = prefix_scan::exclusive(&counts.read(gpu)?);
+fn scanned(gpu: &Gpu, counts: &Buffer<u32>, count: usize) -> Result<(Vec<u32>, usize)> {
+    let scan = prefix_scan::exclusive(&counts.read_first(gpu, count)?);
     Ok(([scan.sums, vec![scan.total, 0]].concat(), scan.total as usize))
 }
 
@@ -83,7 +83,7 @@ impl Shadow {
             classify.record_one(s, frame.raw(), &setup.id_keys, &facets)?;
             classify.record_classify(s, frame.raw(), samples.raw(), around, &facets, Groups::Items(pixels as u64))
         })?;
-        let (words, items) = scanned(gpu, &facets.items)?;
+        let (words, items) = scanned(gpu, &facets.items, pixels)?;
         let facet_offsets = Buffer::from_slice(device, queue, "bench.facet_offsets", &words)?;
         let facet_args = args(gpu, items)?;
         let pixel_stage = PixelTexelPairs::new(device, PLACES);
@@ -105,10 +105,11 @@ impl Shadow {
             items,
         };
         submit(gpu, |s| shadow.pixel_pairs(s, &pixel_stage, 0))?;
-        let (pixel_offsets, pixel_count) = scanned(gpu, &shadow.lists.place_counts)?;
+        let (pixel_offsets, pixel_count) = scanned(gpu, &shadow.lists.place_counts, shadow.lists.place_counts.len())?;
         shadow.lists.place_counts.write(queue, &vec![0; places]);
         submit(gpu, |s| shadow.triangle_pairs(s, &triangle_stage, 0))?;
-        let (triangle_offsets, triangle_count) = scanned(gpu, &shadow.lists.place_counts)?;
+        let (triangle_offsets, triangle_count) =
+            scanned(gpu, &shadow.lists.place_counts, shadow.lists.place_counts.len())?;
         let lengths =
             |offsets: &[u32]| offsets.windows(2).map(|w| (w[1] - w[0]) as usize).take(places).collect::<Vec<_>>();
         shadow.tests = lengths(&pixel_offsets).iter().zip(lengths(&triangle_offsets)).map(|(p, t)| p * t).sum();
@@ -139,13 +140,14 @@ impl Shadow {
 
     /// One run of the pixel-texel pairs. Counts go on from the run before; writes beyond the list are left out.
     pub fn pixel_pairs(&self, s: &mut Stage, stage: &PixelTexelPairs, run: u32) -> Result<()> {
-        let args = (self.facet_args.raw(), 0);
+        let args = [(self.facet_args.raw(), 0); 2];
         stage.record(s, run, self.frame.raw(), &self.facets, &self.facet_offsets, args, &self.splits, &self.lists)
     }
 
     /// One run of the triangle-texel pairs.
     pub fn triangle_pairs(&self, s: &mut Stage, stage: &TriangleTexelPairs, run: u32) -> Result<()> {
-        stage.record(s, run, self.frame.raw(), self.setup.lit(), &self.lists)
+        let blocks = self.setup.lit();
+        stage.record(s, run, self.frame.raw(), blocks, blocks.args, &self.lists)
     }
 
     /// The candidates of all pairs.

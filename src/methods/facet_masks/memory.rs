@@ -4,7 +4,9 @@ use super::{PairVariant, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::Buffer;
-use crate::gpu::kernels::{candidate_pairs, facet_classify, pixel_texel_pairs, silhouette_mask, triangle_texel_pairs, visibility_masks};
+use crate::gpu::kernels::{
+    candidate_pairs, facet_classify, pixel_texel_pairs, silhouette_mask, triangle_texel_pairs, visibility_masks,
+};
 use crate::mask_table::mask_table;
 use crate::methods::geometry::Geometry;
 use crate::methods::prepared::CasterBuffers;

@@ -274,7 +274,7 @@ impl World {
         let full: Vec<u32> = (0..words as u32).map(|w| full_word(self.samples.count(), w)).collect();
         let masks: Vec<u32> = listed.iter().flat_map(|_| [full.clone(), vec![POISON; 2 * words]].concat()).collect();
         facets.masks.write(&gpu.queue, &masks);
-        facets.items.write(&gpu.queue, &vec![POISON; listed.len()]);
+        facets.items.write(&gpu.queue, &vec![POISON; facets.items.len()]);
         let bits: Vec<u32> = marked.iter().map(|&m| u32::from(m)).collect();
         let sat =
             Buffer::from_slice(&gpu.device, &gpu.queue, "test.sat", &table(&bits, self.view.map.map_size as usize))
@@ -289,7 +289,8 @@ impl World {
             sat: &sat,
             splits: &splits,
         };
-        run(gpu, |s| classify.record_classify(s, frame.raw(), offsets.raw(), around, &facets, Groups::Items(listed.len() as u64)));
+        let groups = Groups::Items(listed.len() as u64);
+        run(gpu, |s| classify.record_classify(s, frame.raw(), offsets.raw(), around, &facets, groups));
         facets
     }
 
@@ -325,7 +326,7 @@ impl World {
         let (map, count) = (self.view.map.map_size as usize, facets.list.len());
         let places = stage.places();
         let mut lists = PairLists::new(&gpu.device, map, places, capacity.max(1), 1, 1).expect("memory");
-        let items = facets.items.read(gpu).expect("readback");
+        let items = facets.items.read_first(gpu, count).expect("readback");
         let (offsets, args, total) = self.items(&items);
         let splits = self.splits(splits);
         let mut frame = self.frame;
@@ -343,7 +344,9 @@ impl World {
             }
             lists.place_counts.write(&gpu.queue, &vec![0; places.count(map)]);
             if total > 0 {
-                run(gpu, |s| stage.record(s, pass, frame.raw(), facets, &offsets, [(args.raw(), 0); 2], &splits, &lists));
+                run(gpu, |s| {
+                    stage.record(s, pass, frame.raw(), facets, &offsets, [(args.raw(), 0); 2], &splits, &lists)
+                });
             }
             counts.push(lists.place_counts.read(gpu).expect("readback"));
             if pass == 0 {
@@ -387,7 +390,7 @@ impl World {
         let touched = Buffer::storage(&gpu.device, "test.touched", 0).expect("memory");
         let lists =
             PairLists { touched, ..PairLists::new(&gpu.device, map, stage.places(), len, 1, 1).expect("memory") };
-        let (offsets, args, _) = self.items(&facets.items.read(gpu).expect("readback"));
+        let (offsets, args, _) = self.items(&facets.items.read_first(gpu, facets.list.len()).expect("readback"));
         let splits_on_gpu = self.splits(splits);
         let mut frame = self.frame;
         (frame.facet_count, frame.facets_total) = (facets.list.len() as u32, facets.list.len() as u32);
@@ -448,7 +451,7 @@ impl World {
             }
             lists.place_counts.write(&gpu.queue, &vec![0; places.count(map)]);
             if total > 0 {
-                run(gpu, |s| stage.record(s, pass, frame.raw(), blocks, &lists));
+                run(gpu, |s| stage.record(s, pass, frame.raw(), blocks, blocks.args, &lists));
             }
             counts.push(lists.place_counts.read(gpu).expect("readback"));
             if pass == 0 {
