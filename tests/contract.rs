@@ -63,6 +63,7 @@ fn registry() -> Vec<Registered> {
         of::<compact::Params>(),
         of::<dispatch_args::Request>(),
         of::<facet_classify::Facet>(),
+        of::<facet_classify::Undecided>(),
         of::<gbuffer_triangles::Params>(),
         of::<pixel_receivers::Params>(),
         of::<prefix_scan::Params>(),

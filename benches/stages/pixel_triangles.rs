@@ -29,6 +29,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         bytes: 3 * setup.in_camera.items * 96 + pixels * 40,
         atomics: 2 * pixels,
         flops: 3 * setup.cells_seen * 6,
-        record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.seen(), &lists, &scratch, &status)),
+        record: Box::new(move |s| {
+            let blocks = setup.seen();
+            stage.record(s, setup.frame.raw(), blocks, blocks.args, &lists, &scratch, &status)
+        }),
     }])
 }

@@ -38,7 +38,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     {
         let mut recorder = Recorder::new(device, &mut encoder, None);
         let stage = &mut recorder.stage("setup");
-        PixelTriangles::new(device, &scan).record(stage, setup.frame.raw(), setup.seen(), &lists, &scratch, &status)?;
+        let (find, blocks) = (PixelTriangles::new(device, &scan), setup.seen());
+        find.record(stage, setup.frame.raw(), blocks, blocks.args, &lists, &scratch, &status)?;
         let (flags, compact) = (Flags::Words(&lists.complex_flags), Compact::new(device, &scan));
         let own = Compact::scratch(device, pixels)?;
         let total = (&complex.total, 0);

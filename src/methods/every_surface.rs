@@ -3,6 +3,7 @@
 
 use super::facet_masks::{Capacities, Settings, status};
 use crate::Result;
+use crate::gpu::kernels::pixel_triangles;
 use crate::gpu::{Buffer, Groups, Recorder, Stage};
 use crate::stages::camera_visibility::Blocks;
 use crate::stages::compact::{self, Compact, Flags};
@@ -35,13 +36,15 @@ pub struct EverySurface {
     complex: ComplexPixels,
     compact_scratch: compact::Scratch,
     scan_scratch: prefix_scan::Scratch,
-    requests: Requests,
+    requests: [Requests; 2],
     args: Buffer<u32>,
+    again_args: Buffer<u32>,
+    casters: usize,
     rounds: u32,
 }
 
 impl EverySurface {
-    /// Builds the pipelines and the memory; with `merge` the triangles of one surface make one facet.
+    /// Builds the pipelines and the memory for a mesh of `casters` triangles; with `merge` the triangles of one surface make one facet.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
@@ -49,6 +52,7 @@ impl EverySurface {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         scan: &PrefixScan,
+        casters: usize,
         merge: bool,
         settings: &Settings,
         capacities: Capacities,
@@ -56,6 +60,7 @@ impl EverySurface {
         let (samples, words) = (settings.samples.count(), settings.samples.words());
         let pixels = settings.pixels();
         let c = capacities;
+        let lists = PixelLists::new(device, pixels, c.pixel_triangles)?;
         Ok(Self {
             triangles: PixelTriangles::new(device, scan),
             compact: Compact::new(device, scan),
@@ -65,12 +70,14 @@ impl EverySurface {
                 SampleSurfaces::new(device, scan, samples)
             },
             fold: DispatchArgs::new(device),
-            lists: PixelLists::new(device, pixels, c.pixel_triangles)?,
+            requests: requests(device, queue, casters, &lists, c)?,
+            lists,
             complex: ComplexPixels::new(device, queue, c.complex_pixels, words as usize)?,
             compact_scratch: Compact::scratch(device, pixels)?,
             scan_scratch: PrefixScan::scratch(device, pixels)?,
-            requests: requests(device, queue, c)?,
             args: Buffer::indirect(device, "every_surface.args", 3)?,
+            again_args: Buffer::indirect(device, "every_surface.again_args", 3)?,
+            casters,
             rounds: c.camera_rounds,
         })
     }
@@ -88,7 +95,7 @@ impl EverySurface {
     ) -> Result<()> {
         self.lists = PixelLists::new(device, settings.pixels(), capacities.pixel_triangles)?;
         self.complex = ComplexPixels::new(device, queue, capacities.complex_pixels, settings.samples.words() as usize)?;
-        self.requests = requests(device, queue, capacities)?;
+        self.requests = requests(device, queue, self.casters, &self.lists, capacities)?;
         self.rounds = capacities.camera_rounds;
         Ok(())
     }
@@ -120,7 +127,9 @@ impl EverySurface {
             with.record(stage, frame, given, lists, &self.scan_scratch, status_words, faults)?;
         } else {
             let stage = &mut rec.stage("pixel_triangles");
-            self.triangles.record(stage, frame, in_camera, lists, &self.scan_scratch, status_words)?;
+            self.fold.record(stage, in_camera.offsets, &self.requests[1], &self.again_args)?;
+            let rest = (self.again_args.raw(), 0);
+            self.triangles.record(stage, frame, in_camera, rest, lists, &self.scan_scratch, status_words)?;
         }
         {
             let stage = &mut rec.stage("sample_surfaces");
@@ -128,7 +137,7 @@ impl EverySurface {
             let total = (&complex.total, 0);
             let count = Count::Exactly(pixels);
             self.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
-            self.fold.record(stage, &complex.total, &self.requests, &self.args)?;
+            self.fold.record(stage, &complex.total, &self.requests[0], &self.args)?;
             let mesh = Mesh {
                 samples,
                 triangles: in_camera.triangles,
@@ -158,7 +167,15 @@ impl EverySurface {
     }
 }
 
-/// One workgroup for each [`WORKGROUP`] complex pixels.
-fn requests(device: &wgpu::Device, queue: &wgpu::Queue, c: Capacities) -> Result<Requests> {
-    DispatchArgs::requests(device, queue, &[Request::new(0, WORKGROUP, c.complex_pixels, 0)?])
+/// One workgroup for each [`WORKGROUP`] complex pixels; and those for blocks of casters whose pixels are found twice.
+fn requests(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    casters: usize,
+    lists: &PixelLists,
+    c: Capacities,
+) -> Result<[Requests; 2]> {
+    let complex = Request::new(0, WORKGROUP, c.complex_pixels, 0)?;
+    let again = Request::new(casters, pixel_triangles::WORKGROUP, Request::MAX_LIMIT, 0)?.after(lists.touched.len());
+    Ok([DispatchArgs::requests(device, queue, &[complex])?, DispatchArgs::requests(device, queue, &[again])?])
 }

@@ -147,6 +147,7 @@ impl FacetMasks {
                 device,
                 queue,
                 &pipelines.scan,
+                casters.triangles.len(),
                 casters.surfaces.is_some(),
                 settings,
                 capacities,

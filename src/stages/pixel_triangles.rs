@@ -84,21 +84,23 @@ impl PixelTriangles {
         }
     }
 
-    /// Records all of it.
+    /// Records all of it. `rest`: arguments for those blocks that find no room in [`PixelLists::touched`].
     ///
     /// # Errors
     /// [`crate::Error::Config`] if a buffer is too small for the image.
+    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record(
         &self,
         stage: &mut Stage,
         frame: &wgpu::Buffer,
         blocks: Blocks,
+        rest: (&wgpu::Buffer, u64),
         lists: &PixelLists,
         scratch: &prefix_scan::Scratch,
         status: &Buffer<u32>,
     ) -> Result<()> {
-        let pixels = lists.counts.len();
-        self.raster(stage, &[&self.cover, &self.count], frame, blocks, lists)?;
+        let (pixels, all) = (lists.counts.len(), blocks.args);
+        self.raster(stage, &[(&self.cover, all), (&self.count, all)], frame, blocks, lists)?;
         let buffers = [
             ("frame", frame),
             ("cover_keys", lists.cover_keys.raw()),
@@ -110,13 +112,13 @@ impl PixelTriangles {
         stage.run(&self.judge, &buffers, Groups::Items(pixels as u64))?;
         let total = (&lists.offsets, pixels);
         self.scan.record(stage, &lists.counts, &lists.offsets, total, scratch, Count::Exactly(pixels))?;
-        self.raster(stage, &[&self.emit, &self.emit_rest], frame, blocks, lists)
+        self.raster(stage, &[(&self.emit, all), (&self.emit_rest, rest)], frame, blocks, lists)
     }
 
     fn raster(
         &self,
         stage: &mut Stage,
-        programs: &[&Program],
+        programs: &[(&Program, (&wgpu::Buffer, u64))],
         frame: &wgpu::Buffer,
         blocks: Blocks,
         lists: &PixelLists,
@@ -135,7 +137,6 @@ impl PixelTriangles {
             ("pixel_list", lists.list.raw()),
             ("touched", lists.touched.raw()),
         ];
-        let run = |program: &&Program| stage.run(program, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1));
-        programs.iter().try_for_each(run)
+        programs.iter().try_for_each(|(program, args)| stage.run(program, &buffers, Groups::Indirect(args.0, args.1)))
     }
 }

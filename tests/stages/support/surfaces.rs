@@ -160,7 +160,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
         args: (args[0].raw(), 0),
     };
     let find = PixelTriangles::new(device, &scan);
-    run(gpu, |s| find.record(s, frame, blocks, &lists, &scratch, &status));
+    run(gpu, |s| find.record(s, frame, blocks, blocks.args, &lists, &scratch, &status));
     let (flags, kept) = (Flags::Words(&lists.complex_flags), &complex.pixels);
     run(gpu, |s| compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels)));
     let found = complex.total.read(gpu).expect("readback")[0].min(room[1] as u32);
