@@ -1,9 +1,9 @@
 // candidate_pairs: lists the (facet, triangle) pairs that are worth evaluating.
 // One invocation a pixel-texel pair walks the triangles of its place, ROUND_LENGTH of them from `round` on, and keeps those
-// that touch the box of the facet's outline in the light view and rise over the facet's plane there. Both tests are
+// that touch the facet's outline in the light view and rise over the facet's plane there. Both tests are
 // conservative by the frame's margins: what they drop casts nothing on the facet, nor cuts it within its pixel. Of a tile the
 // word before the triangle tells first whether it may touch what the facet has of the tile, and lie before it.
-// A triangle that covers the whole box and lies wholly before the facet settles it: its occluded mask is filled and the
+// A triangle that covers the whole outline and lies wholly before the facet settles it: its occluded mask is filled and the
 // walk ends.
 // Writes `candidates` (facet, triangle), never beyond the capacity, and counts into its `tally`; their order is not defined.
 // A pair that shares several places is met in each. `seen` remembers what was met lately: a slot holds one pair, which slot

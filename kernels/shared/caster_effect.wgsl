@@ -1,5 +1,5 @@
-// What a caster may do to a facet, as far as boxes and slopes in the light view tell (candidate_pairs). Needs `frame`, facet,
-// facing, the arrays `undecided`, `triangles` and `map_points`, and the override ALONE.
+// What a caster may do to a facet, as far as outlines and slopes in the light view tell (candidate_pairs). Needs `frame`, facet,
+// facet_quad, facing, the arrays `undecided`, `triangles` and `map_points`, and the override ALONE.
 
 const NOTHING = 0u;
 const MATTERS = 1u;

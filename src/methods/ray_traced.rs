@@ -3,7 +3,7 @@
 //! the two differ in how they find what lies between a sample and the light.
 //!
 //! With [`RayTracedSettings::silhouettes`](super::RayTracedSettings::silhouettes) only pixels that the proof of `facet-masks` leaves undecided are traced. Memory is
-//! fixed: about 170 bytes a pixel, and the tree. The tree is built once on the CPU, which is part of no frame's time.
+//! fixed: about 190 bytes a pixel, and the tree. The tree is built once on the CPU, which is part of no frame's time.
 
 use super::fixed::{FixedMethod, Inputs};
 use super::prepared::{CasterBuffers, Prepared};

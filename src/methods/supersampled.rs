@@ -2,7 +2,7 @@
 //! 2005; Sintorn et al. 2008), one page of calls to stages. The brute force that Pan 2009 compares with; the samples are those
 //! of `facet-masks` with one facet a pixel, and so is the model.
 //!
-//! Memory is fixed: about 160 bytes a pixel, 8 a texel, and 40 MiB for a band of samples. Which samples see another surface
+//! Memory is fixed: about 180 bytes a pixel, 8 a texel, and 40 MiB for a band of samples. Which samples see another surface
 //! (with [`Settings::validity`]) is found through the tree of casters of `ray-traced`.
 
 use super::fixed::{FixedMethod, Inputs};

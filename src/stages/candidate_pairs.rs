@@ -9,7 +9,7 @@
 //!   may differ a little from run to run); what is made of it depends on neither. Nothing is written beyond the capacity.
 //! - **Capacity.** [`ROUND_LENGTH`] triangles of a place a dispatch; longer lists take more rounds.
 //! - **Cost.** One indirect dispatch a round. Of tiles one word a test leaves out most; what remains takes one atomic, and once
-//!   for each pair about 60 flop and 12 words read.
+//!   for each pair about 70 flop and 12 words read.
 
 use super::facet_classify::Facets;
 use super::pixel_texel_pairs::{PairLists, Places};
