@@ -31,6 +31,18 @@ struct Undecided {
     span: vec2<u32>,    // box around the samples it covers, lowest and highest corner packed; 0: the whole pixel
 }
 
+// Rays to the corners of a part of the pixel, in order around.
+struct PartRays { r0: vec3<f32>, r1: vec3<f32>, r2: vec3<f32>, r3: vec3<f32> }
+
+fn part_rays(pixel: u32, span: vec4<f32>) -> PartRays {
+    let centre = pixel_ray(pixel);
+    let left = span.x * frame.ray_x.xyz;
+    let right = span.z * frame.ray_x.xyz;
+    let up = span.y * frame.ray_y.xyz;
+    let down = span.w * frame.ray_y.xyz;
+    return PartRays(centre + left + up, centre + right + up, centre + right + down, centre + left + down);
+}
+
 const STATE_EMPTY = 0u;      // no surface: counts as lit
 const STATE_DARK = 1u;       // faces away from the light
 const STATE_LIT = 2u;        // settled: nothing between it and the light

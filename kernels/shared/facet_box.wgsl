@@ -34,15 +34,11 @@ fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
 
 fn facet_box(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> OutlineBox {
     var out = NO_BOX;
-    let centre = pixel_ray(pixel);
-    let left = span.x * frame.ray_x.xyz;
-    let right = span.z * frame.ray_x.xyz;
-    let up = span.y * frame.ray_y.xyz;
-    let down = span.w * frame.ray_y.xyz;
-    let r0 = centre + left + up;
-    let r1 = centre + right + up;
-    let r2 = centre + right + down;
-    let r3 = centre + left + down;
+    let rays = part_rays(pixel, span);
+    let r0 = rays.r0;
+    let r1 = rays.r1;
+    let r2 = rays.r2;
+    let r3 = rays.r3;
     // A ray meets the plane nearer than the limit where `over <= 0`.
     let bound = plane.w / limit;
     let along = vec4(dot(plane.xyz, r0), dot(plane.xyz, r1), dot(plane.xyz, r2), dot(plane.xyz, r3));

@@ -21,12 +21,8 @@ fn seen_from_light(point: vec3<f32>) -> vec3<f32> {
 
 // The outline of a part of the pixel on `plane` as the light sees it, cut off where view depth exceeds `limit`.
 fn facet_outline(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> Outline {
-    let centre = pixel_ray(pixel);
-    let left = span.x * frame.ray_x.xyz;
-    let right = span.z * frame.ray_x.xyz;
-    let up = span.y * frame.ray_y.xyz;
-    let down = span.w * frame.ray_y.xyz;
-    var rays = array<vec3<f32>, 4>(centre + left + up, centre + right + up, centre + right + down, centre + left + down);
+    let corners = part_rays(pixel, span);
+    var rays = array<vec3<f32>, 4>(corners.r0, corners.r1, corners.r2, corners.r3);
     let along = vec4(dot(plane.xyz, rays[0]), dot(plane.xyz, rays[1]), dot(plane.xyz, rays[2]), dot(plane.xyz, rays[3]));
     // A ray meets the plane nearer than the limit where `over <= 0`.
     let over = along - plane.w / limit;

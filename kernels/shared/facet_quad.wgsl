@@ -12,22 +12,13 @@ struct Quad {
 fn quad_of(f: u32) -> Quad {
     let low = undecided[f].box_low;
     let high = undecided[f].box_high;
-    let centre = pixel_ray(undecided[f].pixel);
-    let span = part_of(undecided[f].span);
     let plane = undecided[f].plane;
-    let left = span.x * frame.ray_x.xyz;
-    let right = span.z * frame.ray_x.xyz;
-    let up = span.y * frame.ray_y.xyz;
-    let down = span.w * frame.ray_y.xyz;
-    let r0 = centre + left + up;
-    let r1 = centre + right + up;
-    let r2 = centre + right + down;
-    let r3 = centre + left + down;
-    let along = vec4(dot(plane.xyz, r0), dot(plane.xyz, r1), dot(plane.xyz, r2), dot(plane.xyz, r3));
-    let a = seen_from_light(r0 * (plane.w / along.x));
-    let b = seen_from_light(r1 * (plane.w / along.y));
-    let c = seen_from_light(r2 * (plane.w / along.z));
-    let d = seen_from_light(r3 * (plane.w / along.w));
+    let rays = part_rays(undecided[f].pixel, part_of(undecided[f].span));
+    let along = vec4(dot(plane.xyz, rays.r0), dot(plane.xyz, rays.r1), dot(plane.xyz, rays.r2), dot(plane.xyz, rays.r3));
+    let a = seen_from_light(rays.r0 * (plane.w / along.x));
+    let b = seen_from_light(rays.r1 * (plane.w / along.y));
+    let c = seen_from_light(rays.r2 * (plane.w / along.z));
+    let d = seen_from_light(rays.r3 * (plane.w / along.w));
     // Cut off by the limit, or not all in front of the light, it is its box.
     let whole = all(along - plane.w / undecided[f].limit <= vec4(0.0)) & (min(min(a.z, b.z), min(c.z, d.z)) > 0.0)
         & (undecided[f].triangle < frame.triangle_count);

@@ -2,8 +2,8 @@
 //!
 //! - **Reads** the triangle at each pixel centre (or a list made elsewhere), triangles, positions, the summed-area table of the
 //!   mask, the split depths.
-//! - **Writes** [`Facet`]s, of undecided ones what evaluation asks ([`Undecided`]), their coverage masks, `pixel_facets` (first facet of each pixel, and the end), and `facet_items`: the
-//!   8 × 8 blocks of an undecided facet's rectangle, 0 for all others.
+//! - **Writes** [`Facet`]s, of undecided ones what evaluation asks ([`Undecided`]), their coverage masks, `pixel_facets` (first
+//!   facet of each pixel, and the end), and `facet_items`: the 8 × 8 blocks of an undecided facet's rectangle, 0 for all others.
 //! - **Guarantee.** A facet is settled only on proof (see `front_layer`); no depth bias exists. Which side of it light and
 //!   eye see is decided with 46 bits where 24 leave it open; edge-on to either within 2^-40, it is dark.
 //! - **Cost.** Three dispatches; 24 bytes a facet, 112 more if it is undecided.

@@ -77,8 +77,8 @@ impl ListWork {
         Self { scan: scan.clone(), owners: WorkOwners::new(device), fold: DispatchArgs::new(device) }
     }
 
-    /// Records the scan of the first `count` of `items` with the table behind it into `offsets`, and the arguments that `requests` ask for, whose count is
-    /// the word behind the scan.
+    /// Records the scan of the first `count` of `items` with the table behind it into `offsets`, and the arguments that `requests`
+    /// ask for, whose count is the word behind the scan.
     ///
     /// # Errors
     /// [`crate::Error::Config`] if a buffer is too short.
