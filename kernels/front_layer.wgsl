@@ -12,11 +12,12 @@
 //@import front_split
 //@import cover_cells
 //@import mask_rows
+//@import facing
 
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
-@group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> work_offsets: array<u32>;
@@ -24,6 +25,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(6) var<storage, read> second_keys: array<u32>;
 @group(0) @binding(7) var<storage, read_write> mask: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> splits: array<f32>;
+@group(0) @binding(9) var<storage, read> facing: array<u32>;
 
 //@import frame_copy
 
@@ -35,6 +37,7 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     let t = owner_of(item, frame.triangle_count);
     let block = block_of(light_rects[t], item - work_offsets[t]);
     let i = triangles[t];
+    if is_culled(i.w, facing[t]) { return; }
     let shape = cover_triangle(map_points[i.x], map_points[i.y], map_points[i.z]);
     let corner = block.low & vec2(~7u);
     var left = cover_cells(shape, block, 0xffu);

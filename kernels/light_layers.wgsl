@@ -12,18 +12,20 @@
 //@import front_split
 //@import span
 //@import block_bits
+//@import facing
 
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
-@group(0) @binding(1) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> work_offsets: array<u32>;
 @group(0) @binding(5) var<storage, read_write> nearest_keys: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> second_keys: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> mask: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read> facing: array<u32>;
 
 //@import frame_copy
 
@@ -42,7 +44,9 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let t = owner_of(item, frame.triangle_count);
     let block = block_of(light_rects[t], item - work_offsets[t]);
     // Vertices in order of index, so that an edge has one value in both of its triangles.
-    var i = triangles[t];
+    let given = triangles[t];
+    if is_culled(given.w, facing[t]) { return; }
+    var i = given.xyz;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }

@@ -112,8 +112,7 @@ fn setup(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     var in_light = light_rect(
         map_points[i.x], map_points[i.y], map_points[i.z], sides_beyond(a.xyz) & sides_beyond(b.xyz) & sides_beyond(c.xyz));
     // With validity masks it may cut a facet.
-    let culls = (frame.flags & (FLAG_CULL_BACK | FLAG_VALIDITY)) == FLAG_CULL_BACK;
-    if culls & (side == BACK) & (i.w != 0u) { in_light = EMPTY_RECT; }
+    if is_culled(i.w, side) & ((frame.flags & FLAG_VALIDITY) == 0u) { in_light = EMPTY_RECT; }
     light_rects[t] = in_light;
     light_items[t] = block_count(in_light);
 }

@@ -138,6 +138,7 @@ impl Geometry {
             triangles: casters.triangles.raw(),
             points: &self.points,
             rects: &self.facts.camera_rects,
+            facing: &self.facts.facing,
             offsets: &self.camera_offsets,
             args: (self.args.raw(), CAMERA_ARGS as u64),
         }
@@ -149,6 +150,7 @@ impl Geometry {
             triangles: casters.triangles.raw(),
             points: &self.map_points,
             rects: &self.facts.light_rects,
+            facing: &self.facts.facing,
             offsets: &self.light_offsets,
             args: (self.args.raw(), LIGHT_ARGS as u64),
         }

@@ -33,12 +33,14 @@ pub struct CameraVisibility {
 /// What the stage reads.
 #[derive(Clone, Copy, Debug)]
 pub struct Blocks<'a> {
-    /// Vertex indices, three a triangle.
+    /// Vertex indices, three a triangle, and 1 for one of a closed body.
     pub triangles: &'a wgpu::Buffer,
     /// Projected vertices of the view.
     pub points: &'a Buffer<[f32; 4]>,
     /// Rectangle of each triangle.
     pub rects: &'a Buffer<[u32; 2]>,
+    /// What each triangle is to the light.
+    pub facing: &'a Buffer<u32>,
     /// Exclusive scan of the blocks of each rectangle, and their number after the last.
     pub offsets: &'a Buffer<u32>,
     /// Arguments of a dispatch over all blocks: buffer and word.

@@ -84,6 +84,7 @@ impl LightLayers {
             ("triangles", blocks.triangles),
             ("map_points", blocks.points.raw()),
             ("light_rects", blocks.rects.raw()),
+            ("facing", blocks.facing.raw()),
             ("work_offsets", blocks.offsets.raw()),
             ("nearest_keys", layers.nearest_keys.raw()),
             ("second_keys", layers.second_keys.raw()),

@@ -295,3 +295,26 @@ fn detects_corruption() {
     off.splits.iter_mut().filter(|s| **s == MARKED).for_each(|s| *s = 3e38);
     assert!(promise(&case, &off, 12, &mut random).is_err() && rays(&case, &off, 4000, &mut random).is_err());
 }
+
+/// What turns away of a closed body may keep its texels, since it may cut a facet: it is held against no layer.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_only_cuts_is_left_out() {
+    let mut others = 0;
+    for seed in 0..6 {
+        let mut mesh = mesh("closed balls", seed);
+        let ground = mesh.ground_below().expect("a ground");
+        mesh.add_ground(&ground);
+        let mut case = Case::new(&mesh, light(seed), [1, 1], 100);
+        let with_all = run_all(gpu(), &case);
+        case.cull_back = true;
+        let culled = run_all(gpu(), &case);
+        case.validity = true;
+        let cutting = run_all(gpu(), &case);
+        assert!(cutting.light_rects != culled.light_rects && cutting.light_rects == with_all.light_rects);
+        assert_eq!(cutting.marks[2], culled.marks[2]);
+        assert_eq!(cutting.splits, culled.splits);
+        others += cutting.marks[2].iter().zip(&with_all.marks[2]).filter(|(a, b)| a != b).count();
+    }
+    assert!(others > 0, "what turns away is seen nowhere");
+}

@@ -189,3 +189,27 @@ fn detects_corruption() {
     assert!(spoilt(&|r| r.marks[0][sure] = true));
     assert!(spoilt(&|r| r.nearest_keys.truncate(9)));
 }
+
+/// What turns away of a closed body may keep its texels, since it may cut a facet: it is no layer.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_only_cuts_is_left_out() {
+    let mut others = 0;
+    for seed in 0..6 {
+        let mut mesh = mesh("closed balls", seed);
+        let ground = mesh.ground_below().expect("a ground");
+        mesh.add_ground(&ground);
+        let mut case = Case::new(&mesh, light(seed), [1, 1], 100);
+        let with_all = run_all(gpu(), &case);
+        case.cull_back = true;
+        let culled = run_all(gpu(), &case);
+        case.validity = true;
+        let cutting = run_all(gpu(), &case);
+        assert!(cutting.light_rects != culled.light_rects && cutting.light_rects == with_all.light_rects);
+        assert_eq!(cutting.nearest_keys, culled.nearest_keys);
+        assert_eq!(cutting.second_keys, culled.second_keys);
+        assert_eq!(cutting.marks[0], culled.marks[0]);
+        others += cutting.second_keys.iter().zip(&with_all.second_keys).filter(|(a, b)| a != b).count();
+    }
+    assert!(others > 0, "what turns away is seen nowhere");
+}

@@ -51,6 +51,7 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
         triangles: world.casters.triangles.raw(),
         points: &world.map_points,
         rects: &world.facts.light_rects,
+        facing: &world.facts.facing,
         offsets: &offsets,
         args: (args.raw(), 0),
     };

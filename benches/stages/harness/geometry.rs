@@ -235,6 +235,6 @@ impl Setup {
 
     fn blocks<'a>(&'a self, points: &'a Buffer<[f32; 4]>, rects: &'a Buffer<[u32; 2]>, work: &'a Work) -> Blocks<'a> {
         let triangles = self.casters.triangles.raw();
-        Blocks { triangles, points, rects, offsets: &work.offsets, args: work.args() }
+        Blocks { triangles, points, rects, facing: &self.facts.facing, offsets: &work.offsets, args: work.args() }
     }
 }

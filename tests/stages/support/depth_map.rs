@@ -32,6 +32,7 @@ impl OnMap {
             triangles: world.casters.triangles.raw(),
             points: &world.map_points,
             rects: &world.facts.light_rects,
+            facing: &world.facts.facing,
             offsets: &offsets,
             args: (args.raw(), 0),
         };

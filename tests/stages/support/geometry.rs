@@ -40,6 +40,8 @@ pub struct Case {
     pub map: u32,
     /// Leave out what faces away from the light.
     pub cull_back: bool,
+    /// Validity masks are kept: what is left out may cut facets, and keeps its texels.
+    pub validity: bool,
 }
 
 impl Case {
@@ -55,6 +57,7 @@ impl Case {
             image,
             map,
             cull_back: false,
+            validity: false,
         }
     }
 
@@ -82,6 +85,7 @@ impl Case {
         let view = self.light_view();
         let mut frame = Frame::new(&self.camera, &self.light, &view, self.bounds(), self.image, &samples);
         frame.flags |= if self.cull_back { Frame::CULL_BACK } else { 0 };
+        frame.flags |= if self.validity { Frame::VALIDITY } else { 0 };
         frame.vertex_count = self.positions().len() as u32;
         frame.triangle_count = self.prepared.mesh.triangles.len() as u32;
         frame.edge_count = self.prepared.edges.len() as u32;
@@ -237,6 +241,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
         triangles: triangles.raw(),
         points: &points,
         rects: &facts.camera_rects,
+        facing: &facts.facing,
         offsets: &offsets,
         args: (args.raw(), 0),
     };
@@ -255,6 +260,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
         triangles: triangles.raw(),
         points: &map_points,
         rects: &facts.light_rects,
+        facing: &facts.facing,
         offsets: &offsets,
         args: (args.raw(), 0),
     };

@@ -438,6 +438,7 @@ impl World {
             triangles: self.casters.triangles.raw(),
             points: &self.map_points,
             rects: &self.facts.light_rects,
+            facing: &self.facts.facing,
             offsets: &offsets,
             args: (args.raw(), 0),
         };

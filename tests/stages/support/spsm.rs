@@ -94,6 +94,7 @@ pub fn with_blocks(world: &World, mut work: impl FnMut(Blocks)) {
         triangles: world.casters.triangles.raw(),
         points: &world.map_points,
         rects: &world.facts.light_rects,
+        facing: &world.facts.facing,
         offsets: &offsets,
         args: (args.raw(), 0),
     });

@@ -156,6 +156,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
         triangles: triangles.raw(),
         points: &points,
         rects: &facts.camera_rects,
+        facing: &facts.facing,
         offsets: &work,
         args: (args[0].raw(), 0),
     };
