@@ -126,7 +126,7 @@ fn fitted(scene: &Scene) -> LightView {
 /// Views that the method takes by itself.
 fn taken(scene: &Scene, settings: &Settings) -> usize {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-    settings.light_views(&prepared.mesh, &prepared.bodies, &scene.light).expect("views").len()
+    settings.light_views(&prepared, &scene.light).expect("views").len()
 }
 
 fn cube(scene: &Scene) -> Vec<LightView> {
@@ -241,7 +241,7 @@ fn parts_of_a_map_tell_the_same() {
             let seen = |(visibility, lit)| (visibility, if facets == FacetMode::All { lit } else { Vec::new() });
             let whole = seen(picture(&render(&scene, &wanted)));
             let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-            let views = wanted.light_views(&prepared.mesh, &prepared.bodies, &scene.light).expect("views");
+            let views = wanted.light_views(&prepared, &scene.light).expect("views");
             for across in [2, 3] {
                 let parts = Parts::new(wanted.map, NonZeroU32::new(across).expect("some"));
                 let wanted = Settings { map: parts.texels(), ..wanted.clone() };

@@ -1,14 +1,13 @@
 //! What of a mesh casts on something that can be lit: what the light's view has to hold.
 
 use super::fit::axes;
+use super::points::Casters;
 use super::{LightView, Receivers};
-use crate::scene::{Light, Mesh};
+use crate::scene::Light;
+use crate::scene::mesh_tree::{Bounds, Which};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
-
-/// Triangles of which it is looked at what they lie before.
-const LARGE_TRIANGLES: usize = 64;
 
 /// Directions in which the part of a large triangle that casts is measured.
 const AXES: usize = 8;
@@ -17,68 +16,68 @@ const AXES: usize = 8;
 /// beyond what is there.
 const GROWN: f64 = 1.0 / 64.0;
 
-/// Points whose view holds every caster where it can shadow something. Of the largest triangles only the part counts that lies
-/// before something that can be lit: a ground casts on nothing but what sticks into it, and does not widen the view.
-pub(super) fn caster_points(
-    mesh: &Mesh,
+/// Points that a view has to hold beside the small triangles, of which `small` is the view, so that it holds every caster where it can shadow something. Of the
+/// largest triangles only the part counts that lies before something that can be lit: a ground casts on nothing but what sticks
+/// into it, and does not widen the view.
+pub(super) fn of_large_casters(
+    casters: Casters,
     light: &Light,
     (lo, hi): (DVec3, DVec3),
-    map_size: u32,
+    small: Option<LightView>,
     receivers: Receivers,
 ) -> Vec<DVec3> {
-    let towards = light.towards((lo + hi) * 0.5).try_normalize().unwrap_or(DVec3::Y);
-    let (right, up) = axes(towards);
-    let extent = |t: usize| {
-        let c = mesh.corners(t).map(|p| glam::DVec2::new(p.dot(right), p.dot(up)));
-        let size = c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2]);
-        size.max_element()
-    };
-    let mut order: Vec<(f64, usize)> = (0..mesh.triangles.len()).map(|t| (extent(t), t)).collect();
-    let large = order.len().min(LARGE_TRIANGLES);
-    if large < order.len() {
-        order.select_nth_unstable_by(large, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    }
-    let mut out: Vec<DVec3> = order[large..].iter().flat_map(|&(_, t)| mesh.corners(t)).collect();
-    let small = (!out.is_empty()).then(|| LightView::holding(&out, (lo + hi) * 0.5, light, map_size));
+    let Casters { mesh, tree } = casters;
     let slack = 1e-9 * (hi - lo).length();
-    let texels = f64::from(map_size);
+    let texels = small.map_or(0.0, |view| f64::from(view.map_size));
     let inside = |view: &LightView, p: DVec3| {
         let at = view.project(p);
         at.is_some_and(|at| at.truncate().min_element() >= 0.0 && at.truncate().max_element() <= texels)
     };
-    for &(_, t) in &order[..large] {
-        let corners = mesh.corners(t);
+    let of_one = |&t: &u32| {
+        let corners = mesh.corners(t as usize);
         if receivers == Receivers::Planes {
-            out.extend(part_before_a_box(mesh, corners, light, slack));
-        } else if small.is_some_and(|view| view.complete && corners.iter().all(|&p| inside(&view, p))) {
-            out.extend(corners);
-        } else if let Some(caster) = LargeCaster::new(corners, light, slack) {
-            out.extend(caster.part_that_casts(mesh, light, receivers));
+            part_before_a_box(casters, corners, light, slack)
+        } else if small.is_some_and(|view| corners.iter().all(|&p| inside(&view, p))) {
+            corners.to_vec()
+        } else {
+            LargeCaster::new(corners, light, slack)
+                .map_or_else(Vec::new, |caster| caster.part_that_casts(casters, light, receivers))
         }
-    }
-    out
+    };
+    tree.large().par_iter().flat_map_iter(of_one).collect()
 }
 
 /// Points around the part of a triangle that lies before the box of all that is behind its plane; with a light at a point all of
 /// it, as only one at infinity sends parallel rays: what lies behind, widened along them, is then where it can matter.
-fn part_before_a_box(mesh: &Mesh, triangle: [DVec3; 3], light: &Light, slack: f64) -> Vec<DVec3> {
+fn part_before_a_box(casters: Casters, triangle: [DVec3; 3], light: &Light, slack: f64) -> Vec<DVec3> {
     let [a, b, c] = triangle;
     let Some(normal) = (b - a).cross(c - a).try_normalize() else { return Vec::new() };
     let away = if normal.dot(light.towards(a)) < 0.0 { normal } else { -normal };
-    let behind = |corners: [DVec3; 3]| corners.into_iter().any(|p| away.dot(p - a) > slack).then_some(corners);
-    let nothing = || (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-    let all = (0..mesh.triangles.len()).into_par_iter().filter_map(|t| behind(mesh.corners(t)));
-    let (low, high) = all.flat_map_iter(|t| t).map(|p| (p, p)).reduce(nothing, join);
-    if low.x > high.x {
+    let limit = away.dot(a) + slack;
+    let reach = |axis: DVec3| {
+        let above = |b: &Bounds| if b.reach(away) > limit { b.reach(axis) } else { f64::NEG_INFINITY };
+        let value = |corners: [DVec3; 3]| {
+            let behind = corners.iter().any(|p| p.dot(away) > limit);
+            if behind { greatest(&corners, axis) } else { f64::NEG_INFINITY }
+        };
+        casters.tree.greatest(casters.mesh, Which::All, above, value).map(|(reach, _)| reach)
+    };
+    if reach(DVec3::X).is_none() {
         return Vec::new();
     }
     if !light.is_directional() {
         return triangle.to_vec();
     }
+    let corner = |sign: f64| DVec3::AXES.map(|axis| sign * reach(sign * axis).unwrap_or(f64::NEG_INFINITY)).into();
+    let (low, high) = (corner(-1.0), corner(1.0));
     let towards = light.towards(a).normalize();
     let (right, up) = axes(towards);
     overlap(&triangle, low, high, right, up, towards)
+}
+
+/// The greatest `axis · p`; negative infinity without points.
+fn greatest(points: &[DVec3], axis: DVec3) -> f64 {
+    points.iter().map(|p| p.dot(axis)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Corners of the part of the view that both `points` and the box from `low` to `high` take.
@@ -102,9 +101,6 @@ fn overlap(points: &[DVec3], low: DVec3, high: DVec3, right: DVec3, up: DVec3, t
     }
     [l, h].map(|q| right * q.x + up * q.y + towards * q.z).to_vec()
 }
-
-/// How far something reaches along directions, from and to.
-type Reach = [(f64, f64); AXES];
 
 /// A triangle, and what tells whether it lies between the light and something.
 struct LargeCaster {
@@ -135,36 +131,56 @@ impl LargeCaster {
         Some(Self { corners, away, sides, along, slack })
     }
 
-    /// Corners of a polygon that holds the part of it that lies before something of `mesh`.
-    fn part_that_casts(&self, mesh: &Mesh, light: &Light, receivers: Receivers) -> Vec<DVec3> {
-        let lit = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).dot(light.towards(a)) > 0.0;
-        let receives = |t: usize| {
-            let corners = mesh.corners(t);
-            (receivers == Receivers::Surfaces || lit(corners)).then_some(corners)
-        };
-        let reach = self.reach_over((0..mesh.triangles.len()).into_par_iter().filter_map(receives), light);
-        if reach[0].0 > reach[0].1 {
-            return Vec::new();
-        }
+    /// Corners of a polygon that holds the part of it that lies before something of the mesh.
+    fn part_that_casts(&self, casters: Casters, light: &Light, receivers: Receivers) -> Vec<DVec3> {
         let mut part = self.corners.to_vec();
-        for (g, (low, high)) in self.along.into_iter().zip(reach) {
+        for axis in self.along {
+            let Some(high) = self.reach(casters, axis, light, receivers) else { return Vec::new() };
+            let Some(low) = self.reach(casters, -axis, light, receivers).map(|reach| -reach) else { return Vec::new() };
             let more = GROWN * (high - low);
-            clip(&mut part, |p| g.dot(p - self.corners[0]) - (low - more));
-            clip(&mut part, |p| (high + more) - g.dot(p - self.corners[0]));
+            clip(&mut part, |p| axis.dot(p - self.corners[0]) - (low - more));
+            clip(&mut part, |p| (high + more) - axis.dot(p - self.corners[0]));
         }
         part
     }
 
-    /// How far the part before any of these triangles reaches along each direction.
-    fn reach_over(&self, triangles: impl ParallelIterator<Item = [DVec3; 3]>, light: &Light) -> Reach {
-        let nothing = || [(f64::INFINITY, f64::NEG_INFINITY); AXES];
-        let join = |a: Reach, b: Reach| std::array::from_fn(|k| (a[k].0.min(b[k].0), a[k].1.max(b[k].1)));
-        let take = |known: Reach, triangle| {
-            self.before(triangle, light)
-                .into_iter()
-                .fold(known, |known, p| join(known, self.along.map(|g| g.dot(p - self.corners[0])).map(|x| (x, x))))
+    /// How far the part before any triangle that can be lit reaches along `axis` from the first corner; `None` if there is no such part.
+    fn reach(&self, casters: Casters, axis: DVec3, light: &Light, receivers: Receivers) -> Option<f64> {
+        let first = self.corners[0];
+        let own = greatest(&self.corners.map(|p| p - first), axis);
+        let above = |b: &Bounds| {
+            let out = |n: DVec3, at: DVec3| n != DVec3::ZERO && b.reach(n) - n.dot(at) <= 0.5 * self.slack;
+            if out(self.away, first) || (0..3).any(|k| out(self.sides[k], self.corners[k])) {
+                return f64::NEG_INFINITY;
+            }
+            // Where the corners of its part behind the plane are thrown along the light; more than `own` it is not in any case.
+            let corners = b.corners();
+            let depth = corners.map(|p| self.away.dot(p - first));
+            let mut most = f64::NEG_INFINITY;
+            for (k, &p) in corners.iter().enumerate() {
+                if depth[k] > 0.0 {
+                    let to = light.towards(p);
+                    let along = -self.away.dot(to);
+                    most = most.max(if along > 0.0 { axis.dot(p + to * (depth[k] / along) - first) } else { own });
+                }
+                for j in [k | 1, k | 2, k | 4] {
+                    if (depth[j] > 0.0) != (depth[k] > 0.0) {
+                        let on_plane = p + (corners[j] - p) * (depth[k] / (depth[k] - depth[j]));
+                        most = most.max(axis.dot(on_plane - first));
+                    }
+                }
+            }
+            own.min(most + self.slack)
         };
-        triangles.fold(nothing, take).reduce(nothing, join)
+        let value = |corners: [DVec3; 3]| {
+            let [a, b, c] = corners;
+            if receivers != Receivers::Surfaces && (b - a).cross(c - a).dot(light.towards(a)) <= 0.0 {
+                return f64::NEG_INFINITY;
+            }
+            let part = self.before(corners, light);
+            part.into_iter().map(|p| axis.dot(p - first)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        casters.tree.greatest(casters.mesh, Which::All, above, value).map(|(reach, _)| reach)
     }
 
     /// The part that lies between the light and a triangle, as a polygon; empty if there is none of any size.
@@ -239,5 +255,48 @@ mod tests {
         assert!(caster.before(above, &light).is_empty());
         let below = top.map(|p| p - DVec3::Y);
         assert!(!caster.before(below, &light).is_empty());
+    }
+
+    #[test]
+    fn the_part_before_something_reaches_as_far_as_all_triangles_tell() {
+        use crate::scene::mesh_tree::MeshTree;
+        let (mut parts, mut none) = (0, 0);
+        for name in ["windmill", "plant", "bumpy"] {
+            let mut mesh = crate::scene::builtin(name).unwrap().mesh;
+            let ground = mesh.ground_below().unwrap();
+            mesh.add_ground(&ground);
+            let casters = Casters { mesh: &mesh, tree: &MeshTree::new(&mesh) };
+            let (low, high) = mesh.bounds().unwrap();
+            let above = (low + high) * 0.5 + DVec3::new(0.3, 1.2, 0.1) * (high - low);
+            for light in [
+                Light::Directional { direction: [0.3, 1.0, 0.2] },
+                Light::Directional { direction: [0.5, -1.0, 0.1] },
+                Light::Point { position: above.as_vec3().into() },
+            ] {
+                for &t in casters.tree.large().iter().step_by(9) {
+                    let slack = 1e-9 * (high - low).length();
+                    let Some(caster) = LargeCaster::new(mesh.corners(t as usize), &light, slack) else { continue };
+                    for receivers in [Receivers::Outsides, Receivers::Surfaces] {
+                        for axis in [caster.along[1], -caster.along[5]] {
+                            let lit = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).dot(light.towards(a)) > 0.0;
+                            let wanted = (0..mesh.triangles.len())
+                                .map(|t| mesh.corners(t))
+                                .filter(|&corners| receivers == Receivers::Surfaces || lit(corners))
+                                .flat_map(|corners| caster.before(corners, &light))
+                                .map(|p| axis.dot(p - caster.corners[0]))
+                                .fold(f64::NEG_INFINITY, f64::max);
+                            let found = caster.reach(casters, axis, &light, receivers).unwrap_or(f64::NEG_INFINITY);
+                            assert!(
+                                found == wanted || (found - wanted).abs() <= slack,
+                                "{name} {light:?} {t}: {found} {wanted}"
+                            );
+                            parts += usize::from(wanted > f64::NEG_INFINITY);
+                            none += usize::from(wanted == f64::NEG_INFINITY);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(parts > 40 && none > 10, "{parts} {none}");
     }
 }

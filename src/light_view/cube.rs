@@ -2,8 +2,10 @@
 
 use super::casters::clip;
 use super::fit::{axes, check};
+use super::points::Casters;
 use super::{LightView, Window};
 use crate::Result;
+use crate::scene::mesh_tree::{Bounds, MeshTree, Which};
 use crate::scene::{Light, Mesh};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -26,17 +28,16 @@ impl LightView {
     /// # Errors
     /// As [`LightView::fit`]; [`Error::Scene`](crate::Error::Scene) for a directional light, which has no place to be seen from.
     pub fn cube(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Vec<Self>> {
-        check(light, map_size)?;
         mesh.check("mesh")?;
+        Self::cube_of(Casters { mesh, tree: &MeshTree::new(mesh) }, light, map_size)
+    }
+
+    /// Likewise of a mesh that was checked, and whose tree is known.
+    pub(crate) fn cube_of(casters: Casters, light: &Light, map_size: u32) -> Result<Vec<Self>> {
+        check(light, map_size)?;
         let at = position(light)?;
-        let of_side = |&side: &DVec3| {
-            let reach = (0..mesh.triangles.len())
-                .into_par_iter()
-                .map(|t| Reach::of(mesh.corners(t).map(|p| p - at), side))
-                .reduce(|| Reach::NONE, Reach::join);
-            (reach.low[0] <= reach.high[0]).then(|| reach.view(at, side, map_size))
-        };
-        let views: Vec<Self> = SIDES.iter().filter_map(of_side).collect();
+        let of_side = |&side: &DVec3| Reach::of_all(casters, at, side).map(|reach| reach.view(at, side, map_size));
+        let views: Vec<Self> = SIDES.par_iter().filter_map(of_side).collect();
         if views.is_empty() {
             // Nothing casts on anything: any view will do that is one.
             return Ok(vec![Reach::whole(1.0, 1.0).view(at, SIDES[0], map_size)]);
@@ -84,6 +85,42 @@ impl Reach {
     /// All of the side, between two distances along its axis.
     fn whole(nearest: f64, farthest: f64) -> Self {
         Self { low: [-HALF; 2], high: [HALF; 2], nearest, farthest }
+    }
+
+    /// Of all casters; `None` if none is in the pyramid of the side.
+    fn of_all(casters: Casters, light: DVec3, side: DVec3) -> Option<Self> {
+        let (right, up) = axes(side);
+        let out = |b: &Bounds, across: DVec3| {
+            let inward = side * HALF - across;
+            b.reach(inward) < inward.dot(light)
+        };
+        let greatest = |above: &dyn Fn(&Bounds) -> f64, value: &dyn Fn(Self) -> f64| {
+            let above = |b: &Bounds| {
+                let beside = [right, -right, up, -up].into_iter().any(|across| out(b, across));
+                if beside { f64::NEG_INFINITY } else { above(b) }
+            };
+            let value = |corners: [DVec3; 3]| {
+                let reach = Self::of(corners.map(|p| p - light), side);
+                if reach.low[0] <= reach.high[0] { value(reach) } else { f64::NEG_INFINITY }
+            };
+            casters.tree.greatest(casters.mesh, Which::All, above, value).map(|(reach, _)| reach)
+        };
+        // From the light along the axis, of a box.
+        let (nearest, farthest) =
+            (|b: &Bounds| -b.reach(-side) - side.dot(light), |b: &Bounds| b.reach(side) - side.dot(light));
+        let ratio = |b: &Bounds, across: DVec3| {
+            if nearest(b) <= 0.0 {
+                return HALF;
+            }
+            let corners = b.corners().map(|p| (p - light).dot(across) / (p - light).dot(side));
+            (corners.into_iter().fold(f64::NEG_INFINITY, f64::max) + 1e-9).min(HALF)
+        };
+        Some(Self {
+            low: [-greatest(&|b| ratio(b, -right), &|r| -r.low[0])?, -greatest(&|b| ratio(b, -up), &|r| -r.low[1])?],
+            high: [greatest(&|b| ratio(b, right), &|r| r.high[0])?, greatest(&|b| ratio(b, up), &|r| r.high[1])?],
+            nearest: -greatest(&|b| -nearest(b).max(0.0), &|r| -r.nearest)?,
+            farthest: greatest(&farthest, &|r| r.farthest)?,
+        })
     }
 
     /// Of the part of a triangle, relative to the light, that lies in the pyramid of a side.

@@ -1,11 +1,12 @@
 //! Fitting the light view: the narrowest view that holds every caster where it can shadow something.
 
-use super::casters::caster_points;
+use super::casters::of_large_casters;
+use super::points::{Casters, Points};
 use super::{LightView, Receivers, Window};
+use crate::scene::mesh_tree::{MeshTree, Which};
 use crate::scene::{Light, Mesh};
 use crate::{Error, Result};
 use glam::{DVec3, DVec4};
-use rayon::prelude::*;
 
 /// Widest half angle of the view of a point or spot light, as its tangent: 80 degrees.
 const WIDEST: f64 = 5.671_281_819_617_709;
@@ -30,40 +31,54 @@ impl LightView {
     /// # Errors
     /// As [`LightView::fit`].
     pub fn fit_for(mesh: &Mesh, light: &Light, map_size: u32, receivers: Receivers) -> Result<Self> {
-        if receivers == Receivers::Anything {
-            return Self::fit_all(mesh, light, map_size);
-        }
-        check(light, map_size)?;
         mesh.check("mesh")?;
-        let closed = receivers == Receivers::Outsides;
-        let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let mut casters = caster_points(mesh, light, bounds, map_size, receivers);
-        if casters.is_empty() {
-            // Nothing casts on anything: any view will do that is one.
-            casters = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
+        Self::fit_casters(Casters { mesh, tree: &MeshTree::new(mesh) }, light, map_size, receivers)
+    }
+
+    /// Likewise of a mesh that was checked, and whose tree is known.
+    pub(crate) fn fit_casters(casters: Casters, light: &Light, map_size: u32, receivers: Receivers) -> Result<Self> {
+        check(light, map_size)?;
+        let all = Points { casters: Some((casters, Which::All)), more: &[] };
+        let bounds = casters.tree.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let middle = (bounds.0 + bounds.1) * 0.5;
+        let ends = [bounds.0, bounds.1];
+        let all = if all.is_empty() { Points::of(&ends) } else { all };
+        if receivers == Receivers::Anything {
+            return Ok(Self::holding(all, middle, light, map_size));
         }
-        if casters.is_empty() {
-            casters = vec![bounds.0, bounds.1];
+        let closed = receivers == Receivers::Outsides;
+        let mut points = Points { casters: Some((casters, Which::Small)), more: &[] };
+        let small = (!points.is_empty()).then(|| Self::holding(points, middle, light, map_size));
+        if let Some(view) = small.filter(|view| !view.complete) {
+            return Ok(Self { closed, ..view });
+        }
+        let of_large = of_large_casters(casters, light, bounds, small, receivers);
+        points.more = &of_large;
+        if points.is_empty() {
+            // Nothing casts on anything: any view will do that is one.
+            points = all;
         }
         let l = light.homogeneous();
         if light.is_directional() {
-            return Ok(Self { closed, ..Self::directional(&casters, l.truncate().normalize(), map_size) });
+            return Ok(Self { closed, ..Self::directional(points, l.truncate().normalize(), map_size) });
         }
-        let start = light.towards((bounds.0 + bounds.1) * 0.5).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
+        let start = light.towards(middle).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
         let light = l.truncate();
-        let axis = middle_of_directions(&casters, light, start);
-        let view = Self::perspective(&casters, light, axis, map_size);
+        let axis = middle_of_directions(points, light, start);
+        let view = Self::perspective(points, light, axis, map_size);
         // What casts nothing, such as a ground, is better in front of the light too: what reaches behind it is looked at in
         // every texel.
-        let mut best = (view.not_in_front(mesh), view);
-        for axis in facing_axes(mesh, &view, light) {
-            if best.0 == 0 {
-                break;
-            }
-            let turned = Self::perspective(&casters, light, axis, map_size);
-            let left = turned.not_in_front(mesh);
-            if left < best.0 {
-                best = (left, turned);
+        let mut best = (casters.not_in_front(&view), view);
+        if best.0 > 0 {
+            for axis in casters.facing_axes(&view, light) {
+                let turned = Self::perspective(points, light, axis, map_size);
+                let left = casters.not_in_front(&turned);
+                if left < best.0 {
+                    best = (left, turned);
+                }
+                if best.0 == 0 {
+                    break;
+                }
             }
         }
         Ok(Self { closed, ..best.1 })
@@ -74,18 +89,11 @@ impl LightView {
     /// # Errors
     /// As [`LightView::fit`].
     pub fn fit_all(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Self> {
-        check(light, map_size)?;
-        mesh.check("mesh")?;
-        let (lo, hi) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let mut corners: Vec<DVec3> = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
-        if corners.is_empty() {
-            corners = vec![lo, hi];
-        }
-        Ok(Self::holding(&corners, (lo + hi) * 0.5, light, map_size))
+        Self::fit_for(mesh, light, map_size, Receivers::Anything)
     }
 
     /// The view that holds all of `points`, of which `middle` is somewhere in the middle.
-    pub(super) fn holding(points: &[DVec3], middle: DVec3, light: &Light, map_size: u32) -> Self {
+    pub(super) fn holding(points: Points, middle: DVec3, light: &Light, map_size: u32) -> Self {
         let l = light.homogeneous();
         if light.is_directional() {
             Self::directional(points, l.truncate().normalize(), map_size)
@@ -105,22 +113,14 @@ impl LightView {
         check(light, map_size)?;
         let pick = |k: usize, axis: usize| if k >> axis & 1 == 0 { lowest[axis] } else { highest[axis] };
         let corners: [DVec3; 8] = std::array::from_fn(|k| DVec3::new(pick(k, 0), pick(k, 1), pick(k, 2)));
-        Ok(Self::holding(&corners, (lowest + highest) * 0.5, light, map_size))
+        Ok(Self::holding(Points::of(&corners), (lowest + highest) * 0.5, light, map_size))
     }
 
-    /// Number of vertices that are not in front of the light.
-    fn not_in_front(&self, mesh: &Mesh) -> usize {
-        let behind = |&p: &[f32; 3]| !self.is_in_front(glam::Vec3::from(p).as_dvec3());
-        mesh.positions.par_iter().filter(|p| behind(p)).count()
-    }
-
-    fn directional(casters: &[DVec3], towards: DVec3, map_size: u32) -> Self {
+    fn directional(points: Points, towards: DVec3, map_size: u32) -> Self {
         let (right, up) = axes(towards);
-        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for &p in casters {
-            let q = DVec3::new(p.dot(right), p.dot(up), -p.dot(towards));
-            (lo, hi) = (lo.min(q), hi.max(q));
-        }
+        let along = [right, up, -towards];
+        let lo: DVec3 = along.map(|axis| -points.reach(-axis)).into();
+        let hi: DVec3 = along.map(|axis| points.reach(axis)).into();
         let (lo, size) = padded(lo, hi);
         let (scale, pad) = inside(map_size);
         let row = |axis: DVec3, lo: f64, size: f64, scale: f64, pad: f64| {
@@ -142,23 +142,17 @@ impl LightView {
         }
     }
 
-    fn perspective(casters: &[DVec3], light: DVec3, axis: DVec3, map_size: u32) -> Self {
+    fn perspective(points: Points, light: DVec3, axis: DVec3, map_size: u32) -> Self {
         let (right, up) = axes(axis);
-        let distances = casters.iter().map(|p| (*p - light).dot(axis));
-        let far = distances.clone().fold(f64::MIN_POSITIVE.sqrt(), f64::max);
-        let nearest = distances.fold(far, f64::min);
+        let far = (points.reach(axis) - axis.dot(light)).max(f64::MIN_POSITIVE.sqrt());
+        let nearest = (-points.reach(-axis) - axis.dot(light)).min(far);
         // Casters nearer than this, or behind the light, are "not in front": they are looked at everywhere.
         let near = (0.5 * nearest).max(1e-4 * far);
-        let mut complete = true;
-        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for &p in casters {
-            let q = p - light;
-            let w = q.dot(axis).max(near);
-            let raw = DVec3::new(q.dot(right) / w, q.dot(up) / w, 0.0);
-            let at = raw.clamp(DVec3::splat(-WIDEST), DVec3::splat(WIDEST));
-            complete &= q.dot(axis) > 0.0 && raw == at;
-            (lo, hi) = (lo.min(at), hi.max(at));
-        }
+        let reach = |across: DVec3| points.reach_in_perspective(light, across, axis, near);
+        let (lo, hi) = ([-reach(-right), -reach(-up)], [reach(right), reach(up)]);
+        let widest = [-lo[0], -lo[1], hi[0], hi[1]].into_iter().fold(0.0, f64::max);
+        let complete = nearest > 0.0 && widest <= WIDEST;
+        let [lo, hi] = [lo, hi].map(|[x, y]| DVec3::new(x.clamp(-WIDEST, WIDEST), y.clamp(-WIDEST, WIDEST), 0.0));
         let window = Window { low: lo, high: hi, near, far, clear: nearest };
         Self { complete, ..Self::through(window, light, axis, map_size) }
     }
@@ -223,35 +217,13 @@ fn padded(lo: DVec3, hi: DVec3) -> (DVec3, DVec3) {
 
 /// The axis of nearly the narrowest cone from `light` that holds all `points`: the farthest direction draws it nearer, by
 /// less each time (Bădoiu and Clarkson 2003).
-fn middle_of_directions(points: &[DVec3], light: DVec3, start: DVec3) -> DVec3 {
-    let directions: Vec<DVec3> = points.par_iter().filter_map(|p| (*p - light).try_normalize()).collect();
+fn middle_of_directions(points: Points, light: DVec3, start: DVec3) -> DVec3 {
     let mut axis = start;
     for round in 0..CONE_ROUNDS {
-        let farthest = (0..directions.len())
-            .into_par_iter()
-            .map(|k| (directions[k].dot(axis), k))
-            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let Some((_, k)) = farthest else { break };
-        axis += (directions[k] - axis) / f64::from(round + 2);
+        let Some(farthest) = points.farthest_direction(light, axis) else { break };
+        axis += (farthest - axis) / f64::from(round + 2);
     }
     axis.try_normalize().unwrap_or(start)
-}
-
-/// Directions from the light straight at the planes of triangles that reach behind it, at most eight.
-fn facing_axes(mesh: &Mesh, view: &LightView, light: DVec3) -> Vec<DVec3> {
-    let behind = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).filter(|c| !c.iter().all(|&p| view.is_in_front(p)));
-    let mut axes: Vec<DVec3> = Vec::new();
-    for [a, b, c] in behind {
-        let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
-        let axis = normal * normal.dot(a - light).signum();
-        if axes.iter().all(|other| other.dot(axis) < 0.999_999) {
-            axes.push(axis);
-        }
-        if axes.len() == 8 {
-            break;
-        }
-    }
-    axes
 }
 
 /// Two unit axes across `along`.
@@ -325,7 +297,10 @@ mod tests {
             mesh.add_ground(&ground);
             for (x, z) in [(-2.6, 3.1), (1.0, 0.2), (-5.0, -4.0)] {
                 let view = LightView::fit(&mesh, &Light::Point { position: [x, high, z] }, 512).unwrap();
-                assert_eq!(view.not_in_front(&mesh), 0, "{name} {x} {z}");
+                assert!(
+                    mesh.positions.iter().all(|p| view.is_in_front(glam::Vec3::from(*p).as_dvec3())),
+                    "{name} {x} {z}"
+                );
             }
         }
     }
@@ -422,7 +397,8 @@ mod tests {
         let mut over = mesh.clone();
         over.triangles[2..].iter_mut().for_each(|t| t.swap(1, 2));
         let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
-        let points = |receivers| caster_points(&over, &light, over.bounds().unwrap(), 64, receivers).len();
+        let casters = Casters { mesh: &over, tree: &MeshTree::new(&over) };
+        let points = |receivers| of_large_casters(casters, &light, over.bounds().unwrap(), None, receivers).len();
         let (a, b) = (points(Receivers::Outsides), points(Receivers::Surfaces));
         assert!(a == 0 && b > 0, "{a} {b}");
     }

@@ -4,10 +4,12 @@ mod casters;
 mod cube;
 mod fit;
 mod parts;
+mod points;
 mod seen_box;
 mod splits;
 
 pub use parts::Parts;
+pub(crate) use points::Casters;
 pub use seen_box::SeenBox;
 pub use splits::{SplitPlan, SplitView, Warp};
 

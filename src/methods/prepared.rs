@@ -2,9 +2,12 @@
 
 use crate::Result;
 use crate::gpu::Buffer;
-use crate::scene::Mesh;
+use crate::light_view::Casters;
 use crate::scene::adjacency::{Adjacency, Edge};
+use crate::scene::mesh_tree::MeshTree;
+use crate::scene::{Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
+use std::sync::OnceLock;
 
 /// A mesh in canonical order with its edges.
 #[derive(Clone, Debug)]
@@ -21,6 +24,7 @@ pub struct Prepared {
     pub bodies: Vec<bool>,
     /// Of each triangle the lowest of its surface: of those that hang together by edges and lie in one plane, exactly.
     pub surfaces: Vec<u32>,
+    tree: OnceLock<MeshTree>,
 }
 
 impl Prepared {
@@ -32,7 +36,28 @@ impl Prepared {
         mesh.check("mesh")?;
         let (mesh, given) = mesh.canonical();
         let Adjacency { edges, closed, bodies, surfaces, .. } = Adjacency::of(&mesh);
-        Ok(Self { mesh, given, edges, closed, bodies, surfaces })
+        Ok(Self { mesh, given, edges, closed, bodies, surfaces, tree: OnceLock::new() })
+    }
+
+    /// The tree of the mesh, made when it is first asked for: with it the light's views take no walk over all triangles.
+    pub fn tree(&self) -> &MeshTree {
+        self.tree.get_or_init(|| MeshTree::new(&self.mesh))
+    }
+
+    pub(crate) fn casters(&self) -> Casters<'_> {
+        Casters { mesh: &self.mesh, tree: self.tree() }
+    }
+
+    /// Whether `light` is outside all closed bodies that are turned outward ([`Prepared::bodies`]), and there are any: what turns away
+    /// from it of these adds nothing to the shadow. A light that is nearer than 10^-9 of the mesh's size to one counts as inside.
+    pub fn backs_add_nothing(&self, light: &Light) -> bool {
+        if !self.bodies.contains(&true) || light.is_directional() {
+            return self.bodies.contains(&true);
+        }
+        let Some((low, high)) = self.tree().bounds() else { return false };
+        let of_body = |t: u32| self.bodies.get(t as usize) == Some(&true);
+        let at = light.homogeneous().truncate();
+        self.tree().winding(&self.mesh, at, 1e-9 * (high - low).length(), of_body) == Some(0)
     }
 
     /// Whether any two triangles are one surface.
@@ -117,7 +142,6 @@ pub struct CasterBuffers {
 mod tests {
     use super::*;
     use crate::light_view::{LightView, Receivers};
-    use crate::scene::Light;
 
     #[test]
     fn a_mesh_built_by_hand_that_cannot_be_used_is_an_error() {
@@ -142,5 +166,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_light_is_in_a_body_or_outside() {
+        let prepared = Prepared::new(&crate::scene::builtin("knot").unwrap().mesh).unwrap();
+        let mesh = &prepared.mesh;
+        let at = |position| prepared.backs_add_nothing(&Light::Point { position });
+        // Above, in the slab, in the hole of the knot, beneath the slab.
+        assert!(at([0.0, 9.0, 0.0]) && !at([0.0, -0.2, 0.0]) && at([0.0, 1.9, 0.0]) && at([0.0, -0.6, 0.0]));
+        assert!(prepared.backs_add_nothing(&Light::Directional { direction: [0.0, 1.0, 0.0] }));
+        let mut found = [0, 0];
+        for p in mesh.positions.iter().skip(8).step_by(97) {
+            // The centre line of a tube is inside it.
+            let inwards = |share: f32| at([p[0] * share, p[1], p[2] * share]);
+            found[usize::from(inwards(1.001))] += 1;
+            found[usize::from(inwards(0.999))] += 1;
+        }
+        assert!(found[0] > 100 && found[1] > 100, "{found:?}");
     }
 }

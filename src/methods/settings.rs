@@ -4,7 +4,7 @@ use super::prepared::Prepared;
 use crate::light_view::{LightView, Parts, Receivers, SplitPlan, Warp};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
-use crate::scene::{Light, Mesh};
+use crate::scene::Light;
 use crate::stages::pixel_texel_pairs::Places;
 use crate::{Error, Result};
 
@@ -293,23 +293,19 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The light's view of a mesh, as tight as what may be in shadow allows. `bodies`: of each triangle whether it is of a closed body
-    /// ([`Prepared::bodies`]).
+    /// The light's view of a mesh, as tight as what may be in shadow allows. Apart from the first time, which makes
+    /// [`Prepared::tree`], it takes no walk over all triangles, so a light may move from frame to frame.
     ///
     /// # Errors
-    /// As [`LightView::fit`]; [`Error::Config`] if `bodies` is not as long as the triangles.
-    pub fn light_view(&self, mesh: &Mesh, bodies: &[bool], light: &Light) -> Result<LightView> {
-        mesh.check("mesh")?;
-        if bodies.len() != mesh.triangles.len() {
-            let (known, all) = (bodies.len(), mesh.triangles.len());
-            return Err(Error::Config(format!(
-                "it is known of {known} triangles whether they are of bodies, the mesh has {all}"
-            )));
-        }
-        let outside = backs_add_nothing(mesh, bodies, light);
+    /// As [`LightView::fit`].
+    pub fn light_view(&self, prepared: &Prepared, light: &Light) -> Result<LightView> {
+        light.check()?;
+        let casters = prepared.casters();
+        let fit = |receivers| LightView::fit_casters(casters, light, self.map, receivers);
+        let outside = prepared.backs_add_nothing(light);
         let beyond = self.facets == FacetMode::One && self.samples.count() > 1;
         if beyond && !self.validity {
-            let view = LightView::fit_for(mesh, light, self.map, Receivers::Anything)?;
+            let view = fit(Receivers::Anything)?;
             if view.complete {
                 return Ok(LightView { outside, ..view });
             }
@@ -317,22 +313,22 @@ impl Settings {
         }
         let receivers = match beyond {
             true => Receivers::Planes,
-            false if outside && bodies.iter().all(|body| *body) => Receivers::Outsides,
+            false if outside && prepared.bodies.iter().all(|body| *body) => Receivers::Outsides,
             false => Receivers::Surfaces,
         };
-        Ok(LightView { outside, ..LightView::fit_for(mesh, light, self.map, receivers)? })
+        Ok(LightView { outside, ..fit(receivers)? })
     }
 
     /// The light's views of a mesh: one, or of a light that stands among its casters a [cube](LightView::cube) of them.
     ///
     /// # Errors
     /// As [`Settings::light_view`].
-    pub fn light_views(&self, mesh: &Mesh, bodies: &[bool], light: &Light) -> Result<Vec<LightView>> {
-        let view = self.light_view(mesh, bodies, light)?;
+    pub fn light_views(&self, prepared: &Prepared, light: &Light) -> Result<Vec<LightView>> {
+        let view = self.light_view(prepared, light)?;
         if view.complete {
             return Ok(vec![view]);
         }
-        let cube = LightView::cube(mesh, light, self.map)?;
+        let cube = LightView::cube_of(prepared.casters(), light, self.map)?;
         Ok(cube.into_iter().map(|side| LightView { outside: view.outside, ..side }).collect())
     }
 
@@ -406,12 +402,6 @@ impl Settings {
     }
 }
 
-/// Whether `light` is outside all closed bodies of a mesh, and there are any: what turns away from it of these adds nothing to the
-/// shadow.
-pub(crate) fn backs_add_nothing(mesh: &Mesh, bodies: &[bool], light: &Light) -> bool {
-    bodies.contains(&true) && mesh.is_outside_of(light, |t| bodies.get(t) == Some(&true))
-}
-
 /// The light's views that were fitted last, which goes through all triangles: kept while the light is the same.
 #[derive(Debug, Default)]
 pub(super) struct LastView(Option<(Light, Vec<LightView>)>);
@@ -423,7 +413,7 @@ impl LastView {
     /// As [`LightView::fit`] and [`LightView::check`].
     pub fn of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<LightView> {
         let one = || {
-            let view = settings.light_view(&prepared.mesh, &prepared.bodies, light)?;
+            let view = settings.light_view(prepared, light)?;
             view.check()?;
             Ok(vec![view])
         };
@@ -435,7 +425,7 @@ impl LastView {
     /// # Errors
     /// As [`Settings::light_views`].
     pub fn all_of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<Vec<LightView>> {
-        self.kept(light, || settings.light_views(&prepared.mesh, &prepared.bodies, light)).map(<[_]>::to_vec)
+        self.kept(light, || settings.light_views(prepared, light)).map(<[_]>::to_vec)
     }
 
     fn kept(&mut self, light: &Light, views: impl FnOnce() -> Result<Vec<LightView>>) -> Result<&[LightView]> {

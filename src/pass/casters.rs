@@ -9,11 +9,9 @@ use crate::scene::weld::{UNUSED, weld};
 
 /// The casters on the GPU.
 pub struct CasterSet {
-    /// The mesh in canonical order; of moving casters, the pose at rest.
-    pub mesh: Mesh,
-    /// Of each triangle whether it is of a closed body that is turned outward ([`Prepared::bodies`]); of moving casters none is,
-    /// for which way they will be turned is not known.
-    pub bodies: Vec<bool>,
+    /// The mesh in canonical order, of moving casters the pose at rest, and which triangles are of closed bodies: of moving casters
+    /// none, for which way they will be turned is not known. The lists that are on the GPU are empty here.
+    pub prepared: Prepared,
     pub buffers: CasterBuffers,
     /// The number here of each triangle that was given.
     pub numbers: Buffer<u32>,
@@ -42,7 +40,8 @@ impl CasterSet {
             Casters::Moving { .. } => Some(Buffer::from_slice(device, queue, "casters.places", &places(&given))?),
         };
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers)?;
-        Ok(Self { mesh: prepared.mesh, bodies: prepared.bodies, buffers, numbers, places })
+        (prepared.given, prepared.edges, prepared.surfaces) = Default::default();
+        Ok(Self { prepared, buffers, numbers, places })
     }
 
     /// Uses other memory for positions and triangles from now on.

@@ -29,7 +29,7 @@ impl ShadowPass {
     /// The box of the casters.
     pub(super) fn check_moved(&self, moved: Option<&Moved>) -> Result<(DVec3, DVec3)> {
         match (&self.casters.places, moved) {
-            (None, None) => Ok(self.casters.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))),
+            (None, None) => Ok(self.casters.prepared.tree().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))),
             (Some(places), Some(moved)) => {
                 let [low, high] = moved.bounds;
                 if !(0..3).all(|k| low[k].is_finite() && high[k].is_finite() && low[k] <= high[k]) {

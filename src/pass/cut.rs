@@ -96,7 +96,7 @@ impl Maker {
         let first = start.map_or(first, |start| growth::larger(first, start));
         let first = growth::within(&device.limits(), settings, first);
         let method = FacetMasks::new(device, queue, self.pipelines.clone(), &casters.buffers, &of_strip, first)?;
-        let room = |_| surfaces(device, queue, &casters.mesh, &casters.bodies, pixels);
+        let room = |_| surfaces(device, queue, &casters.prepared.mesh, &casters.prepared.bodies, pixels);
         Ok(Made {
             image: CutImage { strips, method, whole: None },
             surfaces: self.receivers.then_some(()).map(room).transpose()?,

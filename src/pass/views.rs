@@ -4,9 +4,8 @@ use super::casters::CasterSet;
 use super::gbuffer::GBuffer;
 use super::inputs::Inputs;
 use crate::Result;
-use crate::light_view::LightView;
+use crate::light_view::{LightView, Receivers};
 use crate::methods::Settings;
-use crate::methods::settings::backs_add_nothing;
 use crate::scene::Light;
 use glam::DVec3;
 
@@ -23,7 +22,7 @@ impl Views {
         settings: &Settings,
         bounds: (DVec3, DVec3),
     ) -> Result<Vec<LightView>> {
-        let (light, map, mesh) = (inputs.light, settings.map, &casters.mesh);
+        let (light, map, prepared) = (inputs.light, settings.map, &casters.prepared);
         if inputs.moved.is_some() {
             let view = LightView::around(bounds, light, map)?;
             return if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) };
@@ -36,12 +35,13 @@ impl Views {
             return Ok(views.clone());
         }
         let views = if all {
-            let view = LightView::fit_all(mesh, light, map)?;
-            let views = if view.complete { vec![view] } else { LightView::cube(mesh, light, map)? };
-            let outside = backs_add_nothing(mesh, &casters.bodies, light);
+            let of = prepared.casters();
+            let view = LightView::fit_casters(of, light, map, Receivers::Anything)?;
+            let views = if view.complete { vec![view] } else { LightView::cube_of(of, light, map)? };
+            let outside = prepared.backs_add_nothing(light);
             views.into_iter().map(|view| LightView { outside, ..view }).collect()
         } else {
-            settings.light_views(mesh, &casters.bodies, light)?
+            settings.light_views(prepared, light)?
         };
         self.0 = Some((*light, all, views.clone()));
         Ok(views)

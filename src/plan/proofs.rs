@@ -3,7 +3,6 @@
 //! They are made in `f64` with margins far above the rounding of the kernels: what is not certain is not claimed.
 
 use crate::methods::prepared::Prepared;
-use crate::methods::settings::backs_add_nothing;
 use crate::scene::{Camera, Light};
 use glam::{DVec3, DVec4, Vec3};
 use rayon::prelude::*;
@@ -136,7 +135,7 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
 /// that crosses such a body leaves it, through a face turned to the light.
 pub fn back_faces_add_nothing(prepared: &Prepared, light: &Light) -> Option<String> {
     let (of_bodies, all) = (prepared.bodies.iter().filter(|b| **b).count(), prepared.bodies.len());
-    if !backs_add_nothing(&prepared.mesh, &prepared.bodies, light) {
+    if !prepared.backs_add_nothing(light) {
         return None;
     }
     Some(match prepared.closed {

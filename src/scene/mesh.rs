@@ -1,6 +1,5 @@
 //! Triangle meshes.
 
-use super::Light;
 use super::weld::weld;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
@@ -89,31 +88,6 @@ impl Mesh {
         let mut vertices = self.triangles.iter().flatten().map(|&v| Vec3::from(self.positions[v as usize]).as_dvec3());
         let first = vertices.next()?;
         Some(vertices.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p))))
-    }
-
-    /// Whether a light is outside the closed bodies that the triangles which `of_bodies` names make, turned outward, whatever else there
-    /// is: at infinity, clearly beside the mesh's bounds, or where the solid angles of these triangles add up to nothing (van Oosterom
-    /// and Strackee 1983).
-    ///
-    /// # Panics
-    /// If an index is out of range ([`Mesh::check`]).
-    pub fn is_outside_of(&self, light: &Light, of_bodies: impl Fn(usize) -> bool + Sync) -> bool {
-        let Some((lowest, highest)) = self.bounds() else { return true };
-        let (at, slack) = (light.homogeneous().truncate(), 1e-5 * (highest - lowest).length());
-        if light.is_directional() || (at.cmplt(lowest - slack) | at.cmpgt(highest + slack)).any() {
-            return true;
-        }
-        let angle = |t: usize| {
-            let [a, b, c] = self.corners(t).map(|p| p - at);
-            let [u, v, w] = [a, b, c].map(DVec3::length);
-            a.dot(b.cross(c)).atan2(u * v * w + a.dot(b) * w + b.dot(c) * u + c.dot(a) * v)
-        };
-        // Half of them: 2 pi a body around the light. In fixed parts, so that the sum is the same on any number of cores.
-        let parts: Vec<f64> = (0..self.triangles.len().div_ceil(4096))
-            .into_par_iter()
-            .map(|k| (4096 * k..(4096 * (k + 1)).min(self.triangles.len())).filter(|&t| of_bodies(t)).map(angle).sum())
-            .collect();
-        parts.iter().sum::<f64>().abs() < 0.1
     }
 
     /// The three corners of triangle `t`, in `f64`.
@@ -265,22 +239,5 @@ mod tests {
         let mut fewer = mesh.clone();
         fewer.triangles.pop();
         assert_ne!(canonical, fewer.canonical().0);
-    }
-
-    #[test]
-    fn a_light_is_in_a_body_or_outside() {
-        let mesh = crate::scene::builtin("knot").unwrap().mesh;
-        let at = |position| mesh.is_outside_of(&Light::Point { position }, |_| true);
-        // Above, in the slab, in the hole of the knot, beneath the slab.
-        assert!(at([0.0, 9.0, 0.0]) && !at([0.0, -0.2, 0.0]) && at([0.0, 1.9, 0.0]) && at([0.0, -0.6, 0.0]));
-        assert!(mesh.is_outside_of(&Light::Directional { direction: [0.0, 1.0, 0.0] }, |_| true));
-        let mut found = [0, 0];
-        for p in mesh.positions.iter().skip(8).step_by(97) {
-            // The centre line of a tube is inside it.
-            let inwards = |share: f32| at([p[0] * share, p[1], p[2] * share]);
-            found[usize::from(inwards(1.001))] += 1;
-            found[usize::from(inwards(0.999))] += 1;
-        }
-        assert!(found[0] > 100 && found[1] > 100, "{found:?}");
     }
 }

@@ -103,8 +103,8 @@ pub fn render(
     let size = if request.unshadowed { 1 } else { settings.map };
     let of_light = Settings { map: size, ..settings.clone() };
     let maps = match request.unshadowed {
-        true => vec![of_light.light_view(mesh, &prepared.bodies, light)?],
-        false => of_light.light_views(mesh, &prepared.bodies, light)?,
+        true => vec![of_light.light_view(prepared, light)?],
+        false => of_light.light_views(prepared, light)?,
     };
     let side = |clock: &mut Clock, map| LightSide::new(clock, prepared, settings, camera, light, map, &request);
     // What the first view tells is kept; further ones, which take as much each, come one at a time.
