@@ -183,7 +183,18 @@ fn the_picture_is_the_renderers() {
             pass.set_casters(&casters(&scene.mesh)).expect("other casters");
             let (got, status) = complete(&mut pass, &Inputs::new(&scene.camera, &scene.light));
             assert_same(&format!("{name}, {facets:?}"), &got, &picture(&want));
-            assert_same(&format!("{name}, {facets:?}, no caster left out"), &got, &picture(&all));
+            // With one facet a pixel those of casters left out settle nothing, so other pixels are settled: all samples of these are
+            // lit, while of those that are evaluated the invalid ones are not.
+            let visibility = |p: &Picture| Picture(p.0[..all.visibility.len()].to_vec());
+            let (of_both, and_lit) = match facets {
+                FacetMode::One => ((visibility(&got), visibility(&picture(&all))), ""),
+                FacetMode::All => ((got.clone(), picture(&all)), " and lit samples"),
+            };
+            assert_same(
+                &format!("{name}, {facets:?}, no caster left out, visibility{and_lit}"),
+                &of_both.0,
+                &of_both.1,
+            );
             let fewer = status.counts.triangle_texel_pairs * 10 < all.counts.triangle_texel_pairs * 9;
             let expected = facets == FacetMode::All && prepared.bodies.contains(&true);
             assert_eq!(fewer, expected, "{name}, {facets:?}: {:?} of {:?}", status.counts, all.counts);
@@ -419,7 +430,7 @@ fn strips_are_the_whole() {
         let (want, _) = complete(&mut strips_of(1, casters(mesh), None), &still);
         for pairs in [PairVariant::Tiled, PairVariant::Sorted] {
             let settings = Settings { pairs, ..settings.clone() };
-            let budget = Budget { start: Some(64), bytes: 1 << 17 };
+            let budget = Budget { start: Some(64), bytes: 1 << 16 };
             let config = PassConfig { strips: 3, budget, ..PassConfig::new(settings, casters(mesh)) };
             let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
             let (got, _) = complete_within(9, &mut pass, &still);

@@ -402,7 +402,7 @@ impl Settings {
     }
 }
 
-/// The light's views that were fitted last, which goes through all triangles: kept while the light is the same.
+/// The light's views that were fitted last, kept while the light is the same.
 #[derive(Debug, Default)]
 pub(super) struct LastView(Option<(Light, Vec<LightView>)>);
 

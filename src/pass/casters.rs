@@ -24,6 +24,9 @@ impl CasterSet {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
         let mut prepared = Prepared::new(&given)?;
         let moving = matches!(casters, Casters::Moving { .. });
+        if !moving {
+            prepared.tree(); // now, and not in the first frame
+        }
         if moving {
             prepared.bodies.fill(false);
         }

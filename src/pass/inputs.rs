@@ -50,7 +50,7 @@ pub struct Moved<'a> {
 pub struct Inputs<'a> {
     /// The camera. Its image is the whole target; pixels are square.
     pub camera: &'a Camera,
-    /// The light.
+    /// The light, which may be another every frame: its views are then fitted anew, which takes no walk over all casters.
     pub light: &'a Light,
     /// Where moving casters are; `None` for static ones.
     pub moved: Option<Moved<'a>>,
