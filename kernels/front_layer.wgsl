@@ -2,6 +2,7 @@
 // `check` marks in `mask` every texel that a caster touches (conservatively) without a layer at its centre, or with two at the
 // nearest depth, or touches at a depth interval that holds the texel's split depth: of the others no sheet leads from the front
 // group to the back one.
+// Triangles that are no casters (FLAG_CULL_BACK) are left out, as in light_layers.
 // `settle` turns layers and mask into `splits` (see front_split), after silhouette_mask has marked the edges.
 // Together: a texel left unmarked has no silhouette edge before its split depth, one layer there at its centre, and no
 // triangle across the split, so one sheet covers all of it.

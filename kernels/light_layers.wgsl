@@ -2,6 +2,7 @@
 // Of the depths that come to a texel the largest key stays in `nearest_keys`, and each that is beaten, or that is put out by a
 // larger one, goes on to `second_keys`: all but one of the largest are seen there, in whatever order they come. Where two casters
 // are equally near, both hold the same key. Marks in `mask` every texel of which an edge passes within CENTRE_GUARD of the centre.
+// Triangles that are no casters (FLAG_CULL_BACK) are left out.
 // Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit a texel, rows
 // padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
 

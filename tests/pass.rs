@@ -278,6 +278,27 @@ fn an_overflow_is_said_and_the_next_frame_is_whole() {
 
 /// From lists of one element: each frame says of itself whether it was whole, and by the first that was the lists have grown
 /// a few times only. Without growth of their own they stay as they are until they are told.
+/// A frame in which less is seen than in the one before looks at nothing that is left of that: it counts what a frame of a fresh pass
+/// does, and draws the same.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_frame_after_a_fuller_one_counts_as_the_first() {
+    let scene = scene("windmill");
+    let far = Camera { eye: scene.camera.eye.map(|x| 4.0 * x), far: 4.0 * scene.camera.far, ..scene.camera };
+    for facets in [FacetMode::One, FacetMode::All] {
+        let fresh = complete(&mut pass(settings(facets), casters(&scene.mesh)), &Inputs::new(&far, &scene.light));
+        let mut used = pass(settings(facets), casters(&scene.mesh));
+        let (_, fuller) = complete(&mut used, &Inputs::new(&scene.camera, &scene.light));
+        let (got, status) = complete(&mut used, &Inputs::new(&far, &scene.light));
+        assert_same(&format!("{facets:?}"), &got, &fresh.0);
+        // How many candidates are tested and evaluated depends on who comes first.
+        let certain =
+            |c: &Counts| Counts { candidate_tests: 0, visibility_evaluations: 0, refined_evaluations: 0, ..*c };
+        assert_eq!(certain(&status.counts), certain(&fresh.1.counts), "{facets:?}");
+        assert!(fuller.counts.pixel_texel_pairs > 2 * status.counts.pixel_texel_pairs, "{facets:?}: no fuller");
+    }
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn lists_grow_from_one_element() {

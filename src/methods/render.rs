@@ -66,7 +66,8 @@ pub struct ListUse {
 pub struct Output {
     /// Visibility of each pixel, row by row from the top.
     pub visibility: Vec<f32>,
-    /// Lit samples of each pixel, `words` words each; all ones where nothing is seen.
+    /// Lit samples of each pixel, `words` words each; all ones where nothing is seen. With one facet a pixel samples off the surface
+    /// are lit where the pixel is settled as lit, and not where it is evaluated.
     pub lit: Vec<u32>,
     /// Words of a mask.
     pub words: u32,

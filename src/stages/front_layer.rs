@@ -1,6 +1,6 @@
 //! Proves, texel by texel, that the nearest layer is one sheet that covers the texel.
 //!
-//! - **Reads** what `light_layers` found, and the casters' blocks again.
+//! - **Reads** what `light_layers` found, and the blocks of the same casters again.
 //! - **Writes** marks into `mask` where the proof fails, and `splits`: a depth that parts the covering sheet from everything
 //!   behind it, [`MARKED`] or [`UNCOVERED`].
 //! - **Guarantee.** Conservative: a texel is left unmarked only if every caster in it lies wholly before or wholly behind

@@ -3,6 +3,7 @@
 //! - **Reads** triangles, light-view vertices, their texel rectangles and the scan of the rectangles' 8 × 8 blocks.
 //! - **Writes** `nearest_keys`, `second_keys` (complement of the bits of depth, 0 where there is none), and marks in `mask` every texel
 //!   of which an edge passes the centre too near for its layers to be certain. All must be 0 before.
+//!   With [`Frame::CULL_BACK`](crate::frame::Frame::CULL_BACK) what surely turns away of closed bodies is left out.
 //! - **Guarantee.** Bit-equal from run to run: the two are the largest keys that come, in whatever order. A texel left unmarked has
 //!   one caster at its nearest depth or the same key twice, and every edge passes its centre at a distance far above rounding.
 //! - **Cost.** One indirect dispatch; one invocation looks at up to 64 texels.
