@@ -210,9 +210,8 @@ impl MeshTree {
                     }
                 }
             } else {
-                let below = &part.levels[level - 1];
-                for at in FAN * at..below.len().min(FAN * (at + 1)) {
-                    let most = above(&below[at]);
+                for (at, bounds) in part.levels[level - 1].iter().enumerate().skip(FAN * at).take(FAN) {
+                    let most = above(bounds);
                     if most > best.map_or(f64::NEG_INFINITY, |(value, _)| value) {
                         open.push(Open { above: most, of_large, level: level - 1, at });
                     }
