@@ -16,9 +16,9 @@ const AXES: usize = 8;
 /// beyond what is there.
 const GROWN: f64 = 1.0 / 64.0;
 
-/// Points that a view has to hold beside the small triangles, of which `small` is the view, so that it holds every caster where it can shadow something. Of the
+/// Points that a view has to hold beside the small triangles, so that it holds every caster where it can shadow something. Of the
 /// largest triangles only the part counts that lies before something that can be lit: a ground casts on nothing but what sticks
-/// into it, and does not widen the view.
+/// into it, and does not widen the view. `small`: the view of the small triangles, if there is one that holds them.
 pub(super) fn of_large_casters(
     casters: Casters,
     light: &Light,

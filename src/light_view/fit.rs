@@ -50,9 +50,14 @@ impl LightView {
         let mut points = Points { casters: Some((casters, Which::Small)), more: &[] };
         let small = (!points.is_empty()).then(|| Self::holding(points, middle, light, map_size));
         if let Some(view) = small.filter(|view| !view.complete) {
-            return Ok(Self { closed, ..view });
+            // If no other axis will do, what the large ones add does not matter.
+            let at = light.homogeneous().truncate();
+            let axes = casters.facing_axes(&view, at);
+            if !axes.into_iter().any(|axis| Self::perspective(points, at, axis, map_size).complete) {
+                return Ok(Self { closed, ..view });
+            }
         }
-        let of_large = of_large_casters(casters, light, bounds, small, receivers);
+        let of_large = of_large_casters(casters, light, bounds, small.filter(|view| view.complete), receivers);
         points.more = &of_large;
         if points.is_empty() {
             // Nothing casts on anything: any view will do that is one.
