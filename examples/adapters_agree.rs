@@ -135,7 +135,7 @@ fn main() -> Result<ExitCode> {
         let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
         let scene = Scene::open(name, &options)?;
         let prepared = Prepared::new(&scene.mesh)?;
-        let tracer = Tracer::new(&prepared.mesh)?;
+        let tracer = Tracer::new(prepared.mesh())?;
         for (count, facets, label) in
             counts.iter().flat_map(|&n| [(n, FacetMode::One, "one"), (n, FacetMode::All, "all")])
         {

@@ -85,8 +85,8 @@ impl Plane {
             mesh.triangles.push([first, first + 1, first + 2]);
         }
         let prepared = Prepared::new(&mesh)?;
-        let inside = |t: usize| prepared.mesh.corners(t).iter().all(|p| p.length() < 2.5);
-        let own = (0..prepared.mesh.triangles.len()).map(inside).collect();
+        let inside = |t: usize| prepared.mesh().corners(t).iter().all(|p| p.length() < 2.5);
+        let own = (0..prepared.mesh().triangles.len()).map(inside).collect();
         let camera = Camera {
             eye: (turn * DVec3::Y * 6.0).as_vec3().into(),
             target: [0.0; 3],

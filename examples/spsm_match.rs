@@ -102,7 +102,7 @@ fn main() -> Result<()> {
         let scene = Scene::open(name, &SceneOptions { ground, ..SceneOptions::default() })?;
         let prepared = Prepared::new(&scene.mesh)?;
         let samples = Samples::new(Pattern::default(), samples)?;
-        let tracer = Tracer::new(&prepared.mesh)?;
+        let tracer = Tracer::new(prepared.mesh())?;
         let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &samples, SIZE[0], SIZE[1])?.image(None);
         let wanted = truth.visibility();
         for &map in &maps {

@@ -123,7 +123,7 @@ fn main() -> Result<()> {
     for name in &arguments.scenes {
         let scene = Scene::open(name, &SceneOptions { ground: arguments.ground, ..SceneOptions::default() })?;
         let prepared = Prepared::new(&scene.mesh)?;
-        let tracer = Tracer::new(&prepared.mesh)?;
+        let tracer = Tracer::new(prepared.mesh())?;
         let mut series = Vec::new();
         for moved in ["light", "camera"] {
             let mut renderers = Vec::new();

@@ -97,11 +97,11 @@ fn main() -> Result<()> {
         size[1],
         samples.count(),
         arguments.map,
-        prepared.mesh.triangles.len()
+        prepared.mesh().triangles.len()
     );
     let settings = Settings::new(size, arguments.map, samples);
-    let tracer = Tracer::new(&prepared.mesh)?;
-    let traced = TracedScene::new(&prepared.mesh, &tracer, &CAMERA, &LIGHT, &settings, None)?;
+    let tracer = Tracer::new(prepared.mesh())?;
+    let traced = TracedScene::new(prepared.mesh(), &tracer, &CAMERA, &LIGHT, &settings, None)?;
     let modes = [FacetMode::One, FacetMode::All];
     let mut renderers = Vec::new();
     for facets in modes {

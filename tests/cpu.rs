@@ -48,7 +48,7 @@ fn no_sample_is_wrong_against_facet_truth() {
     for (k, name) in SCENES.into_iter().enumerate() {
         let scene = lit(name, k % 2 == 1);
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-        let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
         for (facets, pattern, samples, force, validity) in [
             (FacetMode::One, Pattern::LowDiscrepancy, 32, false, true),
             (FacetMode::One, Pattern::Grid, 8, true, true),
@@ -86,7 +86,7 @@ fn no_sample_is_wrong_against_facet_truth() {
 fn what_is_dropped_is_not_wrong() {
     let scene = lit("windmill", false);
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-    let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
     let settings = settings(FacetMode::One, Pattern::LowDiscrepancy, 32);
     let frame = render(&prepared, &scene, &settings);
     let with = |change: &dyn Fn(u128) -> u128| {
@@ -109,7 +109,7 @@ fn every_surface_is_what_rays_say() {
         let settings = settings(FacetMode::All, Pattern::LowDiscrepancy, 32);
         let plan = Plan::of(&prepared, &scene.camera, &scene.light, &settings, false).expect("a plan");
         let frame = render(&prepared, &scene, &plan.settings);
-        let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
         let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &settings.samples, 64, 48).expect("a truth");
         let (mut wrong, mut looked_at) = (Vec::new(), 0);
         for p in 0..64 * 48u32 {
@@ -143,7 +143,7 @@ fn bands_do_not_matter() {
     let wide = Settings { samples, ..wide };
     let frame = render(&prepared, &scene, &wide);
     assert!(wide.pixels() > 1 << 19, "one band holds all");
-    let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
     assert_eq!(errors(&frame, &tracer, &scene, &wide).facet_wrong_outside_band, 0);
     let pixels: Vec<u32> = frame.facets.iter().map(|f| f.pixel).collect();
     assert!(pixels.is_sorted() && *pixels.last().expect("facets") >= 1 << 19, "the last rows see nothing");

@@ -39,7 +39,7 @@ impl Case {
     /// Samples of each pixel that count: not ambiguous, not within the band of an edge of the triangle seen at the centre,
     /// and, if asked for, on that triangle. Nothing of a pixel without a triangle.
     fn clear(&self, output: &Output, settings: &Settings, own_only: bool) -> Vec<u32> {
-        let tracer = Tracer::new(&self.prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(self.prepared.mesh()).expect("a tracer");
         let (camera, light) = (&self.scene.camera, &self.scene.light);
         let truth = FacetTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("truth");
         let truth = if settings.validity { truth } else { truth.without_validity() };
@@ -71,7 +71,7 @@ impl Case {
     /// Samples of each pixel whose answer is the same within the ambiguity band: by traced rays, and on the plane of the
     /// surface that each sees.
     fn clear_of_edges(&self, settings: &Settings) -> Vec<u32> {
-        let tracer = Tracer::new(&self.prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(self.prepared.mesh()).expect("a tracer");
         let (camera, light) = (&self.scene.camera, &self.scene.light);
         let truth = SceneTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("truth");
         let planes = FacetTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("truth");

@@ -488,7 +488,7 @@ fn own_samples(prepared: &Prepared, output: &Output, scene: &Scene, samples: &Sa
         if t == u32::MAX {
             return u32::MAX;
         }
-        let [a, b, c] = prepared.mesh.corners(t as usize).map(|p| p - rays.eye);
+        let [a, b, c] = prepared.mesh().corners(t as usize).map(|p| p - rays.eye);
         let edges = [a.cross(b), b.cross(c), c.cross(a)];
         let (x, y) = ((pixel % SIZE[0] as usize) as f64, (pixel / SIZE[0] as usize) as f64);
         samples.offsets().iter().enumerate().fold(0, |mask, (k, o)| {

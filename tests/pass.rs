@@ -559,8 +559,8 @@ fn a_moved_vertex_buffer_is_a_fresh_mesh() {
     for (k, factors) in [[1.0, 1.0, 1.0], [1.25, 1.0, 0.5], [0.75, 1.5, 1.0]].into_iter().enumerate() {
         let mut moved = mesh.clone();
         moved.positions.iter_mut().for_each(|p| *p = [0, 1, 2].map(|a| p[a] * factors[a]));
-        let same = Prepared::new(&moved).expect("a sound mesh").mesh.triangles
-            == Prepared::new(&mesh).expect("a sound mesh").mesh.triangles;
+        let same = Prepared::new(&moved).expect("a sound mesh").mesh().triangles
+            == Prepared::new(&mesh).expect("a sound mesh").mesh().triangles;
         assert!(same, "the canonical order has changed, and ties may fall otherwise");
         let (want, _) = rendered(&moved, &scene.camera, &scene.light, &settings);
         let buffer = vertex_buffer(&moved.positions);

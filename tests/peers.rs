@@ -41,7 +41,7 @@ fn errors(facets: &Facets, scene: &Scene, prepared: &Prepared, settings: &Settin
 }
 
 fn errors_of(set: &FacetSet, scene: &Scene, prepared: &Prepared, settings: &Settings) -> FacetErrors {
-    let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
     FacetErrors::of(set, &tracer, &scene.camera, &scene.light, settings, None).expect("a comparison")
 }
 

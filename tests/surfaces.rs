@@ -46,7 +46,7 @@ fn scene(name: &str, other_light: bool) -> Scene {
 /// light the plane of either side runs on beneath the other, into its shadow. Which of the two a sample at the crease sees
 /// is a matter of rounding, and both sides may be lit.
 fn truth(scene: &Scene, prepared: &Prepared, settings: &Settings) -> TruthImage {
-    let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
     let [w, h] = SIZE;
     let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &settings.samples, w, h).expect("a truth");
     let mut image = truth.image(None);

@@ -106,7 +106,7 @@ fn through(scene: &Scene, settings: &Settings, views: &[LightView]) -> (Vec<f32>
     };
     let method =
         FacetMasks::new(&gpu.device, &gpu.queue, pipelines, &casters, settings, capacities).expect("the method");
-    let bounds = prepared.mesh.bounds().expect("a mesh");
+    let bounds = prepared.mesh().bounds().expect("a mesh");
     let strip = Strip::whole(SIZE);
     method.prepare(&gpu.queue, &casters, &scene.camera, &scene.light, views, bounds, strip).expect("prepared");
     let mut encoder = gpu.encoder();
@@ -131,7 +131,7 @@ fn taken(scene: &Scene, settings: &Settings) -> usize {
 
 fn cube(scene: &Scene) -> Vec<LightView> {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-    LightView::cube(&prepared.mesh, &scene.light, 64).expect("a cube")
+    LightView::cube(prepared.mesh(), &scene.light, 64).expect("a cube")
 }
 
 /// No sample is wrong against facet truth, with one facet and with all; a picture that lacks a view is noticed.
@@ -141,7 +141,7 @@ fn no_sample_is_wrong() {
     let (mut found, mut settled) = (Vec::new(), 0);
     for (name, scene) in scenes() {
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-        let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
         for (facets, samples, map) in
             [(FacetMode::One, 32, 64), (FacetMode::One, 1, 64), (FacetMode::All, 32, 64), (FacetMode::One, 32, 512)]
         {
@@ -174,7 +174,7 @@ fn every_sample_is_what_rays_say() {
     let mut missed = 0;
     for (name, scene) in scenes() {
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-        let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
         let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &settings.samples, SIZE[0], SIZE[1]);
         let truth = truth.expect("a truth");
         let wrong = |lit: &[u32]| {
@@ -304,7 +304,7 @@ fn engines_agree() {
         let (camera, light) = (&scene.camera, &scene.light);
         let on_cpu = cpu::render(&prepared, &settings, camera, light, cpu::Request::default()).expect("a frame").output;
         let on_gpu = render(&scene, &settings);
-        let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
         let truth = SceneTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("a truth");
         let differ = |p: usize| {
             let off = on_cpu.lit[p] ^ on_gpu.lit[p];

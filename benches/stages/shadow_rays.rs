@@ -12,7 +12,7 @@ use subpixel_shadows::stages::shadow_rays::{Rays, Scene, ShadowRays, Step, TreeB
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
     let stage = ShadowRays::new(&gpu.device, &PrefixScan::new(&gpu.device), 1);
-    let tree = CasterTree::new(&shadow.setup.prepared.mesh)?;
+    let tree = CasterTree::new(shadow.setup.prepared.mesh())?;
     let buffers = TreeBuffers::new(&gpu.device, &gpu.queue, &tree)?;
     let eye = Vec4::from(shadow.frame.read(gpu)?[0].eye);
     buffers.place.write(&gpu.queue, &[tree.place(eye.truncate().as_dvec3(), f64::from(eye.w))]);

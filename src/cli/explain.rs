@@ -74,8 +74,8 @@ fn ways(report: &mut Report, c: &Counts, plan: &Plan) {
 pub fn mesh_line(prepared: &Prepared) -> String {
     format!(
         "{} triangles, {} vertices, {} edges, {}",
-        grouped(prepared.mesh.triangles.len() as u64),
-        grouped(prepared.mesh.positions.len() as u64),
+        grouped(prepared.mesh().triangles.len() as u64),
+        grouped(prepared.mesh().positions.len() as u64),
         grouped(prepared.edges.len() as u64),
         if prepared.closed { "closed" } else { "open" }
     )

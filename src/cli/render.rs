@@ -83,7 +83,7 @@ fn compare(
     prepared: &Prepared,
     console: Console,
 ) -> Result<(ErrorReport, TruthImage)> {
-    let (mesh, settings) = (&prepared.mesh, &plan.settings);
+    let (mesh, settings) = (prepared.mesh(), &plan.settings);
     let tracer = Tracer::new(mesh)?;
     let facet = match &rendered.facets {
         Some(set) => {
@@ -120,7 +120,7 @@ fn write(
     let (visibility, triangles) = (&rendered.output.visibility, &rendered.output.triangles);
     let hits: Vec<bool> = triangles.iter().map(|&t| t != u32::MAX).collect();
     let shading = Shading {
-        mesh: &prepared.mesh,
+        mesh: prepared.mesh(),
         camera: &scene.camera,
         light: &scene.light,
         size: options.size,

@@ -12,8 +12,7 @@ use std::sync::OnceLock;
 /// A mesh in canonical order with its edges.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// The mesh: vertices welded and sorted, triangles rotated and sorted, so that nothing depends on the file's order.
-    pub mesh: Mesh,
+    pub(crate) mesh: Mesh,
     /// Triangle of the given mesh for each triangle here.
     pub given: Vec<u32>,
     /// Its edges.
@@ -39,8 +38,14 @@ impl Prepared {
         Ok(Self { mesh, given, edges, closed, bodies, surfaces, tree: OnceLock::new() })
     }
 
+    /// The mesh: vertices welded and sorted, triangles rotated and sorted, so that nothing depends on the file's order. It has passed
+    /// [`Mesh::check`].
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
     /// The tree of the mesh, made when it is first asked for: with it the light's views take no walk over all triangles.
-    pub fn tree(&self) -> &MeshTree {
+    pub(crate) fn tree(&self) -> &MeshTree {
         self.tree.get_or_init(|| MeshTree::new(&self.mesh))
     }
 
@@ -50,14 +55,16 @@ impl Prepared {
 
     /// Whether `light` is outside all closed bodies that are turned outward ([`Prepared::bodies`]), and there are any: what turns away
     /// from it of these adds nothing to the shadow. A light that is nearer than 10^-9 of the mesh's size to one counts as inside.
-    pub fn backs_add_nothing(&self, light: &Light) -> bool {
-        if !self.bodies.contains(&true) || light.is_directional() {
-            return self.bodies.contains(&true);
-        }
-        let Some((low, high)) = self.tree().bounds() else { return false };
+    pub(crate) fn backs_add_nothing(&self, light: &Light) -> bool {
+        self.bodies.contains(&true) && (light.is_directional() || self.bodies_around(light) == Some(0))
+    }
+
+    /// How many closed bodies a light that is not at infinity is in, or `None` where it is as good as on one.
+    pub(crate) fn bodies_around(&self, light: &Light) -> Option<i64> {
+        let (low, high) = self.tree().bounds()?;
         let of_body = |t: u32| self.bodies.get(t as usize) == Some(&true);
         let at = light.homogeneous().truncate();
-        self.tree().winding(&self.mesh, at, 1e-9 * (high - low).length(), of_body) == Some(0)
+        self.tree().winding(&self.mesh, at, 1e-9 * (high - low).length(), of_body)
     }
 
     /// Whether any two triangles are one surface.

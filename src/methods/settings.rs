@@ -294,7 +294,7 @@ pub struct Settings {
 
 impl Settings {
     /// The light's view of a mesh, as tight as what may be in shadow allows. Apart from the first time, which makes
-    /// [`Prepared::tree`], it takes no walk over all triangles, so a light may move from frame to frame.
+    /// a tree of the mesh, it takes no walk over all triangles, so a light may move from frame to frame.
     ///
     /// # Errors
     /// As [`LightView::fit`].

@@ -117,18 +117,8 @@ fn light_inside_one_closed_body(prepared: &Prepared, light: &Light) -> bool {
     }
     let (mesh, at) = (&prepared.mesh, light.homogeneous());
     let all_back = (0..mesh.triangles.len()).into_par_iter().all(|t| side(mesh.corners(t), at) == -1);
-    // A closed mesh fills the view a whole number of times: halves tell once from twice.
-    all_back && {
-        let angles = (0..mesh.triangles.len()).map(|t| solid_angle(mesh.corners(t).map(|p| p - at.truncate())));
-        angles.sum::<f64>() < 6.0 * std::f64::consts::PI
-    }
-}
-
-/// The solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983), without its sign.
-fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
-    let (la, lb, lc) = (a.length(), b.length(), c.length());
-    let volume = a.dot(b.cross(c)).abs();
-    2.0 * volume.atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
+    // A closed mesh fills the view as often as it runs around the light.
+    all_back && prepared.bodies_around(light) == Some(1)
 }
 
 /// Why casters of closed bodies that face away from the light add no shadow, if that is certain: every segment towards the light

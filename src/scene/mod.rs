@@ -7,7 +7,7 @@ mod coplanar;
 pub mod light;
 pub mod load;
 pub mod mesh;
-pub mod mesh_tree;
+pub(crate) mod mesh_tree;
 mod open;
 pub mod options;
 pub(crate) mod weld;

@@ -188,7 +188,7 @@ fn degenerate() {
         check(gpu(), &case, 0.25);
     }
     let mut case = Case::new(&mesh("closed balls", 1), light(0), [99, 77], 8);
-    let mut positions = case.prepared.mesh.positions.clone();
+    let mut positions = case.prepared.mesh().positions.clone();
     positions[11][2] = f32::NAN;
     case.positions = Some(positions);
     check(gpu(), &case, 0.02);

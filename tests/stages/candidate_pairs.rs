@@ -113,7 +113,7 @@ type Lists = (Vec<[u32; 2]>, Vec<u32>, Vec<u32>);
 
 /// All facets and all triangles in the first texel, wherever they are.
 fn in_one_texel(world: &World, undecided: &[u32]) -> Lists {
-    let triangles = world.prepared.mesh.triangles.len() as u32;
+    let triangles = world.prepared.mesh().triangles.len() as u32;
     let pairs = undecided.iter().map(|&f| [f, 0]).collect();
     (pairs, [vec![0], vec![triangles; MAP * MAP], vec![0]].concat(), (0..triangles).collect())
 }
@@ -159,7 +159,7 @@ fn classified(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> V
 /// Pairs that matter and were dropped, settled facets that are not all dark, and pairs kept for nothing.
 fn faults(world: &World, listed: &[(u32, Option<u32>)], got: &Got) -> [usize; 3] {
     let exact = classified(world, listed, Margin::default());
-    let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(world.prepared.mesh()).expect("a tracer");
     let [w, h] = world.view.image;
     let truth = FacetTruth::new(&tracer, &world.camera, &world.light, &world.samples, w, h).expect("truth");
     let mut faults = [0; 3];
@@ -196,7 +196,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], got: &Got) -> [usize; 3]
 
 /// Whether two triangles of the world run through an edge in opposite directions.
 fn share_edge(world: &World, s: u32, t: u32) -> bool {
-    let [s, t] = [s, t].map(|k| world.prepared.mesh.triangles[k as usize]);
+    let [s, t] = [s, t].map(|k| world.prepared.mesh().triangles[k as usize]);
     (0..3).any(|a| (0..3).any(|b| s[a] == t[(b + 1) % 3] && s[(a + 1) % 3] == t[b]))
 }
 
@@ -240,7 +240,7 @@ fn what_turns_away_stays_where_it_cuts() {
         let mut world = world(gpu(), &random_scene([1, 2][round % 2], &mut random), &mut random);
         let listed = world.seen();
         let exact = classified(&world, &listed, Margin::default());
-        let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(world.prepared.mesh()).expect("a tracer");
         let [w, h] = world.view.image;
         let truth = FacetTruth::new(&tracer, &world.camera, &world.light, &world.samples, w, h).expect("truth");
         let room = 4 * listed.len() * world.triangles.len() + 1;

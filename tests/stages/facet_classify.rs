@@ -393,7 +393,7 @@ fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5
     let mut random = Random::new(seed);
     let mesh = random_scene(kind, &mut random);
     let prepared = Prepared::new(&mesh).expect("a sound mesh");
-    let tracer = Tracer::new(&prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
     let samples = samples(32);
     let size = [40, 30];
     let settings = Settings { validity: false, ..Settings::new(size, 96, samples.clone()) };

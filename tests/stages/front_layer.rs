@@ -2,7 +2,9 @@
 //! they are for: over every place of an unmarked texel exactly one surface lies before the split depth, so a point
 //! before it is lit and a point behind it in shadow; over an uncovered texel there is no surface.
 
-use crate::support::geometry::{Case, MESHES, Place, Ran, Wanted, add, fan, light, mesh, run_all, world};
+use crate::support::geometry::{
+    Case, MESHES, Place, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away, world,
+};
 use crate::support::{Random, gpu, sizes_around, small_gpu};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
@@ -101,7 +103,7 @@ fn touching(wanted: &Wanted, size: u32) -> Vec<Vec<(usize, Flat)>> {
 
 /// The same of world points on the mesh, by rays towards the light.
 fn rays(case: &Case, ran: &Ran, count: u32, random: &mut Place) -> Result<usize, String> {
-    let mesh = &case.prepared.mesh;
+    let mesh = case.prepared.mesh();
     let Ok(tracer) = Tracer::new(mesh) else { return Err("the mesh cannot be traced".to_owned()) };
     let wanted = case.wanted();
     let light = case.light.homogeneous();
@@ -234,7 +236,7 @@ fn degenerate() {
     }
     // A vertex that is no number.
     let mut case = Case::new(&mesh("closed balls", 1), light(0), [1, 1], 64);
-    let mut positions = case.prepared.mesh.positions.clone();
+    let mut positions = case.prepared.mesh().positions.clone();
     positions[11][2] = f32::NAN;
     case.positions = Some(positions);
     let ran = check(gpu(), &case, true);
@@ -302,16 +304,7 @@ fn detects_corruption() {
 fn what_only_cuts_is_left_out() {
     let mut others = 0;
     for seed in 0..6 {
-        let mut mesh = mesh("closed balls", seed);
-        let ground = mesh.ground_below().expect("a ground");
-        mesh.add_ground(&ground);
-        let mut case = Case::new(&mesh, light(seed), [1, 1], 100);
-        let with_all = run_all(gpu(), &case);
-        case.cull_back = true;
-        let culled = run_all(gpu(), &case);
-        case.validity = true;
-        let cutting = run_all(gpu(), &case);
-        assert!(cutting.light_rects != culled.light_rects && cutting.light_rects == with_all.light_rects);
+        let [with_all, culled, cutting] = with_what_turns_away(gpu(), seed);
         assert_eq!(cutting.marks[2], culled.marks[2]);
         assert_eq!(cutting.splits, culled.splits);
         others += cutting.marks[2].iter().zip(&with_all.marks[2]).filter(|(a, b)| a != b).count();

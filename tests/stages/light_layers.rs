@@ -1,7 +1,7 @@
 //! The two nearest casters at each texel centre, against `f64`: every texel whose centre is within the guard of an edge is
 //! marked; at all others both depths agree.
 
-use crate::support::geometry::{Case, MESHES, Ran, Wanted, add, fan, light, mesh, run_all};
+use crate::support::geometry::{Case, MESHES, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away};
 use crate::support::{gpu, sizes_around, small_gpu};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
@@ -132,7 +132,7 @@ fn degenerate() {
     assert!((0..64 * 64).all(|t| ran.nearest_keys[t] == 0 || ran.marks[2][t]), "a tie is not marked");
     // A vertex that is no number.
     let mut case = Case::new(&mesh("closed balls", 1), light(0), [1, 1], 64);
-    let mut positions = case.prepared.mesh.positions.clone();
+    let mut positions = case.prepared.mesh().positions.clone();
     positions[11][2] = f32::NAN;
     case.positions = Some(positions);
     check(gpu(), &case);
@@ -196,16 +196,7 @@ fn detects_corruption() {
 fn what_only_cuts_is_left_out() {
     let mut others = 0;
     for seed in 0..6 {
-        let mut mesh = mesh("closed balls", seed);
-        let ground = mesh.ground_below().expect("a ground");
-        mesh.add_ground(&ground);
-        let mut case = Case::new(&mesh, light(seed), [1, 1], 100);
-        let with_all = run_all(gpu(), &case);
-        case.cull_back = true;
-        let culled = run_all(gpu(), &case);
-        case.validity = true;
-        let cutting = run_all(gpu(), &case);
-        assert!(cutting.light_rects != culled.light_rects && cutting.light_rects == with_all.light_rects);
+        let [with_all, culled, cutting] = with_what_turns_away(gpu(), seed);
         assert_eq!(cutting.nearest_keys, culled.nearest_keys);
         assert_eq!(cutting.second_keys, culled.second_keys);
         assert_eq!(cutting.marks[0], culled.marks[0]);

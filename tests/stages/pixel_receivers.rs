@@ -147,7 +147,7 @@ fn ask(world: &World, case: &Case) -> Got {
     let stage = &stages[usize::from(!std::ptr::eq(gpu, self::gpu()))];
     let pixels = case.seen.len();
     let size = world.view.image;
-    let (mesh, device, queue) = (&world.prepared.mesh, &gpu.device, &gpu.queue);
+    let (mesh, device, queue) = (world.prepared.mesh(), &gpu.device, &gpu.queue);
     let given = |on: bool, flag: u32| if on { flag } else { 0 };
     let mut params = Params {
         tolerance: TOLERANCE,

@@ -78,7 +78,7 @@ fn check(gpu: &Gpu, case: &Case, count: u32, share: f64) -> Found {
 #[track_caller]
 fn check_truth(case: &Case, found: &Found, count: u32) {
     let samples = pattern(count);
-    let tracer = Tracer::new(&case.prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(case.prepared.mesh()).expect("a tracer");
     let [w, h] = case.image;
     let truth = SceneTruth::new(&tracer, &case.camera, &case.light, &samples, w, h).expect("a truth");
     let wanted = wanted(case, &samples);
@@ -231,7 +231,7 @@ fn degenerate() {
         }
     }
     let mut case = Case::new(&mesh("closed balls", 1), light(0), [49, 37], 8);
-    let mut positions = case.prepared.mesh.positions.clone();
+    let mut positions = case.prepared.mesh().positions.clone();
     positions[11][2] = f32::NAN;
     case.positions = Some(positions);
     check(gpu(), &case, 32, 0.06);
@@ -319,7 +319,7 @@ fn bands_do_not_matter() {
 /// triangles.
 fn compare_merged(case: &Case, alone: &Found, found: &Found, samples: &Samples) -> Result<usize, String> {
     let view = case.view();
-    let mesh = &case.prepared.mesh;
+    let mesh = case.prepared.mesh();
     let depth = |t: u32| {
         let depths = mesh.corners(t as usize).map(|p| (p - view.eye).dot(view.rays.forward));
         depths.into_iter().fold(0.0, f64::max) * view.scale

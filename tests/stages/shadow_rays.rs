@@ -27,7 +27,7 @@ fn stage(gpu: &Gpu, words: usize) -> &'static ShadowRays {
 fn trace(world: &World, listed: &List, doubts: usize) -> (Masks, [u32; 3]) {
     let gpu = world.gpu;
     let facets = classify(world, listed);
-    let tree = CasterTree::new(&world.prepared.mesh).expect("a tree");
+    let tree = CasterTree::new(world.prepared.mesh()).expect("a tree");
     let buffers = TreeBuffers::new(&gpu.device, &gpu.queue, &tree).expect("memory");
     let eye = Vec3::from(world.camera.eye).as_dvec3();
     buffers.place.write(&gpu.queue, &[tree.place(eye, f64::from(world.frame.eye[3]))]);

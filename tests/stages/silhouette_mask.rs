@@ -133,7 +133,7 @@ fn degenerate() {
     // A vertex that is no number drops its triangles: their edges are silhouettes.
     let mut case = Case::new(&mesh("closed balls", 1), light(0), [1, 1], 64);
     let before = check(gpu(), &case, true).silhouettes;
-    let mut positions = case.prepared.mesh.positions.clone();
+    let mut positions = case.prepared.mesh().positions.clone();
     positions[11][2] = f32::NAN;
     case.positions = Some(positions);
     assert!(check(gpu(), &case, true).silhouettes > before);

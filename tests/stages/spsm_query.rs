@@ -340,7 +340,7 @@ fn ground_behind_all_casters() {
         let camera = camera(DVec3::new(-3.0, 2.5, 1.0), DVec3::ZERO, 40.0);
         let light = Light::Directional { direction: [0.05, 1.0, 0.02] };
         let world = World::new(gpu(), &mesh, camera, light, [60, 45], 128, samples(8));
-        let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
+        let tracer = Tracer::new(world.prepared.mesh()).expect("a tracer");
         let truth = SceneTruth::new(&tracer, &world.camera, &light, &world.samples, 60, 45).expect("a truth");
         let truth = truth.image(None).visibility();
         for lines in [false, true] {

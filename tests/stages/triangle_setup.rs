@@ -184,11 +184,11 @@ fn degenerate() {
     }
     // A vertex that is no number takes its triangles with it.
     let mut case = Case::new(&mesh_of_ball(), light(0), [33, 33], 33);
-    let mut positions = case.prepared.mesh.positions.clone();
+    let mut positions = case.prepared.mesh().positions.clone();
     positions[4][1] = f32::NAN;
     case.positions = Some(positions);
     let ran = check(gpu(), &case);
-    for (t, triangle) in case.prepared.mesh.triangles.iter().enumerate() {
+    for (t, triangle) in case.prepared.mesh().triangles.iter().enumerate() {
         assert_eq!(triangle.contains(&4), ran.facing[t] == DROPPED);
     }
 }
@@ -206,14 +206,14 @@ fn mesh_of_ball() -> Mesh {
 fn overflow_by_one() {
     let case = Case::new(&mesh_of_ball(), light(0), [33, 33], 33);
     let mut cut = case.clone();
-    let mut positions = cut.prepared.mesh.positions.clone();
+    let mut positions = cut.prepared.mesh().positions.clone();
     let gone = positions.len() as u32 - 1;
     positions.pop();
     cut.positions = Some(positions);
     // Edges keep their vertices: only the first two stages look at what is cut.
     cut.prepared.edges.retain(|e| e.v0 != gone && e.v1 != gone);
     let ran = check(gpu(), &cut);
-    for (t, triangle) in case.prepared.mesh.triangles.iter().enumerate() {
+    for (t, triangle) in case.prepared.mesh().triangles.iter().enumerate() {
         assert_eq!(triangle.contains(&gone), ran.facing[t] == DROPPED);
     }
 }

@@ -128,7 +128,7 @@ fn random_seeded() {
 fn degenerate() {
     // No number, or none that can be scaled: dropped, and its neighbours are not.
     let mut case = Case::new(&cloud(70, DVec3::ZERO, 1.0), light(1), [8, 6], 33);
-    let mut positions = case.prepared.mesh.positions.clone();
+    let mut positions = case.prepared.mesh().positions.clone();
     for (v, bad) in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -f32::NAN].into_iter().enumerate() {
         positions[7 * v][v % 3] = bad;
     }

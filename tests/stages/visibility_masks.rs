@@ -42,7 +42,7 @@ fn evaluate_by(stage: &VisibilityMasks, world: &World, listed: &List, validity: 
     let facets = classify(world, listed);
     let list = facets.list.read(gpu).expect("readback");
     let undecided = |f: &usize| list[*f].state == State::Undecided as u32;
-    let triangles = world.prepared.mesh.triangles.len() as u32;
+    let triangles = world.prepared.mesh().triangles.len() as u32;
     let pairs: Vec<[u32; 2]> = (0..list.len())
         .filter(undecided)
         .flat_map(|f| (0..triangles).filter(move |&t| t != list_triangle(listed, f)).map(move |t| [f as u32, t]))

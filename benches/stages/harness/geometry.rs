@@ -134,9 +134,9 @@ impl Setup {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let prepared = Prepared::new(&bumpy_ball(size))?;
         let casters = prepared.upload(device, queue)?;
-        let bounds = prepared.mesh.bounds().ok_or_else(|| Error::Scene("no mesh".to_owned()))?;
+        let bounds = prepared.mesh().bounds().ok_or_else(|| Error::Scene("no mesh".to_owned()))?;
         let light = Light::Point { position: [2.0, 4.0, 1.0] };
-        let view = LightView::fit(&prepared.mesh, &light, MAP)?;
+        let view = LightView::fit(prepared.mesh(), &light, MAP)?;
         let samples = Samples::new(Default::default(), 32)?;
         let mut content = Frame::new(&Camera::framing(bounds.0, bounds.1), &light, &view, bounds, IMAGE, &samples);
         content.vertex_count = casters.positions.len() as u32;

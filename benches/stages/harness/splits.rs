@@ -29,12 +29,12 @@ impl Splits {
     pub fn new(gpu: &Gpu, size: usize) -> Result<Option<Self>> {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(None) };
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let bounds = setup.prepared.mesh.bounds().ok_or_else(|| Error::Scene("no mesh".to_owned()))?;
+        let bounds = setup.prepared.mesh().bounds().ok_or_else(|| Error::Scene("no mesh".to_owned()))?;
         let light = Light::Point { position: [2.0, 4.0, 1.0] };
         let camera = Camera::framing(bounds.0, bounds.1);
         let rays = camera.rays(IMAGE[0], IMAGE[1]);
         let scale = unit_scale(rays.eye, bounds);
-        let view = LightView::fit(&setup.prepared.mesh, &light, MAP)?.relative_to(rays.eye, scale);
+        let view = LightView::fit(setup.prepared.mesh(), &light, MAP)?.relative_to(rays.eye, scale);
         let seen = SeenBox::new(&rays, IMAGE, f64::from(camera.near), bounds, scale);
         let plan = SplitPlan { splits: VIEWS as u32, warp: Warp::Fitted, focus: 0.6 };
         let views = Buffer::uniform(device, "bench.splits", 1)?;

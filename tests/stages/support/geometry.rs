@@ -63,15 +63,15 @@ impl Case {
 
     /// Positions the stages read.
     pub fn positions(&self) -> &[[f32; 3]] {
-        self.positions.as_deref().unwrap_or(&self.prepared.mesh.positions)
+        self.positions.as_deref().unwrap_or(&self.prepared.mesh().positions)
     }
 
     fn bounds(&self) -> (DVec3, DVec3) {
-        self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))
+        self.prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))
     }
 
     fn light_view(&self) -> LightView {
-        LightView::fit(&self.prepared.mesh, &self.light, self.map).expect("a light view")
+        LightView::fit(self.prepared.mesh(), &self.light, self.map).expect("a light view")
     }
 
     /// The frame in `f64`.
@@ -87,7 +87,7 @@ impl Case {
         frame.flags |= if self.cull_back { Frame::CULL_BACK } else { 0 };
         frame.flags |= if self.validity { Frame::VALIDITY } else { 0 };
         frame.vertex_count = self.positions().len() as u32;
-        frame.triangle_count = self.prepared.mesh.triangles.len() as u32;
+        frame.triangle_count = self.prepared.mesh().triangles.len() as u32;
         frame.edge_count = self.prepared.edges.len() as u32;
         frame
     }
@@ -96,7 +96,7 @@ impl Case {
     pub fn wanted(&self) -> Wanted {
         let view = self.view();
         let vertices = vertex_project::project(&view, self.positions());
-        let triangles = triangle_setup::setup(&view, &vertices, &self.prepared.mesh.triangles, &self.prepared.bodies);
+        let triangles = triangle_setup::setup(&view, &vertices, &self.prepared.mesh().triangles, &self.prepared.bodies);
         Wanted { view, vertices, triangles }
     }
 }
@@ -208,6 +208,19 @@ fn work(gpu: &Gpu, items: &[u32], per_group: u32) -> (Buffer<u32>, Buffer<u32>) 
     (super::upload(gpu, &offsets), buffer)
 }
 
+/// Balls over a ground with what turns away of them as casters, left out, and left out but for keeping its texels, since it may cut
+/// facets.
+pub fn with_what_turns_away(gpu: &Gpu, seed: u64) -> [Ran; 3] {
+    let mut balls = mesh("closed balls", seed);
+    let ground = balls.ground_below().expect("a ground");
+    balls.add_ground(&ground);
+    let [with_all, culled, cutting] = [(false, false), (true, false), (true, true)].map(|(cull_back, validity)| {
+        run_all(gpu, &Case { cull_back, validity, ..Case::new(&balls, light(seed), [1, 1], 100) })
+    });
+    assert!(cutting.light_rects != culled.light_rects && cutting.light_rects == with_all.light_rects);
+    [with_all, culled, cutting]
+}
+
 /// Runs the six stages.
 pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let device = &gpu.device;
@@ -216,7 +229,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     uniform.write(&gpu.queue, &[frame]);
     let frame_buffer = uniform.raw();
     let positions = super::upload(gpu, &padded(case.positions()));
-    let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh.triangles, &case.prepared.bodies));
+    let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
     let edges = super::upload(gpu, &case.prepared.edges);
     let (vertex_count, count, edge_count) = (positions.len(), triangles.len(), edges.len());
 

@@ -113,7 +113,7 @@ pub fn assert_defined(
     got: &Masks,
     definition: fn(&FacetTruth, &[FacetInput]) -> Result<Vec<FacetResult>>,
 ) {
-    let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(world.prepared.mesh()).expect("a tracer");
     let wanted = definition(&truth(world, &tracer), &inputs(world, listed)).expect("masks");
     let wanted: u32 = wanted.iter().map(|r| r.occluded[0].count_ones()).sum();
     let ours: u32 = got.iter().filter(|m| m.0 == State::Undecided as u32).map(|m| m.1[1].count_ones()).sum();
@@ -122,7 +122,7 @@ pub fn assert_defined(
 
 /// Compares masks with the truth.
 pub fn judge(world: &World, listed: &List, got: &Masks, validity: bool) -> Tally {
-    let tracer = Tracer::new(&world.prepared.mesh).expect("a tracer");
+    let tracer = Tracer::new(world.prepared.mesh()).expect("a tracer");
     let full = full_mask(world.samples.count());
     let known: Vec<usize> = (0..listed.len()).filter(|&f| listed[f].1.is_some()).collect();
     let inputs = inputs(world, listed);

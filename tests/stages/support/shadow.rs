@@ -202,10 +202,10 @@ impl World {
             .get_or_init(|| Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) });
         let prepared = Prepared::new(mesh).expect("a sound mesh");
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
-        let fitted = LightView::fit(&prepared.mesh, &light, map).expect("a light view");
-        let bounds = prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let fitted = LightView::fit(prepared.mesh(), &light, map).expect("a light view");
+        let bounds = prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let mut frame = Frame::new(&camera, &light, &fitted, bounds, size, &samples);
-        let (vertices, triangles) = (prepared.mesh.positions.len(), prepared.mesh.triangles.len());
+        let (vertices, triangles) = (prepared.mesh().positions.len(), prepared.mesh().triangles.len());
         (frame.vertex_count, frame.triangle_count) = (vertices as u32, triangles as u32);
         let points = Buffer::storage(&gpu.device, "test.points", vertices).expect("memory");
         let map_points = Buffer::storage(&gpu.device, "test.map_points", vertices).expect("memory");
@@ -217,8 +217,8 @@ impl World {
             front.setup.record(s, uniform.raw(), indices, &points, &map_points, &facts, triangles)
         });
         let view = View::new(&camera, &light, &fitted, bounds, size, false);
-        let projected = project(&view, &prepared.mesh.positions);
-        let set_up = setup(&view, &projected, &prepared.mesh.triangles, &prepared.bodies);
+        let projected = project(&view, &prepared.mesh().positions);
+        let set_up = setup(&view, &projected, &prepared.mesh().triangles, &prepared.bodies);
         Self { gpu, prepared, camera, light, samples, frame, casters, map_points, facts, view, triangles: set_up }
     }
 
@@ -310,7 +310,7 @@ impl World {
     /// Vertices relative to the eye, scaled.
     pub fn points(&self) -> Buffer<[f32; 4]> {
         let points: Vec<[f32; 4]> =
-            self.prepared.mesh.positions.iter().map(|p| self.view.point(*p).as_vec3().extend(1.0).into()).collect();
+            self.prepared.mesh().positions.iter().map(|p| self.view.point(*p).as_vec3().extend(1.0).into()).collect();
         Buffer::from_slice(&self.gpu.device, &self.gpu.queue, "test.points", &points).expect("memory")
     }
 

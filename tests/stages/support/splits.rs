@@ -40,7 +40,7 @@ impl OnSplits {
         static MADE: Pipelines<SplitMaps> = Pipelines::new();
         let gpu = world.gpu;
         let (map, view) = (&world.view.map, &world.view);
-        let bounds = world.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let bounds = world.prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let near = f64::from(world.camera.near);
         let seen = SeenBox::new(&view.rays, view.image, near, bounds, view.scale);
         let views = map.split(&seen, plan);

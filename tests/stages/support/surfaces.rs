@@ -113,7 +113,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     offsets_of_samples.write(&gpu.queue, &sample_words(samples));
     let frame = uniform.raw();
     let positions = upload(gpu, &padded(case.positions()));
-    let triangles = upload(gpu, &padded(&case.prepared.mesh.triangles));
+    let triangles = upload(gpu, &padded(&case.prepared.mesh().triangles));
     let (vertices, count) = (positions.len(), triangles.len());
     let pixels = (case.image[0] * case.image[1]) as usize;
     let memory = "memory";
