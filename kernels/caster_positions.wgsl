@@ -1,7 +1,7 @@
 // caster_positions: takes the positions of the casters from a vertex buffer that the application rewrites.
 // Reads `vertices` (position i in three words from word `offset + i * stride`) and `places` (two words a vertex: its place
 // among the casters' vertices, NO_PLACE where no triangle uses it; and the vertex which that place takes its position from).
-// Writes `positions` (three words a place, -0 as +0). Counts into `faults` the places that lie outside the box or are no
+// Writes `positions` (16 bytes a place, three words of them, -0 as +0). Counts into `faults` the places that lie outside the box or are no
 // number, which are moved into it, and the vertices that are not where the vertex of their place is.
 
 //@import dispatch

@@ -5,7 +5,7 @@
 // begin as where each texel starts, as cursors. `occlude` tests them in single precision, LANES invocations a block of a caster's
 // texels: it writes the occluded mask of their facets and notes what it cannot decide behind the samples in `bins`; `refine`
 // decides that with 46 bits. Samples without room there are marked in the place of the invalid mask, and `refine_all` tests them
-// again. Texels of more than CROWD samples are left to `occlude_crowds`, a workgroup a block. No invocation looks at more than one
+// again. Texels of more than CROWD samples are left to `occlude_crowds`, a workgroup a block, and tested again by `refine_crowds`. No invocation looks at more than one
 // block, nor at more than 65,535 samples: `ask` writes into `wanted` how many blocks each of these runs has, none where it has
 // nothing to do, and how many doubts there are. Whoever reads invalid masks has to make them afterwards. The model and its predicates are those of
 // shadow_rays. The facets of a band are those listed from `frame.first_facet` on; a band without any costs nothing worth naming.

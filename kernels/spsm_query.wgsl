@@ -7,7 +7,7 @@
 // pixel fall in, the triangles around it are tested (algorithm 1), the border's tangents looked up by the pattern of depth tests
 // (figures 7, 8), and what the triangles do not cover is judged by the piecewise linear border that links their outer edges
 // (figure 10), all samples from one reconstruction. Writes `visibility` and `lit` (WORDS words a pixel).
-// Three dispatches, not one with early ends: lanes of a vector that are done wait for those that are not.
+// Several dispatches, not one with early ends: lanes of a vector that are done wait for those that are not.
 
 //@import frame
 //@import dispatch

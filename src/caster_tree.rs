@@ -64,7 +64,7 @@ impl CasterTree {
     /// finite) are left out.
     ///
     /// # Errors
-    /// [`Error::Memory`] if the tree is deeper than [`CasterTree::DEPTH`].
+    /// [`Error::Limit`] if the tree is deeper than [`CasterTree::DEPTH`].
     pub fn new(mesh: &Mesh) -> Result<Self> {
         let corners = |t: &[u32; 3]| -> Option<[Vec3; 3]> {
             let found = t.map(|v| mesh.positions.get(v as usize).map(|p| Vec3::from(*p)));
@@ -105,7 +105,7 @@ impl CasterTree {
         let needed = depth(&tree);
         if needed > Self::DEPTH {
             let what = "levels of the tree of casters".to_owned();
-            return Err(Error::Memory { what, needed: needed as u64, limit: Self::DEPTH as u64 });
+            return Err(Error::Limit { what, needed: needed as u64, limit: Self::DEPTH as u64 });
         }
         let triangles = tree.primitive_indices.iter().map(|&k| {
             let ([i, j, k], [a, b, c]) = casters[owners[k as usize] as usize];

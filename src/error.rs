@@ -44,6 +44,16 @@ pub enum Error {
         /// Bytes it may have.
         limit: u64,
     },
+    /// More of something than there can be.
+    #[error("limit: {needed} {what}, {limit} are possible")]
+    Limit {
+        /// What there is too much of.
+        what: String,
+        /// How many it takes.
+        needed: u64,
+        /// How many there may be.
+        limit: u64,
+    },
 }
 
 impl Error {

@@ -22,6 +22,9 @@ impl MaskVariant {
     /// The table that leaves at most 0.1 wrong bits in a mask of 32 on average.
     pub const TABLE: Self = Self::Table { angles: 256, offsets: 256 };
 
+    /// Most directions or distances of a table.
+    pub const LARGEST: u32 = 2048;
+
     /// Directions and distances; 0 and 0 without a table.
     pub fn size(self) -> [u32; 2] {
         match self {

@@ -1,8 +1,10 @@
 //! The CPU engine against facet truth and traced rays, on small pictures of the built-in scenes.
 
+use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::cpu::{self, Frame, Request};
 use subpixel_shadows::methods::{FacetMode, PixelClass, Prepared, Settings};
 use subpixel_shadows::plan::{Extent, Plan};
+use subpixel_shadows::report::comparison::SceneCase;
 use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Mesh, Scene, builtin};
@@ -39,6 +41,37 @@ fn lit(name: &str, point: bool) -> Scene {
         scene.light = Light::Point { position: at.as_vec3().into() };
     }
     scene
+}
+
+/// Facets without their masks, tables of masks of no size or of any, and meshes that are none.
+#[test]
+fn what_does_not_fit_is_refused() {
+    let scene = builtin("plane").expect("a built-in scene");
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
+    let settings = settings(FacetMode::One, Pattern::LowDiscrepancy, 32);
+    let frame = render(&prepared, &scene, &settings);
+    let judged = |set: &FacetSet| {
+        FacetErrors::of(set, &tracer, &scene.camera, &scene.light, &settings, None).map_err(|e| e.to_string())
+    };
+    let whole = FacetSet::of_cpu(&frame.facets, 1);
+    assert!(judged(&whole).is_ok());
+    let mut short = whole.clone();
+    short.masks.pop();
+    for set in [short, FacetSet { words: 0, ..whole.clone() }, FacetSet { words: 5, ..whole }] {
+        assert!(judged(&set).is_err_and(|e| e.starts_with("config: ") && e.contains("words of masks")));
+    }
+    for (angles, offsets, fits) in [(0, 256, false), (256, 0, false), (u32::MAX, u32::MAX, false), (1, 2048, true)] {
+        let checked = Settings { masks: MaskVariant::Table { angles, offsets }, ..settings.clone() }.check();
+        assert_eq!(checked.is_ok(), fits, "{angles} x {offsets}");
+    }
+    let mut none = scene.clone();
+    none.mesh.triangles.push([0, 1, u32::MAX]);
+    for tessellation in [0, 1] {
+        assert!(
+            SceneCase::new(none.clone(), tessellation, [64, 48]).is_err_and(|e| e.to_string().starts_with("mesh "))
+        );
+    }
 }
 
 /// No sample is wrong outside the ambiguity band, whatever is asked for; and a flipped mask or state is noticed.

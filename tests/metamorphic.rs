@@ -264,6 +264,10 @@ fn list_sizes_do_not_matter() {
         let grown = with(Budget { start: Some(1), ..Budget::default() });
         failures.compare(&format!("{name}, lists begun at 1"), &first, &grown);
         let bytes: u64 = first.lists.iter().zip([8, 4, 12]).map(|(l, size)| l.needed * size).sum();
+        let short = try_render(&scene, &settings(true), Budget { bytes: bytes / 2, ..Budget::default() });
+        if let Ok(short) = short {
+            failures.compare(&format!("{name}, half of the memory from the beginning"), &first, &short);
+        }
         if bytes < 64 {
             continue;
         }

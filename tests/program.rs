@@ -690,6 +690,9 @@ mod with_a_gpu {
         let size = ["--size", "300x200", "--map", "128", "--samples", "8"];
         render(&ample, &[&["plane"], &size[..]].concat());
         let limits: [&[&str]; 2] = [&["--list-start", "1"], &["--list-start", "1", "--memory-limit", "1"]];
+        let most = run(&["render", "plane", "--list-start", "18446744073709551615", "--out", &folder.path("most")]);
+        let said = String::from_utf8_lossy(&most.stderr).into_owned();
+        assert!(most.status.code() == Some(1) && said.contains("subpixel-shadows: memory: "), "{said}");
         for limit in limits {
             render(&tight, &[&["plane"], &size[..], limit].concat());
             let lists = frame(&tight)["lists"].clone();

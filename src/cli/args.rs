@@ -163,10 +163,10 @@ pub struct Options {
     /// Frames to render: the times are the medians of all but the first, or as many as begin within 5 seconds
     #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub frames: u32,
-    /// MiB that the two pair lists may take together; a frame that needs more is split
+    /// MiB that the lists of pairs and candidates may take together; a frame that needs more is split into bands of facets
     #[arg(long, default_value_t = 1024, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub memory_limit: u64,
-    /// Elements each pair list starts with [default: two a pixel]
+    /// Elements each list that may grow starts with [default: from the image size]
     #[arg(long, value_name = "N")]
     pub list_start: Option<usize>,
     /// Folder for the files that are written

@@ -88,10 +88,10 @@ impl<T: Pod> Buffer<T> {
     }
 
     fn within(device: &wgpu::Device, label: &str, len: usize, usage: wgpu::BufferUsages, limit: u64) -> Result<Self> {
-        let size = ((len.max(1) * size_of::<T>()) as u64).next_multiple_of(16);
-        if size > limit {
-            return Err(Error::Memory { what: label.to_owned(), needed: size, limit });
-        }
+        let bytes = (len.max(1) as u64).saturating_mul(size_of::<T>() as u64);
+        let Some(size) = bytes.checked_next_multiple_of(16).filter(|&size| size <= limit) else {
+            return Err(Error::Memory { what: label.to_owned(), needed: bytes, limit });
+        };
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let raw = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),

@@ -61,7 +61,7 @@ pub trait FixedMethod {
     /// Reads back what was counted.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`].
+    /// [`crate::Error::Gpu`]; [`crate::Error::Limit`] if something was left out for want of steps.
     fn counts(&self, gpu: &Gpu) -> Result<Counts>;
 
     /// Reads back what there is to look at; `None` where the method keeps neither classes nor a map.
@@ -125,7 +125,7 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
     /// Renders one frame.
     ///
     /// # Errors
-    /// [`crate::Error::Scene`] for an impossible camera or light, [`crate::Error::Gpu`].
+    /// [`crate::Error::Scene`] for an impossible camera or light, [`crate::Error::Gpu`], and as [`FixedMethod::counts`].
     pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
         camera.check()?;
         light.check()?;

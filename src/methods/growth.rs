@@ -19,10 +19,11 @@ pub const MAX_CAMERA_ROUNDS: u32 = 2048;
 /// The lists before anything is known of the scene.
 pub fn first(settings: &Settings, budget: Budget) -> Capacities {
     let pixels = settings.pixels();
-    let start = budget.start.unwrap_or((pixels * 2).clamp(1 << 12, 1 << 24));
+    let given = budget.start.map(|start| start.clamp(1, u32::MAX as usize));
+    let start = given.unwrap_or((pixels * 2).clamp(1 << 12, 1 << 24));
     let all = settings.facets == FacetMode::All;
-    let camera = |guess: usize| if all { budget.start.unwrap_or(guess.max(64)) } else { 0 };
-    Capacities {
+    let camera = |guess: usize| if all { given.unwrap_or(guess.max(64)) } else { 0 };
+    let first = Capacities {
         pixel_pairs: start,
         triangle_pairs: start,
         candidates: start,
@@ -33,14 +34,27 @@ pub fn first(settings: &Settings, budget: Budget) -> Capacities {
         pixel_triangles: camera(pixels * 3),
         complex_pixels: camera(pixels / 4).min(pixels),
         camera_rounds: 1,
+    };
+    affordable(settings, budget.bytes, first)
+}
+
+/// The pair lists as they are if they take no more than `budget` bytes together, else each as much shorter as makes them fit; a
+/// frame that needs more then takes more bands.
+fn affordable(settings: &Settings, budget: u64, c: Capacities) -> Capacities {
+    let [p, t, n] = [c.pixel_pairs, c.triangle_pairs, c.candidates].map(|list| list as u64);
+    let share = budget as f64 / pair_bytes(settings, (p, t, n)).max(1) as f64;
+    if share >= 1.0 {
+        return c;
     }
+    let [pixel_pairs, triangle_pairs, candidates] = [p, t, n].map(|list| ((list as f64 * share) as usize).max(1));
+    Capacities { pixel_pairs, triangle_pairs, candidates, ..c }
 }
 
 /// The capacities with which nothing is left out, if they are not the ones in use. `words` are the counters that a frame
 /// with the capacities `now` left; the pair lists may take `budget` bytes.
 ///
 /// # Errors
-/// [`Error::Memory`] if the lists fit in no way.
+/// [`Error::Memory`] if the lists fit in no way, [`Error::Limit`] for more triangles over one place or pixel than there are rounds for.
 pub fn wanted(
     words: &[u32],
     now: Capacities,
@@ -54,11 +68,8 @@ pub fn wanted(
     let [pixel_pairs, triangle_pairs, candidates, longest] = needs(words, now);
     let rounds = (longest as u32).div_ceil(ROUND_LENGTH).max(1);
     if rounds > MAX_ROUNDS {
-        return Err(Error::Memory {
-            what: format!("triangles of one place of the map ({longest} of them)"),
-            needed: u64::from(rounds),
-            limit: u64::from(MAX_ROUNDS),
-        });
+        let limit = u64::from(MAX_ROUNDS) * u64::from(ROUND_LENGTH);
+        return Err(Error::Limit { what: "triangles over one place of the map".to_owned(), needed: longest, limit });
     }
     let fits = pixel_pairs <= now.pixel_pairs as u64
         && triangle_pairs <= now.triangle_pairs as u64
@@ -78,7 +89,7 @@ pub fn wanted(
     let triangle_pair = triangle_pair_bytes(settings);
     let bytes_of = |lists: (u64, u64, u64)| pair_bytes(settings, lists);
     let fits = |(p, t, c): (u64, u64, u64)| {
-        bytes_of((p, t, c)) <= budget && p * 8 <= binding && t * triangle_pair <= binding && c * 8 <= binding
+        bytes_of((p, t, c)) <= budget && p.max(c) <= binding / 8 && t <= binding / triangle_pair
     };
     // An eighth more than was needed if there is room for it; no less than there is, unless another list needs the room.
     let least = lists(|_| 0, true);
@@ -102,9 +113,12 @@ pub fn wanted(
 fn pair_bytes(settings: &Settings, (p, t, c): (u64, u64, u64)) -> u64 {
     let sorted = match settings.pairs {
         PairVariant::Tiled | PairVariant::Grouped => 0,
-        PairVariant::Sorted => t * SortedPairs::BYTES[0] + p * SortedPairs::BYTES[1],
+        PairVariant::Sorted => {
+            t.saturating_mul(SortedPairs::BYTES[0]).saturating_add(p.saturating_mul(SortedPairs::BYTES[1]))
+        }
     };
-    p * 8 + t * triangle_pair_bytes(settings) + c * 12 + sorted
+    let [p, t, c] = [p.saturating_mul(8), t.saturating_mul(triangle_pair_bytes(settings)), c.saturating_mul(12)];
+    p.saturating_add(t).saturating_add(c).saturating_add(sorted)
 }
 
 fn triangle_pair_bytes(settings: &Settings) -> u64 {
@@ -124,11 +138,9 @@ fn wanted_of_camera(
     }
     let rounds = words[status::LONGEST_PIXEL].div_ceil(sample_surfaces::ROUND_LENGTH).max(1);
     if rounds > MAX_CAMERA_ROUNDS {
-        return Err(Error::Memory {
-            what: format!("triangles of one pixel ({} of them)", words[status::LONGEST_PIXEL]),
-            needed: u64::from(rounds),
-            limit: u64::from(MAX_CAMERA_ROUNDS),
-        });
+        let [needed, limit] = [words[status::LONGEST_PIXEL], MAX_CAMERA_ROUNDS].map(u64::from);
+        let limit = limit * u64::from(sample_surfaces::ROUND_LENGTH);
+        return Err(Error::Limit { what: "triangles over one pixel".to_owned(), needed, limit });
     }
     let needs = camera_needs(words);
     let have = [now.pixel_triangles, now.complex_pixels, now.facets];
@@ -159,11 +171,12 @@ pub fn first_for(settings: &Settings, budget: Budget, triangles: usize) -> Capac
         return first;
     }
     let of_mesh = |each: usize| (triangles * each).min(1 << 22);
-    Capacities {
+    let with_mesh = Capacities {
         triangle_pairs: first.triangle_pairs.max(of_mesh(4)),
         candidates: first.candidates.max(of_mesh(8)),
         ..first
-    }
+    };
+    affordable(settings, budget.bytes, with_mesh)
 }
 
 /// The pair lists no longer than a binding holds; what does not fit then takes more bands.
@@ -214,9 +227,9 @@ pub fn ahead(
     let [p, t, c] = [more.pixel_pairs, more.triangle_pairs, more.candidates].map(|n| n as u64);
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let fits = pair_bytes(settings, (p, t, c)) <= budget
-        && [p * 8, t * triangle_pair_bytes(settings), c * 8 + 4 * TALLY_WORDS as u64]
+        && [(p, 8, 0), (t, triangle_pair_bytes(settings), 0), (c, 8, 4 * TALLY_WORDS as u64)]
             .iter()
-            .all(|&bytes| bytes <= binding);
+            .all(|&(list, bytes, head)| list <= binding.saturating_sub(head) / bytes);
     if fits && wanted.bands == now.bands { more } else { wanted }
 }
 
@@ -316,4 +329,49 @@ fn needs(words: &[u32], now: Capacities) -> [u64; 4] {
         }
     }
     most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::{Pattern, Samples};
+
+    fn of(pairs: PairVariant) -> Settings {
+        let samples = Samples::new(Pattern::default(), 32).expect("32 samples");
+        Settings { pairs, ..Settings::new([800, 600], 512, samples) }
+    }
+
+    fn bytes(settings: &Settings, c: Capacities) -> u64 {
+        pair_bytes(settings, (c.pixel_pairs as u64, c.triangle_pairs as u64, c.candidates as u64))
+    }
+
+    /// The first lists take no more than the budget either, and with room enough as much as without one.
+    #[test]
+    fn first_lists_keep_to_the_budget() {
+        for pairs in [PairVariant::Tiled, PairVariant::Grouped, PairVariant::Sorted] {
+            let settings = of(pairs);
+            let ample = first_for(&settings, Budget::default(), 1 << 20);
+            assert!(bytes(&settings, ample) > 16 << 20, "{ample:?}");
+            for megabytes in [1, 7, 16] {
+                let budget = Budget { bytes: megabytes << 20, ..Budget::default() };
+                for first in [first(&settings, budget), first_for(&settings, budget, 1 << 20)] {
+                    let taken = bytes(&settings, first);
+                    assert!(taken <= budget.bytes && 100 * taken > 99 * budget.bytes, "{taken} of {budget:?}");
+                }
+            }
+            let none = first(&settings, Budget { bytes: 0, ..Budget::default() });
+            assert_eq!([none.pixel_pairs, none.triangle_pairs, none.candidates], [1; 3]);
+        }
+    }
+
+    /// No start is too large to be counted.
+    #[test]
+    fn lists_begin_with_what_can_be_counted() {
+        for start in [0, 1, usize::MAX] {
+            let budget = Budget { start: Some(start), bytes: u64::MAX };
+            let first = first(&of(PairVariant::Sorted), budget);
+            assert_eq!(first.pixel_pairs, start.clamp(1, u32::MAX as usize));
+        }
+        assert_eq!(pair_bytes(&of(PairVariant::Sorted), (u64::MAX, 1, 1)), u64::MAX);
+    }
 }

@@ -86,9 +86,9 @@ impl FixedMethod for RayTraced {
     fn counts(&self, gpu: &Gpu) -> Result<Counts> {
         let [traced, refined, early] = self.work.read(gpu)?;
         if early > 0 {
-            let what = format!("steps of {early} shadow rays through the tree of casters");
+            let what = format!("steps or more, as {early} shadow rays take through the tree of casters");
             let limit = u64::from(crate::gpu::kernels::shadow_rays::MOST_STEPS);
-            return Err(Error::Memory { what, needed: limit + 1, limit });
+            return Err(Error::Limit { what, needed: limit + 1, limit });
         }
         let counts = self.settled.counts(gpu)?;
         let rays = u64::from(traced) * u64::from(self.settled.samples());

@@ -66,7 +66,8 @@ pub struct ListUse {
 pub struct Output {
     /// Visibility of each pixel, row by row from the top.
     pub visibility: Vec<f32>,
-    /// Lit samples of each pixel, `words` words each; all ones where nothing is seen. With one facet a pixel samples off the surface
+    /// Lit samples of each pixel, `words` words each; all ones where nothing is seen. Empty for methods that keep none
+    /// ([`MethodName::keeps`](super::MethodName::keeps)). With one facet a pixel samples off the surface
     /// are lit where the pixel is settled as lit, and not where it is evaluated.
     pub lit: Vec<u32>,
     /// Words of a mask.
@@ -85,12 +86,13 @@ pub struct Output {
     pub dispatches: u32,
 }
 
-/// How much the lists may take at first, and at most.
+/// How long the lists are at first, and how much those of pairs may take at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Elements each list starts with; `None`: a guess from the image size.
+    /// Elements each list that may grow starts with, up to 2^32; `None`: a guess from the image size.
     pub start: Option<usize>,
-    /// Bytes the two pair lists may take together; what needs more is split into bands of facets.
+    /// Bytes the lists of pairs and of candidates may take together, from the first frame on, with what it takes to sort them; a frame
+    /// that needs more is split into bands of facets.
     pub bytes: u64,
 }
 

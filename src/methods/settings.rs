@@ -114,14 +114,15 @@ impl SpsmSettings {
     }
 }
 
-/// Options of `shadow-map`, `pcf` and (of the constant bias alone) `smsr`: the bias, without which a surface shadows itself.
+/// Options of the methods that compare depths: the bias, without which a surface shadows itself. `shadow-map`, `trapezoidal`, `lispsm` and
+/// `parallel-split` take both parts of it, `pcf`, `smsr`, `variance` and `remix` the constant alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowMapSettings {
     /// Texels a side of the filter of `pcf`: 2, 3, 5 or 7.
     pub kernel: u32,
     /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
     pub constant: f32,
-    /// Times the steeper slope of the receiver per texel: what it is moved besides (`shadow-map`).
+    /// Times the steeper slope of the receiver per texel: what it is moved besides, by the methods that take both parts.
     pub slope: f32,
 }
 
@@ -284,7 +285,7 @@ pub struct Settings {
     pub spsm: SpsmSettings,
     /// Options of `smsr`.
     pub smsr: SmsrSettings,
-    /// Options of `shadow-map` and `pcf`, and the bias of `smsr`.
+    /// Options of the methods that compare depths.
     pub shadow_map: ShadowMapSettings,
     /// Options of `variance`, `trapezoidal`, `lispsm`, `parallel-split` and `remix`.
     pub split: SplitSettings,
@@ -379,7 +380,7 @@ impl Settings {
         }
     }
 
-    /// Checks sizes against what is possible.
+    /// Checks sizes, the table of masks and the options of all methods against what is possible.
     ///
     /// # Errors
     /// [`Error::Config`] with the numbers.
@@ -394,6 +395,12 @@ impl Settings {
                 self.map,
                 LightView::LARGEST_MAP
             )));
+        }
+        if let MaskVariant::Table { angles, offsets } = self.masks {
+            let most = MaskVariant::LARGEST;
+            if !(1..=most).contains(&angles) || !(1..=most).contains(&offsets) {
+                return Err(Error::Config(format!("a table of {angles} x {offsets} masks; 1 to {most} are possible")));
+            }
         }
         self.spsm.check()?;
         self.smsr.check()?;

@@ -42,7 +42,7 @@ impl Strips {
     /// As [`Strips::new`], of strips that hold `halo` rows of their neighbours on either side.
     pub fn with_halo(image: [u32; 2], count: u32, halo: u32) -> Self {
         let rows = image[1].div_ceil(count.max(1)).max(1);
-        let rows = if rows < image[1] { (rows + 2 * halo).min(image[1]) } else { rows };
+        let rows = if rows < image[1] { rows.saturating_add(halo.saturating_mul(2)).min(image[1]) } else { rows };
         Self { image, rows, halo }
     }
 
@@ -74,9 +74,9 @@ impl Strips {
         let height = self.image[1];
         let mut next = 0u32;
         std::iter::from_fn(move || {
-            let first = next.saturating_sub(self.halo).min(height - self.rows);
+            let first = next.saturating_sub(self.halo).min(height.saturating_sub(self.rows));
             let (known, end) = (next - first, first + self.rows);
-            let own = if end == height { height - next } else { end - self.halo - next };
+            let own = if end >= height { height - next } else { end - self.halo - next };
             next += own;
             (own > 0).then_some(Rows { first, known, own })
         })
@@ -166,6 +166,13 @@ mod tests {
                 assert!(strips.count() <= count);
             }
         }
+    }
+
+    #[test]
+    fn an_image_without_rows_has_no_strips() {
+        assert_eq!(Strips::new([9, 0], 1).count(), 0);
+        assert_eq!(Strips::with_halo([9, 0], 3, 2).count(), 0);
+        assert_eq!(Strips::with_halo([9, 100], 3, u32::MAX).count(), 1);
     }
 
     #[test]

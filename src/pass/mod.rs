@@ -66,11 +66,11 @@ use views::Views;
 #[derive(Clone, Debug)]
 pub struct PassConfig<'a> {
     /// Image size, samples, map and facets. Not looked at are `cull_back` (casters of closed bodies that turn away from the light are
-    /// left out wherever that changes nothing) and the options of other methods.
+    /// left out wherever that changes nothing) and, but that they must be possible ([`Settings::check`]), the options of other methods.
     pub settings: Settings,
     /// The triangles.
     pub casters: Casters<'a>,
-    /// How long the lists are at first, and at most.
+    /// How long the lists are at first, and how much those of pairs may take at most.
     pub budget: Budget,
     /// Let the lists grow by themselves; without it, [`ShadowPass::grow`] does.
     pub grow: bool,
@@ -135,7 +135,7 @@ impl ShadowPass {
     /// application's next submission to `queue`.
     ///
     /// # Errors
-    /// [`Error::Config`] for impossible settings or a device below [`ShadowPass::required_limits`]; [`Error::Mesh`] for
+    /// [`Error::Config`] for impossible settings or a device below [`ShadowPass::required_limits`] in what the pass uses; [`Error::Mesh`] for
     /// casters that are no geometry; [`Error::Memory`] and [`Error::Gpu`] if memory does not suffice or the device refuses.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, config: &PassConfig) -> Result<Self> {
         check_limits(&device.limits())?;

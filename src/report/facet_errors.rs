@@ -1,6 +1,5 @@
 //! A frame held against facet truth.
 
-use crate::Result;
 use crate::gpu::Gpu;
 use crate::methods::cpu::CpuFacet;
 use crate::methods::facet_masks::{FacetMode, Settings};
@@ -9,6 +8,7 @@ use crate::scene::{Camera, Light, PixelRays};
 use crate::stages::facet_classify::{Facet, Facets, State};
 use crate::truth::facet_truth::FacetResult;
 use crate::truth::{FacetInput, FacetTruth, Progress, SceneTruth, Tracer, bits, full_mask, join_mask, split_mask};
+use crate::{Error, Result};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -54,7 +54,7 @@ impl FacetSet {
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn add(&mut self, gpu: &Gpu, facets: &Facets, words: u32, width: u32, rows: Rows) -> Result<()> {
         let strip = Self::read(gpu, facets, words)?;
-        let size = 3 * words as usize;
+        let size = 3 * words.max(1) as usize;
         self.words = words;
         for (facet, masks) in strip.facets.iter().zip(strip.masks.chunks(size)) {
             if facet.state != State::Empty as u32 && facet.pixel >= rows.known * width {
@@ -114,10 +114,10 @@ pub struct FacetErrors {
 }
 
 impl FacetErrors {
-    /// Holds `set` against facet truth. `validity` says whether invalid masks were kept.
+    /// Holds `set` against facet truth, as it was rendered with `settings`.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] if the facets are not of this image and mesh; as [`FacetTruth::new`].
+    /// [`crate::Error::Config`] if the masks are not of as many words and facets, or the facets not of this image and mesh; as [`FacetTruth::new`].
     pub fn of(
         set: &FacetSet,
         tracer: &Tracer,
@@ -127,6 +127,10 @@ impl FacetErrors {
         progress: Progress,
     ) -> Result<Self> {
         let [w, h] = settings.size;
+        let (words, facets, masks) = (set.words, set.facets.len(), set.masks.len());
+        if words != settings.samples.words() || masks < 3 * words as usize * facets {
+            return Err(Error::Config(format!("{masks} words of masks of {words} for {facets} facets")));
+        }
         let mut truth = FacetTruth::new(tracer, camera, light, &settings.samples, w, h)?;
         let validity = settings.keeps_validity();
         if !validity {

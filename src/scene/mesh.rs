@@ -80,12 +80,15 @@ impl Mesh {
         Self { positions, triangles }
     }
 
-    /// Lowest and highest corner of the vertices that triangles use; `None` without triangles.
-    ///
-    /// # Panics
-    /// If an index is out of range ([`Mesh::check`]).
+    /// Lowest and highest corner of the vertices that triangles use; `None` without any. Indices out of range ([`Mesh::check`])
+    /// are left out.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let mut vertices = self.triangles.iter().flatten().map(|&v| Vec3::from(self.positions[v as usize]).as_dvec3());
+        let mut vertices = self
+            .triangles
+            .iter()
+            .flatten()
+            .filter_map(|&v| self.positions.get(v as usize))
+            .map(|&p| Vec3::from(p).as_dvec3());
         let first = vertices.next()?;
         Some(vertices.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p))))
     }
@@ -181,6 +184,14 @@ mod tests {
 
     fn bits(mesh: &Mesh) -> (Vec<[u32; 3]>, &[[u32; 3]]) {
         (mesh.positions.iter().map(|p| p.map(f32::to_bits)).collect(), &mesh.triangles)
+    }
+
+    #[test]
+    fn bounds_are_of_the_vertices_there_are() {
+        let mesh = Mesh { positions: vec![[1.0, 2.0, 3.0], [5.0, 0.0, 3.0]], triangles: vec![[0, 1, 9]] };
+        assert_eq!(mesh.bounds(), Some((DVec3::new(1.0, 0.0, 3.0), DVec3::new(5.0, 2.0, 3.0))));
+        let nowhere = Mesh { positions: Vec::new(), triangles: vec![[7, 8, 9]] };
+        assert!(nowhere.bounds().is_none() && nowhere.ground_below().is_none());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! - **Reads** a vertex buffer (positions of three `f32`, world units, at any stride of whole words) and the place of each of
 //!   its vertices among those of the casters.
-//! - **Writes** `positions`, three `f32` a place; counts into `faults` the places outside the box or without a number
+//! - **Writes** `positions`, 16 bytes a place: three `f32`, and a word that is left alone; counts into `faults` the places outside the box or without a number
 //!   ([`FAULT_OUTSIDE`]; they are moved into the box), and the vertices that are no longer at the point they share with the
 //!   vertex of their place ([`FAULT_PARTED`]).
 //! - **Guarantee.** Bits are copied (−0 as +0); no place outside the box is ever written.

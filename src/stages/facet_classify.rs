@@ -131,9 +131,9 @@ impl Facets {
 /// What classification reads besides the facets.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
-    /// Vertex indices, three a triangle.
+    /// Vertex indices, 16 bytes a triangle: three, and 1 for one of a closed body.
     pub triangles: &'a wgpu::Buffer,
-    /// Positions, three words a vertex, world units.
+    /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
     pub positions: &'a wgpu::Buffer,
     /// Summed-area table of the mask.
     pub sat: &'a Buffer<u32>,

@@ -72,7 +72,7 @@ impl Bins {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: usize, facets: usize, samples: u32) -> Result<Self> {
-        Self::with_band(device, queue, size, facets, samples, kernel::MOST_SAMPLES as usize / samples as usize)
+        Self::with_band(device, queue, size, facets, samples, kernel::MOST_SAMPLES as usize / samples.max(1) as usize)
     }
 
     /// As [`Bins::new`] with bands of at most so many facets.
@@ -87,7 +87,7 @@ impl Bins {
         samples: u32,
         most: usize,
     ) -> Result<Self> {
-        let band = facets.min(most.min(kernel::MOST_SAMPLES as usize / samples as usize)).max(1);
+        let band = facets.min(most.min(kernel::MOST_SAMPLES as usize / samples.max(1) as usize)).max(1);
         let frames = (0..facets.div_ceil(band)).map(|_| Buffer::uniform(device, "sample_bins.frame", 1));
         let requests = RUNS.iter().enumerate();
         let requests = requests.map(|(k, &items)| Request::new(k, items, Request::MAX_LIMIT, 3 * k));
@@ -129,7 +129,7 @@ pub struct Scene<'a> {
     pub samples: &'a wgpu::Buffer,
     /// The casters' blocks of texels.
     pub blocks: Blocks<'a>,
-    /// Positions, world units, three words a vertex.
+    /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
     pub positions: &'a wgpu::Buffer,
     /// Facets and masks.
     pub facets: &'a Facets,

@@ -62,11 +62,11 @@ pub struct SampleSurfaces {
 pub struct Mesh<'a> {
     /// Sample offsets.
     pub samples: &'a wgpu::Buffer,
-    /// Vertex indices, three a triangle.
+    /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
     pub triangles: &'a wgpu::Buffer,
     /// Projected vertices.
     pub points: &'a Buffer<[f32; 4]>,
-    /// Positions, world units, three words a vertex.
+    /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
     pub positions: &'a wgpu::Buffer,
     /// Of each triangle the lowest of its surface, with [`SEVERAL`] where that has more than one; read if surfaces merge.
     pub surfaces: Option<&'a Buffer<u32>>,

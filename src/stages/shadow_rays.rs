@@ -96,7 +96,7 @@ impl Rays {
         doubts: usize,
     ) -> Result<Self> {
         let words = samples.div_ceil(32) as usize;
-        let together = kernel::WORKGROUP / samples.min(32);
+        let together = kernel::WORKGROUP / samples.clamp(1, 32);
         let requests = [
             dispatch_args::Request::new(0, together, facets, TRACE_ARGS)?,
             dispatch_args::Request::new(0, kernel::WORKGROUP, facets, FACET_ARGS)?,
@@ -134,9 +134,9 @@ pub struct Scene<'a> {
     pub samples: &'a wgpu::Buffer,
     /// The tree.
     pub tree: &'a TreeBuffers,
-    /// Vertex indices, three a triangle.
+    /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
     pub triangles: &'a wgpu::Buffer,
-    /// Positions, world units, three words a vertex.
+    /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
     pub positions: &'a wgpu::Buffer,
 }
 
@@ -168,7 +168,7 @@ impl ShadowRays {
     /// Records the list of the undecided facets: those with blocks ([`Facets::items`]). Words 1 to 3 of `work` must be 0.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Config`] if `rays` were made for fewer facets.
     pub fn record_list(&self, stage: &mut Stage, facets: &Facets, rays: &Rays) -> Result<()> {
         let (flags, count) = (Flags::Words(&facets.items), Count::Exactly(facets.list.len()));
         self.compact.record(stage, flags, None, &rays.listed, (&rays.work, 0), &rays.scratch, count)?;
@@ -178,7 +178,7 @@ impl ShadowRays {
     /// Records a step for the listed facets.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Config`] if `rays` were made for fewer facets.
     pub fn record(
         &self,
         stage: &mut Stage,

@@ -42,7 +42,7 @@ shared_struct! {
 }
 
 impl SplitViews {
-    /// Of views, at most [`SplitPlan::MOST`], of maps of `map_size` texels a side, in a scene of which nothing is deeper than `far`.
+    /// Of views, at most [`SplitPlan::MOST`], of maps of `map_size` texels a side, at most [`LightView::LARGEST_MAP`], in a scene of which nothing is deeper than `far`.
     pub fn new(views: &[SplitView], map_size: u32, far: f64) -> Self {
         let count = (views.len() as u32).min(SplitPlan::MOST);
         let mut made = Self { count, far: far as f32, ends: [3e38; 4], ..Self::default() };
@@ -55,6 +55,7 @@ impl SplitViews {
             }
             made.ends[k] = view.end.min(3e38) as f32;
         }
+        let map_size = map_size.min(LightView::LARGEST_MAP);
         let levels = Self::levels_of(map_size);
         made.levels = levels;
         for level in 1..=levels {
@@ -66,7 +67,7 @@ impl SplitViews {
 
     /// Levels above the texels of a map: until one cell holds all of it.
     pub fn levels_of(map_size: u32) -> u32 {
-        map_size.max(1).next_power_of_two().trailing_zeros()
+        u32::BITS - (map_size.max(1) - 1).leading_zeros()
     }
 
     /// Cells a side of a level.

@@ -1,10 +1,11 @@
 //! Vertices in the frame's eye-relative, scaled space and in the light view.
 //!
-//! - **Reads** positions: three `f32` a vertex, world units.
-//! - **Writes** `points` (xyz; w is 1 where finite, else 0) and `map_points` (texel x, texel y, depth, divisor; the divisor
-//!   is 0 for a vertex that is not surely in front of the light, negative for one that is surely behind it).
+//! - **Reads** positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
+//! - **Writes** `points` (xyz; w is 1 where finite, else 0) and `map_points` (texel x, texel y, depth, divisor; for a
+//!   vertex that is not surely in front of the light the first three undivided, and how much the divisor is less than it would have
+//!   to be, which is not above 0).
 //! - **Guarantee.** `points` is the correctly rounded difference to the eye, times a power of two.
-//! - **Cost.** One dispatch; 44 bytes a vertex.
+//! - **Cost.** One dispatch; 48 bytes a vertex.
 
 use crate::Result;
 use crate::gpu::kernels::vertex_project as kernel;

@@ -30,9 +30,9 @@ pub struct Casters<'a> {
     pub samples: &'a wgpu::Buffer,
     /// Lookup table of masks; not read if its size is 0.
     pub table: &'a wgpu::Buffer,
-    /// Vertex indices, three a triangle.
+    /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
     pub triangles: &'a wgpu::Buffer,
-    /// Positions, world units, three words a vertex.
+    /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
     pub positions: &'a wgpu::Buffer,
 }
 

@@ -199,6 +199,17 @@ fn two_d_dispatch() {
     assert!(rects.len() > 3 * 64 && measured(folding_gpu()) == rects, "the fold changes the result");
 }
 
+/// Levels of the largest map, and sizes that no map has.
+#[test]
+fn levels_of_any_size() {
+    use subpixel_shadows::stages::split_maps::SplitViews;
+    let levels = |size| SplitViews::levels_of(size);
+    assert_eq!([0, 1, 2, 3, 8192, u32::MAX].map(levels), [0, 0, 1, 2, 13, 32]);
+    let largest = SplitViews::new(&[], 8192, 1.0);
+    assert_eq!((largest.levels, SplitViews::new(&[], u32::MAX, 1.0).levels), (13, 13));
+    assert_eq!(largest.level_stride as usize, SplitViews::moments_of(8192));
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn detects_corruption() {

@@ -33,10 +33,11 @@ impl SceneCase {
     /// # Errors
     /// [`crate::Error::Mesh`] if the mesh cannot be used.
     pub fn new(mut scene: Scene, tessellation: u32, size: [u32; 2]) -> Result<Self> {
+        scene.mesh.check(&scene.name)?;
         for _ in 0..tessellation {
             scene.mesh = scene.mesh.split_in_four();
+            scene.mesh.check(&scene.name)?;
         }
-        scene.mesh.check(&scene.name)?;
         let prepared = Prepared::new(&scene.mesh)?;
         let tracer = Tracer::new(&prepared.mesh)?;
         Ok(Self { scene, tessellation, prepared, size, tracer, traced: BTreeMap::new(), converged: None })

@@ -32,7 +32,7 @@ impl ComplexPixels {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, count: usize, words: usize) -> Result<Self> {
         let limits = device.limits();
         let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        Self::in_bands(device, queue, count, words, (binding / (136 * words as u64)) as usize)
+        Self::in_bands(device, queue, count, words, (binding / (136 * words.max(1) as u64)) as usize)
     }
 
     /// As [`ComplexPixels::new`], in bands of at most `most` pixels.
