@@ -79,7 +79,7 @@ fn main() -> Result<()> {
         for (view, camera) in [("own", scene.camera), ("other side", other_side(&scene.camera))] {
             for (kind, light) in [("own", scene.light), ("spot", spot(&scene.light, bounds))] {
                 let wanted = Settings::new(arguments.size, arguments.map, samples.clone());
-                let traced = TracedScene::new(prepared.mesh(), &tracer, &camera, &light, &wanted, None)?;
+                let traced = TracedScene::new(&tracer, &camera, &light, &wanted, None)?;
                 for (facets, label) in [(FacetMode::One, "one"), (FacetMode::All, "all")] {
                     let wanted = Settings { facets, cull_back: true, ..wanted.clone() };
                     let plan = Plan::of_method(MethodName::FacetMasks, &prepared, &camera, &light, &wanted, false)?;

@@ -101,7 +101,7 @@ fn main() -> Result<()> {
     );
     let settings = Settings::new(size, arguments.map, samples);
     let tracer = Tracer::new(prepared.mesh())?;
-    let traced = TracedScene::new(prepared.mesh(), &tracer, &CAMERA, &LIGHT, &settings, None)?;
+    let traced = TracedScene::new(&tracer, &CAMERA, &LIGHT, &settings, None)?;
     let modes = [FacetMode::One, FacetMode::All];
     let mut renderers = Vec::new();
     for facets in modes {

@@ -270,7 +270,7 @@ fn against_formula(light: &Light, formula_light: &Light, count: u32) -> (u64, f6
     let samples = Samples::new(Pattern::LowDiscrepancy, count).unwrap();
     let truth = SceneTruth::new(&tracer, &camera, light, &samples, w, h).unwrap();
     let mut image = truth.image(None);
-    let shares = truth.mark_ambiguous(&mut image, None);
+    let shares = truth.mark_ambiguous(&mut image, None).expect("of the same size");
     assert!(image.pixels.iter().any(|p| p.visibility == 0.0));
     assert!(image.pixels.iter().any(|p| p.seen_count == 0 && p.visibility == 1.0 && !p.centre_hit));
     let (mut wrong, mut outside) = (0, 0u64);
@@ -353,7 +353,10 @@ fn facets_against_scene(mesh: &Mesh, camera: &Camera, light: &Light, corrupt: bo
     let (w, h) = (100, 75);
     let scene = SceneTruth::new(&tracer, camera, light, &samples, w, h).unwrap();
     let mut image = scene.image(None);
-    scene.mark_ambiguous(&mut image, None);
+    scene.mark_ambiguous(&mut image, None).expect("of the same size");
+    let mut short = image.clone();
+    short.pixels.pop();
+    assert!(scene.mark_ambiguous(&mut short, None).is_err());
     let mut inputs = Vec::new();
     for pixel in 0..w * h {
         for (triangle, coverage) in scene.surfaces(pixel) {

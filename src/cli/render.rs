@@ -97,7 +97,7 @@ fn compare(
     let progress = |done, total| task.at(done, total);
     let visibility = &rendered.output.visibility;
     let (camera, light) = (&scene.camera, &scene.light);
-    let traced = TracedScene::new(mesh, &tracer, camera, light, settings, Some(&progress))?;
+    let traced = TracedScene::new(&tracer, camera, light, settings, Some(&progress))?;
     let converged = || {
         let task = console.task("1024 rays a pixel");
         let progress = |done, total| task.at(done, total);

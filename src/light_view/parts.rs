@@ -26,7 +26,8 @@ impl Parts {
 
     /// Bytes of the largest buffer of a map of so many texels a side: a word for each texel, and one for each 8 x 8 of them.
     fn largest_binding(texels: u32) -> u64 {
-        4 * (u64::from(texels).pow(2) + u64::from(texels.div_ceil(8)).pow(2) + 2)
+        let words = u64::from(texels).pow(2).saturating_add(u64::from(texels.div_ceil(8)).pow(2) + 2);
+        words.saturating_mul(4)
     }
 
     /// As few as fit what one binding holds by these limits.
@@ -81,6 +82,7 @@ mod tests {
         let whole = Parts::largest_binding(512);
         assert_eq!(parts(512, whole), Parts { across: 1, texels: 512 });
         assert_eq!(parts(512, whole - 1), Parts { across: 2, texels: 256 });
+        assert_eq!(parts(u32::MAX, u64::MAX), Parts { across: 1, texels: u32::MAX });
         assert_eq!(parts(7, 0), Parts { across: 7, texels: 1 });
         assert_eq!(Parts::new(10, NonZeroU32::new(7).unwrap()), Parts { across: 5, texels: 2 });
         for (map, bytes) in [(8191, 1 << 20), (1, 3), (333, 4000), (8192, 4)] {

@@ -4,7 +4,7 @@ use super::mean_flip;
 use super::metrics::{Metrics, Truth};
 use crate::Result;
 use crate::methods::Settings;
-use crate::scene::{Camera, Light, Mesh};
+use crate::scene::{Camera, Light};
 use crate::truth::predicate::Plane;
 use crate::truth::{Progress, SceneTruth, Tracer, TruthImage, full_mask, join_mask};
 use glam::DVec3;
@@ -26,7 +26,6 @@ impl TracedScene {
     /// # Errors
     /// As [`SceneTruth::new`].
     pub fn new(
-        mesh: &Mesh,
         tracer: &Tracer,
         camera: &Camera,
         light: &Light,
@@ -39,7 +38,7 @@ impl TracedScene {
         let eye = camera.rays(width, height).eye;
         let full = full_mask(settings.samples.count());
         let one_plane =
-            (0..width * height).into_par_iter().map(|pixel| sees_one_plane(&scene, mesh, eye, pixel, full)).collect();
+            (0..width * height).into_par_iter().map(|pixel| sees_one_plane(&scene, tracer, eye, pixel, full)).collect();
         Ok(Self { visibility: image.visibility(), image, one_plane })
     }
 
@@ -180,10 +179,10 @@ impl SceneErrors {
 }
 
 /// Whether all samples of a pixel see surfaces of one plane.
-fn sees_one_plane(scene: &SceneTruth, mesh: &Mesh, eye: DVec3, pixel: u32, full: u128) -> bool {
+fn sees_one_plane(scene: &SceneTruth, tracer: &Tracer, eye: DVec3, pixel: u32, full: u128) -> bool {
     let surfaces = scene.surfaces(pixel);
     let seen = surfaces.iter().fold(0, |seen, (_, mask)| seen | join_mask(*mask));
-    let corners = |t: u32| mesh.corners(t as usize).map(|p| p - eye);
+    let corners = |t: u32| tracer.corners(t).map(|p| p - eye);
     let Some((first, others)) = surfaces.split_first() else { return false };
     let plane = Plane::new(corners(first.0));
     seen == full && others.iter().all(|&(t, _)| corners(t).iter().all(|&p| plane.height(p) == 0.0))

@@ -31,12 +31,15 @@ const GROUND_LIGHT: Vec3 = Vec3::new(0.16, 0.15, 0.13);
 pub fn shade(s: &Shading) -> Vec<[u8; 3]> {
     let [w, h] = s.size;
     let rays = s.camera.rays(w, h);
-    (0..w * h)
+    let corners = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < s.mesh.positions.len());
+    (0..w.saturating_mul(h))
         .into_par_iter()
         .map(|pixel| {
             let p = pixel as usize;
             let linear = match (s.triangles.get(p), s.visibility.get(p)) {
-                (Some(&t), Some(&v)) if (t as usize) < s.mesh.triangles.len() => surface(s, &rays, pixel, t, v),
+                (Some(&t), Some(&v)) if s.mesh.triangles.get(t as usize).is_some_and(corners) => {
+                    surface(s, &rays, pixel, t, v)
+                }
                 _ => sky((pixel / w) as f32 / h as f32),
             };
             linear.to_array().map(srgb)

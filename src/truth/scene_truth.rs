@@ -193,7 +193,15 @@ impl<'a> SceneTruth<'a> {
 
     /// Fills in the ambiguous mask of each pixel whose neighbourhood of 3 × 3 pixels is not uniform, and counts. Elsewhere
     /// all samples for a pixel around agree, so that only features smaller than the sample distance could be near.
-    pub fn mark_ambiguous(&self, image: &mut TruthImage, progress: Progress) -> AmbiguousCount {
+    ///
+    /// # Errors
+    /// [`Error::Config`] for an image of another size.
+    pub fn mark_ambiguous(&self, image: &mut TruthImage, progress: Progress) -> Result<AmbiguousCount> {
+        let (ours, theirs) = ([self.width, self.height], [image.width, image.height]);
+        if ours != theirs || image.pixels.len() as u64 != u64::from(ours[0]) * u64::from(ours[1]) {
+            let ([w, h], [x, y], pixels) = (ours, theirs, image.pixels.len());
+            return Err(Error::Config(format!("an image of {x}x{y}, {pixels} pixels, in a truth of {w}x{h}")));
+        }
         let full = full_mask(image.samples);
         let state = |p: &PixelTruth| match (join_mask(p.seen), join_mask(p.lit)) {
             (0, _) => Some(0),
@@ -219,7 +227,7 @@ impl<'a> SceneTruth<'a> {
             }
             count.ambiguous += u64::from(join_mask(pixel.ambiguous).count_ones());
         }
-        count
+        Ok(count)
     }
 
     fn each_pixel<T: Send>(&self, progress: Progress, f: impl Fn(u32) -> T + Sync) -> Vec<T> {

@@ -50,8 +50,8 @@ impl SceneCase {
     pub fn matched(&mut self, settings: &Settings, progress: Progress) -> Result<&TracedScene> {
         let n = settings.samples.count();
         if !self.traced.contains_key(&n) {
-            let (mesh, camera, light) = (&self.prepared.mesh, &self.scene.camera, &self.scene.light);
-            let traced = TracedScene::new(mesh, &self.tracer, camera, light, settings, progress)?;
+            let (camera, light) = (&self.scene.camera, &self.scene.light);
+            let traced = TracedScene::new(&self.tracer, camera, light, settings, progress)?;
             self.traced.insert(n, traced);
         }
         Ok(&self.traced[&n])

@@ -157,7 +157,7 @@ fn measure(gpu: &Gpu, step: &Step, variant: &Variant, outcome: &mut Outcome) -> 
     let tracer = Tracer::new(&prepared.mesh)?;
     let (camera, light) = (&step.camera, &step.light);
     outcome.facet = FacetErrors::of(&facets, &tracer, camera, light, settings, None)?;
-    let traced = TracedScene::new(&prepared.mesh, &tracer, camera, light, settings, None)?;
+    let traced = TracedScene::new(&tracer, camera, light, settings, None)?;
     outcome.scene = traced.errors(&output.visibility)?;
     outcome.not_a_share = output.visibility.iter().filter(|v| !(0.0..=1.0).contains(*v)).count();
     outcome.gpu_ms = output.stages.iter().map(|s| s.gpu_ms).sum();
