@@ -364,6 +364,31 @@ mod tests {
         }
     }
 
+    /// More triangles over a texel or a pixel than there are rounds for are no want of memory.
+    #[test]
+    fn lists_without_end_are_refused() {
+        let limits = wgpu::Limits::default();
+        let refused = |facets, word, count: u32| {
+            let settings = Settings { facets, ..of(PairVariant::Tiled) };
+            let now = first(&settings, Budget::default());
+            let mut words = vec![0; status::words(now)];
+            words[word] = count;
+            wanted(&words, now, &settings, &limits, 1 << 30).map(|more| more.map(|c| [c.rounds, c.camera_rounds]))
+        };
+        let longest = status::band(0, 0, 1) + 6;
+        let most = MAX_ROUNDS * ROUND_LENGTH;
+        assert!(refused(FacetMode::One, longest, most).is_ok_and(|more| more == Some([MAX_ROUNDS, 1])));
+        assert!(
+            matches!(refused(FacetMode::One, longest, most + 1), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
+        );
+        let most = MAX_CAMERA_ROUNDS * sample_surfaces::ROUND_LENGTH;
+        let of_pixel = status::LONGEST_PIXEL;
+        assert!(refused(FacetMode::All, of_pixel, most).is_ok_and(|more| more == Some([1, MAX_CAMERA_ROUNDS])));
+        assert!(
+            matches!(refused(FacetMode::All, of_pixel, most + 1), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
+        );
+    }
+
     /// No start is too large to be counted.
     #[test]
     fn lists_begin_with_what_can_be_counted() {

@@ -15,6 +15,7 @@ use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec3, DVec4};
 use subpixel_shadows::gpu::program::{Access, Binding};
 use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program};
+use subpixel_shadows::mask_table::{MaskVariant, mask_table};
 use subpixel_shadows::reference::facet_classify as reference;
 use subpixel_shadows::reference::front_layer::Split;
 use subpixel_shadows::reference::visibility_masks::two_step;
@@ -24,6 +25,7 @@ use subpixel_shadows::stages::facet_classify::State;
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, Places, TALLY_WORDS};
 use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
 use subpixel_shadows::truth::AMBIGUITY;
+use subpixel_shadows::wgpu;
 
 fn stage(gpu: &Gpu, samples: u32) -> &'static VisibilityMasks {
     static MADE: Pipelines<VisibilityMasks> = Pipelines::new();
@@ -38,6 +40,17 @@ fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
 
 /// The masks, how many pairs were evaluated, and how many of them again with 46 bits.
 fn evaluate_by(stage: &VisibilityMasks, world: &World, listed: &List, validity: bool) -> (Masks, [usize; 2]) {
+    evaluate_with(stage, world.casters.triangles.raw(), world, listed, validity)
+}
+
+/// The same with a lookup table, where the stage is made for one.
+fn evaluate_with(
+    stage: &VisibilityMasks,
+    table: &wgpu::Buffer,
+    world: &World,
+    listed: &List,
+    validity: bool,
+) -> (Masks, [usize; 2]) {
     let gpu = world.gpu;
     let facets = classify(world, listed);
     let list = facets.list.read(gpu).expect("readback");
@@ -59,7 +72,7 @@ fn evaluate_by(stage: &VisibilityMasks, world: &World, listed: &List, validity: 
     let (frame, offsets) = (uniform(gpu, &frame), world.sample_offsets());
     let casters = Casters {
         samples: offsets.raw(),
-        table: world.casters.triangles.raw(),
+        table,
         triangles: world.casters.triangles.raw(),
         positions: world.casters.positions.raw(),
     };
@@ -200,6 +213,47 @@ fn by_two_steps(world: &World, facet: &reference::Facet) -> [u128; 2] {
         }
     }
     [shadowed, near]
+}
+
+/// Masks from a table are those of the exact test but for samples near a line: few of a fine table, more of a coarse one, and
+/// most are others where the table's entries are moved.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn tables_hold_nearly_the_exact_masks() {
+    for count in [8, 32, 64, 128] {
+        let mut random = Random::new(u64::from(count));
+        let mut cases = vec![boxes_case()];
+        cases.extend((0..8).map(|_| soup_case(30, 0.4, &mut random)));
+        let worlds: Vec<World> = cases.into_iter().map(|case| world(case, [64, 48], samples(count))).collect();
+        let exact: Vec<Masks> = worlds.iter().map(|w| evaluate(w, &w.seen(), false).0).collect();
+        // Bits that differ, of a facet that some but not all of whose samples are occluded, on average.
+        let off = |size: [u32; 2], moved: usize| {
+            let stage = VisibilityMasks::new(&gpu().device, count, size);
+            let mut table = mask_table(&samples(count), size);
+            table.rotate_right(moved);
+            let table = upload(gpu(), &table);
+            let (mut bits, mut facets) = (0, 0);
+            for (world, exact) in worlds.iter().zip(&exact) {
+                let (got, _) = evaluate_with(&stage, table.raw(), world, &world.seen(), false);
+                assert_eq!(got.len(), exact.len());
+                for ((_, [coverage, ours, _]), (state, [_, sure, _])) in got.iter().zip(exact) {
+                    let partial =
+                        *state == State::Undecided as u32 && sure & coverage != 0 && sure & coverage != *coverage;
+                    bits += if partial { ((ours ^ sure) & coverage).count_ones() } else { 0 };
+                    facets += u32::from(partial);
+                }
+            }
+            assert!(facets > 100, "{facets} facets in part occluded");
+            f64::from(bits) / f64::from(facets)
+        };
+        let words = samples(count).words() as usize;
+        let [fine, coarse] = [off(MaskVariant::TABLE.size(), 0), off([16, 16], 0)];
+        let [turned, shifted] = [off([256, 256], 64 * 256 * words), off([256, 256], 64 * words)];
+        println!("{count} samples: {fine:.3} bits off, coarse {coarse:.3}, moved {turned:.3} and {shifted:.3}");
+        let share = f64::from(count) / 32.0;
+        assert!(fine < 0.3 * share.max(1.0), "{count} samples: {fine} bits of a mask are off");
+        assert!(coarse > 2.0 * fine && turned > 10.0 * fine && shifted > 10.0 * fine, "{count} samples: not noticed");
+    }
 }
 
 /// The paper's two projections against their definition in `f64` on benign scenes, and against the truth: what they bound is
