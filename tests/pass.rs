@@ -375,6 +375,47 @@ fn a_light_among_its_casters_has_a_cube_of_views() {
     assert!(pictures[0] != pictures[1] && pictures[0] == pictures[2]);
 }
 
+/// Frames of other lights and cameras that take turns, two in flight, come to lists that hold them all: with other numbers of views,
+/// and where the lists may not grow as they like.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn frames_in_turns_come_to_lists_for_all() {
+    let (settings, scene) = (settings(FacetMode::All), scene("cage"));
+    let far = Camera { eye: scene.camera.eye.map(|x| 1.7 * x), far: 4.0 * scene.camera.far, ..scene.camera };
+    let lights = [[2.0, 9.0, 1.0], [0.5, 2.0, 0.8]].map(|position| Light::Point { position });
+    let turns = [(scene.camera, lights[0]), (far, lights[1]), (far, lights[0])];
+    let want = turns.map(|(camera, light)| picture(&rendered(&scene.mesh, &camera, &light, &settings).0));
+    for bytes in [1 << 30, 1_000_000] {
+        let budget = Budget { start: Some(16), bytes };
+        let config = PassConfig { budget, ..PassConfig::new(settings.clone(), casters(&scene.mesh)) };
+        let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+        let mut complete = 0;
+        for pair in 0.. {
+            assert!(pair < 24, "{bytes}: {:?}", pass.capacities());
+            let which = [2 * pair, 2 * pair + 1].map(|k| k % turns.len());
+            let targets = [Targets::new(), Targets::new()];
+            let mut encoder = gpu().encoder();
+            for (&k, targets) in which.iter().zip(&targets) {
+                let inputs = Inputs::new(&turns[k].0, &turns[k].1);
+                pass.record(&mut encoder, &inputs, &targets.target()).expect("recorded");
+            }
+            gpu().submit_and_wait(encoder).expect("the frames run");
+            for (&k, targets) in which.iter().zip(&targets) {
+                let status = status_of(&mut pass);
+                assert_eq!(status.complete, !status.overflowed, "{status:?}");
+                if status.complete {
+                    assert_same(&format!("{bytes} bytes, frame {k}"), &targets.read(), &want[k]);
+                }
+                complete = if status.complete { complete + 1 } else { 0 };
+            }
+            if complete >= 2 * turns.len() {
+                break;
+            }
+        }
+        assert_eq!(pass.capacities().bands > 1, bytes < 1 << 30, "{bytes}: {:?}", pass.capacities());
+    }
+}
+
 /// A map that is more than a binding holds, which is 128 MiB of a device that has no more than WebGPU's defaults.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]

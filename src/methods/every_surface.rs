@@ -82,21 +82,25 @@ impl EverySurface {
         })
     }
 
-    /// Sizes the lists anew.
+    /// Sizes the lists anew that were made for other capacities.
     ///
     /// # Errors
-    /// As [`EverySurface::new`].
+    /// As [`EverySurface::new`]; all is then as before.
     pub fn resize(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         settings: &Settings,
-        capacities: Capacities,
+        (now, c): (Capacities, Capacities),
     ) -> Result<()> {
-        self.lists = PixelLists::new(device, settings.pixels(), capacities.pixel_triangles)?;
-        self.complex = ComplexPixels::new(device, queue, capacities.complex_pixels, settings.samples.words() as usize)?;
-        self.requests = requests(device, queue, self.casters, &self.lists, capacities)?;
-        self.rounds = capacities.camera_rounds;
+        let sizes = |c: Capacities| (c.pixel_triangles, c.complex_pixels, c.facets);
+        if sizes(c) != sizes(now) {
+            let lists = PixelLists::new(device, settings.pixels(), c.pixel_triangles)?;
+            let complex = ComplexPixels::new(device, queue, c.complex_pixels, settings.samples.words() as usize)?;
+            self.requests = requests(device, queue, self.casters, &lists, c)?;
+            (self.lists, self.complex) = (lists, complex);
+        }
+        self.rounds = c.camera_rounds;
         Ok(())
     }
 

@@ -23,12 +23,12 @@ use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
 use crate::stages::visibility_masks::VisibilityMasks;
-use crate::stages::work_owners::{ListWork, WorkOwners};
+use crate::stages::work_owners::ListWork;
 use crate::stages::{Count, DispatchArgs, PrefixScan, SortedPairs, SummedArea};
 use crate::{Error, Result};
 pub use asked::{LightMaps, Seen, Strip};
 use glam::DVec3;
-use memory::{Arg, Memory, frames, requests, unsorted};
+use memory::{Arg, FacetMemory, Memory, PairMemory, frames, requests};
 pub use memory::{Capacities, status};
 use std::sync::Arc;
 
@@ -157,30 +157,40 @@ impl FacetMasks {
         Ok(Self { settings: settings.clone(), with: pipelines, every_surface, memory, capacities })
     }
 
-    /// Sizes the lists anew, keeping all else.
+    /// Sizes anew what `capacities` change, keeping all else.
     ///
     /// # Errors
-    /// As [`FacetMasks::new`].
+    /// As [`FacetMasks::new`]; all is then as before.
     pub fn resize(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, capacities: Capacities) -> Result<()> {
-        let (size, places) = (self.settings.map as usize, self.settings.pairs.places());
-        let Capacities { pixel_pairs, triangle_pairs, candidates, .. } = capacities;
-        let m = &mut self.memory;
-        m.lists = PairLists::new(device, size, places, pixel_pairs, triangle_pairs, candidates)?;
-        m.unsorted = unsorted(device, &self.settings, capacities)?;
-        if capacities.facets != m.facets.list.len() {
-            let (pixels, words) = (self.settings.pixels(), self.settings.samples.words() as usize);
-            m.facets = Facets::new(device, capacities.facets, pixels, words)?;
-            m.facet_offsets =
-                Buffer::storage(device, "facets.offsets", WorkOwners::words(capacities.facets, size * size))?;
-            m.scan_scratch = PrefixScan::scratch(device, m.scan_scratch.capacity().max(capacities.facets))?;
-        }
+        let (m, now, c) = (&self.memory, self.capacities, capacities);
+        // All of it is made before any of it takes its place.
+        let pairs = |c: Capacities| (c.pixel_pairs, c.triangle_pairs, c.candidates);
+        let lists = (pairs(c) != pairs(now)).then(|| PairMemory::new(device, &self.settings, c)).transpose()?;
+        let facets = (c.facets != now.facets)
+            .then(|| FacetMemory::new(device, &self.settings, m.scan_scratch.capacity(), c.facets));
+        let facets = facets.transpose()?;
+        let runs = |c: Capacities| (c.views, c.bands, c.rounds);
+        let of_runs = || Ok((frames(device, c)?, Buffer::storage(device, "status", status::words(c))?));
+        let of_runs = (runs(c) != runs(now)).then(of_runs).transpose()?;
+        let totals = [m.edge_items.len(), m.visibility.len(), c.facets, m.geometry.facts.light_items.len()];
+        let sizes = |c: Capacities| (pairs(c), c.facets);
+        let requests = (sizes(c) != sizes(now)).then(|| requests(device, queue, totals, c)).transpose()?;
         if let Some(every_surface) = &mut self.every_surface {
-            every_surface.resize(device, queue, &self.settings, capacities)?;
+            every_surface.resize(device, queue, &self.settings, (now, c))?;
         }
-        m.frames = frames(device, capacities)?;
-        let totals = [m.edge_items.len(), m.visibility.len(), m.facets.list.len(), m.geometry.facts.light_items.len()];
-        m.requests = requests(device, queue, totals, capacities)?;
-        m.status = Buffer::storage(device, "status", status::words(capacities))?;
+        let m = &mut self.memory;
+        if let Some(PairMemory { lists, unsorted }) = lists {
+            (m.lists, m.unsorted) = (lists, unsorted);
+        }
+        if let Some(FacetMemory { facets, offsets, scan_scratch }) = facets {
+            (m.facets, m.facet_offsets, m.scan_scratch) = (facets, offsets, scan_scratch);
+        }
+        if let Some((frames, status)) = of_runs {
+            (m.frames, m.status) = (frames, status);
+        }
+        if let Some(requests) = requests {
+            m.requests = requests;
+        }
         self.capacities = capacities;
         Ok(())
     }

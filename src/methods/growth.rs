@@ -1,5 +1,9 @@
 //! How long the lists of a frame are: a first guess, what a frame left in its counters, and the next guess from that.
 
+mod needs;
+
+pub use needs::Needs;
+
 use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings, status};
 use super::render::{Budget, Counts, ListUse};
 use crate::stages::SortedPairs;
@@ -41,7 +45,7 @@ pub fn first(settings: &Settings, budget: Budget) -> Capacities {
 /// The pair lists as they are if they take no more than `budget` bytes together, else each as much shorter as makes them fit; a
 /// frame that needs more then takes more bands.
 fn affordable(settings: &Settings, budget: u64, c: Capacities) -> Capacities {
-    let [p, t, n] = [c.pixel_pairs, c.triangle_pairs, c.candidates].map(|list| list as u64);
+    let (p, t, n) = of_lists(c);
     let share = budget as f64 / pair_bytes(settings, (p, t, n)).max(1) as f64;
     if share >= 1.0 {
         return c;
@@ -50,26 +54,30 @@ fn affordable(settings: &Settings, budget: u64, c: Capacities) -> Capacities {
     Capacities { pixel_pairs, triangle_pairs, candidates, ..c }
 }
 
-/// The capacities with which nothing is left out, if they are not the ones in use. `words` are the counters that a frame
-/// with the capacities `now` left; the pair lists may take `budget` bytes.
+/// The capacities with which nothing is left out, if they are not the ones in use. `needs` are those of a frame with the capacities
+/// `now`; the pair lists may take `budget` bytes.
 ///
 /// # Errors
 /// [`Error::Memory`] if the lists fit in no way, [`Error::Limit`] for more triangles over one place or pixel than there are rounds for.
 pub fn wanted(
-    words: &[u32],
+    needs: &Needs,
     now: Capacities,
     settings: &Settings,
     limits: &wgpu::Limits,
     budget: u64,
 ) -> Result<Option<Capacities>> {
-    if let Some(wanted) = wanted_of_camera(words, now, settings, limits)? {
+    if let Some(wanted) = wanted_of_camera(needs, now, settings, limits)? {
         return Ok(Some(wanted));
     }
-    let [pixel_pairs, triangle_pairs, candidates, longest] = needs(words, now);
-    let rounds = (longest as u32).div_ceil(ROUND_LENGTH).max(1);
+    let Needs { pixel_pairs, triangle_pairs, candidates, longest, .. } = *needs;
+    let rounds = longest.div_ceil(ROUND_LENGTH).max(1);
     if rounds > MAX_ROUNDS {
         let limit = u64::from(MAX_ROUNDS) * u64::from(ROUND_LENGTH);
-        return Err(Error::Limit { what: "triangles over one place of the map".to_owned(), needed: longest, limit });
+        return Err(Error::Limit {
+            what: "triangles over one place of the map".to_owned(),
+            needed: longest.into(),
+            limit,
+        });
     }
     let fits = pixel_pairs <= now.pixel_pairs as u64
         && triangle_pairs <= now.triangle_pairs as u64
@@ -78,7 +86,7 @@ pub fn wanted(
         return Ok(None);
     }
     let mut wanted = Capacities { rounds: rounds.max(now.rounds), ..now };
-    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let binding = largest_binding(limits);
     let lists = |slack: fn(u64) -> u64, shrink: bool| {
         let grown = |need: u64, have: usize| {
             if shrink || need > have as u64 { (need + slack(need)).max(1) } else { have as u64 }
@@ -86,11 +94,8 @@ pub fn wanted(
         let (p, t) = (grown(pixel_pairs, now.pixel_pairs), grown(triangle_pairs, now.triangle_pairs));
         (p, t, grown(candidates, now.candidates))
     };
-    let triangle_pair = triangle_pair_bytes(settings);
     let bytes_of = |lists: (u64, u64, u64)| pair_bytes(settings, lists);
-    let fits = |(p, t, c): (u64, u64, u64)| {
-        bytes_of((p, t, c)) <= budget && p.max(c) <= binding / 8 && t <= binding / triangle_pair
-    };
+    let fits = |(p, t, c): (u64, u64, u64)| bytes_of((p, t, c)) <= budget && bound(settings, binding, (p, t, c));
     // An eighth more than was needed if there is room for it; no less than there is, unless another list needs the room.
     let least = lists(|_| 0, true);
     let ways = [lists(|need| need / 8, false), lists(|_| 0, false), lists(|need| need / 8, true)];
@@ -117,7 +122,8 @@ fn pair_bytes(settings: &Settings, (p, t, c): (u64, u64, u64)) -> u64 {
             t.saturating_mul(SortedPairs::BYTES[0]).saturating_add(p.saturating_mul(SortedPairs::BYTES[1]))
         }
     };
-    let [p, t, c] = [p.saturating_mul(8), t.saturating_mul(triangle_pair_bytes(settings)), c.saturating_mul(12)];
+    // Each pair takes two bytes more of what is found once (`PairLists::touched`), each candidate four of doubts.
+    let [p, t, c] = [p.saturating_mul(10), t.saturating_mul(2 + triangle_pair_bytes(settings)), c.saturating_mul(12)];
     p.saturating_add(t).saturating_add(c).saturating_add(sorted)
 }
 
@@ -128,7 +134,7 @@ fn triangle_pair_bytes(settings: &Settings) -> u64 {
 /// The capacities with which the camera's lists hold every surface, if they are not the ones in use. What comes after
 /// these lists has seen a part of them only.
 fn wanted_of_camera(
-    words: &[u32],
+    of_frame: &Needs,
     now: Capacities,
     settings: &Settings,
     limits: &wgpu::Limits,
@@ -136,13 +142,13 @@ fn wanted_of_camera(
     if settings.facets == FacetMode::One {
         return Ok(None);
     }
-    let rounds = words[status::LONGEST_PIXEL].div_ceil(sample_surfaces::ROUND_LENGTH).max(1);
+    let rounds = of_frame.longest_pixel.div_ceil(sample_surfaces::ROUND_LENGTH).max(1);
     if rounds > MAX_CAMERA_ROUNDS {
-        let [needed, limit] = [words[status::LONGEST_PIXEL], MAX_CAMERA_ROUNDS].map(u64::from);
+        let [needed, limit] = [of_frame.longest_pixel, MAX_CAMERA_ROUNDS].map(u64::from);
         let limit = limit * u64::from(sample_surfaces::ROUND_LENGTH);
         return Err(Error::Limit { what: "triangles over one pixel".to_owned(), needed, limit });
     }
-    let needs = camera_needs(words);
+    let needs = of_frame.camera;
     let have = [now.pixel_triangles, now.complex_pixels, now.facets];
     let fits = needs.iter().zip(have).all(|(&need, have)| need <= have as u64);
     if fits && rounds <= now.camera_rounds {
@@ -179,22 +185,43 @@ pub fn first_for(settings: &Settings, budget: Budget, triangles: usize) -> Capac
     affordable(settings, budget.bytes, with_mesh)
 }
 
-/// The pair lists no longer than a binding holds; what does not fit then takes more bands.
-pub fn within(limits: &wgpu::Limits, settings: &Settings, c: Capacities) -> Capacities {
-    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) as usize;
-    let most = |bytes: usize, head: usize| (binding.saturating_sub(head) / bytes).max(1);
-    Capacities {
-        pixel_pairs: c.pixel_pairs.min(most(8, 0)),
-        triangle_pairs: c.triangle_pairs.min(most(triangle_pair_bytes(settings) as usize, 0)),
-        candidates: c.candidates.min(most(8, 4 * TALLY_WORDS)),
+/// The pair lists no longer than a binding and the budget hold; what does not fit then takes more bands.
+pub fn within(limits: &wgpu::Limits, settings: &Settings, budget: Budget, c: Capacities) -> Capacities {
+    let [pixel_pairs, triangle_pairs, candidates] =
+        longest_lists(settings, largest_binding(limits)).map(|most| most.max(1) as usize);
+    let within = Capacities {
+        pixel_pairs: c.pixel_pairs.min(pixel_pairs),
+        triangle_pairs: c.triangle_pairs.min(triangle_pairs),
+        candidates: c.candidates.min(candidates),
         ..c
-    }
+    };
+    affordable(settings, budget.bytes, within)
+}
+
+fn largest_binding(limits: &wgpu::Limits) -> u64 {
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+}
+
+/// The longest pixel-texel pairs, triangle-texel pairs and candidates that a binding of so many bytes holds.
+fn longest_lists(settings: &Settings, binding: u64) -> [u64; 3] {
+    [(8, 0), (triangle_pair_bytes(settings), 0), (8, 4 * TALLY_WORDS as u64)]
+        .map(|(bytes, head)| binding.saturating_sub(head) / bytes)
+}
+
+/// Whether a binding of so many bytes holds each of these lists.
+fn bound(settings: &Settings, binding: u64, (p, t, c): (u64, u64, u64)) -> bool {
+    [p, t, c].iter().zip(longest_lists(settings, binding)).all(|(&list, most)| list <= most)
+}
+
+/// Pixel-texel pairs, triangle-texel pairs and candidates.
+fn of_lists(c: Capacities) -> (u64, u64, u64) {
+    (c.pixel_pairs as u64, c.triangle_pairs as u64, c.candidates as u64)
 }
 
 /// As `wanted`, with a guess of what the lists after one that was too short would have needed: as many times more as that one
 /// did. Stays as it is where that does not fit.
 pub fn ahead(
-    words: &[u32],
+    needs: &Needs,
     now: Capacities,
     wanted: Capacities,
     settings: &Settings,
@@ -202,12 +229,12 @@ pub fn ahead(
     budget: u64,
 ) -> Capacities {
     let share = |needed: u64, had: usize| (needed as f64 / had.max(1) as f64).max(1.0);
-    let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now);
+    let Needs { pixel_pairs, triangle_pairs, candidates, .. } = *needs;
     let camera = match settings.facets {
         FacetMode::One => 1.0,
         FacetMode::All => {
             let had = [now.pixel_triangles, now.complex_pixels, now.facets];
-            camera_needs(words).into_iter().zip(had).map(|(needed, had)| share(needed, had)).fold(1.0, f64::max)
+            needs.camera.into_iter().zip(had).map(|(needed, had)| share(needed, had)).fold(1.0, f64::max)
         }
     };
     // Where pairs were left out, more than their share of candidates was.
@@ -224,12 +251,8 @@ pub fn ahead(
     if camera * pairs > 1.0 {
         more.candidates = more.candidates.max(2 * more.pixel_pairs);
     }
-    let [p, t, c] = [more.pixel_pairs, more.triangle_pairs, more.candidates].map(|n| n as u64);
-    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    let fits = pair_bytes(settings, (p, t, c)) <= budget
-        && [(p, 8, 0), (t, triangle_pair_bytes(settings), 0), (c, 8, 4 * TALLY_WORDS as u64)]
-            .iter()
-            .all(|&(list, bytes, head)| list <= binding.saturating_sub(head) / bytes);
+    let lists = of_lists(more);
+    let fits = pair_bytes(settings, lists) <= budget && bound(settings, largest_binding(limits), lists);
     if fits && wanted.bands == now.bands { more } else { wanted }
 }
 
@@ -251,7 +274,7 @@ pub fn larger(a: Capacities, b: Capacities) -> Capacities {
 
 /// What a frame with the capacities `now` counted.
 pub fn counts(words: &[u32], now: Capacities) -> Counts {
-    let sum = |offset: usize| bands(now).map(|first| u64::from(words[first + offset])).sum::<u64>();
+    let sum = |offset: usize| needs::bands(now).map(|first| u64::from(words[first + offset])).sum::<u64>();
     let state = |s: State| u64::from(words[status::STATES + s as usize]);
     Counts {
         silhouette_edges: u64::from(words[status::EDGES]),
@@ -272,8 +295,8 @@ pub fn counts(words: &[u32], now: Capacities) -> Counts {
 }
 
 /// How the lists of a frame with the capacities `now` fared, after `runs` runs.
-pub fn lists(words: &[u32], now: Capacities, facets: FacetMode, runs: u32) -> Vec<ListUse> {
-    let [pixel_pairs, triangle_pairs, candidates, _] = needs(words, now);
+pub fn lists(needs: &Needs, now: Capacities, facets: FacetMode, runs: u32) -> Vec<ListUse> {
+    let Needs { pixel_pairs, triangle_pairs, candidates, .. } = *needs;
     let list = |name, needed, capacity: usize| ListUse { name, needed, capacity: capacity as u64, runs };
     let mut lists = vec![
         list("pixel_texel_pairs", pixel_pairs, now.pixel_pairs),
@@ -281,18 +304,12 @@ pub fn lists(words: &[u32], now: Capacities, facets: FacetMode, runs: u32) -> Ve
         list("candidate_pairs", candidates, now.candidates),
     ];
     if facets == FacetMode::All {
-        let [triangles, complex, facets] = camera_needs(words);
+        let [triangles, complex, facets] = needs.camera;
         lists.push(list("pixel_triangles", triangles, now.pixel_triangles));
         lists.push(list("complex_pixels", complex, now.complex_pixels));
         lists.push(list("facets", facets, now.facets));
     }
     lists
-}
-
-/// Elements that the lists of the camera's side needed: triangles of pixels, complex pixels, facets.
-fn camera_needs(words: &[u32]) -> [u64; 3] {
-    [status::PIXEL_TRIANGLES, status::COMPLEX_PIXELS, status::FACETS]
-        .map(|at| if words[at + 1] != 0 { u64::from(u32::MAX) } else { u64::from(words[at]) })
 }
 
 /// A guess of the lists of a strip with this share of the rows of that of which `wanted` tells. Facets are as many as pixels, if each
@@ -309,26 +326,6 @@ pub fn of_rows(wanted: Capacities, share: f64, facets: FacetMode) -> Capacities 
         complex_pixels: of_camera(wanted.complex_pixels),
         ..wanted
     }
-}
-
-/// First words of all bands of all views.
-fn bands(now: Capacities) -> impl Iterator<Item = usize> {
-    (0..now.views).flat_map(move |view| (0..now.bands).map(move |band| status::band(view, band, now.bands)))
-}
-
-/// Pixel-texel pairs, triangle-texel pairs and candidates that the largest band needed, and the longest list of a place.
-fn needs(words: &[u32], now: Capacities) -> [u64; 4] {
-    let mut most = [0; 4];
-    for first in bands(now) {
-        let band = &words[first..first + status::BAND_WORDS];
-        // A set flag: more than 2^32 pairs. No list can hold them, but those of a part of the facets may fit.
-        let of = |count: u32, flag: u32| if flag != 0 { u64::from(u32::MAX) } else { u64::from(count) };
-        let needed = [of(band[0], band[1]), of(band[2], band[3]), u64::from(band[4]), u64::from(band[6])];
-        for (most, needed) in most.iter_mut().zip(needed) {
-            *most = needed.max(*most);
-        }
-    }
-    most
 }
 
 #[cfg(test)]
@@ -373,7 +370,8 @@ mod tests {
             let now = first(&settings, Budget::default());
             let mut words = vec![0; status::words(now)];
             words[word] = count;
-            wanted(&words, now, &settings, &limits, 1 << 30).map(|more| more.map(|c| [c.rounds, c.camera_rounds]))
+            wanted(&Needs::of(&words, now), now, &settings, &limits, 1 << 30)
+                .map(|more| more.map(|c| [c.rounds, c.camera_rounds]))
         };
         let longest = status::band(0, 0, 1) + 6;
         let most = MAX_ROUNDS * ROUND_LENGTH;

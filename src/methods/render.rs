@@ -2,7 +2,7 @@
 //! grows them and runs again until nothing is left out.
 
 use super::facet_masks::{Capacities, FacetMasks, LightMaps, Pipelines, Seen, Settings};
-use super::growth;
+use super::growth::{self, Needs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::settings::LastView;
 use super::strips::{Rows, Strips};
@@ -216,7 +216,8 @@ impl<'a> Renderer<'a> {
             let (dispatches, wall_ms) = self.run_once(maps)?;
             let words = self.method.status().read(self.gpu)?;
             let (now, limits) = (self.method.capacities(), device.limits());
-            let Some(wanted) = growth::wanted(&words, now, &self.settings, &limits, self.budget.bytes)? else {
+            let needs = Needs::of(&words, now);
+            let Some(wanted) = growth::wanted(&needs, now, &self.settings, &limits, self.budget.bytes)? else {
                 return self.read(&words, runs, dispatches, wall_ms).map(Some);
             };
             log::info!("lists overflowed: running again with {wanted:?}");
@@ -259,7 +260,7 @@ impl<'a> Renderer<'a> {
             words: self.settings.samples.words(),
             triangles: self.method.id_keys().read(self.gpu)?.into_iter().map(|key| !key).collect(),
             counts: growth::counts(words, now),
-            lists: growth::lists(words, now, self.settings.facets, runs),
+            lists: growth::lists(&Needs::of(words, now), now, self.settings.facets, runs),
             stages: self.timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(self.gpu))?,
             wall_ms,
             dispatches,

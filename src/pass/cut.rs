@@ -94,7 +94,7 @@ impl Maker {
         let pixels = of_strip.pixels();
         let first = growth::first_for(&of_strip, self.budget, casters.buffers.triangles.len());
         let first = start.map_or(first, |start| growth::larger(first, start));
-        let first = growth::within(&device.limits(), settings, first);
+        let first = growth::within(&device.limits(), &of_strip, self.budget, first);
         let method = FacetMasks::new(device, queue, self.pipelines.clone(), &casters.buffers, &of_strip, first)?;
         let room = |_| surfaces(device, queue, &casters.prepared.mesh, &casters.prepared.bodies, pixels);
         Ok(Made {

@@ -16,7 +16,7 @@
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
 //!   fitted to all casters, as each may shadow something.
 //! - **Lights.** A light among the casters has a cube of up to six views, which are recorded one after the other; of casters that
-//!   move it has six. A frame with another number of views than the one before has lists made anew. A map whose texels are more than one
+//!   move it has six. All frames share the lists, whatever their number of views. A map whose texels are more than one
 //!   binding holds is cut into parts, which are views of their own.
 //! - **Large images.** Where a binding does not hold the facets of all pixels, the image is rendered in strips of rows, one after the
 //!   other, with the same bits ([`PassConfig::strips`] asks for more of them, which takes less memory). Results are those of the whole
@@ -45,10 +45,11 @@ pub use status::{Faults, FrameStatus};
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
+use crate::methods::Settings;
 use crate::methods::facet_masks::{Capacities, LightMaps, Pipelines};
+use crate::methods::growth::{self, Needs};
 use crate::methods::render::{Budget, Counts};
 pub use crate::methods::strips::Strips;
-use crate::methods::{Settings, growth};
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
@@ -105,6 +106,8 @@ pub struct ShadowPass {
     timer: Option<Timer>,
     in_flight: InFlight,
     known: VecDeque<FrameStatus>,
+    /// Of all frames with the lists in use: frames that take turns settle on lists that hold each of them.
+    needs: Needs,
     wanted: Option<Capacities>,
     views: Views,
     frame: u64,
@@ -170,6 +173,7 @@ impl ShadowPass {
                 timer: if config.timing { Timer::on(device, queue) } else { None },
                 in_flight: InFlight::default(),
                 known: VecDeque::new(),
+                needs: Needs::default(),
                 wanted: None,
                 views: Views::default(),
                 frame: 0,
@@ -222,14 +226,15 @@ impl ShadowPass {
         self.casters.take(made.surfaces);
         self.seen.take(made.keys);
         self.image = made.image;
-        self.wanted = None;
+        (self.needs, self.wanted) = (Needs::default(), None);
         self.generation += 1;
     }
 
     /// Appends one frame to `encoder` and returns its number: 1 for the first. Frames run in the order of their submission;
     /// several may be recorded into one encoder, and each has its own camera, light and target.
     ///
-    /// Apart from the growth of lists that overflowed, one small staging buffer is made for the frame, and bind groups.
+    /// Apart from the growth of lists that overflowed, one small staging buffer is made for the frame, and bind groups; counters are made anew where the light has another number of views than
+    /// in the frame before.
     ///
     /// # Errors
     /// [`Error::Scene`] for a camera or light that cannot be used; [`Error::Config`] for textures
@@ -244,6 +249,8 @@ impl ShadowPass {
         let views = self.maker.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
         if self.grows {
             self.grow()?;
+        } else {
+            self.collect();
         }
         self.make_room_for(views.len() as u32)?;
         let mut frames = Vec::new();
@@ -324,18 +331,10 @@ impl ShadowPass {
         buffer
     }
 
-    /// Makes the lists anew if the frame has another number of views than the one before.
+    /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all of them.
     fn make_room_for(&mut self, views: u32) -> Result<()> {
-        let now = self.image.method.capacities();
-        if now.views == views {
-            return Ok(());
-        }
-        let (device, queue, method) = (&self.maker.device, &self.maker.queue, &mut self.image.method);
-        let resized = method.resize(device, queue, Capacities { views, ..now });
-        if resized.is_err() {
-            method.resize(device, queue, now)?;
-        }
-        resized
+        let method = &mut self.image.method;
+        method.resize(&self.maker.device, &self.maker.queue, Capacities { views, ..method.capacities() })
     }
 
     /// How the oldest frame came out that the GPU is done with and that was not asked for yet; `None` if there is none. Does
@@ -360,10 +359,15 @@ impl ShadowPass {
         self.collect();
         let Some(wanted) = self.wanted.take() else { return Ok(false) };
         let (device, queue, method) = (&self.maker.device, &self.maker.queue, &mut self.image.method);
-        let now = method.capacities();
-        let Err(error) = method.resize(device, queue, wanted) else { return Ok(true) };
-        // What grew before there was no more memory shrinks again.
-        method.resize(device, queue, now)?;
+        let bands = method.capacities().bands;
+        let wanted = Capacities { views: method.capacities().views, ..wanted };
+        let Err(error) = method.resize(device, queue, wanted) else {
+            if wanted.bands != bands {
+                // What bands of other facets needed says nothing of these.
+                self.needs = Needs::default();
+            }
+            return Ok(true);
+        };
         // Strips of fewer rows have shorter lists.
         let (Error::Memory { .. }, Some(more)) = (&error, self.image.strips.more()) else { return Err(error) };
         let made = self.maker.make(&self.settings, &self.casters, more, Some((&self.image, wanted)))?;
@@ -404,23 +408,26 @@ impl ShadowPass {
         };
         let (facets, limits, budget) = (self.settings.facets, self.maker.device.limits(), self.maker.budget.bytes);
         // What the lists must hold is what the largest strip needs of each.
-        let mut most = vec![0; words.len() / strips.max(1) as usize];
-        for strip in words.chunks_exact(most.len()) {
+        let mut needs = Needs::default();
+        for strip in words.chunks_exact(words.len() / strips.max(1) as usize) {
             status.counts = status.counts.with_rows(growth::counts(strip, capacities));
-            most.iter_mut().zip(strip).for_each(|(most, word)| *most = (*most).max(*word));
+            needs = needs.or(Needs::of(strip, capacities));
         }
-        status.lists = growth::lists(&most, capacities, facets, 1);
-        match growth::wanted(&most, capacities, &self.settings, &limits, budget) {
-            Ok(None) => {}
-            Ok(Some(wanted)) => {
-                status.overflowed = true;
-                // A frame with other lists than those in use says nothing of these.
-                if generation == self.generation && capacities == self.image.method.capacities() {
-                    let ahead = growth::ahead(&most, capacities, wanted, &self.settings, &limits, budget);
-                    self.wanted = Some(self.wanted.map_or(ahead, |other| growth::larger(other, ahead)));
-                }
-            }
+        status.lists = growth::lists(&needs, capacities, facets, 1);
+        let wanted = |needs: &Needs| growth::wanted(needs, capacities, &self.settings, &limits, budget);
+        match wanted(&needs) {
+            Ok(wanted) => status.overflowed = wanted.is_some(),
             Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
+        }
+        // A frame with other lists than those in use says nothing of these, and one for which there are none is not waited for.
+        let in_use = self.image.method.capacities();
+        let same = generation == self.generation && in_use == (Capacities { views: in_use.views, ..capacities });
+        if same && status.error.is_none() {
+            needs = needs.or(self.needs);
+            if let Ok(Some(wanted)) = wanted(&needs) {
+                self.wanted = Some(growth::ahead(&needs, capacities, wanted, &self.settings, &limits, budget));
+            }
+            self.needs = needs;
         }
         status.complete = !status.overflowed && status.faults == Faults::default();
         status

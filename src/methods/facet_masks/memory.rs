@@ -132,11 +132,11 @@ impl Memory {
         summed_area: &SummedArea,
         capacities: Capacities,
     ) -> Result<Self> {
-        let [w, h] = settings.size.map(|s| s as usize);
-        let (pixels, map, words) = (w * h, settings.map as usize, settings.samples.words() as usize);
-        let facets = capacities.facets;
+        let (pixels, map, words) = (settings.pixels(), settings.map as usize, settings.samples.words() as usize);
         let edges = casters.edges.len();
-        let counts = [edges, facets, map * map];
+        let PairMemory { lists, unsorted } = PairMemory::new(device, settings, capacities)?;
+        let FacetMemory { facets, offsets, scan_scratch } =
+            FacetMemory::new(device, settings, edges.max(map * map), capacities.facets)?;
         let words_of = |label: &str, len: usize| Buffer::storage(device, label, len);
         let samples = Buffer::uniform(device, "samples", 64)?;
         samples.write(queue, &sample_words(&settings.samples));
@@ -152,20 +152,13 @@ impl Memory {
             edge_offsets: words_of("silhouette_mask.edge_offsets", WorkOwners::words(edges, map * map))?,
             sat: words_of("summed_area.sat", map * map)?,
             sat_scratch: summed_area.scratch(device, map, map)?,
-            facets: Facets::new(device, facets, pixels, words)?,
-            facet_offsets: words_of("facets.offsets", WorkOwners::words(facets, map * map))?,
-            lists: PairLists::new(
-                device,
-                map,
-                settings.pairs.places(),
-                capacities.pixel_pairs,
-                capacities.triangle_pairs,
-                capacities.candidates,
-            )?,
-            unsorted: unsorted(device, settings, capacities)?,
-            scan_scratch: PrefixScan::scratch(device, counts.into_iter().max().unwrap_or(0))?,
+            facets,
+            facet_offsets: offsets,
+            lists,
+            unsorted,
+            scan_scratch,
             args: Buffer::indirect(device, "dispatch_args.args", 3 * 8)?,
-            requests: requests(device, queue, [edges, pixels, facets, casters.triangles.len()], capacities)?,
+            requests: requests(device, queue, [edges, pixels, capacities.facets, casters.triangles.len()], capacities)?,
             status: words_of("status", status::words(capacities))?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,
@@ -177,17 +170,45 @@ pub fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>
     (0..c.views * c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
 }
 
-/// Memory for pairs as they come, of facets and of triangles, if `settings` want them sorted.
-pub fn unsorted(
-    device: &wgpu::Device,
-    settings: &Settings,
-    c: Capacities,
-) -> Result<Option<[sorted_pairs::Scratch; 2]>> {
-    if settings.pairs != PairVariant::Sorted {
-        return Ok(None);
+/// What depends on the lengths of the lists of pairs and candidates.
+pub struct PairMemory {
+    pub lists: PairLists,
+    pub unsorted: Option<[sorted_pairs::Scratch; 2]>,
+}
+
+impl PairMemory {
+    pub fn new(device: &wgpu::Device, settings: &Settings, c: Capacities) -> Result<Self> {
+        let (map, places) = (settings.map as usize, settings.pairs.places());
+        let scratch = |pairs, both| SortedPairs::scratch(device, pairs, both);
+        let sorted = settings.pairs == PairVariant::Sorted;
+        Ok(Self {
+            lists: PairLists::new(device, map, places, c.pixel_pairs, c.triangle_pairs, c.candidates)?,
+            unsorted: if sorted {
+                Some([scratch(c.pixel_pairs, true)?, scratch(c.triangle_pairs, false)?])
+            } else {
+                None
+            },
+        })
     }
-    let of_pixels = SortedPairs::scratch(device, c.pixel_pairs, true)?;
-    Ok(Some([of_pixels, SortedPairs::scratch(device, c.triangle_pairs, false)?]))
+}
+
+/// What depends on the number of facets.
+pub struct FacetMemory {
+    pub facets: Facets,
+    pub offsets: Buffer<u32>,
+    pub scan_scratch: prefix_scan::Scratch,
+}
+
+impl FacetMemory {
+    /// `scans`: the longest list that is scanned besides that of facets.
+    pub fn new(device: &wgpu::Device, settings: &Settings, scans: usize, facets: usize) -> Result<Self> {
+        let (pixels, words, map) = (settings.pixels(), settings.samples.words() as usize, settings.map as usize);
+        Ok(Self {
+            facets: Facets::new(device, facets, pixels, words)?,
+            offsets: Buffer::storage(device, "facets.offsets", WorkOwners::words(facets, map * map))?,
+            scan_scratch: PrefixScan::scratch(device, scans.max(facets))?,
+        })
+    }
 }
 
 /// Requests of indirect arguments, one list of one for each [`Arg`]. `totals` are the words of the totals of edges, listed facets, blocks of facets and of
