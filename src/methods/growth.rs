@@ -256,6 +256,33 @@ pub fn ahead(
     if fits && wanted.bands == now.bands { more } else { wanted }
 }
 
+/// What the frames with the lists in use needed, all of them: frames that take turns come to lists that hold each, also where the
+/// budget does not hold what each needs most of.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Together {
+    needs: Needs,
+    bands: u32,
+}
+
+impl Together {
+    /// What all frames up to now want, the last of which needed `needs` with the capacities `now`; `None` if they hold all, or if nothing
+    /// can. As [`wanted`], and [`ahead`] of it.
+    pub fn wanted(
+        &mut self,
+        needs: Needs,
+        now: Capacities,
+        settings: &Settings,
+        limits: &wgpu::Limits,
+        budget: u64,
+    ) -> Option<Capacities> {
+        // What bands of other facets needed says nothing of these.
+        let before = if self.bands == now.bands { self.needs } else { Needs::default() };
+        (self.needs, self.bands) = (before.or(needs), now.bands);
+        let wanted = wanted(&self.needs, now, settings, limits, budget).ok()??;
+        Some(ahead(&self.needs, now, wanted, settings, limits, budget))
+    }
+}
+
 /// The larger of two in each list.
 pub fn larger(a: Capacities, b: Capacities) -> Capacities {
     Capacities {
@@ -385,6 +412,37 @@ mod tests {
         assert!(
             matches!(refused(FacetMode::All, of_pixel, most + 1), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
         );
+    }
+
+    /// Two frames that take turns, of which one needs many pairs of facets and the other many of triangles: what holds either alone
+    /// does not hold both, so that lists sized for the last one never come to rest.
+    #[test]
+    fn frames_that_take_turns_come_to_rest() {
+        let (settings, limits, budget) = (of(PairVariant::Tiled), wgpu::Limits::default(), 3 << 20);
+        let needs = |frame: usize, bands: u32| {
+            let of = |pairs: u64| pairs.div_ceil(u64::from(bands));
+            let [pixel_pairs, triangle_pairs] = [[200_000, 1_000], [1_000, 200_000]][frame % 2].map(of);
+            Needs { pixel_pairs, triangle_pairs, candidates: of(1_000), ..Needs::default() }
+        };
+        // Frames until both fit, and the bands of it.
+        let frames = |together: bool| {
+            let mut now = first(&settings, Budget { start: Some(16), bytes: budget });
+            let (mut all, mut fitted) = (Together::default(), 0);
+            for frame in 0..100 {
+                all = if together { all } else { Together::default() };
+                match all.wanted(needs(frame, now.bands), now, &settings, &limits, budget) {
+                    None => fitted += 1,
+                    Some(more) => (now, fitted) = (more, 0),
+                }
+                assert!(bytes(&settings, now) <= budget);
+                if fitted == 2 {
+                    return Some((frame, now.bands));
+                }
+            }
+            None
+        };
+        assert_eq!(frames(false), None);
+        assert!(frames(true).is_some_and(|(frames, bands)| frames < 10 && bands == 2), "{:?}", frames(true));
     }
 
     /// No start is too large to be counted.

@@ -47,7 +47,7 @@ use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
 use crate::methods::Settings;
 use crate::methods::facet_masks::{Capacities, LightMaps, Pipelines};
-use crate::methods::growth::{self, Needs};
+use crate::methods::growth::{self, Needs, Together};
 use crate::methods::render::{Budget, Counts};
 pub use crate::methods::strips::Strips;
 use crate::stages::caster_positions::CasterPositions;
@@ -106,8 +106,7 @@ pub struct ShadowPass {
     timer: Option<Timer>,
     in_flight: InFlight,
     known: VecDeque<FrameStatus>,
-    /// Of all frames with the lists in use: frames that take turns settle on lists that hold each of them.
-    needs: Needs,
+    together: Together,
     wanted: Option<Capacities>,
     views: Views,
     frame: u64,
@@ -173,7 +172,7 @@ impl ShadowPass {
                 timer: if config.timing { Timer::on(device, queue) } else { None },
                 in_flight: InFlight::default(),
                 known: VecDeque::new(),
-                needs: Needs::default(),
+                together: Together::default(),
                 wanted: None,
                 views: Views::default(),
                 frame: 0,
@@ -226,7 +225,7 @@ impl ShadowPass {
         self.casters.take(made.surfaces);
         self.seen.take(made.keys);
         self.image = made.image;
-        (self.needs, self.wanted) = (Needs::default(), None);
+        (self.together, self.wanted) = (Together::default(), None);
         self.generation += 1;
     }
 
@@ -359,15 +358,8 @@ impl ShadowPass {
         self.collect();
         let Some(wanted) = self.wanted.take() else { return Ok(false) };
         let (device, queue, method) = (&self.maker.device, &self.maker.queue, &mut self.image.method);
-        let bands = method.capacities().bands;
         let wanted = Capacities { views: method.capacities().views, ..wanted };
-        let Err(error) = method.resize(device, queue, wanted) else {
-            if wanted.bands != bands {
-                // What bands of other facets needed says nothing of these.
-                self.needs = Needs::default();
-            }
-            return Ok(true);
-        };
+        let Err(error) = method.resize(device, queue, wanted) else { return Ok(true) };
         // Strips of fewer rows have shorter lists.
         let (Error::Memory { .. }, Some(more)) = (&error, self.image.strips.more()) else { return Err(error) };
         let made = self.maker.make(&self.settings, &self.casters, more, Some((&self.image, wanted)))?;
@@ -414,8 +406,7 @@ impl ShadowPass {
             needs = needs.or(Needs::of(strip, capacities));
         }
         status.lists = growth::lists(&needs, capacities, facets, 1);
-        let wanted = |needs: &Needs| growth::wanted(needs, capacities, &self.settings, &limits, budget);
-        match wanted(&needs) {
+        match growth::wanted(&needs, capacities, &self.settings, &limits, budget) {
             Ok(wanted) => status.overflowed = wanted.is_some(),
             Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
         }
@@ -423,11 +414,7 @@ impl ShadowPass {
         let in_use = self.image.method.capacities();
         let same = generation == self.generation && in_use == (Capacities { views: in_use.views, ..capacities });
         if same && status.error.is_none() {
-            needs = needs.or(self.needs);
-            if let Ok(Some(wanted)) = wanted(&needs) {
-                self.wanted = Some(growth::ahead(&needs, capacities, wanted, &self.settings, &limits, budget));
-            }
-            self.needs = needs;
+            self.wanted = self.together.wanted(needs, capacities, &self.settings, &limits, budget).or(self.wanted);
         }
         status.complete = !status.overflowed && status.faults == Faults::default();
         status
