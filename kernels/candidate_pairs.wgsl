@@ -126,6 +126,8 @@ fn walk(pair: vec2<u32>) -> u32 {
         if TILE_SHIFT == 0u { kept = unmet(f, own, batch, kept); }
         if kept == 0u { continue; }
         var at = atomicAdd(&candidates.tally[TALLY_CANDIDATES], countOneBits(kept));
+        // No list is so long. Not to begin anew at 0.
+        if at >= 0x80000000u { atomicStore(&candidates.tally[TALLY_CANDIDATES], 0x80000000u); }
         for (; kept != 0u; kept &= kept - 1u) {
             if at < frame.candidate_capacity { candidates.list[at] = vec2(f, triangle_at(batch + firstTrailingBit(kept))); }
             at += 1u;

@@ -85,7 +85,9 @@ impl Plan {
         wanted.check()?;
         let asked = wanted.facets;
         let no_shadow = || match wanted.facets {
-            FacetMode::One => no_shadow(prepared, camera, light),
+            FacetMode::One => {
+                no_shadow(prepared, camera, light, wanted.keeps_validity() || wanted.samples.count() == 1)
+            }
             FacetMode::All => all_is_lit(prepared, camera, light),
         };
         let (extent, reason) = if force_all {

@@ -73,15 +73,16 @@ impl LightView {
         let view = Self::perspective(points, light, axis, map_size);
         // What casts nothing, such as a ground, is better in front of the light too: what reaches behind it is looked at in
         // every texel.
-        let mut best = (casters.not_in_front(&view), view);
-        if best.0 > 0 {
+        let left = |view: &Self| (!view.complete, casters.not_in_front(view));
+        let mut best = (left(&view), view);
+        if best.0 > (false, 0) {
             for axis in casters.facing_axes(&view, light) {
                 let turned = Self::perspective(points, light, axis, map_size);
-                let left = casters.not_in_front(&turned);
+                let left = left(&turned);
                 if left < best.0 {
                     best = (left, turned);
                 }
-                if best.0 == 0 {
+                if best.0 == (false, 0) {
                     break;
                 }
             }
@@ -292,6 +293,38 @@ mod tests {
             let frame = crate::frame::Frame::new(&scene.camera, &scene.light, &view, bounds, [8, 6], &samples);
             assert!(frame.map_margin < 0.1 && frame.depth_margin < 1e-3, "{name}: {}", frame.map_margin);
         }
+    }
+
+    /// A lamp over a floor that reaches farther to one side than to the other, and a column that rises above it: what the view holds
+    /// comes before what lies in front of the light.
+    #[test]
+    fn a_view_that_holds_all_comes_first() {
+        let mut incomplete = 0;
+        for (wide, tall) in [(5.0, 3.0), (5.0, 1.5), (5.0, 12.0), (1.0, 3.0), (30.0, 3.0), (30.0, 40.0)] {
+            let mut mesh = Mesh::default();
+            let mut quad = |corners: [[f32; 3]; 4]| {
+                let first = mesh.positions.len() as u32;
+                mesh.positions.extend(corners);
+                mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| first + k)));
+            };
+            for k in 0..32 {
+                let x = -60.0 + 2.5 * k as f32;
+                quad([[x, 0.0, -wide], [x, 0.0, wide], [x + 2.5, 0.0, wide], [x + 2.5, 0.0, -wide]]);
+            }
+            for [a, b] in [
+                [[10.0, -0.5], [10.0, 0.5]],
+                [[10.0, 0.5], [11.0, 0.5]],
+                [[11.0, 0.5], [11.0, -0.5]],
+                [[11.0, -0.5], [10.0, -0.5]],
+            ] {
+                quad([[a[0], 0.0, a[1]], [b[0], 0.0, b[1]], [b[0], tall, b[1]], [a[0], tall, a[1]]]);
+            }
+            quad([[10.0, tall, -0.5], [10.0, tall, 0.5], [11.0, tall, 0.5], [11.0, tall, -0.5]]);
+            let light = Light::Point { position: [0.0, 1.0, 0.0] };
+            let view = LightView::fit_for(&mesh, &light, 64, Receivers::Outsides).unwrap();
+            incomplete += usize::from(!view.complete);
+        }
+        assert_eq!(incomplete, 0);
     }
 
     #[test]

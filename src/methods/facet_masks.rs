@@ -12,6 +12,7 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Groups, Recorder};
 use crate::light_view::LightView;
 use crate::mask_table::MaskVariant;
+use crate::scene::options::MAX_EXTENT;
 use crate::scene::{Camera, Light};
 use crate::stages::candidate_pairs::CandidatePairs;
 use crate::stages::facet_classify::{FacetClassify, Facets, Surroundings};
@@ -27,7 +28,7 @@ use crate::stages::work_owners::ListWork;
 use crate::stages::{Count, DispatchArgs, PrefixScan, SortedPairs, SummedArea};
 use crate::{Error, Result};
 pub use asked::{LightMaps, Seen, Strip};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use memory::{Arg, FacetMemory, Memory, PairMemory, frames, requests};
 pub use memory::{Capacities, status};
 use std::sync::Arc;
@@ -199,8 +200,8 @@ impl FacetMasks {
     /// of the image it is.
     ///
     /// # Errors
-    /// [`Error::Scene`] if camera or light cannot be used, [`Error::Config`] for another number of views, or views of maps of
-    /// another size.
+    /// [`Error::Scene`] if camera or light cannot be used, or coordinates are beyond 10^18; [`Error::Config`] for another number of views,
+    /// or views of maps of another size.
     #[expect(clippy::too_many_arguments, reason = "one argument a thing it depends on")]
     pub fn prepare(
         &self,
@@ -232,6 +233,11 @@ impl FacetMasks {
     ) -> Result<Vec<Frame>> {
         camera.check()?;
         light.check()?;
+        let reach = |p: DVec3| p.abs().max_element();
+        let far = reach(bounds.0).max(reach(bounds.1)).max(reach(Vec3::from(camera.eye).as_dvec3()));
+        if far > MAX_EXTENT {
+            return Err(Error::Scene(format!("casters or camera reach to {far}: 32-bit numbers do for {MAX_EXTENT}")));
+        }
         let s = &self.settings;
         let have = self.capacities.views as usize;
         if views.len() != have {

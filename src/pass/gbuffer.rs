@@ -231,11 +231,14 @@ impl DepthTerms {
     /// (left-handed), to clip space as wgpu has it, depth between 0 and 1. The viewport's depth range must be 0 to 1.
     ///
     /// # Errors
-    /// [`Error::Config`] if depth depends on more than view depth.
+    /// [`Error::Config`] if depth depends on more than view depth, or the projection is orthographic: the cameras here are not.
     pub fn of_projection(projection: Mat4) -> Result<Self> {
         let (z, w) = (projection.row(2), projection.row(3));
         if z.x != 0.0 || z.y != 0.0 || w.x != 0.0 || w.y != 0.0 {
             return Err(Error::Config(format!("depth terms: rows {z} and {w} of the projection depend on x or y")));
+        }
+        if w.z == 0.0 {
+            return Err(Error::Config(format!("depth terms: row {w} of the projection is not of a perspective one")));
         }
         // What lies ahead has a positive divisor.
         let ahead = if w.z < 0.0 { -1.0 } else { 1.0 };
@@ -299,5 +302,7 @@ mod tests {
         }
         assert!(DepthTerms::of_projection(Mat4::ZERO).is_err());
         assert!(DepthTerms::of_projection(Mat4::from_rotation_x(0.1)).is_err());
+        let orthographic = Mat4::from_diagonal(glam::Vec4::new(1.2, 1.8, -1.0 / 7.5, 1.0));
+        assert!(DepthTerms::of_projection(orthographic).is_err());
     }
 }

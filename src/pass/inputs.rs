@@ -41,7 +41,7 @@ pub struct Moved<'a> {
     /// As many positions as the pose at rest has, in the same order.
     pub vertices: Vertices<'a>,
     /// Lowest and highest corner of a box that holds all of them, world units. The light view is fitted to it: a box that is
-    /// too wide costs time and changes nothing, one that is too tight makes the frame incomplete, and its status says so.
+    /// too wide (up to some 10^6 times) costs time and changes nothing, one that is too tight makes the frame incomplete, and its status says so.
     pub bounds: [[f32; 3]; 2],
 }
 

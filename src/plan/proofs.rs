@@ -39,15 +39,16 @@ pub fn nothing_seen(prepared: &Prepared, camera: &Camera, [width, height]: [u32;
     Some(format!("the whole mesh lies {name} the view"))
 }
 
-/// Why no surface that is seen and faces the light can be in shadow, if that is certain.
-pub fn no_shadow(prepared: &Prepared, camera: &Camera, light: &Light) -> Option<String> {
+/// Why no surface that is seen and faces the light can be in shadow, if that is certain. `only_seen`: no sample is looked at off the
+/// triangle that its pixel shows, where its plane may be behind others.
+pub fn no_shadow(prepared: &Prepared, camera: &Camera, light: &Light, only_seen: bool) -> Option<String> {
     if in_one_plane(prepared) {
         return Some("all triangles lie in one plane: none shadows another".to_owned());
     }
     if nothing_faces_both(prepared, camera, light) {
         return Some("no triangle shows the camera the side it shows the light: all that is seen is dark".to_owned());
     }
-    light_inside_one_closed_body(prepared, light)
+    (only_seen && light_inside_one_closed_body(prepared, light))
         .then(|| "closed mesh around the light, no silhouette edge: each ray of light meets it once".to_owned())
 }
 

@@ -37,7 +37,7 @@ pub struct CameraOverride {
 pub const DEFAULT_LIGHT: Light = Light::Directional { direction: [0.5, 1.0, 0.3] };
 
 /// Largest coordinate of a mesh: beyond it, squares and the ground under the mesh leave the range of `f32`.
-const MAX_EXTENT: f64 = 1e18;
+pub(crate) const MAX_EXTENT: f64 = 1e18;
 
 impl CameraOverride {
     /// `base`, or a camera that frames `mesh`, with the given parts set and with a depth range that cuts nothing off:

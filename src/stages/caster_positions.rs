@@ -70,7 +70,8 @@ impl<'a> Vertices<'a> {
             )));
         }
         let size = buffer.size();
-        let end = (count as u64).saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(offset + 12));
+        let end =
+            (count as u64).saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(offset)?.checked_add(12));
         if count > 0 && end.is_none_or(|end| end > size) {
             return Err(Error::Config(format!(
                 "vertex buffer: {size} bytes do not hold {count} positions of stride {stride} from offset {offset}"

@@ -55,15 +55,15 @@ fn cull_in(
     capacity: u32,
     len: usize,
 ) -> Got {
-    cull_lists(world, stage, listed, times, capacity, len, |_| {})
+    cull_lists(world, stage, listed, (times, 0), capacity, len, |_| {})
 }
 
-/// As [`cull_in`], with the words of the triangle-texel pairs as `change` leaves them.
+/// As [`cull_in`], with the words of the triangle-texel pairs as `change` leaves them, and as if so many pairs had been listed `before`.
 fn cull_lists(
     world: &World,
     stage: &CandidatePairs,
     listed: &[(u32, Option<u32>)],
-    times: usize,
+    (times, before): (usize, u32),
     capacity: u32,
     len: usize,
     change: impl Fn(&mut [u32]),
@@ -85,7 +85,7 @@ fn cull_lists(
     lists.triangle_pairs.write(&gpu.queue, &words);
     lists.triangle_offsets.write(&gpu.queue, &offsets);
     let mut content = vec![0; TALLY_WORDS];
-    content[0] = pairs.len() as u32;
+    (content[0], content[1]) = (pairs.len() as u32, before);
     content.extend(vec![POISON; 2 * len]);
     lists.candidates.write(&gpu.queue, &content);
     let mut frame = world.frame;
@@ -387,6 +387,11 @@ fn overflow_by_one() {
         assert!(inside.iter().all(|p| *p != [POISON; 2]), "capacity {capacity}: a candidate is not written");
         assert!(beyond.iter().all(|p| *p == [POISON; 2]), "capacity {capacity}: written past the end");
     }
+    // More than can be counted is many, not few.
+    for before in [u32::MAX - 2, (1 << 31) - 3] {
+        let got = cull_lists(&world, stage, &any, (1, before), 5, 5, |_| {});
+        assert!(got.tally[1] >= 1 << 31, "{before} and {needed}: {}", got.tally[1]);
+    }
     for capacity in [0, 1, 5] {
         let got = cull(&world, &stages()[1], &any, capacity, needed as usize);
         let (inside, beyond) = got.list.split_at(capacity as usize);
@@ -450,7 +455,7 @@ fn detects_corruption() {
         }
         // Without cells, and behind all, triangles are not looked at.
         let [cells, depths] = [|w: &mut u32| *w &= !0xffff, |w: &mut u32| *w |= 0xffff << 16].map(|change| {
-            let got = cull_lists(&world, &stages()[1], &listed, 1, 1 << 16, 1 << 16, |words| {
+            let got = cull_lists(&world, &stages()[1], &listed, (1, 0), 1 << 16, 1 << 16, |words| {
                 words.iter_mut().step_by(2).for_each(change);
             });
             assert!(got.kept.is_empty(), "{} pairs kept", got.kept.len());
