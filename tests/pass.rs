@@ -299,6 +299,26 @@ fn a_frame_after_a_fuller_one_counts_as_the_first() {
     }
 }
 
+/// An application that never asks how its frames came out does not gather them.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn frames_nobody_asks_about_are_let_go() {
+    let scene = scene("plane");
+    for grow in [false, true] {
+        let config = PassConfig { grow, ..PassConfig::new(settings(FacetMode::One), casters(&scene.mesh)) };
+        let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+        for k in 1..=ShadowPass::KEPT as u64 + 8 {
+            let mut encoder = gpu().encoder();
+            let number = pass.record(&mut encoder, &Inputs::new(&scene.camera, &scene.light), &Target::default());
+            assert_eq!(number.expect("recorded"), k);
+            gpu().submit_and_wait(encoder).expect("the frame runs");
+            // The poll of another test may be late to tell.
+            assert!(pass.frames_in_flight() <= 8, "{grow}: {} after {k} frames", pass.frames_in_flight());
+        }
+        assert_eq!(status_of(&mut pass).frame, 9, "the oldest that is kept");
+    }
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn lists_grow_from_one_element() {
@@ -710,9 +730,17 @@ fn bad_input_is_refused() {
     let vast = Settings { size: [16384, 16384], samples, ..good.clone() };
     assert!(refuse(&PassConfig::new(vast, casters(&scene.mesh))).expect("an error").contains("memory"));
 
+    let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..wgpu::Limits::default() };
+    let small = Gpu::open_with_limits(None, Some(limits)).expect("a GPU");
+    let config = PassConfig::new(good.clone(), casters(&scene.mesh));
+    let error = ShadowPass::new(&small.device, &small.queue, &config).err().expect("an error").to_string();
+    assert!(error.contains("4 storage buffers a stage"), "{error}");
+
+    let inputs = Inputs::new(&scene.camera, &scene.light);
+    let want = complete(&mut self::pass(good.clone(), casters(&scene.mesh)), &inputs).0;
     let mut pass = pass(good, casters(&scene.mesh));
     assert!(pass.set_size([5, 20_000]).is_err() && pass.set_casters(&broken).is_err());
-    let inputs = Inputs::new(&scene.camera, &scene.light);
+    assert_same("after what was refused", &complete(&mut pass, &inputs).0, &want);
     let mut encoder = gpu().encoder();
     let mut with = |inputs: &Inputs, target: &Target| pass.record(&mut encoder, inputs, target);
     let none = Target::default();
@@ -757,6 +785,14 @@ fn bad_input_is_refused() {
     let [short, other] = [buffer(16, BufferUsages::STORAGE), buffer(1 << 16, BufferUsages::VERTEX)];
     refused("do not hold", with(&at(&short, [[0.0; 3], [1.0; 3]])));
     refused("lacks STORAGE", with(&at(&other, [[0.0; 3], [1.0; 3]])));
+    let beyond = Vertices { offset: u64::MAX - 3, ..Vertices::packed(&vertices) };
+    refused(
+        "do not hold",
+        with(&Inputs { moved: Some(Moved { vertices: beyond, bounds: [[0.0; 3], [1.0; 3]] }), ..inputs }),
+    );
+    refused("32-bit numbers", with(&at(&vertices, [[-1e30; 3], [1.0; 3]])));
+    let far = Camera { eye: [1e20, 0.0, 0.0], ..scene.camera };
+    refused("", with(&Inputs { camera: &far, ..at(&vertices, [[0.0; 3], [1.0; 3]]) }));
     let mut every = self::pass(settings(FacetMode::All), casters(&scene.mesh));
     let texture = texture(SIZE, TextureFormat::R32Uint, TextureUsages::TEXTURE_BINDING);
     let gbuffer = GBuffer::TriangleIds(TriangleTexture::new(&texture));

@@ -636,7 +636,8 @@ mod with_a_gpu {
         let flat = file("flat.obj", &[a, b, c, [2.0, 0.0, 0.0], [3.0, 0.0, 0.5], [2.0, 0.0, 1.0]]);
         let sheets = file("sheets.obj", &[a, c, b, [0.0, 0.5, 0.0], [0.0, 0.5, 1.0], [1.0, 0.5, 0.0]]);
         let body = file("body.obj", &[a, b, c, a, d, b, b, d, c, c, d, a]);
-        const INSIDE: &[&str] = &["--light", "point=0.3,0.2,0.3", "--camera", "eye=0.2,0.15,0.25;target=0.4,0.2,0.4;fov=120"];
+        const INSIDE: &[&str] =
+            &["--light", "point=0.3,0.2,0.3", "--camera", "eye=0.2,0.15,0.25;target=0.4,0.2,0.4;fov=120"];
         let cases: &[(&[&str], &str)] = &[
             (&["spheres"], ""),
             (&["spheres", "--validity", "off"], "closed mesh, light outside"),
