@@ -2,8 +2,8 @@
 
 use crate::support::masks::mask_of;
 use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, soup, unit, vector};
-use crate::support::{Random, assert_same, difference, gpu, poisoned, run, sizes_around, upload};
-use subpixel_shadows::glam::DVec2;
+use crate::support::{Random, assert_same, gpu, poisoned, run, sizes_around, upload};
+use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{Prepared, Settings};
@@ -97,6 +97,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
             if tilt > 6e-8 * (f64::from(more.tilt) + 4.0) * 6.0 {
                 fault(format!("plane is off by {tilt}"));
             }
+            misplaced(world, &exact[k], more).into_iter().for_each(&mut fault);
         }
         if matches!(state, State::Undecided | State::Lit) && (mask(0) ^ same[k].coverage) & !same[k].open_coverage != 0
         {
@@ -107,6 +108,57 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
     let grazing = world.samples.count() == 16;
     if open * 20 > listed.len() + 40 && !grazing {
         out.push(format!("{open} of {} facets are open to rounding", listed.len()));
+    }
+    out
+}
+
+/// What is wrong with the places and depths that evaluation is told of a facet.
+fn misplaced(world: &World, exact: &reference::Facet, told: &Undecided) -> Vec<String> {
+    let mut out = Vec::new();
+    let m = world.margin();
+    let (plane, at) = (exact.plane, DVec3::from(told.at.map(f64::from)));
+    let ray = pixel_ray(&world.view, told.pixel, DVec2::from(told.origin.map(f64::from)));
+    let n = plane.truncate();
+    // Half a unit of the last place of what it is found from, in each component.
+    let off = (n.dot(at) - plane.w).abs() / n.length();
+    let slant = at.length() * n.length() / n.dot(at).abs();
+    if off > 1e-6 * at.length().max(1e-3) || at.cross(ray).length() > 1e-6 * slant * at.length() * ray.length() {
+        out.push(format!("at {at} is {off} off its plane, on {ray}"));
+    }
+    let reach = 4.0 * at.dot(world.view.rays.forward);
+    if f64::from(told.limit) < reach * (1.0 - 1e-4) {
+        out.push(format!("the plane is followed to {}, not to {reach}", told.limit));
+    }
+    let outline = &exact.outline;
+    if !outline.in_front || outline.open {
+        return out;
+    }
+    let corner = |low: bool| outline.corners.iter().copied().reduce(|a, b| if low { a.min(b) } else { a.max(b) });
+    let (Some(least), Some(most)) = (corner(true), corner(false)) else { return out };
+    let [low, high] = [told.box_low, told.box_high].map(|p| DVec2::from(p.map(f64::from)));
+    let wide = DVec2::splat(4.0 * m.texels + 1e-3 + 1e-5 * (most - least).max_element());
+    if !(low.cmple(least).all()
+        && high.cmpge(most).all()
+        && low.cmpge(least - wide).all()
+        && high.cmple(most + wide).all())
+    {
+        out.push(format!("box {low} to {high}, {least} to {most} expected"));
+    }
+    let farthest = f64::from(told.farthest);
+    // Of what casts nothing the margin is added already, for how far it reaches beyond the casters.
+    let beyond = told.triangle >= world.frame.triangle_count;
+    let over = m.depth * if beyond { 8.0 } else { 1.0 };
+    // Casters lie up to depth 1: how much farther away a facet is does not matter.
+    let (told_of, expected) = (farthest.min(1.0), outline.farthest.min(1.0));
+    if told_of < expected - m.depth || told_of > expected + over {
+        out.push(format!("farthest {farthest}, {} expected", outline.farthest));
+    }
+    // What the slopes say of the corners.
+    let [per_x, per_y, at_zero, noise] = told.slope.map(f64::from);
+    let depth = |p: &DVec2| per_x * p.x + per_y * p.y + at_zero;
+    let deepest = outline.corners.iter().map(depth).fold(f64::NEG_INFINITY, f64::max);
+    if (deepest - outline.farthest).abs() > noise + m.depth {
+        out.push(format!("by its slopes {deepest} away, {} expected, {noise} allowed", outline.farthest));
     }
     out
 }
@@ -385,7 +437,21 @@ fn detects_corruption() {
     got = read(gpu(), &facets);
     got.masks[3 * k] ^= 4;
     assert!(check(&got) > 0, "a wrong coverage passes");
-    assert!(difference(&[1], &[2]).is_some());
+    let wrong: [(&str, fn(&mut Undecided)); 8] = [
+        ("a place off the plane", |u| u.at = u.at.map(|x| 1.01 * x)),
+        ("a place off its ray", |u| u.at[0] += 0.01),
+        ("a near limit", |u| u.limit *= 0.5),
+        ("a box too small", |u| u.box_high[1] = 0.5 * (u.box_low[1] + u.box_high[1])),
+        ("a box too wide", |u| u.box_low[0] -= 1.0),
+        ("another depth", |u| u.farthest += 0.01),
+        ("another slope", |u| u.slope[1] += 0.01),
+        ("another pixel", |u| u.pixel += 1),
+    ];
+    for (what, spoil) in wrong {
+        got = read(gpu(), &facets);
+        spoil(&mut got.undecided[k]);
+        assert!(check(&got) > 0, "{what} passes");
+    }
 }
 
 /// Settled facets against rays from points of their own triangle: how many were looked at, and how many are wrong.
