@@ -450,7 +450,7 @@ fn settled_receivers_are_as_evaluated() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn a_ground_that_casts_nothing_receives() {
-    let (mut compared, mut in_shadow) = (0, 0);
+    let (mut compared, mut in_shadow, mut noticed) = (0, 0, 0);
     for (name, lights) in [("bicycle", [1.0, 0.3]), ("spheres", [0.4, 1.5]), ("plant", [1.0, 0.15])] {
         let (all, casters, scene) = grounded(name, 0.01);
         assert!(casters.triangles.len() > 1000 && all.triangles.len() == casters.triangles.len() + 2);
@@ -527,10 +527,12 @@ fn a_ground_that_casts_nothing_receives() {
                     };
                     off.lit[pixel] = !0;
                     assert!(differing(&asked, &off, &want, &truth)[0] > 0);
+                    noticed += 1;
                 }
             }
         }
     }
+    assert!(noticed > 10, "a wrong pixel was noticed {noticed} times");
     assert!(compared == 3 && in_shadow > 5000, "{compared} scenes, {in_shadow} pixels of ground in shadow");
 }
 

@@ -5,8 +5,8 @@ use crate::support::geometry::{Case, MESHES, Ran, Wanted, add, fan, light, mesh,
 use crate::support::{gpu, sizes_around, small_gpu};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::light_layers::any_everywhere;
-use subpixel_shadows::scene::Mesh;
+use subpixel_shadows::reference::triangle_setup::Reach;
+use subpixel_shadows::scene::{Light, Mesh};
 
 /// The constant of the kernel.
 const CENTRE_GUARD: f64 = 1.0 / 512.0;
@@ -140,13 +140,12 @@ fn degenerate() {
     let mut mesh = mesh("closed balls", 2);
     add(
         &mut mesh,
-        &[DVec3::new(-90.0, -3.0, -90.0), DVec3::new(90.0, -3.0, -90.0), DVec3::new(0.0, 4.0, 90.0)],
+        &[DVec3::new(0.25, -3.0, -0.5), DVec3::new(0.25, 8.0, -0.5), DVec3::new(0.25, 2.0, 40.0)],
         &[[0, 1, 2]],
     );
-    let case = Case::new(&mesh, light(1), [1, 1], 64);
-    if any_everywhere(&case.wanted().triangles) {
-        check(gpu(), &case);
-    }
+    let case = Case::new(&mesh, Light::Point { position: [0.25, 1.5, 0.125] }, [1, 1], 64);
+    assert!(case.wanted().triangles.iter().any(|t| matches!(t.map, Reach::Cut(_))));
+    check(gpu(), &case);
 }
 
 /// The stage has no list. At most 65,535 work items fit one dimension of a dispatch of single invocations; here are more.
@@ -185,7 +184,16 @@ fn detects_corruption() {
     };
     assert!(spoilt(&|r| r.nearest_keys[sure] ^= 1 << 15));
     assert!(spoilt(&|r| r.nearest_keys[sure] = 0));
-    assert!(spoilt(&|r| r.second_keys[sure] = !0.99f32.to_bits()) || ran.second_keys[sure] != 0);
+    // Where the second is as near as the nearest, either may be it.
+    let seconds: Vec<usize> = (0..64 * 64).filter(|&t| ran.second_keys[t] != 0 && !ran.marks[0][t]).collect();
+    let few = seconds.iter().step_by(seconds.len() / 8);
+    let [none, nearer] = few.fold([0, 0], |[none, nearer], &t| {
+        [
+            none + u32::from(spoilt(&|r| r.second_keys[t] = 0)),
+            nearer + u32::from(spoilt(&|r| r.second_keys[t] = !0x3d00_0000)),
+        ]
+    });
+    assert!(none >= 4 && nearer >= 4, "{none}, {nearer}");
     assert!(spoilt(&|r| r.marks[0][sure] = true));
     assert!(spoilt(&|r| r.nearest_keys.truncate(9)));
 }
