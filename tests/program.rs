@@ -667,6 +667,42 @@ mod with_a_gpu {
         }
     }
 
+    /// Options that choose how something is computed change no bit, those that choose what change some.
+    #[test]
+    fn options_choose_what_or_how() {
+        let folder = Folder::new("options");
+        let out = folder.path("out");
+        let picture = |args: &[&str]| {
+            render(&out, &[&["spheres"], args].concat());
+            exr(&out, "visibility.exr").2.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>()
+        };
+        // The first values of each are alike, so many; the others are all different.
+        let options: &[(&str, &str, &[&str], usize)] = &[
+            ("facet-masks", "--pairs", &["tiled", "grouped", "sorted"], 3),
+            ("facet-masks", "--masks", &["exact", "table"], 1),
+            ("facet-masks", "--pattern", &["low-discrepancy", "rotated", "grid"], 1),
+            ("ray-traced", "--rays", &["all", "silhouettes"], 2),
+            ("spsm", "--encoding", &["lines", "paper"], 1),
+            ("spsm", "--search", &["along", "wide", "near"], 1),
+        ];
+        for (method, option, values, alike) in options {
+            let default = picture(&["--method", method]);
+            let pictures: Vec<_> = values.iter().map(|value| picture(&["--method", method, option, value])).collect();
+            assert!(
+                pictures[..*alike].iter().all(|p| *p == default),
+                "{option}: how it is computed changes the picture"
+            );
+            for (k, p) in pictures.iter().enumerate().skip(*alike) {
+                assert!(pictures[..k].iter().all(|other| other != p), "{option} {} changes nothing", values[k]);
+            }
+        }
+        let two_step = picture(&["--projection", "two-step", "--facets", "one"]);
+        let pencil = picture(&["--projection", "pencil", "--facets", "one"]);
+        let off = two_step.iter().zip(&pencil).filter(|(a, b)| a != b).count();
+        assert!(off < 10, "the paper's projections are off in {off} pixels");
+        assert!(picture(&["--ground"]) != picture(&[]), "no ground");
+    }
+
     /// One view cannot hold what is all around a light: `facet-masks` takes a cube of them, and of the methods with one no picture
     /// is better than one with shadows missing.
     #[test]
