@@ -232,8 +232,8 @@ impl ShadowPass {
     /// Appends one frame to `encoder` and returns its number: 1 for the first. Frames run in the order of their submission;
     /// several may be recorded into one encoder, and each has its own camera, light and target.
     ///
-    /// Apart from the growth of lists that overflowed, one small staging buffer is made for the frame, and bind groups; counters are made anew where the light has another number of views than
-    /// in the frame before.
+    /// Apart from the growth of lists that overflowed, one small staging buffer is made for the frame, and bind groups; counters are made
+    /// anew where the light has another number of views than in the frame before.
     ///
     /// # Errors
     /// [`Error::Scene`] for a camera or light that cannot be used; [`Error::Config`] for textures
