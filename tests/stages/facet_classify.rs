@@ -437,7 +437,8 @@ fn detects_corruption() {
     got = read(gpu(), &facets);
     got.masks[3 * k] ^= 4;
     assert!(check(&got) > 0, "a wrong coverage passes");
-    let wrong: [(&str, fn(&mut Undecided)); 8] = [
+    type Spoil = fn(&mut Undecided);
+    let wrong: [(&str, Spoil); 8] = [
         ("a place off the plane", |u| u.at = u.at.map(|x| 1.01 * x)),
         ("a place off its ray", |u| u.at[0] += 0.01),
         ("a near limit", |u| u.limit *= 0.5),
