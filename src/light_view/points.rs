@@ -163,6 +163,8 @@ mod tests {
                 DVec3::new(0.45, 0.3, 0.55),
                 DVec3::new(1.4, 0.2, -0.3),
                 DVec3::new(0.1, 0.9, 0.9),
+                DVec3::new(0.52, 3.0, 0.48),
+                DVec3::new(0.5, 1.5, 0.51),
             ] {
                 cases.push((mesh.clone(), low + (high - low) * share));
             }
