@@ -3,115 +3,27 @@
 mod asked;
 mod bands;
 mod memory;
+mod pipelines;
 
 use super::every_surface::EverySurface;
-use super::geometry::GeometryPipelines;
 use super::prepared::CasterBuffers;
 pub use super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Groups, Recorder};
 use crate::light_view::LightView;
-use crate::mask_table::MaskVariant;
 use crate::scene::options::MAX_EXTENT;
 use crate::scene::{Camera, Light};
-use crate::stages::candidate_pairs::CandidatePairs;
-use crate::stages::facet_classify::{FacetClassify, Facets, Surroundings};
-use crate::stages::front_layer::FrontLayer;
-use crate::stages::light_layers::{Layers, LightLayers};
-use crate::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, TALLY_COUNTERS, TALLY_WORDS};
-use crate::stages::resolve::Resolve;
-use crate::stages::silhouette_mask::SilhouetteMask;
-use crate::stages::summed_area::Texels;
-use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
-use crate::stages::visibility_masks::VisibilityMasks;
-use crate::stages::work_owners::ListWork;
-use crate::stages::{Count, DispatchArgs, PrefixScan, SortedPairs, SummedArea};
+use crate::stages::Count;
+use crate::stages::facet_classify::{Facets, Surroundings};
+use crate::stages::light_layers::Layers;
+use crate::stages::pixel_texel_pairs::{PairLists, TALLY_COUNTERS, TALLY_WORDS};
 use crate::{Error, Result};
 pub use asked::{LightMaps, Seen, Strip};
 use glam::{DVec3, Vec3};
 use memory::{Arg, FacetMemory, Memory, PairMemory, frames, requests};
 pub use memory::{Capacities, status};
+pub use pipelines::Pipelines;
 use std::sync::Arc;
-
-/// The pipelines, which may serve any number of meshes, images and settings with as many mask words, facets alike and the same
-/// variants of masks, pairs and projection.
-#[derive(Debug)]
-pub struct Pipelines {
-    words: u32,
-    facets: FacetMode,
-    masks_by: MaskVariant,
-    pairs_by: PairVariant,
-    lines_by: ProjectionVariant,
-    geometry: GeometryPipelines,
-    layers: LightLayers,
-    front: FrontLayer,
-    silhouettes: SilhouetteMask,
-    summed_area: SummedArea,
-    classify: FacetClassify,
-    pixel_pairs: PixelTexelPairs,
-    triangle_pairs: TriangleTexelPairs,
-    candidates: CandidatePairs,
-    masks: VisibilityMasks,
-    resolve: Resolve,
-    sorted: Option<SortedPairs>,
-    scan: PrefixScan,
-    work: ListWork,
-    fold: DispatchArgs,
-}
-
-impl Pipelines {
-    /// Builds the pipelines that `settings` need.
-    pub fn new(device: &wgpu::Device, settings: &Settings) -> Self {
-        Self::build(device, settings, false)
-    }
-
-    /// As [`Pipelines::new`], for frames with surfaces that are no casters, too.
-    pub fn with_receivers(device: &wgpu::Device, settings: &Settings) -> Self {
-        Self::build(device, settings, true)
-    }
-
-    fn build(device: &wgpu::Device, settings: &Settings, receivers: bool) -> Self {
-        let clamp = settings.facets == FacetMode::All;
-        let two_step = settings.projection == ProjectionVariant::TwoStep;
-        let words = settings.samples.words();
-        let scan = PrefixScan::new(device);
-        let (sorted, places) = (settings.pairs == PairVariant::Sorted, settings.pairs.places());
-        Self {
-            words,
-            facets: settings.facets,
-            masks_by: settings.masks,
-            pairs_by: settings.pairs,
-            lines_by: settings.projection,
-            geometry: GeometryPipelines::new(device),
-            layers: LightLayers::new(device),
-            front: FrontLayer::new(device),
-            silhouettes: SilhouetteMask::new(device),
-            summed_area: SummedArea::new(device, Texels::Bits),
-            classify: FacetClassify::specialised(device, words, clamp, receivers),
-            pixel_pairs: PixelTexelPairs::new(device, places),
-            triangle_pairs: TriangleTexelPairs::new(device, places),
-            candidates: CandidatePairs::new(device, words, places, clamp),
-            masks: VisibilityMasks::specialised(
-                device,
-                settings.samples.count(),
-                settings.masks.size(),
-                two_step,
-                !clamp,
-            ),
-            resolve: Resolve::new(device, words),
-            sorted: sorted.then(|| SortedPairs::new(device, &scan)),
-            work: ListWork::new(device, &scan),
-            scan,
-            fold: DispatchArgs::new(device),
-        }
-    }
-
-    /// Whether they serve `settings`.
-    pub fn serve(&self, settings: &Settings) -> bool {
-        let ours = (self.words, self.facets, self.masks_by, self.pairs_by, self.lines_by);
-        ours == (settings.samples.words(), settings.facets, settings.masks, settings.pairs, settings.projection)
-    }
-}
 
 /// The pipelines with the memory of one mesh, image and map size.
 pub struct FacetMasks {

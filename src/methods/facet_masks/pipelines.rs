@@ -1,0 +1,97 @@
+//! The pipelines of `facet-masks`.
+
+use super::super::geometry::GeometryPipelines;
+use super::super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
+use crate::mask_table::MaskVariant;
+use crate::stages::candidate_pairs::CandidatePairs;
+use crate::stages::facet_classify::FacetClassify;
+use crate::stages::front_layer::FrontLayer;
+use crate::stages::light_layers::LightLayers;
+use crate::stages::pixel_texel_pairs::PixelTexelPairs;
+use crate::stages::resolve::Resolve;
+use crate::stages::silhouette_mask::SilhouetteMask;
+use crate::stages::summed_area::Texels;
+use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
+use crate::stages::visibility_masks::VisibilityMasks;
+use crate::stages::work_owners::ListWork;
+use crate::stages::{DispatchArgs, PrefixScan, SortedPairs, SummedArea};
+
+/// The pipelines, which may serve any number of meshes, images and settings with as many mask words, facets alike and the same
+/// variants of masks, pairs and projection.
+#[derive(Debug)]
+pub struct Pipelines {
+    pub(super) words: u32,
+    pub(super) facets: FacetMode,
+    pub(super) masks_by: MaskVariant,
+    pub(super) pairs_by: PairVariant,
+    pub(super) lines_by: ProjectionVariant,
+    pub(super) geometry: GeometryPipelines,
+    pub(super) layers: LightLayers,
+    pub(super) front: FrontLayer,
+    pub(super) silhouettes: SilhouetteMask,
+    pub(super) summed_area: SummedArea,
+    pub(super) classify: FacetClassify,
+    pub(super) pixel_pairs: PixelTexelPairs,
+    pub(super) triangle_pairs: TriangleTexelPairs,
+    pub(super) candidates: CandidatePairs,
+    pub(super) masks: VisibilityMasks,
+    pub(super) resolve: Resolve,
+    pub(super) sorted: Option<SortedPairs>,
+    pub(super) scan: PrefixScan,
+    pub(super) work: ListWork,
+    pub(super) fold: DispatchArgs,
+}
+
+impl Pipelines {
+    /// Builds the pipelines that `settings` need.
+    pub fn new(device: &wgpu::Device, settings: &Settings) -> Self {
+        Self::build(device, settings, false)
+    }
+
+    /// As [`Pipelines::new`], for frames with surfaces that are no casters, too.
+    pub fn with_receivers(device: &wgpu::Device, settings: &Settings) -> Self {
+        Self::build(device, settings, true)
+    }
+
+    fn build(device: &wgpu::Device, settings: &Settings, receivers: bool) -> Self {
+        let clamp = settings.facets == FacetMode::All;
+        let two_step = settings.projection == ProjectionVariant::TwoStep;
+        let words = settings.samples.words();
+        let scan = PrefixScan::new(device);
+        let (sorted, places) = (settings.pairs == PairVariant::Sorted, settings.pairs.places());
+        Self {
+            words,
+            facets: settings.facets,
+            masks_by: settings.masks,
+            pairs_by: settings.pairs,
+            lines_by: settings.projection,
+            geometry: GeometryPipelines::new(device),
+            layers: LightLayers::new(device),
+            front: FrontLayer::new(device),
+            silhouettes: SilhouetteMask::new(device),
+            summed_area: SummedArea::new(device, Texels::Bits),
+            classify: FacetClassify::specialised(device, words, clamp, receivers),
+            pixel_pairs: PixelTexelPairs::new(device, places),
+            triangle_pairs: TriangleTexelPairs::new(device, places),
+            candidates: CandidatePairs::new(device, words, places, clamp),
+            masks: VisibilityMasks::specialised(
+                device,
+                settings.samples.count(),
+                settings.masks.size(),
+                two_step,
+                !clamp,
+            ),
+            resolve: Resolve::new(device, words),
+            sorted: sorted.then(|| SortedPairs::new(device, &scan)),
+            work: ListWork::new(device, &scan),
+            scan,
+            fold: DispatchArgs::new(device),
+        }
+    }
+
+    /// Whether they serve `settings`.
+    pub fn serve(&self, settings: &Settings) -> bool {
+        let ours = (self.words, self.facets, self.masks_by, self.pairs_by, self.lines_by);
+        ours == (settings.samples.words(), settings.facets, settings.masks, settings.pairs, settings.projection)
+    }
+}
