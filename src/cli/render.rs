@@ -15,8 +15,8 @@ use subpixel_shadows::report::frame_json::{AdapterReport, ErrorReport, Sources};
 use subpixel_shadows::report::looks::{CLASS_COLOURS, write_classes, write_map};
 use subpixel_shadows::report::shaded::Shading;
 use subpixel_shadows::report::{
-    ConvergedErrors, FacetErrors, FrameReport, TracedScene, shade, write_difference, write_exr, write_png_grey,
-    write_png_rgb,
+    ConvergedErrors, FacetErrors, FrameReport, SeenErrors, TracedScene, shade, write_difference, write_exr,
+    write_png_grey, write_png_rgb,
 };
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::truth::{Tracer, TruthImage};
@@ -74,7 +74,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// The error against both truths, and scene truth.
+/// The error against the truths, and scene truth.
 fn compare(
     options: &Options,
     rendered: &Rendered,
@@ -93,6 +93,12 @@ fn compare(
         }
         None => None,
     };
+    let task = console.task("seen surfaces");
+    let progress = |done, total| task.at(done, total);
+    let seen = match &rendered.facets {
+        Some(set) => SeenErrors::of(set, &tracer, &scene.camera, settings, Some(&progress))?,
+        None => SeenErrors::of_centres(&rendered.output.triangles, &tracer, &scene.camera, settings, Some(&progress))?,
+    };
     let task = console.task("scene truth");
     let progress = |done, total| task.at(done, total);
     let visibility = &rendered.output.visibility;
@@ -104,7 +110,7 @@ fn compare(
         ConvergedErrors::of(visibility, &tracer, camera, light, settings, Some(&progress))
     };
     let converged = options.converged.then(converged).transpose()?;
-    Ok((ErrorReport { facet, scene: traced.errors(visibility)?, converged }, traced.image))
+    Ok((ErrorReport { facet, seen, scene: traced.errors(visibility)?, converged }, traced.image))
 }
 
 /// Writes all files, or none.
@@ -281,6 +287,20 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
         let (x, y) = (pixel % width, pixel / width);
         report
             .text(&format!("first wrong: sample {sample} of pixel ({x}, {y}), whose facet is of triangle {triangle}"));
+    }
+    let seen = &error.seen;
+    let mut rows = vec![["seen truth", "samples", "wrong", "tied"].map(String::from).to_vec()];
+    rows.push(vec![
+        "surface each sees".to_owned(),
+        grouped(seen.seen_samples),
+        grouped(seen.seen_wrong),
+        grouped(seen.seen_tied),
+    ]);
+    report.table(&rows, &[1, 2, 3]);
+    if let Some([pixel, sample, triangle]) = seen.first_wrong {
+        let (x, y) = (pixel % width, pixel / width);
+        let given = if triangle == u32::MAX { "no surface".to_owned() } else { format!("triangle {triangle}") };
+        report.text(&format!("first on another surface: sample {sample} of pixel ({x}, {y}), given {given}"));
     }
     let s = &error.scene;
     let within = format!("within 1/{samples}");

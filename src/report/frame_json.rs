@@ -1,7 +1,7 @@
 //! `frame.json`: what a frame was computed from, with, and in what time.
 
 use super::picture;
-use super::{ConvergedErrors, FacetErrors, SceneErrors};
+use super::{ConvergedErrors, FacetErrors, SceneErrors, SeenErrors};
 use crate::methods::cpu::{self, CpuTime};
 use crate::methods::facet_masks::Settings;
 use crate::methods::prepared::Prepared;
@@ -105,6 +105,9 @@ pub struct ErrorReport {
     /// Against facet truth, where facets could be had.
     #[serde(flatten)]
     pub facet: Option<FacetErrors>,
+    /// Against seen truth.
+    #[serde(flatten)]
+    pub seen: SeenErrors,
     /// Against scene truth.
     #[serde(flatten)]
     pub scene: SceneErrors,
