@@ -390,3 +390,21 @@ impl Options {
         Budget { start: self.list_start, bytes: self.memory_limit.saturating_mul(1 << 20) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(arguments: &[&str]) -> Options {
+        Cli::try_parse_from([&["subpixel-shadows"], arguments].concat()).unwrap().options
+    }
+
+    /// The plan leaves out what turns away from the light where that changes nothing; apart from it, library and program agree.
+    #[test]
+    fn the_library_begins_with_the_programs_settings() {
+        let samples = Samples::new(Pattern::LowDiscrepancy, 32).unwrap();
+        let library = Settings { cull_back: true, ..Settings::new([800, 600], 512, samples) };
+        assert_eq!(of(&[]).settings().unwrap(), library);
+        assert_ne!(of(&["--facets", "one"]).settings().unwrap(), library);
+    }
+}

@@ -31,15 +31,15 @@ pub struct Variant {
 /// The variants of `facet-masks` that are compared, with the pipelines of each: one facet a pixel, several, the table of
 /// masks, and the paper's two projections.
 pub fn variants(gpu: &Gpu, settings: &Settings) -> Vec<Variant> {
-    let all = Settings { facets: FacetMode::All, ..settings.clone() };
-    let table = Settings { masks: MaskVariant::TABLE, ..settings.clone() };
-    let two_step = Settings { projection: ProjectionVariant::TwoStep, ..settings.clone() };
+    let [one, all] = [FacetMode::One, FacetMode::All].map(|facets| Settings { facets, ..settings.clone() });
+    let table = Settings { masks: MaskVariant::TABLE, ..one.clone() };
+    let two_step = Settings { projection: ProjectionVariant::TwoStep, ..one.clone() };
     let made = |(name, exact, settings)| {
         let pipelines = Arc::new(Pipelines::new(&gpu.device, &settings));
         Variant { name, exact, settings, pipelines }
     };
     [
-        ("facets=one", true, settings.clone()),
+        ("facets=one", true, one),
         ("facets=all", true, all),
         ("facets=one masks=table", false, table),
         ("facets=one projection=two-step", false, two_step),
