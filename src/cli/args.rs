@@ -160,8 +160,8 @@ pub struct Options {
     /// Run every stage, also those the plan would leave out, and settle no pixel early
     #[arg(long)]
     pub force_all: bool,
-    /// Frames to render: the times are the medians of all but the first, or as many as begin within 5 seconds
-    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    /// Frames that are timed, after one that is not: the times are their medians. No further one begins after 5 seconds
+    #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub frames: u32,
     /// MiB that the lists of pairs and candidates may take together; a frame that needs more is split into bands of facets
     #[arg(long, default_value_t = 1024, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
@@ -200,7 +200,7 @@ pub struct ReportOptions {
     /// Frames of each row that count [default: 15; quick: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: Option<u32>,
-    /// Seconds of frames after which a row has enough, fewer than N but one at the least (ten times as long, and the first frame of all counts) [default: 20; quick: 1]
+    /// Seconds of frames after which a row has enough, fewer than N but one at the least [default: 20; quick: 1]
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub row_seconds: Option<u32>,
     /// Also split each triangle of the first scene into 4, 16, ... as often as this [default: 3; quick: 0]

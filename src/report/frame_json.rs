@@ -47,8 +47,11 @@ pub struct FrameReport<'a> {
     pub gpu_ms: f64,
     /// From submission to the end.
     pub wall_ms: f64,
-    /// Frames after the first whose median time each time is; 0 where it is that of the first.
+    /// Frames whose median time each time is, after one that is not timed; 0 where nothing ran.
     pub timed_frames: u32,
+    /// From the mesh to the begin of the first frame that is timed: preparing it, opening the device, compiling, making memory, and one
+    /// frame. In no other time.
+    pub setup_ms: f64,
     /// What was counted.
     pub counts: &'a Counts,
     /// How the lists fared.
@@ -134,8 +137,10 @@ pub struct Sources<'a> {
     pub output: &'a Output,
     /// The stages that ran on the CPU engine; `None` on a GPU.
     pub cpu_stages: Option<&'a [CpuTime]>,
-    /// Frames after the first whose median time each time is; 0 where it is that of the first.
+    /// Frames whose median time each time is; 0 where nothing ran.
     pub timed_frames: u32,
+    /// What was done before these, milliseconds.
+    pub setup_ms: f64,
     /// Its error, where truth was computed.
     pub error: Option<ErrorReport>,
 }
@@ -176,6 +181,7 @@ impl<'a> FrameReport<'a> {
             gpu_ms: s.output.stages.iter().map(|t| t.gpu_ms).sum::<f64>().max(0.0),
             wall_ms: s.output.wall_ms,
             timed_frames: s.timed_frames,
+            setup_ms: s.setup_ms,
             counts: &s.output.counts,
             lists: &s.output.lists,
             error: s.error,

@@ -16,7 +16,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal of this machine, or begins one. A last line that was cut off is dropped.
+    /// Opens the journal of this machine, or begins one. A last line that was cut off is dropped. What rows of earlier versions say of
+    /// no pixels, or of one sample, is not taken ([`SceneErrors::honest`](crate::report::SceneErrors::honest)).
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be read or written, is of another machine or version, or a line is no row.
@@ -47,7 +48,8 @@ impl Journal {
                     return Err(Error::file(&self.path, why));
                 }
             } else {
-                let row: Row = serde_json::from_str(line).map_err(fault)?;
+                let mut row: Row = serde_json::from_str(line).map_err(fault)?;
+                (row.matched, row.converged) = (row.matched.honest(row.samples), row.converged.honest(row.samples));
                 self.rows.insert(row.key(), row);
             }
         }
