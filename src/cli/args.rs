@@ -5,6 +5,7 @@ use super::choices::{
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use subpixel_shadows::Result;
 use subpixel_shadows::light_view::Warp;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
@@ -16,7 +17,6 @@ use subpixel_shadows::methods::{
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
-use subpixel_shadows::{Error, Result};
 
 /// Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
 #[derive(Debug, Parser)]
@@ -133,6 +133,9 @@ pub struct Options {
     /// bound no rounding
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub projection: Projection,
+    /// Everything as in the frame of a frame.json: the picture is the same bit for bit. Scene and options beside it override
+    #[arg(long, value_name = "FRAME.json")]
+    pub from: Option<PathBuf>,
     /// Where to compute; without an adapter, and if not asked for, the CPU takes over and says so [default: gpu]
     #[arg(long, value_enum)]
     pub engine: Option<EngineName>,
@@ -368,10 +371,6 @@ impl Options {
             ..Settings::new(self.size, self.map, samples)
         };
         settings.check()?;
-        if self.looks && self.method.keeps() == [false; 2] {
-            let name = self.method.name();
-            return Err(Error::Config(format!("--looks: {name} has neither classes of pixels nor a light-view map")));
-        }
         Ok(settings)
     }
 

@@ -3,6 +3,7 @@
 use super::args::Options;
 use super::engine::{Engine, Rendered};
 use super::explain::mesh_line;
+use super::given::settings as settings_of;
 use super::output::OutFolder;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
@@ -38,7 +39,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let compared = || compare(options, &rendered, &plan, &scene, &prepared, console);
     let truth = options.truth.then(compared).transpose()?;
     let error = truth.as_ref().map(|(error, _)| *error);
-    let (name, backend) = engine.adapter();
+    let ((name, backend), asked) = (engine.adapter(), settings_of(options, &scene, &engine));
     let frame = FrameReport::new(Sources {
         adapter: AdapterReport { name: &name, backend: &backend },
         engine: engine.name(),
@@ -51,6 +52,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
         cpu_stages: rendered.cpu_stages.as_deref(),
         timed_frames: rendered.timed_frames,
         setup_ms,
+        asked: &asked,
         error,
     });
     let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;

@@ -11,6 +11,7 @@ use crate::samples::Samples;
 use crate::scene::{Camera, Ground, Light, Scene};
 use crate::{Error, Result};
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::Path;
 
@@ -58,6 +59,8 @@ pub struct FrameReport<'a> {
     pub lists: &'a [ListUse],
     /// Error against both truths.
     pub error: Option<ErrorReport>,
+    /// What was asked for, under the names of the program's options: those that the method takes.
+    pub settings: &'a Map<String, Value>,
 }
 
 /// The program.
@@ -143,6 +146,8 @@ pub struct Sources<'a> {
     pub setup_ms: f64,
     /// Its error, where truth was computed.
     pub error: Option<ErrorReport>,
+    /// What was asked for, under the names of the program's options.
+    pub asked: &'a Map<String, Value>,
 }
 
 impl<'a> FrameReport<'a> {
@@ -185,6 +190,7 @@ impl<'a> FrameReport<'a> {
             counts: &s.output.counts,
             lists: &s.output.lists,
             error: s.error,
+            settings: s.asked,
         }
     }
 
