@@ -107,6 +107,13 @@ mod tests {
         journal.add(row(8)).unwrap();
         drop(journal);
         assert_eq!(std::fs::read(&path).unwrap(), whole);
+        // A row of an earlier version, with a perfect score of an empty band.
+        let mut old = serde_json::to_value(row(32)).unwrap();
+        for key in ["scene_band_rmse", "scene_band_pixel_match", "scene_one_plane_match"] {
+            (old["matched"][key], old["converged"][key]) = (1.0.into(), 1.0.into());
+        }
+        std::fs::write(&path, [&whole[..], old.to_string().as_bytes(), b"\n"].concat()).unwrap();
+        assert_eq!(Journal::open(&path, &machine).unwrap().get(&row(32).key()), Some(&row(32)));
         let other = Machine { adapter: "b".to_owned(), ..Machine::default() };
         assert!(Journal::open(&path, &other).is_err());
         std::fs::write(&path, b"{}\nnonsense\n").unwrap();
