@@ -20,3 +20,13 @@ pub use picture::{write_difference, write_exr, write_png_grey, write_png_rgb, wr
 pub use scene_errors::{ConvergedErrors, SceneErrors, TracedScene};
 pub use seen_errors::SeenErrors;
 pub use shaded::shade;
+
+/// A figure with so many places behind the point; a dash where there is none.
+pub fn or_dash(figure: Option<f64>, places: usize) -> String {
+    figure.map_or("–".to_owned(), |value| format!("{value:.places$}"))
+}
+
+/// A share in percent, with three places; a dash where there is none.
+pub fn percent_or_dash(share: Option<f64>) -> String {
+    share.map_or("–".to_owned(), |share| format!("{:.3} %", 100.0 * share))
+}

@@ -8,10 +8,11 @@ pub use cases::{Case, Step, cases};
 use crate::gpu::Gpu;
 use crate::mask_table::MaskVariant;
 use crate::methods::facet_masks::Pipelines;
-use crate::methods::render::Renderer;
-use crate::methods::{FacetMode, Prepared, ProjectionVariant, Settings, unshadowed};
+use crate::methods::render::{Output, Renderer};
+use crate::methods::unshadowed::{self, Unshadowed};
+use crate::methods::{FacetMode, Prepared, ProjectionVariant, Settings};
 use crate::plan::{Extent, Plan};
-use crate::report::{FacetErrors, FacetSet, SceneErrors, SeenErrors, TracedScene};
+use crate::report::{FacetErrors, FacetSet, SceneErrors, SeenErrors, TracedScene, or_dash};
 use crate::truth::Tracer;
 use crate::{Error, Result};
 use serde::Serialize;
@@ -31,15 +32,15 @@ pub struct Variant {
 /// The variants of `facet-masks` that are compared, with the pipelines of each: one facet a pixel, several, the table of
 /// masks, and the paper's two projections.
 pub fn variants(gpu: &Gpu, settings: &Settings) -> Vec<Variant> {
-    let all = Settings { facets: FacetMode::All, ..settings.clone() };
-    let table = Settings { masks: MaskVariant::TABLE, ..settings.clone() };
-    let two_step = Settings { projection: ProjectionVariant::TwoStep, ..settings.clone() };
+    let [one, all] = [FacetMode::One, FacetMode::All].map(|facets| Settings { facets, ..settings.clone() });
+    let table = Settings { masks: MaskVariant::TABLE, ..one.clone() };
+    let two_step = Settings { projection: ProjectionVariant::TwoStep, ..one.clone() };
     let made = |(name, exact, settings)| {
         let pipelines = Arc::new(Pipelines::new(&gpu.device, &settings));
         Variant { name, exact, settings, pipelines }
     };
     [
-        ("facets=one", true, settings.clone()),
+        ("facets=one", true, one),
         ("facets=all", true, all),
         ("facets=one masks=table", false, table),
         ("facets=one projection=two-step", false, two_step),
@@ -73,7 +74,7 @@ pub struct Outcome {
     pub not_a_share: usize,
     /// Whether the picture is that of the case's first step, bit for bit; `None` where it need not be.
     pub same_bits: Option<bool>,
-    /// Sum of the stages' GPU time of the last run, milliseconds.
+    /// Sum of the stages' GPU time, milliseconds, of a second frame.
     pub gpu_ms: f64,
     /// Runs until all lists fitted.
     pub runs: u32,
@@ -141,20 +142,23 @@ fn measure(gpu: &Gpu, step: &Step, variant: &Variant, outcome: &mut Outcome) -> 
         Extent::Nothing => (unshadowed::nothing_seen(settings), FacetSet { words, ..FacetSet::default() }),
         Extent::Facing => {
             let (mut set, width) = (FacetSet::default(), settings.size[0]);
-            let output =
-                unshadowed::render_and(gpu, &prepared, settings, &step.camera, &step.light, &mut |facets, rows| {
-                    if rows.first == 0 {
-                        set = FacetSet::default();
-                    }
-                    set.add(gpu, facets, words, width, rows)
-                })?;
-            (output, set)
+            let mut renderer = Unshadowed::new(gpu, &prepared, settings)?;
+            let output = renderer.render_and(&step.camera, &step.light, &mut |facets, rows| {
+                if rows.first == 0 {
+                    set = FacetSet::default();
+                }
+                set.add(gpu, facets, words, width, rows)
+            })?;
+            let Output { stages, .. } = renderer.render(&step.camera, &step.light)?;
+            (Output { stages, ..output }, set)
         }
         Extent::Everything => {
             let pipelines = variant.pipelines.clone();
             let mut renderer = Renderer::with_pipelines(gpu, &prepared, settings, step.budget, pipelines)?;
             let output = renderer.render(&step.camera, &step.light)?;
-            (output, FacetSet::read(gpu, renderer.method().facets(), words)?)
+            // The first frame, which compiles, is not timed.
+            let Output { stages, .. } = renderer.render(&step.camera, &step.light)?;
+            (Output { stages, ..output }, FacetSet::read(gpu, renderer.method().facets(), words)?)
         }
     };
     let tracer = Tracer::new(&prepared.mesh)?;
@@ -206,7 +210,10 @@ pub fn row(o: &Outcome) -> Vec<String> {
         cells.push(format!("refused: {why}"));
         return cells;
     }
-    let share = |part: u64, whole: u64| if whole == 0 { 0.0 } else { 100.0 * part as f64 / whole as f64 };
+    let share = |part: u64, whole: u64, places: usize| match whole {
+        0 => "–".to_owned(),
+        _ => format!("{:.places$} %", 100.0 * part as f64 / whole as f64),
+    };
     let note = match (o.holds(), o.same_bits) {
         (false, Some(false)) => "**other bits**",
         (false, _) => "**wrong**",
@@ -218,13 +225,13 @@ pub fn row(o: &Outcome) -> Vec<String> {
         o.variant.to_owned(),
         o.triangles.to_string(),
         o.facet.facet_wrong_outside_band.to_string(),
-        format!("{:.2} %", share(o.facet.facet_ambiguous, o.facet.facet_samples)),
+        share(o.facet.facet_ambiguous, o.facet.facet_samples, 2),
         o.seen.seen_wrong.to_string(),
-        format!("{:.4}", o.scene.scene_band_rmse),
+        or_dash(o.scene.scene_band_rmse, 4),
         format!("{:.3}", o.scene.scene_max),
         format!("{:.1}", o.gpu_ms),
         o.evaluations[0].to_string(),
-        format!("{:.1} %", share(o.evaluations[1], o.evaluations[0])),
+        share(o.evaluations[1], o.evaluations[0], 1),
         o.runs.to_string(),
         note.to_owned(),
     ]
