@@ -29,14 +29,14 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     }
     report.table(&rows, &[]);
     report.text("\nStages also run on lists that may turn out empty; `render` prints what they ran on.");
-    report.print();
+    report.print()?;
     if options.method == MethodName::FacetMasks {
         let console = Console::new(options.quiet);
         let engine = Engine::open(options, console)?;
         let counts = engine.render(options, &plan, &scene, &prepared, console)?.output.counts;
         let mut report = Report::default();
         ways(&mut report, &counts, &plan);
-        report.print();
+        report.print()?;
     }
     Ok(())
 }
