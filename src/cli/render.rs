@@ -27,7 +27,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
     OutFolder::check(&options.out)?;
-    let scene = options.open(scene)?;
+    let scene = options.open(scene, console)?;
     let prepared = Prepared::new(&scene.mesh)?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let engine = Engine::open(options, console)?;

@@ -39,7 +39,8 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     let jobs = jobs(options, &scope)?;
     // A scene that cannot be opened is found before hours are spent on the others.
     for job in &jobs {
-        open(options, &job.scene)?;
+        let (_, note) = open(options, &job.scene)?;
+        note.iter().filter(|_| job.tessellation == 0).for_each(|note| console.note(note));
     }
     // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does both.
     let _held = Held::open(&options.out, PATIENCE)?;
@@ -62,8 +63,8 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     summary(&machine, &rows, &written, start)
 }
 
-fn open(options: &ReportOptions, scene: &str) -> Result<Scene> {
-    Scene::open(scene, &SceneOptions { ground: options.ground, ..SceneOptions::default() })
+fn open(options: &ReportOptions, scene: &str) -> Result<(Scene, Option<String>)> {
+    Scene::open_and_note(scene, &SceneOptions { ground: options.ground, ..SceneOptions::default() })
 }
 
 /// What is to be measured, in order.
@@ -107,7 +108,7 @@ fn measure(
     journal: &mut Journal,
     (task, done, all): (&Task, &mut usize, usize),
 ) -> Result<Vec<Row>> {
-    let mut case = SceneCase::new(open(options, &job.scene)?, job.tessellation, scope.size)?;
+    let mut case = SceneCase::new(open(options, &job.scene)?.0, job.tessellation, scope.size)?;
     let picture = (job.tessellation == 0).then(|| picture_path(&options.out, &job.scene));
     let reference = scope.reference()?;
     let shown =
