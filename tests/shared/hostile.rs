@@ -170,8 +170,9 @@ fn base64(bytes: &[u8]) -> String {
     format!("{}{}", &text[..text.len() - padding], "=".repeat(padding))
 }
 
-fn glb() -> Vec<u8> {
-    let (mut json, bin) = (gltf("").into_bytes(), gltf_buffer());
+/// A binary glTF file of the two chunks.
+fn glb(json: &[u8], bin: &[u8]) -> Vec<u8> {
+    let mut json = json.to_vec();
     json.resize(json.len().div_ceil(4) * 4, b' ');
     let mut bytes = b"glTF".to_vec();
     let words = [2, 12 + 8 + json.len() as u32 + 8 + bin.len() as u32, json.len() as u32];
@@ -198,7 +199,7 @@ pub fn sound() -> Vec<Sound> {
         of("obj", "obj", obj()),
         of("gltf, buffer beside it", "gltf", gltf(r#","uri":"box.bin""#).into_bytes()),
         of("gltf, data URI", "gltf", gltf(&data).into_bytes()),
-        of("glb", "glb", glb()),
+        of("glb", "glb", glb(gltf("").as_bytes(), &gltf_buffer())),
         of("toml, of a mesh", "toml", TOML.into()),
         of("toml, built in", "toml", b"builtin = \"plane\"\n[light]\ndirectional = [0.4, 1.0, 0.3]\n".to_vec()),
     ]
@@ -344,12 +345,37 @@ fn damage(bytes: &mut Vec<u8>, others: &[Sound], random: &mut Random) {
     }
 }
 
-/// A file of a format with 1 to 4 damages, and its number among the formats. Every 16th is sound.
+/// Another number in place of one, which leaves the rest of the file as it was.
+fn renumber(bytes: &mut Vec<u8>, random: &mut Random) {
+    if bytes.is_empty() {
+        return;
+    }
+    let at = random.below(bytes.len());
+    let with = match random.below(3) {
+        0 => random.below(20).to_string(),
+        1 => random.below(400).to_string(),
+        _ => (*random.one_of::<&str>(&NUMBERS)).to_owned(),
+    };
+    replace_number(bytes, at, &with);
+}
+
+/// A file of a format with 1 to 4 damages, and its number among the formats. Of half of them only numbers are changed, so that
+/// they get past the reader of the text; every 16th is sound.
 pub fn hostile(sound: &[Sound], random: &mut Random) -> (usize, Vec<u8>) {
     let which = random.below(sound.len());
     let mut bytes = sound[which].bytes.clone();
-    if random.below(16) > 0 {
-        (0..1 + random.below(4)).for_each(|_| damage(&mut bytes, sound, random));
+    let (how, times) = (random.below(16), 1 + random.below(4));
+    if how >= 8 {
+        (0..times).for_each(|_| damage(&mut bytes, sound, random));
+    } else if how > 0 && sound[which].extension == "glb" {
+        // The container stays whole.
+        let (mut json, mut bin) = (gltf("").into_bytes(), gltf_buffer());
+        for _ in 0..times {
+            if random.below(3) > 0 { renumber(&mut json, random) } else { damage(&mut bin, sound, random) }
+        }
+        bytes = glb(&json, &bin);
+    } else if how > 0 {
+        (0..times).for_each(|_| renumber(&mut bytes, random));
     }
     (which, bytes)
 }
