@@ -1,7 +1,9 @@
 //! How long the lists of a frame are: a first guess, what a frame left in its counters, and the next guess from that.
 
+mod bands;
 mod needs;
 
+pub use bands::in_reach;
 pub use needs::Needs;
 
 use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings, status};
