@@ -108,8 +108,8 @@ impl FacetMasks {
         Ok(())
     }
 
-    /// Writes what the next frame is computed from: camera, light and its views, as many as [`Capacities::views`], and which rows
-    /// of the image it is.
+    /// Writes what the next frame is computed from: camera, light and its views, as many as [`Capacities::views`], which rows
+    /// of the image it is, and what its last stage is to write into [`status::FINISHED`].
     ///
     /// # Errors
     /// [`Error::Scene`] if camera or light cannot be used, or coordinates are beyond 10^18; [`Error::Config`] for another number of views,
@@ -124,8 +124,10 @@ impl FacetMasks {
         views: &[LightView],
         bounds: (DVec3, DVec3),
         strip: Strip,
+        stamp: u32,
     ) -> Result<()> {
-        let frames = self.frames_for(casters, camera, light, views, bounds, strip)?;
+        let mut frames = self.frames_for(casters, camera, light, views, bounds, strip)?;
+        frames.iter_mut().for_each(|frame| frame.stamp = stamp);
         frames.iter().zip(&self.memory.frames).for_each(|(frame, buffer)| buffer.write(queue, &[*frame]));
         Ok(())
     }

@@ -46,7 +46,7 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
 use crate::methods::Settings;
-use crate::methods::facet_masks::{Capacities, LightMaps, Pipelines};
+use crate::methods::facet_masks::{Capacities, LightMaps, Pipelines, status as counters};
 use crate::methods::growth::{self, Needs, Together};
 use crate::methods::render::{Budget, Counts};
 pub use crate::methods::strips::Strips;
@@ -62,6 +62,11 @@ use status::{FAULT_WORDS, Finished, InFlight, Label, Staging};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use views::Views;
+
+/// What the last stage of a frame writes into its counters: never 0, and another one for each of some billion frames.
+fn stamp_of(frame: u64) -> u32 {
+    (frame % u64::from(u32::MAX)) as u32 + 1
+}
 
 /// What a pass is made for.
 #[derive(Clone, Debug)]
@@ -243,7 +248,7 @@ impl ShadowPass {
         inputs.camera.check()?;
         inputs.light.check()?;
         target.check(self.settings.size, self.image.lit().len() as u64 * 4)?;
-        self.check_gbuffer(&inputs.gbuffer)?;
+        self.check_gbuffer(&inputs.gbuffer, inputs.camera)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
         let views = self.maker.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
         if self.grows {
@@ -258,6 +263,8 @@ impl ShadowPass {
             let method = &self.image.method;
             frames.extend(method.frames_for(casters, inputs.camera, inputs.light, &views, bounds, strip)?);
         }
+        let stamp = stamp_of(self.frame + 1);
+        frames.iter_mut().for_each(|frame| frame.stamp = stamp);
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
         }
@@ -398,10 +405,16 @@ impl ShadowPass {
                 return status;
             }
         };
+        let strips = words.chunks_exact(words.len() / strips.max(1) as usize);
+        // The staging buffer of commands that did not run holds zeros, or the counters of an earlier frame.
+        if strips.clone().any(|strip| strip[counters::FINISHED] != stamp_of(frame)) {
+            let text = format!("frame {frame} was submitted, and did not run to its end: its commands were refused");
+            return FrameStatus { error: Some(text), faults: Faults::default(), stages: Vec::new(), ..status };
+        }
         let (facets, limits, budget) = (self.settings.facets, self.maker.device.limits(), self.maker.budget.bytes);
         // What the lists must hold is what the largest strip needs of each.
         let mut needs = Needs::default();
-        for strip in words.chunks_exact(words.len() / strips.max(1) as usize) {
+        for strip in strips {
             status.counts = status.counts.with_rows(growth::counts(strip, capacities));
             needs = needs.or(Needs::of(strip, capacities));
         }
