@@ -5,11 +5,15 @@ mod frames;
 
 use frames::status_of;
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::gpu::program::made_here;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::facet_masks::Pipelines;
+use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Settings};
-use subpixel_shadows::pass::{Casters, Inputs, PassConfig, Target};
+use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Scene, builtin};
-use subpixel_shadows::{ShadowPass, wgpu};
+use subpixel_shadows::scene::{Light, Scene, builtin};
+use subpixel_shadows::{Error, ShadowPass, wgpu};
 
 fn scene(name: &str) -> Scene {
     builtin(name).expect("a built-in scene")
@@ -72,5 +76,73 @@ fn refused_commands_are_no_frame() {
             let complete = (0..4).map(|_| run(false)).find(|status| status.complete);
             assert!(complete.is_some_and(|status| status.error.is_none()), "{facets:?}");
         }
+    }
+}
+
+/// One frame, and how it came out.
+fn frame(gpu: &Gpu, pass: &mut ShadowPass, inputs: &Inputs, target: &Target) -> FrameStatus {
+    let mut encoder = gpu.encoder();
+    pass.record(&mut encoder, inputs, target).expect("recorded");
+    gpu.submit_and_wait(encoder).expect("the frame runs");
+    status_of(pass)
+}
+
+/// Whatever becomes of a pass, its pipelines are those it was made with: another size, casters that have surfaces to merge and that have
+/// none, casters that move, lists that grow from one element, more strips, more views of the light.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn pipelines_are_made_once() {
+    let gpu = Gpu::open(None).expect("a GPU");
+    let mut scenes = ["windmill", "plant", "spheres"].map(scene);
+    scenes[1].mesh.triangles = scenes[1].mesh.triangles.iter().copied().step_by(7).collect();
+    let merges = |scene: &Scene| Prepared::new(&scene.mesh).expect("a sound mesh").merges();
+    assert!(scenes.iter().any(merges) && !scenes.iter().all(merges), "surfaces to merge in some, and none in others");
+    for facets in [FacetMode::One, FacetMode::All] {
+        for (strips, receivers) in [(1, false), (2, facets == FacetMode::One)] {
+            let budget = Budget { start: Some(1), ..Budget::default() };
+            let config = PassConfig::new(settings(facets, [40, 30]), casters(&scenes[0]));
+            let config = PassConfig { strips, receivers, budget, ..config };
+            let before = made_here();
+            let mut pass = pass_on(&gpu, &config);
+            let made = made_here();
+            assert!(made > before + 30, "{} pipelines: nothing is counted", made - before);
+            let complete = |pass: &mut ShadowPass, scene: &Scene, light: &Light| {
+                let inputs = Inputs::new(&scene.camera, light);
+                (0..9).any(|_| frame(&gpu, pass, &inputs, &Target::default()).complete)
+            };
+            assert!(complete(&mut pass, &scenes[0], &scenes[0].light));
+            for scene in &scenes[1..] {
+                pass.set_casters(&casters(scene)).expect("other casters");
+                assert!(complete(&mut pass, scene, &scene.light));
+            }
+            for size in [[1, 1], [64, 48], [17, 99]] {
+                pass.set_size(size).expect("another size");
+                let scene = &scenes[2];
+                assert!(complete(&mut pass, scene, &scene.light), "{size:?}");
+                assert!(complete(&mut pass, scene, &Light::Point { position: [0.8, 1.9, 0.9] }), "{size:?}");
+            }
+            assert!(pass.capacities().views > 1);
+            let mesh = &scenes[1].mesh;
+            pass.set_casters(&Casters::Moving { rest: &mesh.positions, triangles: &mesh.triangles }).expect("moving");
+            assert_eq!(made_here() - made, 0, "{facets:?}, {strips} strips: pipelines made after the pass was");
+        }
+    }
+}
+
+/// Pipelines of another number of samples are no others with a word alike: what is beyond their samples is not in them.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn pipelines_of_other_samples_are_refused() {
+    let gpu = Gpu::open(None).expect("a GPU");
+    let of = |count: u32| {
+        let samples = Samples::new(Pattern::LowDiscrepancy, count).expect("samples");
+        Settings { facets: FacetMode::One, ..Settings::new([16, 16], 32, samples) }
+    };
+    let pipelines = std::sync::Arc::new(Pipelines::new(&gpu.device, &of(8)));
+    let prepared = Prepared::new(&scene("plane").mesh).expect("a sound mesh");
+    for (count, serve) in [(8, true), (1, false), (16, false), (32, false), (64, false)] {
+        assert_eq!(pipelines.serve(&of(count)), serve, "{count} samples");
+        let made = Renderer::with_pipelines(&gpu, &prepared, &of(count), Budget::default(), pipelines.clone());
+        assert!(made.map_or_else(|e| matches!(e, Error::Config(_)) && !serve, |_| serve), "{count} samples");
     }
 }

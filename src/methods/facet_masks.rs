@@ -56,15 +56,7 @@ impl FacetMasks {
         }
         let every_surface = match settings.facets {
             FacetMode::One => None,
-            FacetMode::All => Some(EverySurface::new(
-                device,
-                queue,
-                &pipelines.scan,
-                casters.triangles.len(),
-                casters.surfaces.is_some(),
-                settings,
-                capacities,
-            )?),
+            FacetMode::All => Some(EverySurface::new(device, queue, casters.triangles.len(), settings, capacities)?),
         };
         let memory = Memory::new(device, queue, casters, settings, &pipelines.summed_area, capacities)?;
         Ok(Self { settings: settings.clone(), with: pipelines, every_surface, memory, capacities })
@@ -215,15 +207,16 @@ impl FacetMasks {
         let geometry = &m.geometry;
         geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
         let in_camera = geometry.in_camera(casters);
-        match (&self.every_surface, seen) {
+        match (self.every_surface.as_ref().zip(self.with.surfaces.as_ref()), seen) {
             (None, Seen::Centres(write)) => write(rec, frame)?,
             (None, _) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
-            (Some(camera), seen) => {
+            (Some((camera, with)), seen) => {
                 let given = if let Seen::Samples(given) = seen { Some(given) } else { None };
                 rec.clear(geometry.id_keys.raw());
                 let positions = casters.positions.raw();
                 camera.record(
                     rec,
+                    with,
                     frame,
                     m.samples.raw(),
                     in_camera,
