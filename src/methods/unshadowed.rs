@@ -112,7 +112,7 @@ fn strip(
     settings: &Settings,
     frame: Frame,
 ) -> Result<(Output, Facets)> {
-    let mut timer = Timer::new(gpu);
+    let mut timer = Timer::new(gpu)?;
     let mut encoder = gpu.encoder();
     let mut recorder = Recorder::new(&gpu.device, &mut encoder, timer.as_mut());
     let made = record(gpu, &mut recorder, with, casters, settings, frame)?;

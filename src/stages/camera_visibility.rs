@@ -100,7 +100,8 @@ impl CameraVisibility {
                 ("id_keys", id_keys.raw()),
             ]
         };
-        let passes = [0, 1].map(|index| self.uniforms.get(stage.device, &Pass { index }));
+        let pass = |index| self.uniforms.get(stage.device, &Pass { index });
+        let passes = [pass(0)?, pass(1)?];
         for pass in passes.iter().take(self.runs) {
             stage.run(&self.raster, &buffers(pass), Groups::Indirect(blocks.args.0, blocks.args.1))?;
         }

@@ -57,7 +57,7 @@ impl WorkOwners {
     pub fn record(&self, stage: &mut Stage, offsets: &Buffer<u32>, owners: usize) -> Result<()> {
         let head = owners + kernel::HEAD as usize;
         holds("work_owners", "work_offsets", offsets.len(), head)?;
-        let params = self.uniforms.get(stage.device, &Params { owners: owners as u32, ..Params::default() });
+        let params = self.uniforms.get(stage.device, &Params { owners: owners as u32, ..Params::default() })?;
         let buffers = [("params", &params), ("work_offsets", offsets.raw())];
         stage.run(&self.list, &buffers, Groups::Items((offsets.len() - head).max(1) as u64))
     }
