@@ -1,10 +1,11 @@
-//! The command line: `render`, `explain`, `report`, `stability`, `adapters`.
+//! The command line: `render`, `explain`, `report`, `stability`, `fuzz`, `adapters`.
 
 mod adapters;
 mod args;
 mod choices;
 mod engine;
 mod explain;
+mod fuzz;
 mod output;
 mod progress;
 mod render;
@@ -21,6 +22,7 @@ use std::process::ExitCode;
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.command {
+        Some(Command::Fuzz { options }) => return finish(fuzz::run(&options)),
         Some(Command::Render { scene, options }) => render::run(scene.as_deref(), &options),
         Some(Command::Explain { scene, options }) => explain::run(scene.as_deref(), &options),
         Some(Command::Report { options }) => report::run(&options),
@@ -28,8 +30,12 @@ pub fn main() -> ExitCode {
         Some(Command::Adapters { check }) => adapters::run(check),
         None => render::run(None, &cli.options),
     };
+    finish(done.map(|()| ExitCode::SUCCESS))
+}
+
+fn finish(done: subpixel_shadows::Result<ExitCode>) -> ExitCode {
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             progress::complain(&error.to_string());
             ExitCode::from(if error.is_gpu() { 3 } else { 1 })

@@ -1,5 +1,6 @@
 //! A compute pipeline whose bindings are known by name.
 
+use super::kept::KeptPrograms;
 use crate::{Error, Result};
 
 /// How a kernel uses a binding.
@@ -89,8 +90,12 @@ pub struct Program {
 }
 
 impl Program {
-    /// Builds the pipeline; `constants` are values for the kernel's `override`s.
+    /// Builds the pipeline, or takes one that is kept ([`KeptPrograms`]); `constants` are values for the kernel's `override`s.
     pub fn new(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
+        KeptPrograms::get_or_make(device, entry, constants, || Self::build(device, entry, constants))
+    }
+
+    fn build(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
         let label = format!("{}.{}", entry.kernel, entry.name);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(&label),

@@ -1,0 +1,268 @@
+//! Holding a frame against everything there is to hold it against.
+//!
+//! - *Facet truth*: [`FacetErrors`], the method's own model in `f64`, for the frame and for that of the CPU engine. No sample outside the
+//!   band of 1/256 pixel may be wrong.
+//! - *Scene truth*, where every sample has its own surface (`--facets all`, or one sample a pixel): of each sample whether it sees a surface,
+//!   and whether that is lit, sample by sample. `scene_pixel_match` would not do: it counts within 1/N, so one wrong sample passes and
+//!   several ambiguous ones do not. A sample counts as ambiguous if the truth gives our answer, or the other, at one of the places around it
+//!   ([`SceneTruth::ambiguous_mask`], and for a sample that is still wrong [`SceneTruth::answers_nearby`], which also finds slivers that
+//!   pass between those places). Where the plan says that nothing is seen, truth must see nothing.
+//! - *The picture*: shares are in `[0, 1]` and those of the masks they come from.
+//! - *The plan*: planned and forced pictures have the same bits.
+//!
+//! Masks from a table ([`MaskVariant::Table`](crate::mask_table::MaskVariant)) round: their evaluated samples are held against
+//! [`TABLE_SHARE`], what is settled is exact as ever, and neither scene truth nor the forced picture is asked.
+
+use super::{Case, Shot};
+use crate::Result;
+use crate::methods::cpu;
+use crate::methods::render::Output;
+use crate::methods::{FacetMode, MethodName};
+use crate::plan::{Extent, Plan};
+use crate::report::{FacetErrors, FacetSet};
+use crate::stages::facet_classify::State;
+use crate::truth::{SceneTruth, Tracer, TruthImage, full_mask, join_mask};
+
+/// Share of a facet's samples that one evaluation by a table may give another answer than an exact one, on average over a frame: four
+/// half-planes, of which each has at most 0.1 wrong bits of 32 on average ([`MaskVariant::TABLE`](crate::mask_table::MaskVariant::TABLE)).
+pub const TABLE_SHARE: f64 = 4.0 * 0.1 / 32.0;
+
+/// Samples that may be wrong with a table however few are evaluated: an average says nothing of a few.
+pub const TABLE_FEW: f64 = 64.0;
+
+/// What is wrong with a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Fault {
+    /// Samples of the frame against facet truth.
+    Facet,
+    /// Samples of the frame against scene truth.
+    Scene,
+    /// Samples of the CPU engine against facet truth.
+    CpuFacet,
+    /// Samples of the CPU engine against scene truth.
+    CpuScene,
+    /// Pixels that another picture has when everything is run.
+    Forced,
+    /// Pixels whose visibility is no share, or not that of their masks.
+    Picture,
+    /// Truth or the CPU engine refuses what was rendered.
+    Refused,
+    /// It panicked.
+    Panic,
+}
+
+impl Fault {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Facet => "samples wrong against facet truth",
+            Self::Scene => "samples wrong against scene truth",
+            Self::CpuFacet => "samples of the CPU engine wrong against facet truth",
+            Self::CpuScene => "samples of the CPU engine wrong against scene truth",
+            Self::Forced => "pixels differ when everything is run",
+            Self::Picture => "pixels whose visibility is not that of their masks",
+            Self::Refused => "refused by truth or the CPU engine, not by the GPU",
+            Self::Panic => "panic",
+        }
+    }
+}
+
+/// What was counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Figures {
+    /// Samples held against truth, those of both engines and both truths.
+    pub compared: u64,
+    /// Of these wrong outside the band.
+    pub wrong: u64,
+    /// Of these within the band.
+    pub ambiguous: u64,
+    /// Wrong samples of tables, within their bound.
+    pub by_table: u64,
+}
+
+/// The judgement.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verdict {
+    /// What was counted.
+    pub figures: Figures,
+    /// What is wrong, how much of it, and where it is found first.
+    pub faults: Vec<(Fault, u64, String)>,
+}
+
+impl Verdict {
+    /// Whether it is a failure.
+    pub fn fails(&self) -> bool {
+        !self.faults.is_empty()
+    }
+
+    /// Whether one of its faults is of this kind.
+    pub fn has(&self, fault: Fault) -> bool {
+        self.faults.iter().any(|(f, ..)| *f == fault)
+    }
+
+    fn add(&mut self, fault: Fault, count: u64, at: impl FnOnce() -> String) {
+        if count > 0 {
+            self.faults.push((fault, count, at()));
+        }
+    }
+
+    fn facets(&mut self, fault: Fault, errors: &FacetErrors, width: u32, allowed: u64) {
+        let exact = errors.facet_wrong_settled + errors.facet_wrong_dark;
+        let evaluated = errors.facet_wrong_outside_band - exact;
+        let wrong = if evaluated > allowed { errors.facet_wrong_outside_band } else { exact };
+        self.figures.compared += errors.facet_samples;
+        self.figures.ambiguous += errors.facet_ambiguous;
+        self.figures.wrong += wrong;
+        self.figures.by_table += errors.facet_wrong_outside_band - wrong;
+        self.add(fault, wrong, || {
+            let [pixel, sample, triangle] = errors.first_wrong.unwrap_or_default();
+            let FacetErrors { facet_wrong_settled: s, facet_wrong_dark: d, .. } = errors;
+            let [o, i] = [errors.facet_wrong_occluded, errors.facet_wrong_invalid];
+            let at = place(pixel, sample, width);
+            format!("settled {s}, dark {d}, occluded {o}, invalid {i}; first: {at}, of triangle {triangle}")
+        });
+    }
+
+    fn scene(&mut self, fault: Fault, errors: &SceneWrong, width: u32) {
+        self.figures.compared += errors.compared;
+        self.figures.ambiguous += errors.in_band;
+        self.figures.wrong += errors.wrong;
+        self.add(fault, errors.wrong, || match errors.first {
+            Some([pixel, sample]) => format!("first: {}", place(pixel, sample, width)),
+            None => String::new(),
+        });
+    }
+}
+
+fn place(pixel: u32, sample: u32, width: u32) -> String {
+    format!("sample {sample} of pixel ({}, {})", pixel % width, pixel / width)
+}
+
+/// Judges a frame. Needs no GPU.
+///
+/// # Errors
+/// Those of the truths and the CPU engine, which refuse nothing that was rendered.
+pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
+    let Shot { scene, prepared, plan, output, facets, forced } = shot;
+    let (settings, camera, light) = (&plan.settings, &scene.camera, &scene.light);
+    let [width, height] = settings.size;
+    let tracer = Tracer::new(prepared.mesh())?;
+    let mut verdict = Verdict::default();
+    let allowed = match case.how.is_exact() {
+        true => 0,
+        false => {
+            let samples = f64::from(settings.samples.count());
+            let evaluated = output.counts.visibility_evaluations as f64 * samples;
+            (TABLE_FEW + TABLE_SHARE * evaluated) as u64
+        }
+    };
+    let errors = FacetErrors::of(facets, &tracer, camera, light, settings, None)?;
+    verdict.facets(Fault::Facet, &errors, width, allowed);
+    let truth = SceneTruth::new(&tracer, camera, light, &settings.samples, width, height)?;
+    let each_sample = case.how.settings.facets == FacetMode::All || settings.samples.count() == 1;
+    let of_scene = each_sample && case.how.method == MethodName::FacetMasks;
+    let image = (of_scene || plan.extent == Extent::Nothing).then(|| truth.image(None));
+    if let Some(image) = image.as_ref().filter(|_| case.how.is_exact()) {
+        verdict.scene(Fault::Scene, &SceneWrong::of(&truth, image, plan, output, facets), width);
+    }
+    verdict.add(Fault::Picture, wrong_shares(plan, output, facets), String::new);
+    if case.how.method == MethodName::FacetMasks && plan.extent != Extent::Nothing {
+        let request =
+            cpu::Request { unshadowed: plan.extent == Extent::Facing, facets: true, ..cpu::Request::default() };
+        let frame = cpu::render(prepared, settings, camera, light, request)?;
+        let of_cpu = FacetSet::of_cpu(&frame.facets, settings.samples.words());
+        let errors = FacetErrors::of(&of_cpu, &tracer, camera, light, settings, None)?;
+        verdict.facets(Fault::CpuFacet, &errors, width, 0);
+        if let Some(image) = &image {
+            verdict.scene(Fault::CpuScene, &SceneWrong::of(&truth, image, plan, &frame.output, &of_cpu), width);
+        }
+    }
+    if let Some(forced) = forced {
+        let differs = |(a, b): &(&f32, &f32)| a.to_bits() != b.to_bits();
+        let pairs = || output.visibility.iter().zip(&forced.visibility);
+        let (count, first) = (pairs().filter(differs).count(), pairs().position(|pair| differs(&pair)));
+        verdict.add(Fault::Forced, count as u64, || {
+            let p = first.unwrap_or_default();
+            let [ours, other] = [output.visibility[p], forced.visibility[p]];
+            format!("first: pixel ({}, {}), {ours} and {other}", p as u32 % width, p as u32 / width)
+        });
+    }
+    Ok(verdict)
+}
+
+/// Of each pixel the samples that its facets cover.
+fn covered(set: &FacetSet, pixels: usize) -> Vec<u128> {
+    let mut seen = vec![0; pixels];
+    for (f, facet) in set.facets.iter().enumerate().filter(|(_, facet)| facet.state != State::Empty as u32) {
+        if let Some(seen) = seen.get_mut(facet.pixel as usize) {
+            *seen |= set.masks_of(f)[0];
+        }
+    }
+    seen
+}
+
+/// Pixels whose visibility is no share, or not that of their masks.
+fn wrong_shares(plan: &Plan, output: &Output, set: &FacetSet) -> u64 {
+    let settings = &plan.settings;
+    let full = full_mask(settings.samples.count());
+    let whole = plan.extent == Extent::Everything && settings.facets == FacetMode::All;
+    let seen = if whole { covered(set, settings.pixels()) } else { Vec::new() };
+    let wrong = output.visibility.iter().enumerate().filter(|&(p, v)| {
+        let of_masks = seen.get(p).filter(|seen| **seen & full != 0).map(|seen| {
+            let lit = lit_of(output, p) & seen & full;
+            lit.count_ones() as f32 / (seen & full).count_ones() as f32
+        });
+        !(0.0..=1.0).contains(v) || of_masks.is_some_and(|share| (share - v).abs() > 1e-6)
+    });
+    wrong.count() as u64
+}
+
+fn lit_of(output: &Output, pixel: usize) -> u128 {
+    let words = output.words as usize;
+    let mut mask = [0; 4];
+    for (to, from) in mask.iter_mut().zip(output.lit.iter().skip(pixel * words).take(words)) {
+        *to = *from;
+    }
+    join_mask(mask)
+}
+
+/// A frame with a surface for every sample against scene truth.
+#[derive(Clone, Copy, Debug, Default)]
+struct SceneWrong {
+    compared: u64,
+    wrong: u64,
+    in_band: u64,
+    first: Option<[u32; 2]>,
+}
+
+impl SceneWrong {
+    fn of(truth: &SceneTruth, image: &TruthImage, plan: &Plan, output: &Output, set: &FacetSet) -> Self {
+        let full = full_mask(image.samples);
+        let ours_seen = covered(set, image.pixels.len());
+        let mut all = Self { compared: u64::from(image.samples) * image.pixels.len() as u64, ..Self::default() };
+        for (p, pixel) in image.pixels.iter().enumerate() {
+            let [seen, lit] = [pixel.seen, pixel.lit].map(join_mask);
+            let [ours_seen, ours_lit] = match plan.extent {
+                Extent::Nothing => [0, 0],
+                // One facet stands for all samples: the plan has proved that they see the same.
+                Extent::Facing => [seen, if output.visibility[p] == 1.0 { seen } else { 0 }],
+                Extent::Everything => [ours_seen[p] & full, lit_of(output, p) & ours_seen[p] & full],
+            };
+            let wrong = ((ours_seen ^ seen) | (ours_lit ^ lit)) & full;
+            if wrong == 0 {
+                continue;
+            }
+            let doubt = join_mask(truth.ambiguous_mask(p as u32));
+            for k in (0..image.samples).filter(|k| wrong >> k & 1 == 1) {
+                let ours = [ours_seen, ours_lit].map(|mask| mask >> k & 1 == 1);
+                if doubt >> k & 1 == 1 || truth.answers_nearby(p as u32, k, ours) {
+                    all.in_band += 1;
+                } else {
+                    all.wrong += 1;
+                    all.first = all.first.or(Some([p as u32, k]));
+                }
+            }
+        }
+        all
+    }
+}
