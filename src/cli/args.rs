@@ -265,9 +265,9 @@ pub struct FuzzOptions {
     /// Minutes after which no further case is begun
     #[arg(long, value_name = "M", value_parser = minutes)]
     pub minutes: Option<f64>,
-    /// Run this case of the seed alone
-    #[arg(long, value_name = "NUMBER", conflicts_with = "cases")]
-    pub only: Option<u64>,
+    /// The number of the first case
+    #[arg(long, default_value_t = 0, value_name = "NUMBER")]
+    pub first: u64,
     /// Seconds that a failing case may be shrunk for
     #[arg(long, default_value_t = 60, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=3600))]
     pub shrink: u64,

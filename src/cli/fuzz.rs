@@ -23,8 +23,8 @@ pub fn run(options: &FuzzOptions) -> Result<ExitCode> {
     let endless = if patience.is_some() { u64::MAX } else { 1000 };
     let asked = Run {
         seed: options.seed,
-        first: options.only.unwrap_or(0),
-        cases: if options.only.is_some() { 1 } else { options.cases.unwrap_or(endless) },
+        first: options.first,
+        cases: options.cases.unwrap_or(endless),
         patience,
         out: Some(options.out.clone()),
         shrink: Duration::from_secs(options.shrink),
@@ -61,7 +61,7 @@ pub fn run(options: &FuzzOptions) -> Result<ExitCode> {
         let [seed, number] = failure.case;
         let how = match &failure.repeat {
             Some((command, _)) => command.clone(),
-            None => format!("subpixel-shadows fuzz --seed {seed} --only {number}"),
+            None => format!("subpixel-shadows fuzz --seed {seed} --first {number} --cases 1"),
         };
         report.text(&format!("failed: {how}"));
     }

@@ -19,7 +19,7 @@ pub fn write(folder: &Path, case: &Case, faults: &[(Fault, u64, String)]) -> Res
         if faults.iter().all(|(f, ..)| matches!(f, Fault::CpuFacet | Fault::CpuScene)) { " --engine cpu" } else { "" };
     let command = format!("subpixel-shadows {}{engine}", command(&folder.join("scene.toml"), case));
     let mut about = format!(
-        "{command}\n\nShrunk from case {} of seed {} ({}): subpixel-shadows fuzz --seed {1} --only {0}\n",
+        "{command}\n\nShrunk from case {} of seed {} ({}): subpixel-shadows fuzz --seed {1} --first {0} --cases 1\n",
         case.number,
         case.seed,
         case.kind.name()

@@ -56,6 +56,16 @@ impl Shared {
 /// Map sizes that are likelier than others: small ones, and those around powers of two.
 const MAPS: [u32; 24] = [1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 31, 32, 33, 48, 63, 64, 64, 65, 100, 127, 128, 256, 300];
 
+/// Bytes that make some frames take several bands, but not hundreds: triangle-texel pairs grow with the texels of the map, a facet close to
+/// the eye may touch most of them, and every band goes through all triangles.
+fn small_budget(map: u32, force_all: bool) -> u64 {
+    match if force_all { 2 * map } else { map } {
+        0..=16 => 1 << 20,
+        17..=48 => 6 << 20,
+        _ => Budget::default().bytes,
+    }
+}
+
 impl How {
     /// The settings of case `number`, with numbers of its own for what no pipeline depends on.
     ///
@@ -81,12 +91,12 @@ impl How {
             ray_traced: RayTracedSettings { silhouettes: method == MethodName::RayTraced && r.chance(0.5) },
             ..Settings::new(size, map, Samples::new(pattern, samples)?)
         };
-        let small = r.chance(0.25);
+        let force_all = r.chance(0.15);
+        let small = r.chance(0.3);
         let budget = Budget {
             start: r.chance(0.3).then(|| r.count(1, 5000) as usize),
-            bytes: if small { 1 << 20 } else { Budget::default().bytes },
+            bytes: if small { small_budget(map, force_all) } else { Budget::default().bytes },
         };
-        let force_all = r.chance(0.15);
         let comparable = method == MethodName::FacetMasks && masks == MaskVariant::Exact;
         let both = r.chance(0.3) && comparable && !force_all;
         Ok(Self { method, pattern, settings, budget, force_all, both })
