@@ -158,6 +158,21 @@ fn overflow_by_one() {
     }
 }
 
+/// Of rooms for a whole number of workgroups the buffer's padding, which lists of other lengths have other amounts of, is none that
+/// nobody goes through.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn padding_holds_no_doubts() {
+    let world = world(boxes_case(), [48, 36], samples(8));
+    let mut listed = world.seen();
+    for _ in 0..4 {
+        listed.pop();
+        let (want, [_, doubts, _]) = trace(&world, &listed, 4096);
+        assert!(doubts > 65, "{doubts} doubts");
+        assert!(trace(&world, &listed, 64).0 == want, "{} facets, room for 64 of {doubts} doubts", listed.len());
+    }
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
