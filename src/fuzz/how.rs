@@ -30,7 +30,6 @@ pub struct How {
 /// What a block of cases shares, as pipelines depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Shared {
-    method: MethodName,
     samples: u32,
     facets: FacetMode,
     masks: MaskVariant,
@@ -40,11 +39,7 @@ struct Shared {
 impl Shared {
     fn of(seed: u64, block: u64) -> Self {
         let r = &mut Random::of(seed ^ 0x5e77_1965, block);
-        use MethodName::{FacetMasks, RayTraced, Supersampled};
-        let method =
-            r.pick([FacetMasks, FacetMasks, FacetMasks, FacetMasks, FacetMasks, FacetMasks, RayTraced, Supersampled]);
         Self {
-            method,
             samples: r.pick([1, 8, 8, 16, 16, 32, 32, 32, 64, 128]),
             facets: r.pick([FacetMode::All, FacetMode::All, FacetMode::One]),
             masks: if r.chance(0.12) { MaskVariant::TABLE } else { MaskVariant::Exact },
@@ -72,7 +67,12 @@ impl How {
     /// # Errors
     /// None: what is drawn is possible.
     pub fn of(seed: u64, number: u64, r: &mut Random) -> Result<Self> {
-        let Shared { method, samples, facets, masks, pairs } = Shared::of(seed, number / BLOCK);
+        let Shared { samples, facets, masks, pairs } = Shared::of(seed, number / BLOCK);
+        let method = match r.whole(0, 99) {
+            0..=3 => MethodName::RayTraced,
+            4..=9 => MethodName::Supersampled,
+            _ => MethodName::FacetMasks,
+        };
         let pattern = r.pick([Pattern::LowDiscrepancy, Pattern::LowDiscrepancy, Pattern::Grid, Pattern::Rotated]);
         let most = if samples > 32 { 32 } else { 48 };
         let size = match r.whole(0, 19) {

@@ -128,9 +128,20 @@ impl Verdict {
         self.figures.ambiguous += errors.in_band;
         self.figures.wrong += errors.wrong;
         self.add(fault, errors.wrong, || match errors.first {
-            Some([pixel, sample]) => format!("first: {}", place(pixel, sample, width)),
+            Some(Wrong { pixel, sample, ours, truth }) => {
+                let at = place(pixel, sample, width);
+                format!("first: {at}, which is {} and in truth {}", answer(ours), answer(truth))
+            }
             None => String::new(),
         });
+    }
+}
+
+fn answer([seen, lit]: [bool; 2]) -> &'static str {
+    match (seen, lit) {
+        (false, _) => "empty",
+        (true, true) => "lit",
+        (true, false) => "dark",
     }
 }
 
@@ -232,7 +243,16 @@ struct SceneWrong {
     compared: u64,
     wrong: u64,
     in_band: u64,
-    first: Option<[u32; 2]>,
+    first: Option<Wrong>,
+}
+
+/// A wrong sample: whether it sees a surface, and whether that is lit, in the frame and in truth.
+#[derive(Clone, Copy, Debug)]
+struct Wrong {
+    pixel: u32,
+    sample: u32,
+    ours: [bool; 2],
+    truth: [bool; 2],
 }
 
 impl SceneWrong {
@@ -259,7 +279,8 @@ impl SceneWrong {
                     all.in_band += 1;
                 } else {
                     all.wrong += 1;
-                    all.first = all.first.or(Some([p as u32, k]));
+                    let truth = [seen, lit].map(|mask| mask >> k & 1 == 1);
+                    all.first = all.first.or(Some(Wrong { pixel: p as u32, sample: k, ours, truth }));
                 }
             }
         }
