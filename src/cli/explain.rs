@@ -33,7 +33,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     if options.method == MethodName::FacetMasks {
         let console = Console::new(options.quiet);
         let engine = Engine::open(options, console)?;
-        let counts = engine.render(options, &plan, &scene, &prepared, console)?.output.counts;
+        let counts = engine.render(options, 0, &plan, &scene, &prepared, console)?.output.counts;
         let mut report = Report::default();
         ways(&mut report, &counts, &plan);
         report.print();

@@ -52,7 +52,7 @@ pub fn run(options: &FuzzOptions) -> Result<ExitCode> {
     };
     let mut report = Report::default();
     report.line("adapter", &machine.line());
-    report.table(&summary.rows(grouped), &[1, 2, 3, 4, 5, 6, 7]);
+    report.table(&summary.rows(grouped), &[1, 2, 3, 4, 5, 6, 7, 8, 9]);
     report.text(&summary.line());
     for (reason, count) in &summary.refusals {
         report.text(&format!("refused {count} times: {reason}"));

@@ -6,6 +6,7 @@ mod choices;
 mod engine;
 mod explain;
 mod fuzz;
+mod given;
 mod output;
 mod progress;
 mod render;
@@ -14,21 +15,25 @@ mod report;
 mod stability;
 mod table;
 
-use args::{Cli, Command};
-use clap::Parser;
+use args::{Cli, Command, Options};
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
+use given::given;
 use std::process::ExitCode;
+use subpixel_shadows::Result;
 
 /// Reads the command line and runs it. Exit status: 0 done, 1 bad input, 2 usage (by clap), 3 the GPU failed.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = Cli::command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let matches = matches.subcommand().map_or(&matches, |(_, of_command)| of_command);
     let done = match cli.command {
         Some(Command::Fuzz { options }) => return finish(fuzz::run(&options)),
-        Some(Command::Render { scene, options }) => render::run(scene.as_deref(), &options),
-        Some(Command::Explain { scene, options }) => explain::run(scene.as_deref(), &options),
+        Some(Command::Render { scene, options }) => with(matches, scene, options, render::run),
+        Some(Command::Explain { scene, options }) => with(matches, scene, options, explain::run),
         Some(Command::Report { options }) => report::run(&options),
         Some(Command::Stability { options }) => stability::run(&options),
         Some(Command::Adapters { check }) => adapters::run(check),
-        None => render::run(None, &cli.options),
+        None => with(matches, None, cli.options, render::run),
     };
     finish(done.map(|()| ExitCode::SUCCESS))
 }
@@ -41,4 +46,15 @@ fn finish(done: subpixel_shadows::Result<ExitCode>) -> ExitCode {
             ExitCode::from(if error.is_gpu() { 3 } else { 1 })
         }
     }
+}
+
+/// Runs `command` with what was given.
+fn with(
+    matches: &ArgMatches,
+    scene: Option<String>,
+    options: Options,
+    command: impl FnOnce(Option<&str>, &Options) -> Result<()>,
+) -> Result<()> {
+    let (scene, options) = given(matches, scene, options)?;
+    command(scene.as_deref(), &options)
 }

@@ -12,7 +12,7 @@ use subpixel_shadows::report::comparison::figures::{error, figures, measured, pa
 use subpixel_shadows::report::comparison::page::{Page, csv, markdown};
 use subpixel_shadows::report::comparison::pictures::{Panel, side_by_side};
 use subpixel_shadows::report::comparison::{Bench, Journal, Machine, Row, SceneCase, Scope, Variant, variants};
-use subpixel_shadows::report::write_text;
+use subpixel_shadows::report::{or_dash, write_text};
 use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::{Error, Result};
 
@@ -200,7 +200,7 @@ fn summary(machine: &Machine, rows: &[Row], written: &[PathBuf], start: Instant)
     for scene in scenes(&plain) {
         let of_scene: Vec<&Row> = plain.iter().copied().filter(|r| r.scene == scene).collect();
         for row in pareto_front(&of_scene) {
-            let (time, error) = (format!("{:.2}", row.time()), format!("{:.5}", error(row)));
+            let (time, error) = (format!("{:.2}", row.time()), or_dash(error(row), 5));
             lines.push(vec![scene.clone(), row.series(), row.samples.to_string(), time, error]);
         }
     }

@@ -8,7 +8,7 @@ use std::time::Instant;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::report::comparison::Machine;
 use subpixel_shadows::report::stability::{Outcome, markdown, named, row, run as run_case, variants};
-use subpixel_shadows::report::write_text;
+use subpixel_shadows::report::{or_dash, write_text};
 use subpixel_shadows::{Error, Result};
 
 /// Runs the cases, writes the page and the rows, prints what is not as it must be.
@@ -57,8 +57,8 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
             chosen.map(|o| o.facet.facet_wrong_outside_band).sum::<u64>().to_string()
         };
         let worst = |variant: &str| {
-            let errors = of_case.iter().filter(|o| o.variant == variant).map(|o| o.scene.scene_band_rmse);
-            format!("{:.4}", errors.fold(0.0, f64::max))
+            let errors = of_case.iter().filter(|o| o.variant == variant).filter_map(|o| o.scene.scene_band_rmse);
+            or_dash(errors.reduce(f64::max), 4)
         };
         rows.push(vec![
             case.name.to_owned(),

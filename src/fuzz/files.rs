@@ -15,8 +15,11 @@ use std::path::{Path, PathBuf};
 /// [`Error::File`] if that cannot be done.
 pub fn write(folder: &Path, case: &Case, faults: &[(Fault, u64, String)]) -> Result<String> {
     std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, format!("cannot be made: {e}")))?;
-    let engine =
-        if faults.iter().all(|(f, ..)| matches!(f, Fault::CpuFacet | Fault::CpuScene)) { " --engine cpu" } else { "" };
+    let engine = if faults.iter().all(|(f, ..)| matches!(f, Fault::CpuFacet | Fault::CpuSeen | Fault::CpuScene)) {
+        " --engine cpu"
+    } else {
+        ""
+    };
     let command = format!("subpixel-shadows {}{engine}", command(&folder.join("scene.toml"), case));
     let mut about = format!(
         "{command}\n\nShrunk from case {} of seed {} ({}): subpixel-shadows fuzz --seed {1} --first {0} --cases 1\n",

@@ -7,6 +7,8 @@
 //!   several ambiguous ones do not. A sample counts as ambiguous if the truth gives our answer, or the other, at one of the places around it
 //!   ([`SceneTruth::ambiguous_mask`], and for a sample that is still wrong [`SceneTruth::answers_nearby`], which also finds slivers that
 //!   pass between those places). Where the plan says that nothing is seen, truth must see nothing.
+//! - *Seen truth* ([`SeenErrors`]): no sample (with one facet a pixel: no centre) is given another surface than it sees, but where the two
+//!   are tied. What is tied there does not count in scene truth either.
 //! - *The picture*: shares are in `[0, 1]` and those of the masks they come from.
 //! - *The plan*: planned and forced pictures have the same bits.
 //!
@@ -19,9 +21,9 @@ use crate::methods::cpu;
 use crate::methods::render::Output;
 use crate::methods::{FacetMode, MethodName};
 use crate::plan::{Extent, Plan};
-use crate::report::{FacetErrors, FacetSet};
+use crate::report::{FacetErrors, FacetSet, SeenErrors};
 use crate::stages::facet_classify::State;
-use crate::truth::{SceneTruth, Tracer, TruthImage, full_mask, join_mask};
+use crate::truth::{SceneTruth, SeenTruth, Tracer, TruthImage, full_mask, join_mask};
 
 /// Share of a facet's samples that one evaluation by a table may give another answer than an exact one, on average over a frame: four
 /// half-planes, of which each has at most 0.1 wrong bits of 32 on average ([`MaskVariant::TABLE`](crate::mask_table::MaskVariant::TABLE)).
@@ -35,10 +37,14 @@ pub const TABLE_FEW: f64 = 64.0;
 pub enum Fault {
     /// Samples of the frame against facet truth.
     Facet,
+    /// Samples of the frame against seen truth.
+    Seen,
     /// Samples of the frame against scene truth.
     Scene,
     /// Samples of the CPU engine against facet truth.
     CpuFacet,
+    /// Samples of the CPU engine against seen truth.
+    CpuSeen,
     /// Samples of the CPU engine against scene truth.
     CpuScene,
     /// Pixels that another picture has when everything is run.
@@ -56,8 +62,10 @@ impl Fault {
     pub fn name(self) -> &'static str {
         match self {
             Self::Facet => "samples wrong against facet truth",
+            Self::Seen => "samples that were given another surface than they see",
             Self::Scene => "samples wrong against scene truth",
             Self::CpuFacet => "samples of the CPU engine wrong against facet truth",
+            Self::CpuSeen => "samples of the CPU engine that were given another surface than they see",
             Self::CpuScene => "samples of the CPU engine wrong against scene truth",
             Self::Forced => "pixels differ when everything is run",
             Self::Picture => "pixels whose visibility is not that of their masks",
@@ -76,6 +84,10 @@ pub struct Figures {
     pub wrong: u64,
     /// Of these within the band.
     pub ambiguous: u64,
+    /// Samples whose surface was asked for.
+    pub seen: u64,
+    /// Of these given another surface than the nearest, of which either may stand.
+    pub tied: u64,
     /// Wrong samples of tables, within their bound.
     pub by_table: u64,
 }
@@ -120,6 +132,16 @@ impl Verdict {
             let [o, i] = [errors.facet_wrong_occluded, errors.facet_wrong_invalid];
             let at = place(pixel, sample, width);
             format!("settled {s}, dark {d}, occluded {o}, invalid {i}; first: {at}, of triangle {triangle}")
+        });
+    }
+
+    fn seen(&mut self, fault: Fault, errors: &SeenErrors, width: u32) {
+        self.figures.seen += errors.seen_samples;
+        self.figures.tied += errors.seen_tied;
+        self.figures.wrong += errors.seen_wrong;
+        self.add(fault, errors.seen_wrong, || {
+            let [pixel, sample, triangle] = errors.first_wrong.unwrap_or_default();
+            format!("first: {}, given triangle {triangle}", place(pixel, sample, width))
         });
     }
 
@@ -169,10 +191,14 @@ pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
     };
     let errors = FacetErrors::of(facets, &tracer, camera, light, settings, None)?;
     verdict.facets(Fault::Facet, &errors, width, allowed);
-    let truth = SceneTruth::new(&tracer, camera, light, &settings.samples, width, height)?;
+    verdict.seen(Fault::Seen, &SeenErrors::of(facets, &tracer, camera, settings, None)?, width);
+    let truth = Truths {
+        scene: SceneTruth::new(&tracer, camera, light, &settings.samples, width, height)?,
+        seen: SeenTruth::new(&tracer, camera, &settings.samples, width, height)?,
+    };
     let each_sample = case.how.settings.facets == FacetMode::All || settings.samples.count() == 1;
     let of_scene = each_sample && case.how.method == MethodName::FacetMasks;
-    let image = (of_scene || plan.extent == Extent::Nothing).then(|| truth.image(None));
+    let image = (of_scene || plan.extent == Extent::Nothing).then(|| truth.scene.image(None));
     if let Some(image) = image.as_ref().filter(|_| case.how.is_exact()) {
         verdict.scene(Fault::Scene, &SceneWrong::of(&truth, image, plan, output, facets), width);
     }
@@ -184,6 +210,7 @@ pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
         let of_cpu = FacetSet::of_cpu(&frame.facets, settings.samples.words());
         let errors = FacetErrors::of(&of_cpu, &tracer, camera, light, settings, None)?;
         verdict.facets(Fault::CpuFacet, &errors, width, 0);
+        verdict.seen(Fault::CpuSeen, &SeenErrors::of(&of_cpu, &tracer, camera, settings, None)?, width);
         if let Some(image) = &image {
             verdict.scene(Fault::CpuScene, &SceneWrong::of(&truth, image, plan, &frame.output, &of_cpu), width);
         }
@@ -199,6 +226,12 @@ pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
         });
     }
     Ok(verdict)
+}
+
+/// What scene truth is made of.
+struct Truths<'a> {
+    scene: SceneTruth<'a>,
+    seen: SeenTruth<'a>,
 }
 
 /// Of each pixel the samples that its facets cover.
@@ -256,7 +289,7 @@ struct Wrong {
 }
 
 impl SceneWrong {
-    fn of(truth: &SceneTruth, image: &TruthImage, plan: &Plan, output: &Output, set: &FacetSet) -> Self {
+    fn of(truth: &Truths, image: &TruthImage, plan: &Plan, output: &Output, set: &FacetSet) -> Self {
         let full = full_mask(image.samples);
         let ours_seen = covered(set, image.pixels.len());
         let mut all = Self { compared: u64::from(image.samples) * image.pixels.len() as u64, ..Self::default() };
@@ -272,10 +305,18 @@ impl SceneWrong {
             if wrong == 0 {
                 continue;
             }
-            let doubt = join_mask(truth.ambiguous_mask(p as u32));
+            let own = || set.facets.iter().enumerate().filter(|(_, facet)| facet.pixel as usize == p);
+            let given =
+                |k: usize| own().find(|(f, _)| set.masks_of(*f)[0] >> k & 1 == 1).map(|(_, facet)| facet.triangle);
+            // Where one facet stands for all samples, it is the plan that gave them their surface.
+            let tied = match plan.extent {
+                Extent::Everything => truth.seen.judge(p as u32, wrong, given).tied,
+                _ => 0,
+            };
+            let doubt = join_mask(truth.scene.ambiguous_mask(p as u32)) | tied;
             for k in (0..image.samples).filter(|k| wrong >> k & 1 == 1) {
                 let ours = [ours_seen, ours_lit].map(|mask| mask >> k & 1 == 1);
-                if doubt >> k & 1 == 1 || truth.answers_nearby(p as u32, k, ours) {
+                if doubt >> k & 1 == 1 || truth.scene.answers_nearby(p as u32, k, ours) {
                     all.in_band += 1;
                 } else {
                     all.wrong += 1;

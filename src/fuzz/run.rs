@@ -48,7 +48,11 @@ type Judged = (Case, Result<Verdict>);
 /// # Errors
 /// [`Error::Gpu`] with the case if the device fails, [`Error::File`] if a failing case cannot be written.
 pub fn run(bench: &Bench, run: &Run, tell: &mut dyn FnMut(Progress)) -> Result<Summary> {
-    if let (Ok(at), true) = (std::env::var("FZD"), true) { let case = Case::of(run.seed, run.first)?; files::write(std::path::Path::new(&at), &case, &[])?; return Ok(Summary::default()); }
+    if let (Ok(at), true) = (std::env::var("FZD"), true) {
+        let case = Case::of(run.seed, run.first)?;
+        files::write(std::path::Path::new(&at), &case, &[])?;
+        return Ok(Summary::default());
+    }
     let (start, mut summary, mut shrinking) = (Instant::now(), Summary::default(), Duration::ZERO);
     let mut written: HashMap<Fault, usize> = HashMap::new();
     let (to_judge, shots) = sync_channel::<Rendered>(2);
@@ -73,11 +77,34 @@ pub fn run(bench: &Bench, run: &Run, tell: &mut dyn FnMut(Progress)) -> Result<S
             }
             let case = Case::of(run.seed, number)?;
             let begin = Instant::now();
-            if std::env::var("FZ").is_ok() { eprintln!("S {number} tris {} {:?} {}", case.world.mesh.triangles.len(), case.world.light, files::command(std::path::Path::new("x"), &case)); }
+            if std::env::var("FZ").is_ok() {
+                eprintln!(
+                    "S {number} tris {} {:?} {}",
+                    case.world.mesh.triangles.len(),
+                    case.world.light,
+                    files::command(std::path::Path::new("x"), &case)
+                );
+            }
             let shot = render(bench, &case);
-            if std::env::var("FZD").is_ok() { let _ = files::write(std::path::Path::new("/tmp/fz-dump"), &case, &[]); }
-            if let (Ok(_), Ok(shot)) = (std::env::var("FZ"), &shot) { eprintln!("L {number} dispatches {} {:?}", shot.output.dispatches, shot.output.lists.iter().map(|l| (l.name, l.needed, l.capacity, l.runs)).collect::<Vec<_>>()); }
-            if std::env::var("FZ").is_ok() { eprintln!("R {number} {:.3} {} {:?} programs {}", begin.elapsed().as_secs_f64(), case.how.method.name(), case.kind, bench.programs()); }
+            if std::env::var("FZD").is_ok() {
+                let _ = files::write(std::path::Path::new("/tmp/fz-dump"), &case, &[]);
+            }
+            if let (Ok(_), Ok(shot)) = (std::env::var("FZ"), &shot) {
+                eprintln!(
+                    "L {number} dispatches {} {:?}",
+                    shot.output.dispatches,
+                    shot.output.lists.iter().map(|l| (l.name, l.needed, l.capacity, l.runs)).collect::<Vec<_>>()
+                );
+            }
+            if std::env::var("FZ").is_ok() {
+                eprintln!(
+                    "R {number} {:.3} {} {:?} programs {}",
+                    begin.elapsed().as_secs_f64(),
+                    case.how.method.name(),
+                    case.kind,
+                    bench.programs()
+                );
+            }
             if let Err(Error::Gpu(text)) = &shot {
                 return Err(Error::Gpu(format!("case {number} of seed {}: {text}", run.seed)));
             }
@@ -108,7 +135,9 @@ fn judge_all(shots: &Receiver<Rendered>, to: &SyncSender<Judged>) {
     for (case, shot) in shots {
         let begin = Instant::now();
         let verdict = shot.map(|shot| judged(&case, &shot));
-        if std::env::var("FZ").is_ok() { eprintln!("J {} {:.3}", case.number, begin.elapsed().as_secs_f64()); }
+        if std::env::var("FZ").is_ok() {
+            eprintln!("J {} {:.3}", case.number, begin.elapsed().as_secs_f64());
+        }
         if to.send((case, verdict)).is_err() {
             break;
         }

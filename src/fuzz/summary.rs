@@ -26,6 +26,8 @@ impl Tally {
         self.figures.compared += o.figures.compared;
         self.figures.wrong += o.figures.wrong;
         self.figures.ambiguous += o.figures.ambiguous;
+        self.figures.seen += o.figures.seen;
+        self.figures.tied += o.figures.tied;
         self.figures.by_table += o.figures.by_table;
     }
 }
@@ -93,10 +95,21 @@ impl Summary {
 
     /// The table by kind, a heading first, the sum last; numbers as `grouped` writes them.
     pub fn rows(&self, grouped: fn(u64) -> String) -> Vec<Vec<String>> {
-        let heading = ["kind", "cases", "refused", "failed", "samples compared", "wrong", "in the band", "by table"];
+        let heading = [
+            "kind",
+            "cases",
+            "refused",
+            "failed",
+            "samples compared",
+            "surfaces asked",
+            "wrong",
+            "in the band",
+            "tied",
+            "by table",
+        ];
         let row = |name: &str, t: &Tally| {
             let f = &t.figures;
-            let numbers = [t.cases, t.refused, t.failed, f.compared, f.wrong, f.ambiguous, f.by_table];
+            let numbers = [t.cases, t.refused, t.failed, f.compared, f.seen, f.wrong, f.ambiguous, f.tied, f.by_table];
             std::iter::once(name.to_owned()).chain(numbers.map(grouped)).collect()
         };
         let mut rows = vec![heading.map(String::from).to_vec()];

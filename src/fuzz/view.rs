@@ -139,12 +139,11 @@ pub fn light(r: &mut Random, mesh: &Mesh, eye: [f32; 3], outside: bool) -> Light
         0..=11 => stand.centre() + r.direction() * (stand.radius * r.between(1.1, 6.0)),
         12..=15 => stand.inside(r),
         16 | 17 => spot.at + spot.normal * (stand.radius * r.by_size(1e-6, 0.1)),
-        18 => spot.at + spot.along * r.pick([1.0, -1.0, 2.0, 0.1]),
+        18 | 20 => spot.at + spot.along * r.pick([1.5, -1.5, 3.0]),
         19 => DVec3::from(eye.map(f64::from)) + r.vector() * (stand.radius * r.pick([0.0, 1e-3, 0.1])),
-        20 => spot.at,
         _ => {
             let at = Vec3::from(mesh.positions.first().copied().unwrap_or_default());
-            at.as_dvec3() + DVec3::Y * stand.radius * r.pick([0.0, 1e-3, 1.0])
+            at.as_dvec3() + DVec3::Y * stand.radius * r.pick([1e-4, 1e-3, 1.0])
         }
     };
     let position = f32s(position);

@@ -362,7 +362,7 @@ mod tests {
 
     fn of(pairs: PairVariant) -> Settings {
         let samples = Samples::new(Pattern::default(), 32).expect("32 samples");
-        Settings { pairs, ..Settings::new([800, 600], 512, samples) }
+        Settings { pairs, facets: FacetMode::One, ..Settings::new([800, 600], 512, samples) }
     }
 
     fn bytes(settings: &Settings, c: Capacities) -> u64 {

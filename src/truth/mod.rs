@@ -6,6 +6,8 @@
 //! - [`facet_truth`]: the model of Pan 2009, whose sample points lie on the plane of a given facet. Separates numeric
 //!   error from model error.
 //!
+//! And [`seen_truth`]: whether each sample was given the surface that it sees, which neither of them asks.
+//!
 //! A third answer beside lit and shadowed is *ambiguous*: within [`AMBIGUITY`] of a pixel of a place where the answer
 //! changes, or undecided by the error bound of `f64`. The bounds are forward error bounds, relative to the numbers that
 //! enter a decision, so nothing depends on the size or the place of a scene.
@@ -22,10 +24,12 @@ mod packet;
 pub mod predicate;
 pub mod rays;
 pub mod scene_truth;
+pub mod seen_truth;
 
 pub use facet_truth::{FacetInput, FacetResult, FacetTruth};
 pub use rays::{Hit, Shade, Tracer};
 pub use scene_truth::{PixelTruth, SceneTruth, TruthImage};
+pub use seen_truth::{SeenResult, SeenTruth};
 
 /// Half-width of the ambiguity band around an edge, in pixels: 2^-8, the uncertainty that the second tier of
 /// conservative rasterization is allowed.

@@ -18,17 +18,17 @@ const NONE: u32 = u32::MAX;
 /// What the samples of a packet see.
 pub(super) struct Seen {
     /// Ray directions.
-    rays: [DVec3; PACKET],
+    pub rays: [DVec3; PACKET],
     /// View depth of the surface, infinite where there is none.
-    depth: [f64; PACKET],
+    pub depth: [f64; PACKET],
     /// Bound of its error.
-    error: [f64; PACKET],
+    pub error: [f64; PACKET],
     /// The nearest triangle of each sample.
     pub triangle: [u32; PACKET],
     /// Samples that see a surface.
     pub seen: u128,
     /// Samples decided by an edge within the error bound.
-    touching: u128,
+    pub touching: u128,
 }
 
 /// What the light does to them.

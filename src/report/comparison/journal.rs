@@ -16,7 +16,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal of this machine, or begins one. A last line that was cut off is dropped.
+    /// Opens the journal of this machine, or begins one. A last line that was cut off is dropped. What rows of earlier versions say of
+    /// no pixels, or of one sample, is not taken ([`SceneErrors::honest`](crate::report::SceneErrors::honest)).
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be read or written, is of another machine or version, or a line is no row.
@@ -47,7 +48,8 @@ impl Journal {
                     return Err(Error::file(&self.path, why));
                 }
             } else {
-                let row: Row = serde_json::from_str(line).map_err(fault)?;
+                let mut row: Row = serde_json::from_str(line).map_err(fault)?;
+                (row.matched, row.converged) = (row.matched.honest(row.samples), row.converged.honest(row.samples));
                 self.rows.insert(row.key(), row);
             }
         }
@@ -105,6 +107,13 @@ mod tests {
         journal.add(row(8)).unwrap();
         drop(journal);
         assert_eq!(std::fs::read(&path).unwrap(), whole);
+        // A row of an earlier version, with a perfect score of an empty band.
+        let mut old = serde_json::to_value(row(32)).unwrap();
+        for key in ["scene_band_rmse", "scene_band_pixel_match", "scene_one_plane_match"] {
+            (old["matched"][key], old["converged"][key]) = (1.0.into(), 1.0.into());
+        }
+        std::fs::write(&path, [&whole[..], old.to_string().as_bytes(), b"\n"].concat()).unwrap();
+        assert_eq!(Journal::open(&path, &machine).unwrap().get(&row(32).key()), Some(&row(32)));
         let other = Machine { adapter: "b".to_owned(), ..Machine::default() };
         assert!(Journal::open(&path, &other).is_err());
         std::fs::write(&path, b"{}\nnonsense\n").unwrap();
