@@ -10,6 +10,7 @@ pub mod how;
 pub mod judge;
 pub mod random;
 pub mod run;
+mod samples;
 pub mod shrink;
 pub mod summary;
 pub mod view;
@@ -108,4 +109,64 @@ fn in_one_view(world: &World, how: &How) -> bool {
         one.light_view(&prepared, &scene.light)
     };
     view().is_ok_and(|view| view.complete)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mask_table::MaskVariant;
+    use crate::scene::{Scene, SceneOptions};
+    use std::collections::HashSet;
+
+    #[test]
+    fn a_case_is_a_function_of_seed_and_number() {
+        for number in 0..60 {
+            let case = Case::of(5, number).unwrap();
+            assert_eq!(case, Case::of(5, number).unwrap());
+            let other = Case::of(6, number).unwrap();
+            assert!(other.kind == case.kind && other.world != case.world, "{number}");
+        }
+    }
+
+    #[test]
+    fn cases_are_of_every_sort_and_few_are_refused() {
+        let (mut seen, mut refused) = (HashSet::new(), 0);
+        for number in 0..1020 {
+            let case = Case::of(1, number).unwrap();
+            refused += usize::from(case.world.scene().is_err());
+            let (s, how) = (&case.how.settings, &case.how);
+            seen.insert(format!("{} samples", s.samples.count()));
+            seen.insert(format!("{:?}", case.kind));
+            seen.insert(format!("{:?} {:?} {:?}", s.facets, s.pairs, s.masks == MaskVariant::Exact));
+            seen.insert(format!("{} {}", how.method.name(), s.validity));
+            seen.insert(format!("{:?} {}", how.pattern, how.force_all));
+            seen.insert(format!("{:?} {}", how.budget.start.is_some(), how.budget.bytes < 1 << 30));
+            let light = match case.world.light {
+                Light::Directional { .. } => "directional",
+                Light::Point { .. } => "point",
+                Light::Spot { .. } => "spot",
+            };
+            seen.insert(format!("{light} {} {}", case.world.ground, how.both));
+            assert!((1..=300).contains(&s.map) && case.world.mesh.triangles.len() <= 1500, "{case:?}");
+        }
+        assert!(refused <= 5, "{refused} refused");
+        let all = [6, Kind::ALL.len(), 2 * 3 * 2, 3 * 2, 3 * 2, 2 * 2, 3 * 2 * 2];
+        assert_eq!(seen.len(), all.iter().sum::<usize>(), "{seen:?}");
+    }
+
+    #[test]
+    fn a_case_that_is_written_reads_back_as_it_is() {
+        let folder = std::env::temp_dir().join(format!("subpixel-shadows-fuzz-{}", std::process::id()));
+        for number in 0..Kind::ALL.len() as u64 * 4 {
+            let case = Case::of(3, number).unwrap();
+            let Ok(made) = case.world.scene() else { continue };
+            files::write(&folder, &case, &[]).unwrap();
+            let file = folder.join("scene.toml");
+            let read = Scene::open(&file.to_string_lossy(), &SceneOptions::default()).unwrap();
+            assert_eq!((read.camera, read.light), (made.camera, made.light), "{number}");
+            let canonical = |scene: &Scene| Prepared::new(&scene.mesh).unwrap().mesh().clone();
+            assert_eq!(canonical(&read), canonical(&made), "{number}");
+        }
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 }

@@ -6,7 +6,7 @@ use crate::{Error, Result};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::time::{Duration, Instant};
 
 /// What to run.
@@ -48,15 +48,10 @@ type Judged = (Case, Result<Verdict>);
 /// # Errors
 /// [`Error::Gpu`] with the case if the device fails, [`Error::File`] if a failing case cannot be written.
 pub fn run(bench: &Bench, run: &Run, tell: &mut dyn FnMut(Progress)) -> Result<Summary> {
-    if let (Ok(at), true) = (std::env::var("FZD"), true) {
-        let case = Case::of(run.seed, run.first)?;
-        files::write(std::path::Path::new(&at), &case, &[])?;
-        return Ok(Summary::default());
-    }
     let (start, mut summary, mut shrinking) = (Instant::now(), Summary::default(), Duration::ZERO);
     let mut written: HashMap<Fault, usize> = HashMap::new();
     let (to_judge, shots) = sync_channel::<Rendered>(2);
-    let (to_us, verdicts) = sync_channel::<Judged>(8);
+    let (to_us, verdicts) = channel::<Judged>();
     std::thread::scope(|scope| -> Result<()> {
         scope.spawn(move || judge_all(&shots, &to_us));
         let mut take = |judged: Judged| -> Result<()> {
@@ -76,53 +71,13 @@ pub fn run(bench: &Bench, run: &Run, tell: &mut dyn FnMut(Progress)) -> Result<S
                 break;
             }
             let case = Case::of(run.seed, number)?;
-            let begin = Instant::now();
-            if std::env::var("FZ").is_ok() {
-                eprintln!(
-                    "S {number} tris {} {:?} {}",
-                    case.world.mesh.triangles.len(),
-                    case.world.light,
-                    files::command(std::path::Path::new("x"), &case)
-                );
-            }
             let shot = render(bench, &case);
-            if std::env::var("FZD").is_ok() {
-                let _ = files::write(std::path::Path::new("/tmp/fz-dump"), &case, &[]);
-            }
-            if let (Ok(_), Ok(shot)) = (std::env::var("FZ"), &shot) {
-                eprintln!(
-                    "L {number} dispatches {} {:?}",
-                    shot.output.dispatches,
-                    shot.output.lists.iter().map(|l| (l.name, l.needed, l.capacity, l.runs)).collect::<Vec<_>>()
-                );
-            }
-            if std::env::var("FZ").is_ok() {
-                eprintln!(
-                    "R {number} {:.3} {} {:?} programs {}",
-                    begin.elapsed().as_secs_f64(),
-                    case.how.method.name(),
-                    case.kind,
-                    bench.programs()
-                );
-            }
             if let Err(Error::Gpu(text)) = &shot {
                 return Err(Error::Gpu(format!("case {number} of seed {}: {text}", run.seed)));
             }
-            let mut parcel = Some((case, shot));
-            while let Some(waiting) = parcel.take() {
-                // What is judged is taken in meanwhile, so that neither thread waits for the other for ever.
-                verdicts.try_iter().try_for_each(&mut take)?;
-                match to_judge.try_send(waiting) {
-                    Ok(()) => {}
-                    Err(std::sync::mpsc::TrySendError::Full(back)) => {
-                        parcel = Some(back);
-                        take(verdicts.recv().map_err(|e| Error::Config(e.to_string()))?)?;
-                    }
-                    Err(std::sync::mpsc::TrySendError::Disconnected(_)) => {
-                        return Err(Error::Config("judging has ended early".to_owned()));
-                    }
-                }
-            }
+            verdicts.try_iter().try_for_each(&mut take)?;
+            let ended = |_| Error::Config("judging has ended early".to_owned());
+            to_judge.send((case, shot)).map_err(ended)?;
         }
         drop(to_judge);
         verdicts.iter().try_for_each(&mut take)
@@ -131,13 +86,9 @@ pub fn run(bench: &Bench, run: &Run, tell: &mut dyn FnMut(Progress)) -> Result<S
     Ok(summary)
 }
 
-fn judge_all(shots: &Receiver<Rendered>, to: &SyncSender<Judged>) {
+fn judge_all(shots: &Receiver<Rendered>, to: &Sender<Judged>) {
     for (case, shot) in shots {
-        let begin = Instant::now();
         let verdict = shot.map(|shot| judged(&case, &shot));
-        if std::env::var("FZ").is_ok() {
-            eprintln!("J {} {:.3}", case.number, begin.elapsed().as_secs_f64());
-        }
         if to.send((case, verdict)).is_err() {
             break;
         }
@@ -200,9 +151,9 @@ fn settle(
     let before = written.entry(*first).or_default();
     let Some(out) = run.out.as_ref().filter(|_| *before < Run::WRITTEN) else { return Ok(Some(failure)) };
     *before += 1;
-    let mut fails = |smaller: &Case| super::run::verdict(bench, smaller).is_ok_and(|v| v.has(*first));
+    let mut fails = |smaller: &Case| self::verdict(bench, smaller).is_ok_and(|v| v.has(*first));
     let small = shrink::shrink(&case, run.shrink, &mut fails);
-    let faults = super::run::verdict(bench, &small)?.faults;
+    let faults = self::verdict(bench, &small)?.faults;
     let folder = out.join(format!("case-{}-{}", case.seed, case.number));
     let command = files::write(&folder, &small, &faults)?;
     let size = small.how.settings.pixels() as u64;

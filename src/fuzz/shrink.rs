@@ -136,3 +136,69 @@ impl Shrinker<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::MethodName;
+    use std::cell::Cell;
+
+    const LONG: Duration = Duration::from_secs(600);
+
+    /// A case of many triangles.
+    fn large() -> Case {
+        let cases = (0..).map(|number| Case::of(11, number).unwrap());
+        let wanted = |c: &Case| c.world.mesh.triangles.len() > 100 && c.how.method == MethodName::FacetMasks;
+        cases.into_iter().find(wanted).unwrap()
+    }
+
+    /// A fault that two triangles make together, in images of 5 x 3 pixels and more, with maps of 16 texels and more.
+    #[test]
+    fn what_makes_the_fault_is_left() {
+        let case = large();
+        let triangles = &case.world.mesh.triangles;
+        let two = [triangles[3], triangles[triangles.len() - 5]];
+        let asked = Cell::new(0);
+        let mut fails = |c: &Case| {
+            asked.set(asked.get() + 1);
+            let s = &c.how.settings;
+            let both = two.iter().all(|t| c.world.mesh.triangles.contains(t));
+            both && s.size[0] >= 5 && s.size[1] >= 3 && s.map >= 16
+        };
+        let big = Case {
+            how: super::super::How {
+                settings: Settings { size: [40, 31], map: 77, ..case.how.settings.clone() },
+                ..case.how.clone()
+            },
+            ..case.clone()
+        };
+        assert!(fails(&big));
+        let small = shrink(&big, LONG, &mut fails);
+        assert_eq!(small.world.mesh.triangles.len(), 2);
+        assert!(two.iter().all(|t| small.world.mesh.triangles.contains(t)) && !small.world.ground);
+        let s = &small.how.settings;
+        assert_eq!((s.size, s.map, s.samples.count()), ([5, 3], 16, 1));
+        assert_eq!((s.pairs, s.facets, s.masks), (PairVariant::Tiled, FacetMode::All, MaskVariant::Exact));
+        assert!(!small.how.force_all && small.how.budget == Budget::default());
+        assert!(asked.get() < 1000, "{} questions", asked.get());
+    }
+
+    #[test]
+    fn without_time_a_case_stays_as_it_is() {
+        let case = large();
+        let mut fails = |_: &Case| panic!("asked");
+        assert_eq!(shrink(&case, Duration::ZERO, &mut fails), case);
+    }
+
+    /// Each answer costs; no question is begun after the end.
+    #[test]
+    fn shrinking_ends_in_time() {
+        let (case, begin) = (large(), Instant::now());
+        let mut fails = |_: &Case| {
+            std::thread::sleep(Duration::from_millis(20));
+            true
+        };
+        shrink(&case, Duration::from_millis(50), &mut fails);
+        assert!(begin.elapsed() < Duration::from_secs(5));
+    }
+}

@@ -76,3 +76,24 @@ pub(super) fn few_ulps(r: &mut Random) -> i32 {
     let n = r.count(1, 1000) as i32;
     if r.chance(0.5) { n } else { -n }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ulps_are_those_of_the_number() {
+        for v in [1.0f32, 1.5, -3.25, 1000.1, -7e-3] {
+            for n in [1, -1, 5, 300] {
+                let step = f32::from_bits(v.abs().to_bits() + 1) - v.abs();
+                let moved = ulps(v, n);
+                assert!(
+                    moved != v
+                        && (f64::from(moved) - f64::from(v) - f64::from(step) * f64::from(n)).abs() <= f64::from(step)
+                );
+            }
+        }
+        assert!((1e-11..1e-9).contains(&ulps(0.0, 1)));
+        assert_eq!(moved([1.0, 2.0, 3.0], 0b101, 2), [ulps(1.0, 2), 2.0, ulps(3.0, 2)]);
+    }
+}
