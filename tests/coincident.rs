@@ -156,7 +156,11 @@ impl World {
                 assert_eq!(held.facet.facet_wrong_outside_band, 0, "{engine}: {what}: {:?}", held.facet);
                 if facets == FacetMode::All {
                     assert_eq!(held.scene.scene_acne_pixels, 0, "{engine}: {what}: {:?}", held.scene);
-                    assert!(held.scene.scene_pixel_match > Some(0.998), "{engine}: {what}: {:?}", held.scene);
+                    assert!(
+                        held.scene.scene_pixel_match.is_some_and(|m| m > 0.998),
+                        "{engine}: {what}: {:?}",
+                        held.scene
+                    );
                 }
             }
         }

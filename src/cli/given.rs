@@ -264,6 +264,7 @@ fn vector([x, y, z]: [f32; 3]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::progress::Console;
     use std::collections::BTreeSet;
 
     fn options(arguments: &[&str]) -> Options {
@@ -302,7 +303,7 @@ mod tests {
         ];
         for (asked, light) in asked.iter().zip(lights) {
             let own = options(&[asked, &["--light", light, "--camera", "eye=0.1,2,3.3333333;fov=40.1"][..]].concat());
-            let scene = own.open(Some("spheres")).unwrap();
+            let scene = own.open(Some("spheres"), Console::new(true)).unwrap();
             let path = Path::new("f.json");
             let mut line = vec![OsString::from("subpixel-shadows")];
             for (name, value) in settings(&own, &scene, &Engine::Cpu) {
@@ -315,7 +316,7 @@ mod tests {
                 (again.force_all, again.list_start, again.converged),
                 (own.force_all, own.list_start, own.converged)
             );
-            let reopened = again.open(Some("spheres")).unwrap();
+            let reopened = again.open(Some("spheres"), Console::new(true)).unwrap();
             assert_eq!((reopened.camera, reopened.light), (scene.camera, scene.light));
         }
     }

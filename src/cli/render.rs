@@ -28,7 +28,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
     OutFolder::check(&options.out)?;
-    let scene = options.open(scene)?;
+    let scene = options.open(scene, console)?;
     let from = Instant::now();
     let prepared = Prepared::new(&scene.mesh)?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
@@ -79,8 +79,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     report.text(
         "look further: `explain` for the plan, `--truth` for the error, `--force-all` to leave nothing out, `--help`",
     );
-    report.print();
-    Ok(())
+    report.print()
 }
 
 /// The error against the truths, and scene truth.
@@ -142,25 +141,25 @@ fn write(
         triangles,
         visibility,
     };
-    let mut out = OutFolder::open(&options.out)?;
-    write_png_rgb(&out.file("shaded.png"), w, h, &shade(&shading))?;
-    write_png_grey(&out.file("visibility.png"), w, h, visibility)?;
-    write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
-    if let Some(truth) = truth {
-        let values = truth.visibility();
-        write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
-        write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
-    }
-    if let Some(looks) = &rendered.looks {
-        if !looks.classes.is_empty() {
-            write_classes(&out.file("classes.png"), w, h, &looks.classes)?;
+    OutFolder::fill(&options.out, |out| {
+        write_png_rgb(&out.file("shaded.png"), w, h, &shade(&shading))?;
+        write_png_grey(&out.file("visibility.png"), w, h, visibility)?;
+        write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
+        if let Some(truth) = truth {
+            let values = truth.visibility();
+            write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
+            write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
         }
-        if let Some(map) = &looks.map {
-            write_map(&out.file("light-view.png"), map)?;
+        if let Some(looks) = &rendered.looks {
+            if !looks.classes.is_empty() {
+                write_classes(&out.file("classes.png"), w, h, &looks.classes)?;
+            }
+            if let Some(map) = &looks.map {
+                write_map(&out.file("light-view.png"), map)?;
+            }
         }
-    }
-    frame.write(&out.file("frame.json"))?;
-    out.finish()
+        frame.write(&out.file("frame.json"))
+    })
 }
 
 /// Stages with their time, and those left out.

@@ -43,7 +43,8 @@ impl Faults {
 pub struct FrameStatus {
     /// Its number, as [`record`](super::ShadowPass::record) returned it.
     pub frame: u64,
-    /// Whether its picture is whole and right. If not, `overflowed`, `faults` or `error` says why.
+    /// Whether its picture is whole and right: the GPU itself has written that it ran to its end, no list was too short, and all input
+    /// could be used. If not, `overflowed`, `faults` or `error` says why.
     pub complete: bool,
     /// A list was too short: some shadows are missing. The lists grow before a later frame.
     pub overflowed: bool,
@@ -184,7 +185,12 @@ impl InFlight {
             let label = slot.label;
             let read = match state {
                 READY => slot.read(timer),
-                FAILED => Err(Error::Gpu("the counters of the frame could not be mapped".to_owned())),
+                FAILED => {
+                    let of = label.frame;
+                    Err(Error::Gpu(format!(
+                        "the counters of frame {of} cannot be read: the device was lost or destroyed before it was done"
+                    )))
+                }
                 _ => continue,
             };
             if read.is_ok() && self.free.len() < Self::KEPT {
