@@ -328,3 +328,51 @@ fn huge_counts_take_no_memory() {
         assert!(line.contains(name) && line.contains(part) && line.lines().count() == 1, "{name}: {line}");
     }
 }
+
+/// Ends of the ranges of options, on the GPU: a whole picture of shares, or one line. All options and methods:
+/// `cargo run --release --example hostile`.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn ends_of_ranges_on_the_gpu() {
+    let folder = Folder::new("ends").unwrap();
+    let out = folder.0.join("out");
+    let cases: [(&str, Option<&str>); 12] = [
+        ("--size 1x1 --map 1 --samples 1", None),
+        ("--size 1x1 --map 1 --samples 128 --facets one", None),
+        ("--size 3x65 --map 255", None),
+        ("--size 24x18 --map 3 --force-all --memory-limit 1 --list-start 0", None),
+        ("--size 24x18 --map 16 --memory-limit 18446744073709551615", None),
+        ("--size 24x18 --map 16 --camera fov=1e-45", None),
+        ("--size 24x18 --map 16 --camera fov=179.9999", None),
+        ("--size 24x18 --map 16 --light directional=0,1e-45,0", None),
+        ("--size 24x18 --map 16 --light point=1e38,1e38,1e38", None),
+        ("--size 24x18 --map 16 --light spot=1,3,1;target=1,3,1.0000001;angle=1e-45", None),
+        ("--size 24x18 --map 16 --camera eye=1e38,1e38,1e38", Some("far inf")),
+        ("--size 24x18 --map 16 --list-start 18446744073709551615", Some("bytes, ")),
+    ];
+    for (options, refused) in cases {
+        let _ = std::fs::remove_dir_all(&out);
+        let mut words =
+            vec!["render", "plane", "--engine", "gpu", "--quiet", "--frames", "1", "--out", out.to_str().unwrap()];
+        words.extend(options.split(' '));
+        if !options.contains("--samples") {
+            words.extend(["--samples", "8"]);
+        }
+        let done = program(&words);
+        let text = String::from_utf8_lossy(&done.stderr).into_owned();
+        let own: Vec<&str> = text.lines().filter(|l| l.starts_with("subpixel-shadows: ")).collect();
+        assert!(!text.contains("panicked"), "{options}: {text}");
+        match refused {
+            None => {
+                assert!(done.status.success() && own.is_empty(), "{options}: {:?} {text}", done.status);
+                let picture = image::open(out.join("visibility.exr")).unwrap().into_rgba32f();
+                assert!(picture.pixels().all(|p| (0.0..=1.0).contains(&p[0])), "{options}");
+            }
+            Some(part) => {
+                assert_eq!(done.status.code(), Some(1), "{options}: {text}");
+                assert!(own.len() == 1 && own[0].contains(part), "{options}: {text}");
+                assert!(!out.exists(), "{options}");
+            }
+        }
+    }
+}

@@ -1,9 +1,9 @@
 //! Damaged files of every format and extremes of every option against the loaders, the CPU engine and the built program:
-//! `cargo build --release && cargo run --release --example hostile -- [--cases N] [--seed S] [--program N] [--gpu N] [--options on|off]
-//! [--keep DIR] [--page FILE]`
+//! `cargo build --release && cargo run --release --example hostile -- [--cases N] [--seed S] [--program N] [--gpu N] [--limit SECONDS]
+//! [--options on|off] [--keep DIR] [--page FILE]`
 //!
 //! Of `--cases` files each is opened and rendered in this process; `--program` of them also go through the program on the CPU
-//! engine, and `--gpu` of those that can be read on the GPU. No case may panic, take longer than a minute, end with another
+//! engine, and `--gpu` of those that can be read on the GPU. No case may panic, take longer than `--limit`, end with another
 //! status than is documented, say more or less than one line, or leave anything half-written. Files that do are kept in `--keep`.
 //! Exit status 1 if there are any.
 
@@ -14,6 +14,7 @@ mod process;
 use process::Program;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 use subpixel_shadows::{Error, Result};
 
 /// What is asked for.
@@ -22,6 +23,7 @@ struct Arguments {
     seed: u64,
     program: usize,
     gpu: usize,
+    limit: u64,
     options: bool,
     keep: PathBuf,
     page: Option<PathBuf>,
@@ -34,6 +36,7 @@ impl Arguments {
             seed: 1,
             program: 1000,
             gpu: 50,
+            limit: process::LIMIT.as_secs(),
             options: true,
             keep: PathBuf::from("target/hostile"),
             page: None,
@@ -46,6 +49,7 @@ impl Arguments {
                 "--seed" => found.seed = number()?,
                 "--program" => found.program = number()? as usize,
                 "--gpu" => found.gpu = number()? as usize,
+                "--limit" => found.limit = number()?,
                 "--options" => found.options = value == "on",
                 "--keep" => found.keep = value.into(),
                 "--page" => found.page = Some(value.into()),
@@ -58,7 +62,7 @@ impl Arguments {
 
 fn run() -> Result<bool> {
     let arguments = Arguments::read(std::env::args().skip(1))?;
-    let program = Program::find()?;
+    let program = Program::find(Duration::from_secs(arguments.limit))?;
     let adapter = program.adapter();
     let given = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let mut page = format!(

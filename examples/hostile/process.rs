@@ -6,13 +6,14 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use subpixel_shadows::{Error, Result};
 
-/// The longest that a case may take.
+/// The longest that a case may take, unless another limit is asked for.
 pub const LIMIT: Duration = Duration::from_secs(60);
 
 /// The built program, and a folder for what it writes.
 pub struct Program {
     path: PathBuf,
     folder: PathBuf,
+    limit: Duration,
 }
 
 /// How a run ended.
@@ -27,15 +28,15 @@ pub struct Ended {
 }
 
 impl Program {
-    /// The program beside the folder of the examples.
-    pub fn find() -> Result<Self> {
+    /// The program beside the folder of the examples; its runs may take `limit`.
+    pub fn find(limit: Duration) -> Result<Self> {
         let own = std::env::current_exe().map_err(|e| Error::file("hostile", e.to_string()))?;
         let name = format!("subpixel-shadows{}", std::env::consts::EXE_SUFFIX);
         let path = own.ancestors().skip(2).map(|p| p.join(&name)).find(|p| p.is_file());
         let path = path.ok_or_else(|| Error::file(&own, "is not beside the program: cargo build --release"))?;
         let folder = std::env::temp_dir().join(format!("subpixel-shadows-hostile-runs-{}", std::process::id()));
         std::fs::create_dir_all(&folder).map_err(|e| Error::file(&folder, e.to_string()))?;
-        Ok(Self { path, folder })
+        Ok(Self { path, folder, limit })
     }
 
     /// The adapter that a plain run takes; `None` without one.
@@ -65,7 +66,7 @@ impl Program {
         let status = loop {
             match child.try_wait().map_err(|e| Error::file(&self.path, e.to_string()))? {
                 Some(status) => break status,
-                None if start.elapsed() > LIMIT => {
+                None if start.elapsed() > self.limit => {
                     late = true;
                     let _ = child.kill();
                     let _ = child.wait();
@@ -81,7 +82,7 @@ impl Program {
         let usage = text.lines().find_map(|l| l.strip_prefix("error: ").filter(|l| !l.contains("XDG_RUNTIME_DIR")));
         let line = own.first().copied().or(usage).unwrap_or_default().to_owned();
         let fault = if late {
-            Some(format!("takes longer than {} s", LIMIT.as_secs()))
+            Some(format!("takes longer than {} s", self.limit.as_secs()))
         } else if text.contains("panicked at") {
             Some("panics".to_owned())
         } else {
