@@ -9,8 +9,8 @@ use subpixel_shadows::{Error, Result};
 /// Time between two tries of a lock.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// A folder that is locked against other runs of the program until this is dropped. The system lifts the lock when the process
-/// ends, however it ends.
+/// A folder that is locked against other runs of the program until this is dropped. The system lifts the lock when the
+/// process ends, however it ends.
 #[derive(Debug)]
 pub struct Held {
     folder: PathBuf,
