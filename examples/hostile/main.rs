@@ -83,11 +83,21 @@ fn run() -> Result<bool> {
         page += &options.text;
         failures += options.failures;
     }
+    page += &load();
     println!("{page}");
     if let Some(path) = &arguments.page {
         subpixel_shadows::report::write_text(path, &page)?;
     }
     Ok(failures == 0)
+}
+
+/// What else the machine had to do, where the system tells: times are longer for it.
+fn load() -> String {
+    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    text.split(' ').next().filter(|l| !l.is_empty()).map_or(String::new(), |l| {
+        format!("\nAt the end {l} programs at a time wanted the machine's {threads} threads.\n")
+    })
 }
 
 /// A part of the page, and how many of its cases failed.
