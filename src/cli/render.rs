@@ -3,7 +3,7 @@
 use super::args::Options;
 use super::engine::{Engine, Rendered};
 use super::explain::mesh_line;
-use super::given::settings as settings_of;
+use super::given::{other_mesh, settings as settings_of};
 use super::output::OutFolder;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
@@ -55,6 +55,9 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
         asked: &asked,
         error,
     });
+    if let Some(note) = other_mesh(options, &frame) {
+        console.note(&note);
+    }
     let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;
     let mut report = Report::default();
     report.line("scene", &format!("{}: {}", scene.name, mesh_line(&prepared)));
@@ -301,12 +304,13 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
             .text(&format!("first wrong: sample {sample} of pixel ({x}, {y}), whose facet is of triangle {triangle}"));
     }
     let seen = &error.seen;
+    let of_some = |n| if seen.seen_samples == 0 { "–".to_owned() } else { grouped(n) };
     let mut rows = vec![["seen truth", "samples", "wrong", "tied"].map(String::from).to_vec()];
     rows.push(vec![
         "surface each sees".to_owned(),
         grouped(seen.seen_samples),
-        grouped(seen.seen_wrong),
-        grouped(seen.seen_tied),
+        of_some(seen.seen_wrong),
+        of_some(seen.seen_tied),
     ]);
     report.table(&rows, &[1, 2, 3]);
     if let Some([pixel, sample, triangle]) = seen.first_wrong {

@@ -168,7 +168,7 @@ impl<'a> Renderer<'a> {
         let parts = Parts::within(settings.map, &gpu.device.limits());
         let (strips, method) = fitting(gpu, &casters, &settings.of_part(parts), budget, &pipelines, strips)?;
         gpu.check()?;
-        let (timer, settings) = (Timer::new(gpu), settings.clone());
+        let (timer, settings) = (Timer::new(gpu)?, settings.clone());
         let view = LastView::default();
         Ok(Self { gpu, prepared, casters, pipelines, method, strips, parts, budget, timer, settings, view, runs: 0 })
     }

@@ -45,6 +45,7 @@ pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
+use crate::gpu::buffer::allocate;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
 use crate::methods::Settings;
@@ -180,7 +181,7 @@ impl ShadowPass {
             let held = || Ok::<_, Error>((LastPicture::new(device), Held::new(device, queue, &settings)?));
             Ok(Self {
                 last: config.keep_last.then(held).transpose()?,
-                seen: Seen::new(device, &settings, made.keys),
+                seen: Seen::new(device, &settings, made.keys)?,
                 settings,
                 maker,
                 grows: config.grow,
@@ -189,7 +190,7 @@ impl ShadowPass {
                 casters,
                 image: made.image,
                 faults: Buffer::storage(device, "shadow_pass.faults", FAULT_WORDS)?,
-                timer: if config.timing { Timer::on(device, queue) } else { None },
+                timer: if config.timing { Timer::on(device, queue)? } else { None },
                 in_flight: InFlight::default(),
                 known: VecDeque::new(),
                 together: Together::default(),
@@ -263,7 +264,9 @@ impl ShadowPass {
     /// # Errors
     /// [`Error::Scene`] for a camera or light that cannot be used; [`Error::Config`] for textures
     /// and buffers of a wrong format, size or usage, and for inputs that do not go with the settings; [`Error::Memory`] and
-    /// [`Error::Gpu`] if there is no memory for larger lists. Nothing is recorded then.
+    /// [`Error::Gpu`] if there is no memory for larger lists. Nothing is recorded then, but for memory that runs out in the middle of
+    /// recording, for a buffer of some words: the encoder then holds a part of a frame that has no status, and is to be dropped. A later
+    /// frame is as if there had been no error.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs, target: &Target) -> Result<u64> {
         inputs.camera.check()?;
         inputs.light.check()?;
@@ -289,7 +292,7 @@ impl ShadowPass {
             frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
         }
         let (strips, status) = (self.image.strips.count(), self.image.method.status());
-        let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips));
+        let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;
         encoder.push_debug_group("shadow_pass");
         let recorded = self.record_checked(encoder, inputs, target, &frames, &staging);
         encoder.pop_debug_group();
@@ -315,7 +318,7 @@ impl ShadowPass {
         let (image, casters, faults) = (&self.image, &self.casters, &self.faults);
         let method = &image.method;
         // Written by the encoder and not by the queue: a second frame of the same submission must not change the first.
-        let staged = self.stage(frames);
+        let staged = self.stage(frames)?;
         let rec = &mut Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
         rec.clear(faults.raw());
         if let Some((_, held)) = &self.last {
@@ -362,19 +365,15 @@ impl ShadowPass {
     }
 
     /// A buffer that holds `frames`.
-    fn stage(&self, frames: &[Frame]) -> wgpu::Buffer {
+    fn stage(&self, frames: &[Frame]) -> Result<wgpu::Buffer> {
         let bytes: &[u8] = bytemuck::cast_slice(frames);
-        let buffer = self.maker.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("shadow_pass.frames"),
-            size: bytes.len() as u64,
-            usage: wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: true,
-        });
+        let (size, usage) = (bytes.len() as u64, wgpu::BufferUsages::COPY_SRC);
+        let buffer = allocate(&self.maker.device, "shadow_pass.frames", size, usage, true)?;
         if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
             view.copy_from_slice(bytes);
         }
         buffer.unmap();
-        buffer
+        Ok(buffer)
     }
 
     /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all of them.
@@ -411,10 +410,21 @@ impl ShadowPass {
             self.together.cramp();
             return Ok(false);
         }
+        // Another time there may be memory.
+        let again = Some(Wanted { capacities: wanted, must });
         // Strips of fewer rows have shorter lists.
-        let (Error::Memory { .. }, Some(more)) = (&error, self.image.strips.more()) else { return Err(error) };
-        let made = self.maker.make(&self.settings, &self.casters, more, Some((&self.image, wanted)))?;
-        self.take(made);
+        let (Error::Memory { .. }, Some(more)) = (&error, self.image.strips.more()) else {
+            self.wanted = again;
+            return Err(error);
+        };
+        let made = self.maker.make(&self.settings, &self.casters, more, Some((&self.image, wanted)));
+        match made {
+            Ok(made) => self.take(made),
+            Err(error) => {
+                self.wanted = again;
+                return Err(error);
+            }
+        }
         Ok(true)
     }
 

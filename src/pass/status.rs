@@ -1,6 +1,7 @@
 //! What is known of recorded frames once the GPU is done with them: counters are copied to a buffer that maps itself when
 //! the application's submission has run, and are read when they are asked for. Nothing waits.
 
+use crate::gpu::buffer::allocate;
 use crate::gpu::{Buffer, Recorder, StageTime, Timer};
 use crate::methods::facet_masks::Capacities;
 use crate::methods::render::{Counts, ListUse};
@@ -134,18 +135,16 @@ impl InFlight {
     const KEPT: usize = 8;
 
     /// A buffer for `words` counters of a frame.
-    pub(super) fn staging(&mut self, device: &wgpu::Device, words: u64) -> Staging {
+    pub(super) fn staging(&mut self, device: &wgpu::Device, words: u64) -> Result<Staging> {
         let size = stamps_at(words * 4) + Timer::BYTES;
         let buffer = match self.free.iter().position(|b| b.size() == size) {
             Some(k) => self.free.swap_remove(k),
-            None => device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("shadow_pass.status"),
-                size,
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-                mapped_at_creation: false,
-            }),
+            None => {
+                let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+                allocate(device, "shadow_pass.status", size, usage, false)?
+            }
         };
-        Staging { buffer, words }
+        Ok(Staging { buffer, words })
     }
 
     /// Appends the copy of the faults and time stamps of a frame to `encoder`, whose counters are copied to `staging` already.

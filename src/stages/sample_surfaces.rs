@@ -191,18 +191,18 @@ impl SampleSurfaces {
         for (band, keys) in complex.bands() {
             let seen = Seen { frame, mesh, lists, complex, keys };
             for (round, word) in turns() {
-                let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
+                let step = self.uniforms.get(stage.device, &Step { round, word, ..band })?;
                 stage.run(&self.nearest, &seen.buffers(&step), groups())?;
             }
             stage.run(&self.begin, &[("crowds", complex.crowds.raw())], Groups::Workgroups(1))?;
             if let Some(fill) = fill {
                 fill(stage, [band.first_slot, band.slots], keys, groups())?;
             }
-            let step = self.uniforms.get(stage.device, &band);
+            let step = self.uniforms.get(stage.device, &band)?;
             stage.run(&self.rivals, &seen.buffers(&step), groups())?;
             self.fold.record(stage, &complex.crowds, &complex.crowd_requests, &complex.crowd_args)?;
             for (round, word) in turns() {
-                let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
+                let step = self.uniforms.get(stage.device, &Step { round, word, ..band })?;
                 stage.run(&self.crowds, &seen.buffers(&step), Groups::Indirect(complex.crowd_args.raw(), 0))?;
             }
             self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
@@ -231,7 +231,7 @@ impl SampleSurfaces {
         ];
         stage.run(&self.emit_single, &buffers, Groups::Items(pixels.max(facets.list.len()) as u64))?;
         for (band, keys) in complex.bands() {
-            let step = self.uniforms.get(stage.device, &band);
+            let step = self.uniforms.get(stage.device, &band)?;
             if complex.keys.len() > 1 {
                 // Those of other bands were written over.
                 self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;

@@ -66,7 +66,7 @@ impl LastPicture {
         faults: &Buffer<u32>,
         verdict: &Buffer<u32>,
     ) -> Result<()> {
-        let lists = self.uniforms.get(stage.device, lists);
+        let lists = self.uniforms.get(stage.device, lists)?;
         let buffers = [
             ("frame", frame),
             ("lists", &lists),
