@@ -45,7 +45,7 @@ pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
-use crate::gpu::buffer::allocate;
+use crate::gpu::buffer::filled;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
 use crate::methods::Settings;
@@ -366,14 +366,8 @@ impl ShadowPass {
 
     /// A buffer that holds `frames`.
     fn stage(&self, frames: &[Frame]) -> Result<wgpu::Buffer> {
-        let bytes: &[u8] = bytemuck::cast_slice(frames);
-        let (size, usage) = (bytes.len() as u64, wgpu::BufferUsages::COPY_SRC);
-        let buffer = allocate(&self.maker.device, "shadow_pass.frames", size, usage, true)?;
-        if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
-            view.copy_from_slice(bytes);
-        }
-        buffer.unmap();
-        Ok(buffer)
+        let usage = wgpu::BufferUsages::COPY_SRC;
+        filled(&self.maker.device, "shadow_pass.frames", bytemuck::cast_slice(frames), usage)
     }
 
     /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all of them.
