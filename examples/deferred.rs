@@ -118,8 +118,8 @@ fn main() -> Result<()> {
     let (device, queue) = block_on(adapter.request_device(&descriptor)).map_err(|e| Error::Gpu(e.to_string()))?;
     let app = App::new(device, queue, &scene, size);
 
-    let settings =
-        Settings::new(size, arguments.map, Samples::new(Pattern::LowDiscrepancy, arguments.samples.unwrap_or(32))?);
+    let samples = Samples::new(Pattern::LowDiscrepancy, arguments.samples.unwrap_or(32))?;
+    let settings = Settings { facets: FacetMode::One, ..Settings::new(size, arguments.map, samples) };
     let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };
     let config = PassConfig { timing: true, receivers: true, ..PassConfig::new(settings.clone(), casters) };
     let mut pass = ShadowPass::new(&app.device, &app.queue, &config)?;

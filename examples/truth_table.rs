@@ -15,7 +15,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
 use subpixel_shadows::plan::{Extent, Plan};
-use subpixel_shadows::report::{FacetErrors, FacetSet, TracedScene};
+use subpixel_shadows::report::{FacetErrors, FacetSet, SeenErrors, TracedScene, or_dash, percent_or_dash};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Scene, SceneOptions};
 use subpixel_shadows::truth::{SceneTruth, Tracer, TruthImage, join_mask};
@@ -65,10 +65,10 @@ fn main() -> Result<()> {
     );
     println!("without the samples that truth leaves open (*sure*); *band* is the silhouette band.\n");
     println!(
-        "| scene | view | light | facets | samples | wrong | open | within 1/{} | largest | sure | band RMSE |",
+        "| scene | view | light | facets | samples | wrong | open | elsewhere | within 1/{} | largest | sure | band RMSE |",
         samples.count()
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     let start = Instant::now();
     for name in &arguments.scenes {
         let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
@@ -85,7 +85,7 @@ fn main() -> Result<()> {
                     let plan = Plan::of_method(MethodName::FacetMasks, &prepared, &camera, &light, &wanted, false)?;
                     if plan.extent != Extent::Everything {
                         println!(
-                            "| {} | {view} | {kind} | {label} | nothing to compare: {:?} | | | | | |",
+                            "| {} | {view} | {kind} | {label} | nothing to compare: {:?} | | | | | | |",
                             scene.name, plan.extent
                         );
                         continue;
@@ -100,19 +100,21 @@ fn main() -> Result<()> {
                         set.add(&gpu, method.facets(), samples.words(), arguments.size[0], rows)
                     })?;
                     let own = FacetErrors::of(&set, &tracer, &camera, &light, settings, None)?;
+                    let seen = SeenErrors::of(&set, &tracer, &camera, settings, None)?;
                     let against = traced.errors(&frame.visibility)?;
                     let scene_truth = SceneTruth::new(&tracer, &camera, &light, &samples, w, h)?;
                     let sure = (0..w * h).map(|p| sure_difference(&scene_truth, &traced.image, &frame.lit, p));
                     println!(
-                        "| {} | {view} | {kind} | {label} | {} | {} | {:.3} % | {:.4} % | {:.3} | {:.3} | {:.5} |",
+                        "| {} | {view} | {kind} | {label} | {} | {} | {:.3} % | {} | {} | {:.3} | {:.3} | {} |",
                         scene.name,
                         own.facet_samples,
                         own.facet_wrong_outside_band,
                         100.0 * own.facet_ambiguous as f64 / own.facet_samples.max(1) as f64,
-                        100.0 * against.scene_pixel_match,
+                        seen.seen_wrong,
+                        percent_or_dash(against.scene_pixel_match),
                         against.scene_max,
                         sure.fold(0.0, f64::max),
-                        against.scene_band_rmse,
+                        or_dash(against.scene_band_rmse, 5),
                     );
                     let _ = std::io::stdout().flush();
                     eprintln!("{} {view} {kind} {label}: {:.0} s", scene.name, start.elapsed().as_secs_f64());

@@ -17,7 +17,7 @@ use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Gpu, StageTime};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
-use subpixel_shadows::report::TracedScene;
+use subpixel_shadows::report::{TracedScene, or_dash, percent_or_dash};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::truth::Tracer;
@@ -127,15 +127,15 @@ fn main() -> Result<()> {
         let errors = traced.errors(&last.visibility)?;
         let of = |camera| median(&frames.iter().map(|f| sum(&f.stages, camera)).collect::<Vec<_>>());
         println!(
-            "| {label} | {} | {:.1} | {} | {} | {:.0} | {:.0} | {:.5} | {:.3} % |",
+            "| {label} | {} | {:.1} | {} | {} | {:.0} | {:.0} | {} | {} |",
             last.counts.facets,
             last.counts.facets as f64 / f64::from(size[0] * size[1]),
             last.counts.pixel_texel_pairs,
             last.counts.visibility_evaluations,
             of(true),
             of(false),
-            errors.scene_band_rmse,
-            100.0 * errors.scene_pixel_match,
+            or_dash(errors.scene_band_rmse, 5),
+            percent_or_dash(errors.scene_pixel_match),
         );
     }
     println!("\n| stage | one, ms | all, ms |\n|---|---|---|");

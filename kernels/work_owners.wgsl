@@ -9,9 +9,9 @@
 
 struct Params {
     owners: u32,
+    room: u32,   // places behind the head; `arrayLength` would count the buffer's padding, which no invocation fills
     pad_0: u32,
     pad_1: u32,
-    pad_2: u32,
 }
 
 const WORKGROUP = 64u;
@@ -25,7 +25,7 @@ fn list(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let table = params.owners + HEAD;
     let total = work_offsets[params.owners];
     let last = (max(total, 1u) - 1u) / STRIDE + 1u;
-    let places = min(arrayLength(&work_offsets) - table, select(last + 1u, 0u, total == 0u));
+    let places = min(params.room, select(last + 1u, 0u, total == 0u));
     if k == 0u { work_offsets[table - 1u] = places; }
     if k >= places { return; }
     let item = select(STRIDE * k, total - 1u, k == last);

@@ -202,7 +202,7 @@ mod tests {
 
     fn settings(samples: u32, validity: bool) -> Settings {
         let samples = Samples::new(Pattern::default(), samples).unwrap();
-        Settings { validity, cull_back: true, ..Settings::new([64, 48], 64, samples) }
+        Settings { facets: FacetMode::One, validity, cull_back: true, ..Settings::new([64, 48], 64, samples) }
     }
 
     fn triangles(corners: &[[f32; 3]]) -> Mesh {

@@ -15,7 +15,7 @@ const SIZE: [u32; 2] = [96, 72];
 
 fn settings(settle: bool, validity: bool) -> Settings {
     let samples = Samples::new(Pattern::LowDiscrepancy, 32).expect("32 samples");
-    Settings { validity, settle, ..Settings::new(SIZE, 64, samples) }
+    Settings { facets: FacetMode::One, validity, settle, ..Settings::new(SIZE, 64, samples) }
 }
 
 /// A scene with what is known of its samples.

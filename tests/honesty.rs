@@ -1,305 +1,470 @@
-//! The pass says of no frame that it is complete that is not, whatever becomes of it; and what it cannot do it refuses.
+//! The program says what it did, and refuses what it cannot do: times, figures, settings, options.
+#![cfg(feature = "cli")]
 
-#[path = "shared/frames.rs"]
-mod frames;
-#[path = "../examples/shared/soak.rs"]
-mod soak;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use subpixel_shadows::methods::{METHOD_OPTIONS, MethodName};
 
-use frames::status_of;
-use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::gpu::program::made_here;
-use subpixel_shadows::methods::Prepared;
-use subpixel_shadows::methods::facet_masks::Pipelines;
-use subpixel_shadows::methods::growth::larger;
-use subpixel_shadows::methods::render::{Budget, Renderer};
-use subpixel_shadows::methods::{FacetMode, Settings};
-use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
-use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Scene, builtin};
-use subpixel_shadows::{Error, ShadowPass, wgpu};
+/// A folder of its own for each test, gone afterwards.
+struct Folder(PathBuf);
 
-fn scene(name: &str) -> Scene {
-    builtin(name).expect("a built-in scene")
-}
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("subpixel-shadows-honesty-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).expect("a temporary folder");
+        Self(path)
+    }
 
-fn settings(facets: FacetMode, size: [u32; 2]) -> Settings {
-    let samples = Samples::new(Pattern::LowDiscrepancy, 32).expect("32 samples");
-    Settings { facets, ..Settings::new(size, 64, samples) }
-}
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().expect("a UTF-8 path").to_owned()
+    }
 
-fn casters(scene: &Scene) -> Casters<'_> {
-    Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles }
-}
-
-fn pass_on(gpu: &Gpu, config: &PassConfig) -> ShadowPass {
-    ShadowPass::new(&gpu.device, &gpu.queue, config).expect("a pass")
-}
-
-/// Commands that the device refuses, because of what the application recorded beside the frame, run nothing. The counters of
-/// such a frame are zeros, or those of the frame that used their buffer before.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-fn refused_commands_are_no_frame() {
-    // Of its own: other tests ask theirs for errors.
-    let gpu = Gpu::open(None).expect("a GPU");
-    let scene = scene("plane");
-    let inputs = Inputs::new(&scene.camera, &scene.light);
-    for (facets, strips) in [(FacetMode::One, 1), (FacetMode::All, 1), (FacetMode::All, 2)] {
-        let config = PassConfig { strips, ..PassConfig::new(settings(facets, [48, 36]), casters(&scene)) };
-        let mut pass = pass_on(&gpu, &config);
-        let mut run = |refuse: bool| {
-            let mut encoder = gpu.encoder();
-            let number = pass.record(&mut encoder, &inputs, &Target::default()).expect("recorded");
-            let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-            if refuse {
-                let descriptor = wgpu::BufferDescriptor {
-                    label: Some("test"),
-                    size: 16,
-                    usage: wgpu::BufferUsages::COPY_SRC,
-                    mapped_at_creation: false,
-                };
-                let [from, to] = [(); 2].map(|()| gpu.device.create_buffer(&descriptor));
-                encoder.copy_buffer_to_buffer(&from, 0, &to, 0, 16);
-            }
-            gpu.queue.submit([encoder.finish()]);
-            let error = futures::executor::block_on(scope.pop());
-            assert_eq!(error.is_some(), refuse, "{error:?}");
-            gpu.wait(None).expect("the device works");
-            let status = status_of(&mut pass);
-            assert_eq!(status.frame, number);
-            status
-        };
-        // Before any frame has run, and with the counters of one that was complete left over.
-        for _ in 0..2 {
-            let status = run(true);
-            assert!(!status.complete && !status.overflowed, "{facets:?}: {status:?}");
-            assert!(status.error.as_ref().is_some_and(|e| e.contains("did not run to its end")), "{status:?}");
-            assert!(status.error.is_some_and(|e| e.contains(&format!("frame {}", status.frame))));
-            assert_eq!(status.counts, Default::default(), "counters of another frame");
-            let complete = (0..4).map(|_| run(false)).find(|status| status.complete);
-            assert!(complete.is_some_and(|status| status.error.is_none()), "{facets:?}");
-        }
+    fn file(&self, name: &str, text: &str) -> String {
+        std::fs::write(self.path(name), text).expect("a file");
+        self.path(name)
     }
 }
 
-/// One frame, and how it came out.
-fn frame(gpu: &Gpu, pass: &mut ShadowPass, inputs: &Inputs, target: &Target) -> FrameStatus {
-    let mut encoder = gpu.encoder();
-    pass.record(&mut encoder, inputs, target).expect("recorded");
-    gpu.submit_and_wait(encoder).expect("the frame runs");
-    status_of(pass)
-}
-
-/// Whatever becomes of a pass, its pipelines are those it was made with: another size, casters that have surfaces to merge and that have
-/// none, casters that move, lists that grow from one element, more strips, more views of the light.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-fn pipelines_are_made_once() {
-    let gpu = Gpu::open(None).expect("a GPU");
-    let mut scenes = ["windmill", "plant", "spheres"].map(scene);
-    scenes[1].mesh.triangles = scenes[1].mesh.triangles.iter().copied().step_by(7).collect();
-    let merges = |scene: &Scene| Prepared::new(&scene.mesh).expect("a sound mesh").merges();
-    assert!(scenes.iter().any(merges) && !scenes.iter().all(merges), "surfaces to merge in some, and none in others");
-    for facets in [FacetMode::One, FacetMode::All] {
-        for (strips, receivers) in [(1, false), (2, facets == FacetMode::One)] {
-            let budget = Budget { start: Some(1), ..Budget::default() };
-            let config = PassConfig::new(settings(facets, [40, 30]), casters(&scenes[0]));
-            let config = PassConfig { strips, receivers, budget, ..config };
-            let before = made_here();
-            let mut pass = pass_on(&gpu, &config);
-            let made = made_here();
-            assert!(made > before + 30, "{} pipelines: nothing is counted", made - before);
-            let complete = |pass: &mut ShadowPass, scene: &Scene, light: &Light| {
-                let inputs = Inputs::new(&scene.camera, light);
-                (0..9).any(|_| frame(&gpu, pass, &inputs, &Target::default()).complete)
-            };
-            assert!(complete(&mut pass, &scenes[0], &scenes[0].light));
-            for scene in &scenes[1..] {
-                pass.set_casters(&casters(scene)).expect("other casters");
-                assert!(complete(&mut pass, scene, &scene.light));
-            }
-            for size in [[1, 1], [64, 48], [17, 99]] {
-                pass.set_size(size).expect("another size");
-                let scene = &scenes[2];
-                assert!(complete(&mut pass, scene, &scene.light), "{size:?}");
-                assert!(complete(&mut pass, scene, &Light::Point { position: [0.8, 1.9, 0.9] }), "{size:?}");
-            }
-            assert!(pass.capacities().views > 1);
-            let mesh = &scenes[1].mesh;
-            pass.set_casters(&Casters::Moving { rest: &mesh.positions, triangles: &mesh.triangles }).expect("moving");
-            assert_eq!(made_here() - made, 0, "{facets:?}, {strips} strips: pipelines made after the pass was");
-        }
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-/// Pipelines of another number of samples are no others with a word alike: what is beyond their samples is not in them.
+fn run(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_subpixel-shadows")).args(args).output().expect("the program starts")
+}
+
+/// Runs a command that has to succeed; what it prints.
+fn done(args: &[&str]) -> String {
+    let done = run(args);
+    assert!(done.status.success(), "{args:?}: {}", String::from_utf8_lossy(&done.stderr));
+    String::from_utf8_lossy(&done.stdout).into_owned()
+}
+
+/// Runs a command that has to succeed; what it notes.
+fn complaint(args: &[&str]) -> String {
+    let done = run(args);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(done.status.success(), "{args:?}: {said}");
+    said
+}
+
+/// Runs a small frame into `out`, which has to succeed.
+fn render(out: &str, args: &[&str]) -> String {
+    done(&[&["render", "--quiet", "--out", out, "--size", "48x36", "--map", "64", "--frames", "1"], args].concat())
+}
+
+fn frame(out: &str) -> Value {
+    let text = std::fs::read_to_string(Path::new(out).join("frame.json")).expect("frame.json");
+    serde_json::from_str(&text).expect("frame.json is JSON")
+}
+
+fn bytes(out: &str, name: &str) -> Vec<u8> {
+    std::fs::read(Path::new(out).join(name)).expect(name)
+}
+
+/// A value of each option that is not its default.
+fn other_value(option: &str) -> &'static str {
+    match option {
+        "facets" => "one",
+        "validity" => "off",
+        "masks" => "table",
+        "pairs" => "sorted",
+        "projection" => "two-step",
+        "memory-limit" => "16",
+        "list-start" => "1",
+        "encoding" => "paper",
+        "search" => "near",
+        "rays" => "silhouettes",
+        "kernel" => "7",
+        "shape" => "corners",
+        "reach" => "1",
+        "splits" => "1",
+        "warp" => "even",
+        "focus" => "0.2",
+        "bleeding" => "0.4",
+        "grazing" => "20",
+        _ => panic!("--{option} is new: give it a value here"),
+    }
+}
+
+fn argument(option: &str) -> String {
+    if option == "looks" { "--looks".to_owned() } else { format!("--{option}={}", other_value(option)) }
+}
+
+/// An option that the method does not take is a usage error that names those that do.
 #[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-fn pipelines_of_other_samples_are_refused() {
-    let gpu = Gpu::open(None).expect("a GPU");
-    let of = |count: u32| {
-        let samples = Samples::new(Pattern::LowDiscrepancy, count).expect("samples");
-        Settings { facets: FacetMode::One, ..Settings::new([16, 16], 32, samples) }
+fn options_of_other_methods_are_refused() {
+    let folder = Folder::new("refused");
+    let out = folder.path("out");
+    for (k, option) in METHOD_OPTIONS.iter().enumerate() {
+        let given = argument(option.name);
+        let others: Vec<MethodName> = MethodName::ALL.into_iter().filter(|m| !option.methods.contains(m)).collect();
+        let not = others[k % others.len()].name();
+        for command in [&["render", "plane"][..], &["explain", "plane"], &[]] {
+            let refused = run(&[command, &["--method", not, &given, "--out", &out]].concat());
+            let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+            assert_eq!(refused.status.code(), Some(2), "{command:?} {not} {given}: {said}");
+            assert!(said.contains(not) && said.contains(&format!("'--{}'", option.name)), "{said}");
+            assert!(option.methods.iter().all(|m| said.contains(m.name())), "{said}");
+            assert!(refused.stdout.is_empty() && !Path::new(&out).exists(), "{command:?} {not} {given}");
+        }
+    }
+    // What is a default is given by nobody, and what the method takes is taken.
+    for method in MethodName::ALL {
+        let mut given = vec!["explain", "plane", "--engine", "cpu", "--size", "8x6", "--method", method.name()];
+        let own: Vec<String> = method.options().map(argument).collect();
+        given.extend(own.iter().map(String::as_str));
+        done(&given);
+    }
+}
+
+/// A frame of the CPU engine of a scene file with all it may have, by its path.
+#[test]
+fn a_frame_of_the_cpu_engine_is_repeated() {
+    let folder = Folder::new("repeat-cpu");
+    let (first, again) = (folder.path("first"), folder.path("again"));
+    folder.file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0.1\nv 0.3 0.2 1\nf 1 2 3\nf 1 2 4\n");
+    let scene = folder.file(
+        "s.toml",
+        "mesh = \"m.obj\"\nground = true\n[camera]\neye = [3.1, 2.7, 4.3]\ntarget = [0.3, 0.2, 0.1]\n[light]\ndirectional = [0.3, 1, 0.7]\n",
+    );
+    let asked = ["--engine", "cpu", "--samples", "8", "--pattern", "rotated", "--facets", "one"];
+    render(&first, &[&[scene.as_str(), "--light", "spot=1.3,4.1,0.77;target=0,0,0.1;angle=71.3"], &asked[..]].concat());
+    done(&["render", "--quiet", "--from", &format!("{first}/frame.json"), "--out", &again]);
+    let mut frames = [frame(&first), frame(&again)];
+    assert_eq!(bytes(&first, "visibility.exr"), bytes(&again, "visibility.exr"));
+    assert_eq!(bytes(&first, "shaded.png"), bytes(&again, "shaded.png"));
+    for f in &mut frames {
+        for time in ["wall_ms", "setup_ms", "stages"] {
+            f.as_object_mut().expect("an object").remove(time);
+        }
+    }
+    assert_eq!(frames[0], frames[1]);
+    assert_eq!(frames[0]["settings"]["light"], "spot=1.3,4.1,0.77;target=0,0,0.1;angle=71.3");
+    assert!(!complaint(&["render", "--from", &format!("{first}/frame.json"), "--out", &again]).contains("another"));
+    // A mesh that has changed since is another picture, and that is said.
+    folder.file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0.1\nv 0.3 0.2 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\n");
+    let said = complaint(&["render", "--from", &format!("{first}/frame.json"), "--out", &again]);
+    assert!(
+        said.contains("frame.json") && said.contains("\"triangles\":4") && said.contains("\"triangles\":5"),
+        "{said}"
+    );
+    // What is given beside it comes first; another scene, too.
+    let other = ["--samples", "1", "--light", "directional=1,1,1", "--out", &again];
+    done(&[&["render", "plane", "--quiet", "--from", &format!("{first}/frame.json")], &other[..]].concat());
+    let f = frame(&again);
+    assert_eq!(
+        (&f["scene"], &f["settings"]["samples"], &f["light"]["kind"]),
+        (&json!("plane"), &json!(1), &json!("directional"))
+    );
+    assert_eq!((&f["settings"]["pattern"], &f["camera"]["eye"]), (&json!("rotated"), &frames[0]["camera"]["eye"]));
+}
+
+/// A frame.json that cannot be followed: status 1, and one line with file, key and value.
+#[test]
+fn bad_frames_are_named() {
+    let folder = Folder::new("bad-frame");
+    let out = folder.path("out");
+    let cases = [
+        (r#"{"settings": {"kernel": 4}}"#, &["kernel", " 4", "2, 3, 5 and 7"][..]),
+        (r#"{"settings": {"samples": 33}}"#, &["samples", "33"]),
+        (r#"{"settings": {"samples": "many"}}"#, &["samples", "\"many\""]),
+        (r#"{"settings": {"size": "5x"}}"#, &["size", "\"5x\""]),
+        (r#"{"settings": {"camera": "eye=1,nan,2;target=0,0,0"}}"#, &["camera", "eye=1,nan,2", "NaN"]),
+        (r#"{"settings": {"camera": "eye=1"}}"#, &["camera", "eye=1"]),
+        (r#"{"settings": {"light": "sun=1,2,3"}}"#, &["light", "sun=1,2,3"]),
+        (r#"{"settings": {"ground": 1}}"#, &["ground", " 1"]),
+        (r#"{"settings": {"map": [512]}}"#, &["map", "[512]"]),
+        (r#"{"settings": {"method": "magic"}}"#, &["method", "magic", "facet-masks"]),
+        (r#"{"settings": {"scene": "no-such-scene"}}"#, &["scene", "no-such-scene"]),
+        (r#"{"settings": {"converged": true}}"#, &["--truth"]),
+        (r#"{"settings": {"out": "elsewhere"}}"#, &["out", "elsewhere"]),
+        (r#"{"settings": {"colour": "red"}}"#, &["colour", "red"]),
+        (r#"{"settings": 5}"#, &["settings", "5"]),
+        (r#"{"engine": "cpu"}"#, &["settings"]),
+        ("{", &["JSON"]),
+        ("", &["JSON"]),
+    ];
+    for (text, parts) in cases {
+        let file = folder.file("f.json", text);
+        let refused = run(&["render", "plane", "--engine", "cpu", "--from", &file, "--out", &out]);
+        let line = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(1), "{text}: {line}");
+        assert!(line.starts_with("subpixel-shadows: ") && line.lines().count() == 1, "{text}: {line}");
+        assert!(line.contains("f.json") && parts.iter().all(|p| line.contains(p)), "{text}: {line}");
+        assert!(refused.stdout.is_empty() && !Path::new(&out).exists(), "{text}");
+    }
+    for path in [folder.path("missing.json"), folder.path("")] {
+        let refused = run(&["render", "--from", &path, "--out", &out]);
+        assert_eq!(refused.status.code(), Some(1), "{path}");
+    }
+}
+
+/// With one sample, and where the band is empty, there is no score.
+#[test]
+fn nothing_has_no_score() {
+    let folder = Folder::new("scores");
+    let out = folder.path("out");
+    let with = |args: &[&str]| {
+        let text = render(&out, &[&["--engine", "cpu", "--truth", "--converged"], args].concat());
+        (text, frame(&out)["error"].clone())
     };
-    let pipelines = std::sync::Arc::new(Pipelines::new(&gpu.device, &of(8)));
-    let prepared = Prepared::new(&scene("plane").mesh).expect("a sound mesh");
-    for (count, serve) in [(8, true), (1, false), (16, false), (32, false), (64, false)] {
-        assert_eq!(pipelines.serve(&of(count)), serve, "{count} samples");
-        let made = Renderer::with_pipelines(&gpu, &prepared, &of(count), Budget::default(), pipelines.clone());
-        assert!(made.map_or_else(|e| matches!(e, Error::Config(_)) && !serve, |_| serve), "{count} samples");
+    let band = ["scene_band_rmse", "scene_band_mean", "scene_band_max", "scene_band_pixel_match"];
+    let (text, one) = with(&["plane", "--samples", "1"]);
+    for key in band.iter().chain(&["scene_pixel_match", "scene_one_plane_match"]) {
+        assert!(one[key].is_null() && one.as_object().is_some_and(|o| o.contains_key(*key)), "{key}: {one}");
+    }
+    assert!(one["scene_rmse"].is_number() && one["converged_band_rmse"].is_number(), "{one}");
+    let line = |text: &str, name: &str| text.lines().find(|l| l.starts_with(name)).expect(name).to_owned();
+    assert_eq!(line(&text, "silhouette band").matches('–').count(), 4, "{text}");
+    assert_eq!(
+        [line(&text, "whole image"), line(&text, "one plane")].map(|l| l.matches('–').count()),
+        [1; 2],
+        "{text}"
+    );
+    let (text, many) = with(&["plane", "--samples", "8"]);
+    assert!(band.iter().all(|key| many[key].is_number()) && many["scene_one_plane_match"].is_number(), "{many}");
+    assert!(!text.lines().any(|l| l.contains("band") && l.contains('–')), "{text}");
+    // A sheet that nothing shadows, from above.
+    let flat = folder.file("flat.obj", "v -9 0 -9\nv 9 0 -9\nv 0 0 9\nf 1 3 2\n");
+    let (text, lit) =
+        with(&[&flat, "--samples", "8", "--camera", "eye=0,2,0;target=0,0,0", "--light", "directional=0,1,0.2"]);
+    assert!(band.iter().all(|key| lit[key].is_null()) && lit["converged_band_rmse"].is_null(), "{lit}");
+    assert!(lit["scene_one_plane_match"] == 1.0 && lit["scene_pixel_match"] == 1.0, "{lit}");
+    assert!(text.contains("in the silhouette band of 0 pixels –"), "{text}");
+}
+
+#[test]
+fn a_long_name_is_shortened() {
+    let name = "windmil".repeat(700);
+    for args in [["render", &name, "--quiet"], ["explain", &name, "--quiet"]] {
+        let refused = run(&args);
+        let line = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!((refused.status.code(), line.lines().count()), (Some(1), 1), "{line}");
+        assert!(line.contains("'windmil") && line.contains('…') && line.contains("built in are"), "{line}");
+        assert!(line.chars().count() < 700, "{} characters", line.chars().count());
     }
 }
 
-/// A camera that goes round a scene, a step a frame: only the first frame may find its lists too short. Lists grow and never shrink,
-/// a few times only.
+/// The CPU engine compiles nothing; what it makes once is not in its times either.
 #[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-fn lists_grow_before_they_overflow() {
-    let gpu = Gpu::open(None).expect("a GPU");
-    let mut grown = 0;
-    for name in ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "city", "bumpy", "plane"] {
-        let scene = scene(name);
-        for facets in [FacetMode::One, FacetMode::All] {
-            let mut pass = pass_on(&gpu, &PassConfig::new(settings(facets, [96, 72]), casters(&scene)));
-            let mut before = pass.capacities();
-            for k in 0..6 {
-                let camera = turned(&scene, 0.06 * k as f32);
-                let status = frame(&gpu, &mut pass, &Inputs::new(&camera, &scene.light), &Target::default());
-                assert!(status.complete || k == 0, "{name}, {facets:?}, frame {}: {:?}", k + 1, status.lists);
-                assert_eq!(status.complete, !status.overflowed, "{status:?}");
-                let now = pass.capacities();
-                assert_eq!(larger(before, now), now, "{name}, {facets:?}: a list has shrunk");
-                grown += usize::from(now != before);
-                before = now;
+fn set_up_is_a_line_of_its_own() {
+    let folder = Folder::new("set-up");
+    let out = folder.path("out");
+    let text = render(&out, &["spheres", "--engine", "cpu"]);
+    let f = frame(&out);
+    assert_eq!(f["timed_frames"], 1);
+    let set_up = text.lines().find(|l| l.starts_with("set-up")).expect("a line");
+    let ms = format!("{:.3}", f["setup_ms"].as_f64().expect("a time"));
+    assert!(set_up.contains(&ms), "{set_up}, {ms}");
+}
+
+mod gpu {
+    use super::*;
+    use subpixel_shadows::gpu::Gpu;
+    use subpixel_shadows::methods::render::{Budget, Output};
+    use subpixel_shadows::methods::unshadowed::{self, Unshadowed};
+    use subpixel_shadows::methods::{AnyRenderer, FacetMode, Prepared, Settings};
+    use subpixel_shadows::samples::{Pattern, Samples};
+    use subpixel_shadows::scene::{Scene, SceneOptions};
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn frames_are_repeated_bit_for_bit() {
+        let folder = Folder::new("repeat");
+        let (first, again) = (folder.path("first"), folder.path("again"));
+        let cases: [&[&str]; 6] = [
+            &[
+                "spheres",
+                "--facets",
+                "one",
+                "--masks",
+                "table",
+                "--ground",
+                "--samples",
+                "16",
+                "--light",
+                "point=0.3123,5.3,0.70711",
+            ],
+            &["bumpy", "--validity", "off", "--facets", "one", "--projection", "two-step", "--force-all"],
+            &["knot", "--method", "spsm", "--encoding", "paper", "--search", "near", "--samples", "8"],
+            &[
+                "cage",
+                "--method",
+                "smsr",
+                "--shape",
+                "corners",
+                "--reach",
+                "5",
+                "--camera",
+                "fov=33.3;eye=1.1234567,2.3,7.7654321",
+            ],
+            &[
+                "city",
+                "--method",
+                "remix",
+                "--warp",
+                "trapezoid",
+                "--focus",
+                "0.3",
+                "--bleeding",
+                "0.21",
+                "--splits",
+                "2",
+            ],
+            &["plane", "--method", "ray-traced", "--rays", "silhouettes", "--pattern", "grid", "--truth"],
+        ];
+        for case in cases {
+            render(&first, case);
+            done(&["render", "--quiet", "--from", &format!("{first}/frame.json"), "--out", &again]);
+            assert!(bytes(&first, "visibility.exr") == bytes(&again, "visibility.exr"), "{case:?}");
+            let [a, b] = [frame(&first), frame(&again)];
+            for key in ["settings", "camera", "light", "ground", "adapter", "error"] {
+                assert_eq!(a[key], b[key], "{case:?} {key}");
             }
         }
+        // Another method takes what it takes of it.
+        done(&[
+            "render",
+            "--quiet",
+            "--from",
+            &format!("{first}/frame.json"),
+            "--method",
+            "pcf",
+            "--kernel",
+            "5",
+            "--out",
+            &again,
+        ]);
+        let f = frame(&again);
+        assert_eq!(
+            (&f["method"], &f["settings"]["kernel"], &f["settings"]["pattern"]),
+            (&json!("pcf"), &json!(5), &json!("grid"))
+        );
+        assert!(bytes(&first, "visibility.exr") != bytes(&again, "visibility.exr"));
     }
-    assert!((1..40).contains(&grown), "lists have grown {grown} times");
-}
 
-/// Words of a buffer.
-fn words(gpu: &Gpu, from: &wgpu::Buffer) -> Vec<u32> {
-    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("test"),
-        size: from.size(),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.encoder();
-    encoder.copy_buffer_to_buffer(from, 0, &staging, 0, from.size());
-    gpu.queue.submit([encoder.finish()]);
-    staging.map_async(wgpu::MapMode::Read, .., |_| {});
-    gpu.wait(None).expect("the copy runs");
-    bytemuck::pod_collect_to_vec(&staging.get_mapped_range(..).expect("mapped"))
-}
-
-/// With lists that begin at one element no target ever shows anything but the picture of the last frame whose status says complete,
-/// or, before there is one, light everywhere: in one piece and in strips, also after other casters came.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-fn the_last_complete_picture_stands() {
-    let gpu = Gpu::open(None).expect("a GPU");
-    // Rows of 256 bytes, as copies of textures want them.
-    let size = [64, 48];
-    let scenes = ["windmill", "spheres"].map(scene);
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("test"),
-        size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::R32Float,
-        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    let buffer = || {
-        gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("test"),
-            size: u64::from(size[0] * size[1]) * 4,
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        })
-    };
-    let (lit, texels) = (buffer(), buffer());
-    let shown = || {
-        let mut encoder = gpu.encoder();
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &texels, layout };
-        encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
-        gpu.queue.submit([encoder.finish()]);
-        [words(&gpu, &texels), words(&gpu, &lit)]
-    };
-    let target = Target { visibility: Some(&texture), lit: Some(&lit) };
-    for facets in [FacetMode::One, FacetMode::All] {
-        // What complete frames show: of each scene and camera.
-        let cameras = [0, 1].map(|s| (0..9).map(|k| turned(&scenes[s], 0.05 * k as f32)).collect::<Vec<_>>());
-        let right = [0, 1].map(|s: usize| {
-            let mut pass = pass_on(&gpu, &PassConfig::new(settings(facets, size), casters(&scenes[s])));
-            let mut of = |camera: &Camera| {
-                let inputs = Inputs::new(camera, &scenes[s].light);
-                assert!((0..4).any(|_| frame(&gpu, &mut pass, &inputs, &target).complete));
-                shown()
-            };
-            cameras[s].iter().map(&mut of).collect::<Vec<_>>()
-        });
-        for (strips, keep_last) in [(1, true), (3, true), (1, false)] {
-            let budget = Budget { start: Some(1), ..Budget::default() };
-            let config = PassConfig::new(settings(facets, size), casters(&scenes[0]));
-            let mut pass = pass_on(&gpu, &PassConfig { strips, keep_last, budget, ..config });
-            let pixels = (size[0] * size[1]) as usize;
-            let mut expected = [vec![1.0f32.to_bits(); pixels], vec![u32::MAX; pixels]];
-            let (mut complete, mut broken) = ([0, 0], 0);
-            for s in 0..2 {
-                for k in 0..9 {
-                    let inputs = Inputs::new(&cameras[s][k], &scenes[s].light);
-                    let status = frame(&gpu, &mut pass, &inputs, &target);
-                    complete[s] += usize::from(status.complete);
-                    if status.complete {
-                        expected = right[s][k].clone();
-                    }
-                    let got = shown();
-                    let at =
-                        format!("{facets:?}, {strips} strips, scene {s}, frame {k}, complete: {}", status.complete);
-                    if keep_last || status.complete {
-                        assert!(got == expected, "{at}");
-                        let of_pass = [pass.visibility(), pass.lit()].map(|b| words(&gpu, b)[..pixels].to_vec());
-                        assert!(of_pass == expected, "{at}: the pass's own");
-                    } else {
-                        broken += usize::from(got != expected);
-                    }
-                }
-                pass.set_casters(&casters(&scenes[1])).expect("other casters");
-            }
-            assert!(complete.iter().all(|&n| (2..9).contains(&n)), "{complete:?} of 9 frames each were complete");
-            assert_eq!(broken > 0, !keep_last, "frames that show what is not complete");
+    /// One frame before the clock starts, on every way, with one frame, too.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn some_frame_is_timed_on_every_way() {
+        let folder = Folder::new("timed");
+        let out = folder.path("out");
+        let flat = folder.file("flat.obj", "v -9 0 -9\nv 9 0 -9\nv 0 0 9\nf 1 3 2\n");
+        let behind = ["--camera", "eye=0,5,30;target=0,5,60"];
+        let cases: [(&[&str], u64); 4] =
+            [(&["plane"], 1), (&["plane", "--method", "pcf"], 1), (&[&flat], 1), (&[&flat, behind[0], behind[1]], 0)];
+        for (args, timed) in cases {
+            let text = render(&out, args);
+            let f = frame(&out);
+            assert_eq!(f["timed_frames"], timed, "{args:?}");
+            assert!(text.contains("times of one frame, after one that is not timed") == (timed == 1), "{text}");
+            assert!(f["setup_ms"].as_f64() > f["wall_ms"].as_f64(), "{f}");
+            assert!((f["wall_ms"].as_f64() > Some(0.0)) == (timed == 1), "{f}");
         }
+        let text = done(&["render", &flat, "--quiet", "--frames", "3", "--size", "24x18", "--out", &out]);
+        assert_eq!(frame(&out)["timed_frames"], 3, "{text}");
     }
-}
 
-/// The scene's camera, turned about the target by so many radians.
-fn turned(scene: &Scene, by: f32) -> Camera {
-    let c = scene.camera;
-    let [x, z] = [c.eye[0] - c.target[0], c.eye[2] - c.target[2]];
-    let eye = [c.target[0] + x * by.cos() - z * by.sin(), c.eye[1], c.target[2] + x * by.sin() + z * by.cos()];
-    Camera { eye, ..c }
-}
-
-/// A short soak: memory of the device is not more after the second half than after the first, and the last frame is that of a fresh pass.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
-fn a_short_soak_is_flat() {
-    for facets in [FacetMode::One, FacetMode::All] {
+    /// Memory that is kept from frame to frame leaves nothing behind.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn unshadowed_frames_are_as_fresh_ones() {
         let gpu = Gpu::open(None).expect("a GPU");
-        // 30 legs of five frames have every size, light and kind of casters; they come again.
-        let mut tell = |row: &soak::Row| eprintln!("{} {} {} {:.1}", row.frame, row.resident, row.device, row.ms);
-        let soak = soak::soak(&gpu, facets, 300, 5, 10, &mut tell).expect("frames");
-        let most = |rows: &[soak::Row]| rows.iter().map(|row| row.device).max().expect("rows");
-        let (first, second) = soak.rows.split_at(15);
-        assert!(most(first) > 1 << 16 && most(second) * 20 <= most(first) * 21, "{facets:?}: {:?}", soak.rows);
-        assert!(soak.last[0] == soak.last[1] && soak.last[0].len() > 100, "{facets:?}: the last frame differs");
-        let mut corrupted = soak.last[0].clone();
-        corrupted[50] ^= 1;
-        assert!(corrupted != soak.last[1]);
-        assert!(soak.complete > 200, "{facets:?}: {} of 300 frames were complete", soak.complete);
+        let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let settings = Settings::new([48, 36], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
+        let mut aside = scene.camera;
+        aside.target = [scene.camera.target[0] + 3.0, scene.camera.target[1] + 1.0, scene.camera.target[2]];
+        let mut kept = Unshadowed::new(&gpu, &prepared, &settings).expect("a renderer");
+        let what = |o: &Output| (o.visibility.clone(), o.lit.clone(), o.triangles.clone(), o.counts);
+        let [one, other] = [scene.camera, aside].map(|camera| {
+            let fresh = unshadowed::render(&gpu, &prepared, &settings, &camera, &scene.light).expect("a frame");
+            (camera, what(&fresh))
+        });
+        assert!(one.1 != other.1 && one.1.3.lit_facets > 0);
+        for (camera, fresh) in [&one, &other, &one, &one] {
+            assert!(what(&kept.render(camera, &scene.light).expect("a frame")) == *fresh);
+        }
+    }
+
+    /// The settings with another value of an option.
+    fn with(option: &str, s: &Settings) -> Option<Settings> {
+        use subpixel_shadows::light_view::Warp;
+        use subpixel_shadows::mask_table::MaskVariant;
+        use subpixel_shadows::methods::{PairVariant, ProjectionVariant, SmsrShape, SpsmEncoding};
+        let mut s = s.clone();
+        match option {
+            "facets" => s.facets = FacetMode::One,
+            "validity" => s.validity = false,
+            "masks" => s.masks = MaskVariant::TABLE,
+            "pairs" => s.pairs = PairVariant::Sorted,
+            "projection" => s.projection = ProjectionVariant::TwoStep,
+            "encoding" => s.spsm.encoding = SpsmEncoding::Paper,
+            "search" => (s.spsm.radius, s.spsm.stretch) = (1, 0),
+            "rays" => s.ray_traced.silhouettes = true,
+            "kernel" => s.shadow_map.kernel = 7,
+            "shape" => s.smsr.shape = SmsrShape::Corners,
+            "reach" => s.smsr.reach = 1,
+            "splits" => s.split.splits = 1,
+            "warp" => s.split.warp = Warp::Trapezoid,
+            "focus" => s.split.focus = 0.2,
+            "bleeding" => s.split.bleeding = 0.4,
+            "grazing" => s.split.grazing = 20.0,
+            // Of the renderer's memory and of what is written.
+            "memory-limit" | "list-start" | "looks" => return None,
+            _ => panic!("--{option} is new: set it here"),
+        }
+        Some(s)
+    }
+
+    /// What a method does not take changes nothing of its picture, and what it takes changes picture or stages.
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    fn the_table_of_options_is_true() {
+        let gpu = Gpu::open(None).expect("a GPU");
+        let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let default = Settings::new([64, 48], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
+        for method in MethodName::ALL {
+            let of = |settings: &Settings| {
+                let made = AnyRenderer::new(&gpu, &prepared, method, settings, Budget::default());
+                let output = made.expect("a renderer").render(&scene.camera, &scene.light).expect("a frame");
+                let stages: Vec<&str> = output.stages.iter().map(|s| s.name).collect();
+                let bits: Vec<u32> = output.visibility.iter().map(|v| v.to_bits()).collect();
+                (bits, stages)
+            };
+            let (mut others, mut own) = (default.clone(), Vec::new());
+            for option in METHOD_OPTIONS {
+                if option.methods.contains(&method) {
+                    own.push(option.name);
+                } else {
+                    others = with(option.name, &others).unwrap_or(others);
+                }
+            }
+            let plain = of(&default);
+            assert!(of(&others) == plain, "{}: an option that it does not take changes something", method.name());
+            for option in own {
+                // Of facet-masks where they say something: with one facet a pixel, a warp of the view's own.
+                let base = match option {
+                    "validity" => with("facets", &default),
+                    "focus" if method == MethodName::Remix => {
+                        let mut warped = default.clone();
+                        warped.split.warp = subpixel_shadows::light_view::Warp::Trapezoid;
+                        Some(warped)
+                    }
+                    _ => Some(default.clone()),
+                };
+                let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(option, &b)?))) else { continue };
+                // How pairs come together, and a table of masks, may give the same picture.
+                let same = if base == default { plain.clone() } else { of(&base) };
+                let how = matches!(option, "pairs" | "projection" | "masks");
+                assert!(how || of(&changed) != same, "{} takes --{option}, which changes nothing", method.name());
+            }
+        }
     }
 }

@@ -44,7 +44,7 @@ fn scene(name: &str) -> Scene {
 
 fn settings(settle: bool) -> Settings {
     let samples = Samples::new(Pattern::LowDiscrepancy, 32).expect("32 samples");
-    Settings { settle, ..Settings::new(SIZE, 64, samples) }
+    Settings { facets: FacetMode::One, settle, ..Settings::new(SIZE, 64, samples) }
 }
 
 /// Pipelines are made once for each number of mask words.

@@ -9,7 +9,7 @@ use subpixel_shadows::methods::fixed::{FixedMethod, FixedRenderer};
 use subpixel_shadows::methods::ray_traced::RayTraced;
 use subpixel_shadows::methods::render::{Budget, Output};
 use subpixel_shadows::methods::supersampled::Supersampled;
-use subpixel_shadows::methods::{MethodName, Prepared, RayTracedSettings, Settings};
+use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, RayTracedSettings, Settings};
 use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Scene, SceneOptions};
@@ -19,7 +19,8 @@ use subpixel_shadows::truth::Tracer;
 const SIZE: [u32; 2] = [120, 90];
 
 fn settings(samples: u32) -> Settings {
-    Settings::new(SIZE, 128, Samples::new(Pattern::default(), samples).expect("a pattern"))
+    let samples = Samples::new(Pattern::default(), samples).expect("a pattern");
+    Settings { facets: FacetMode::One, ..Settings::new(SIZE, 128, samples) }
 }
 
 /// A built-in scene under its own light, or under a point where its directional light comes from.

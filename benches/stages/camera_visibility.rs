@@ -8,23 +8,18 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::stages::camera_visibility::CameraVisibility;
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
-    let mut cases = Vec::new();
-    for (name, stage) in [
-        ("camera_visibility", CameraVisibility::new(&gpu.device)),
-        ("camera_visibility 32 bits", CameraVisibility::narrow(&gpu.device)),
-    ] {
-        let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
-        let (count, pixels, runs) = (setup.casters.triangles.len(), setup.seen_keys.len(), stage.runs());
-        cases.push(Case {
-            name: name.to_owned(),
-            size: count,
-            bytes: runs * setup.in_camera.items * 96 + (runs + 1) * pixels * 8,
-            atomics: 0,
-            flops: runs * setup.cells_seen * 6,
-            record: Box::new(move |s| {
-                stage.record(s, setup.frame.raw(), setup.seen(), &setup.seen_keys, &setup.id_keys)
-            }),
-        });
-    }
-    Ok(cases)
+    let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
+    let stage = CameraVisibility::new(&gpu.device);
+    let (count, pixels) = (setup.casters.triangles.len(), setup.centres.keys.len());
+    Ok(vec![Case {
+        name: "camera_visibility".to_owned(),
+        size: count,
+        bytes: 2 * setup.in_camera.items * 96 + 3 * pixels * 8,
+        atomics: 0,
+        flops: 2 * setup.cells_seen * 6,
+        record: Box::new(move |s| {
+            let positions = setup.casters.positions.raw();
+            stage.record(s, setup.frame.raw(), setup.seen(), positions, &setup.centres, &setup.id_keys)
+        }),
+    }])
 }

@@ -1,4 +1,4 @@
-// A caster's triangle in a block of pixels. Needs `frame`, `triangles`, `points`, `camera_rects` and `work_offsets`.
+// A caster's triangle in a block of pixels. Needs `frame`, `largest`, `triangles`, `points`, `camera_rects` and `work_offsets`.
 // Edge functions go through the eye, so nothing is clipped and nothing divided; each edge is evaluated from its lower
 // vertex index, so both triangles at it get the same value, and a centre on it belongs to both.
 
@@ -20,6 +20,7 @@ struct Seen {
     edges: array<vec3<f32>, 3>,
     normal: vec3<f32>,      // at the corner ray, per pixel right, per pixel down
     distance: f32,
+    lean: f32,              // rounding of the depth at a ray of 1, times what the normal is along it
     nearest: f32,
     farthest: f32,
     known: bool,            // which sign is inside; a triangle edge-on to the eye is looked at cell by cell
@@ -36,6 +37,7 @@ fn seen_in(item: u32) -> Seen {
     let c = points[i.z].xyz;
     let normal = cross(b - a, c - a);
     s.distance = dot(normal, a);
+    s.lean = 3e-6 * largest(b - a) * largest(c - a) * max(largest(a), max(largest(b), largest(c))) * largest(frame.ray_corner.xyz);
     s.normal = vec3(dot(normal, frame.ray_corner.xyz), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
     s.nearest = max(min(depths.x, min(depths.y, depths.z)), frame.forward.w);
@@ -55,13 +57,16 @@ fn pixels_of_row(s: Seen, y: u32) -> vec2<u32> {
     return cells_of(cut, s.block.low.x, s.block.high.x);
 }
 
-// Depth of the triangle at a pixel's centre as a key that falls with it; 0 where it is not seen there.
-fn key_at(s: Seen, x: u32, y: u32) -> u32 {
+// How near the triangle may be at a pixel's centre, and how far: keys that fall with depth. 0 where it is not seen there.
+fn keys_at(s: Seen, x: u32, y: u32) -> vec2<u32> {
     let at = vec3(1.0, f32(x) + 0.5, f32(frame.first_row + y) + 0.5);
     let v = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at));
-    if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { return 0u; }
-    let depth = s.distance / dot(s.normal, at);
-    if !(depth >= frame.forward.w) { return 0u; }
+    if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { return vec2(0u); }
+    let over = dot(s.normal, at);
+    let depth = s.distance / over;
+    if !(depth >= frame.forward.w) { return vec2(0u); }
     // A sliver's plane is poorly known; its depth lies between its corners'.
-    return ~bitcast<u32>(clamp(depth, s.nearest, s.farthest));
+    let held = clamp(depth, s.nearest, s.farthest);
+    let doubt = 1e-6 * held + min(s.lean / abs(over), s.farthest - s.nearest);
+    return ~bitcast<vec2<u32>>(vec2(max(held - doubt, 0.0), held + doubt));
 }

@@ -41,14 +41,16 @@ fn eye_edge_near(i: u32, j: u32, a: vec3<f32>, b: vec3<f32>, ray: vec3<f32>) -> 
     return select(-v, v, i <= j);
 }
 
-// View depth of a triangle's plane at a ray, between the depths of its corners; -1 where it is edge-on. Corners are taken
-// in the order of their indices, so triangles of the same corners have the same depth.
-fn eye_depth(given: Corners, ray: vec3<f32>) -> f32 {
+// View depth of a triangle's plane at a ray, between the depths of its corners, and by how much rounding may have moved it; -1 where
+// it is edge-on. Corners are taken in the order of their indices, so triangles of the same corners have the same depth.
+fn eye_depth(given: Corners, ray: vec3<f32>) -> vec2<f32> {
     var t = given;
     if t.i.x > t.i.y { t = Corners(t.i.yxz, t.b, t.a, t.c); }
     if t.i.y > t.i.z { t = Corners(t.i.xzy, t.a, t.c, t.b); }
     if t.i.x > t.i.y { t = Corners(t.i.yxz, t.b, t.a, t.c); }
-    let normal = cross(t.b - t.a, t.c - t.a);
+    let ab = t.b - t.a;
+    let ac = t.c - t.a;
+    let normal = cross(ab, ac);
     let over = dot(normal, ray);
     let a = from_ray(t.a, ray);
     let b = from_ray(t.b, ray);
@@ -57,5 +59,11 @@ fn eye_depth(given: Corners, ray: vec3<f32>) -> f32 {
     if dot(b.xyz, b.xyz) < dot(d.xyz, d.xyz) { d = b; }
     if dot(c.xyz, c.xyz) < dot(d.xyz, d.xyz) { d = c; }
     let depth = d.w + dot(normal, d.xyz) / over;
-    return select(-1.0, clamp(depth, min(a.w, min(b.w, c.w)), max(a.w, max(b.w, c.w))), abs(over) > 0.0);
+    let nearest = min(a.w, min(b.w, c.w));
+    let farthest = max(a.w, max(b.w, c.w));
+    // The rounding of corners and normal, by as much as the plane leans away from the ray; corners bound it.
+    let reach = max(largest(t.a), max(largest(t.b), largest(t.c)));
+    let lean = 5e-7 * largest(ab) * largest(ac) * largest(ray) * reach / abs(over);
+    let doubt = min(lean, farthest - nearest);
+    return select(vec2(-1.0, 0.0), vec2(clamp(depth, nearest, farthest), doubt), abs(over) > 0.0);
 }

@@ -2,8 +2,12 @@
 
 // Below 0 if the plane of `i` is nearer along the ray than that of `j`, above 0 if it is farther, 0 if that is not certain.
 fn order_46(i: vec3<u32>, j: vec3<u32>, ray: vec3<f32>) -> f32 {
-    let n = full_normal(i);
-    let m = full_normal(j);
+    let ab = full_edge_of(i.x, i.y);
+    let ac = full_edge_of(i.x, i.z);
+    let de = full_edge_of(j.x, j.y);
+    let df = full_edge_of(j.x, j.z);
+    let n = df3_cross(ab, ac);
+    let m = df3_cross(de, df);
     let a = df3_dot(n, full_point_of(i.x));
     let b = df3_dot(m, full_point_of(j.x));
     let over = df3_along(n, ray);
@@ -11,6 +15,9 @@ fn order_46(i: vec3<u32>, j: vec3<u32>, ray: vec3<f32>) -> f32 {
     let p = df_mul(a, under);
     let q = df_mul(b, over);
     let s = df_add_fast(p, -q).x;
-    let noise = EDGE_ON * (df3_size(n) * df3_size(full_point_of(i.x)) * abs(under.x) + df3_size(m) * df3_size(full_point_of(j.x)) * abs(over.x));
+    // What the normals are made of, not what is left of that: a sliver's may be nearly nothing.
+    let left = df3_size(ab) * df3_size(ac) * df3_size(full_point_of(i.x)) * abs(under.x);
+    let right = df3_size(de) * df3_size(df) * df3_size(full_point_of(j.x)) * abs(over.x);
+    let noise = EDGE_ON * (left + right);
     return select(0.0, sign(s) * sign(over.x) * sign(under.x), abs(s) > noise);
 }

@@ -6,7 +6,7 @@
 
 // What is known of each sample of the word: the complement of its triangle (0: none) and bounds of its inverse depth. They
 // are only indexed by what compilers know, so that they stay in registers. Where `rivals` has a bit, another triangle almost
-// touches it there: `rivals_found`.
+// touches it there: `rivals_found`; the upper bound is then that of both.
 var<private> best_keys: array<u32, 32>;
 var<private> best_high: array<f32, 32>;
 var<private> best_low: array<f32, 32>;
@@ -29,21 +29,28 @@ fn sample_offset(k: u32) -> vec2<f32> {
     return select(pair.xy, pair.zw, (k & 1u) == 1u);
 }
 
-const TOUCHING = 9.5367432e-7;  // 2^-20: relative difference of depths that single precision is not asked about
+const TOUCHING = 9.5367432e-7;  // 2^-20: relative difference of depths, besides their doubts, that single precision is not asked about
 
-fn share_vertex(i: vec3<u32>, j: vec3<u32>) -> bool {
-    return any(i == j) || any(i == j.yzx) || any(i == j.zxy);
+// What is kept of a sample.
+struct Held { key: u32, high: f32, low: f32 }
+
+fn held_at(k: u32) -> Held {
+    var held = Held(0u, 0.0, 0.0);
+    for (var n = 0u; n < 32u; n++) {
+        held.key = select(held.key, best_keys[n], n == k);
+        held.high = select(held.high, best_high[n], n == k);
+        held.low = select(held.low, best_low[n], n == k);
+    }
+    return held;
 }
 
-fn key_of(k: u32) -> u32 {
-    var key = 0u;
-    for (var n = 0u; n < 32u; n++) { key = select(key, best_keys[n], n == k); }
-    return key;
+// Bounds of the inverse of a depth and its doubt: upper, lower.
+fn inverse_of(depth: vec2<f32>) -> vec2<f32> {
+    let nearest = depth.x - depth.y;
+    return vec2(select(3.0e38, 1.000001 / nearest, nearest > 1e-38), 0.999999 / (depth.x + depth.y));
 }
 
-fn keep(k: u32, key: u32, depth: f32) {
-    let high = 1.000001 / depth;
-    let low = 0.999999 / depth;
+fn keep(k: u32, key: u32, high: f32, low: f32) {
     for (var n = 0u; n < 32u; n++) {
         best_keys[n] = select(best_keys[n], key, n == k);
         best_high[n] = select(best_high[n], high, n == k);
@@ -86,27 +93,30 @@ fn covers_ray(u: Corners, ray: vec3<f32>) -> bool {
 fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
     let ray = ray_at(pixel, sample_offset(32u * step.word + k));
     let u = corners_at(corners_of(t));
-    let i = u.i;
     let depth = eye_depth(u, ray);
-    if !covers_ray(u, ray) || !(depth >= frame.forward.w) { return; }
-    let other = ~key_of(k);
+    if !covers_ray(u, ray) || !(depth.x >= frame.forward.w) { return; }
+    let bounds = inverse_of(depth);
+    let held = held_at(k);
+    let other = ~held.key;
+    let bit = 1u << k;
     var takes = true;
     var touching = false;
     if other != NO_TRIANGLE {
-        let j = corners_of(other);
-        let known = eye_depth(corners_at(j), ray);
-        takes = depth < known || (depth == known && t < other);
-        touching = abs(depth - known) <= TOUCHING * known && !share_vertex(u.i, j);
+        let known = eye_depth(corners_at(corners_of(other)), ray);
+        takes = depth.x < known.x || (depth.x == known.x && t < other);
+        touching = abs(depth.x - known.x) <= TOUCHING * known.x + depth.y + known.y;
     }
     if touching {
         rivals_found[place(slot, 32u * step.word + k)] = select(t, other, takes);
-        crowded |= rivals & (1u << k);
-        rivals |= 1u << k;
+        crowded |= rivals & bit;
+        rivals |= bit;
+    } else if takes {
+        // A rival of the other may come as near as this one, which is then one of three.
+        if bounds.y > held.high { rivals &= ~bit; }
+        crowded |= rivals & bit;
     }
-    if takes {
-        if !touching { rivals &= ~(1u << k); }
-        keep(k, ~t, depth);
-    }
+    let high = select(bounds.x, max(bounds.x, held.high), (rivals & bit) != 0u);
+    if takes || touching { keep(k, select(held.key, ~t, takes), high, select(held.low, bounds.y, takes)); }
 }
 
 // The samples of a word for which bounds do not tell whether they see triangle `t`.
@@ -171,7 +181,14 @@ fn resume(slot: u32, pixel: u32, count: u32) {
     crowded = rivals_found[masks_at + WORDS * step.slots];
     for (var k = 0u; k < count; k++) {
         let key = sample_keys[place(slot, word + k)];
-        if key != 0u { keep(k, key, eye_depth(corners_at(corners_of(~key)), ray_at(pixel, sample_offset(word + k)))); }
+        if key == 0u { continue; }
+        let ray = ray_at(pixel, sample_offset(word + k));
+        var bounds = inverse_of(eye_depth(corners_at(corners_of(~key)), ray));
+        if ((rivals >> k) & 1u) != 0u {
+            let rival = rivals_found[place(slot, word + k)];
+            bounds.x = max(bounds.x, inverse_of(eye_depth(corners_at(corners_of(rival)), ray)).x);
+        }
+        keep(k, key, bounds.x, bounds.y);
     }
 }
 

@@ -3,8 +3,10 @@
 use super::choices::{
     Encoding, EngineName, FacetsPerPixel, Masks, PairsBy, PatternName, Projection, Rays, Search, Shape, Switch, WarpBy,
 };
+use super::progress::Console;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use subpixel_shadows::Result;
 use subpixel_shadows::light_view::Warp;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
@@ -16,7 +18,6 @@ use subpixel_shadows::methods::{
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};
-use subpixel_shadows::{Error, Result};
 
 /// Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
 #[derive(Debug, Parser)]
@@ -133,6 +134,9 @@ pub struct Options {
     /// bound no rounding
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub projection: Projection,
+    /// Everything as in the frame of a frame.json: the picture is the same bit for bit. Scene and options beside it override
+    #[arg(long, value_name = "FRAME.json")]
+    pub from: Option<PathBuf>,
     /// Where to compute; without an adapter, and if not asked for, the CPU takes over and says so [default: gpu]
     #[arg(long, value_enum)]
     pub engine: Option<EngineName>,
@@ -160,8 +164,8 @@ pub struct Options {
     /// Run every stage, also those the plan would leave out, and settle no pixel early
     #[arg(long)]
     pub force_all: bool,
-    /// Frames to render: the times are the medians of all but the first, or as many as begin within 5 seconds
-    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    /// Frames that are timed, after one that is not: the times are their medians. No further one begins after 5 seconds
+    #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub frames: u32,
     /// MiB that the lists of pairs and candidates may take together; a frame that needs more is split into bands of facets
     #[arg(long, default_value_t = 1024, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
@@ -200,7 +204,7 @@ pub struct ReportOptions {
     /// Frames of each row that count [default: 15; quick: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: Option<u32>,
-    /// Seconds of frames after which a row has enough, fewer than N but one at the least (ten times as long, and the first frame of all counts) [default: 20; quick: 1]
+    /// Seconds of frames after which a row has enough, fewer than N but one at the least [default: 20; quick: 1]
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub row_seconds: Option<u32>,
     /// Also split each triangle of the first scene into 4, 16, ... as often as this [default: 3; quick: 0]
@@ -368,25 +372,41 @@ impl Options {
             ..Settings::new(self.size, self.map, samples)
         };
         settings.check()?;
-        if self.looks && self.method.keeps() == [false; 2] {
-            let name = self.method.name();
-            return Err(Error::Config(format!("--looks: {name} has neither classes of pixels nor a light-view map")));
-        }
         Ok(settings)
     }
 
     /// Opens the scene with what the options change of it.
-    pub fn open(&self, scene: Option<&str>) -> Result<Scene> {
+    pub fn open(&self, scene: Option<&str>, console: Console) -> Result<Scene> {
         let options = SceneOptions {
             ground: self.ground,
             camera: self.camera.as_deref().map(str::parse).transpose()?,
             light: self.light.as_deref().map(str::parse).transpose()?,
         };
-        Scene::open(scene.unwrap_or("windmill"), &options)
+        let (scene, note) = Scene::open_and_note(scene.unwrap_or("windmill"), &options)?;
+        note.iter().for_each(|note| console.note(note));
+        Ok(scene)
     }
 
     /// Memory of the lists.
     pub fn budget(&self) -> Budget {
         Budget { start: self.list_start, bytes: self.memory_limit.saturating_mul(1 << 20) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(arguments: &[&str]) -> Options {
+        Cli::try_parse_from([&["subpixel-shadows"], arguments].concat()).unwrap().options
+    }
+
+    /// The plan leaves out what turns away from the light where that changes nothing; apart from it, library and program agree.
+    #[test]
+    fn the_library_begins_with_the_programs_settings() {
+        let samples = Samples::new(Pattern::LowDiscrepancy, 32).unwrap();
+        let library = Settings { cull_back: true, ..Settings::new([800, 600], 512, samples) };
+        assert_eq!(of(&[]).settings().unwrap(), library);
+        assert_ne!(of(&["--facets", "one"]).settings().unwrap(), library);
     }
 }

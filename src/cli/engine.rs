@@ -3,11 +3,13 @@
 use super::args::Options;
 use super::choices::EngineName;
 use super::progress::Console;
-use super::repeat::warm;
+use super::repeat::timed;
+use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::cpu::{self, CpuTime};
 use subpixel_shadows::methods::render::{Output, Renderer};
-use subpixel_shadows::methods::{AnyRenderer, Looks, MethodName, PixelClass, Prepared, unshadowed};
+use subpixel_shadows::methods::unshadowed::{self, Unshadowed};
+use subpixel_shadows::methods::{AnyRenderer, Looks, MethodName, PixelClass, Prepared};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::scene::Scene;
@@ -26,8 +28,11 @@ pub struct Rendered {
     pub looks: Option<Looks>,
     /// The stages that ran on the CPU; `None` on a GPU.
     pub cpu_stages: Option<Vec<CpuTime>>,
-    /// Frames after the first whose median time each time is; 0 where it is that of the first.
+    /// Frames whose median time each time is; 0 where nothing ran, or no time was asked for.
     pub timed_frames: u32,
+    /// How long it took from the call to the begin of the first of these: memory, pipelines, and a frame that is not timed. Reading
+    /// back what is looked at is left out.
+    pub setup: Duration,
 }
 
 impl Engine {
@@ -73,15 +78,17 @@ impl Engine {
         }
     }
 
-    /// Renders one frame as planned.
+    /// Renders a frame as planned, and as many more as are to be timed.
     pub fn render(
         &self,
         options: &Options,
+        frames: u32,
         plan: &Plan,
         scene: &Scene,
         prepared: &Prepared,
         console: Console,
     ) -> Result<Rendered> {
+        let (start, mut aside) = (Instant::now(), Duration::ZERO);
         let settings = &plan.settings;
         let words = settings.samples.words();
         let [classes, _] = options.method.keeps();
@@ -94,19 +101,26 @@ impl Engine {
                     looks: (options.looks && classes).then_some(looks),
                     cpu_stages: matches!(self, Self::Cpu).then(Vec::new),
                     timed_frames: 0,
+                    setup: start.elapsed(),
                 })
             }
             (Extent::Facing, Self::Gpu(gpu)) => {
                 let (mut facets, mut looks) = (None, (options.looks && classes).then(Looks::default));
                 let (width, scene) = (settings.size[0], (&scene.camera, &scene.light));
-                let output = unshadowed::render_and(gpu, prepared, settings, scene.0, scene.1, &mut |made, rows| {
+                let mut renderer = Unshadowed::new(gpu, prepared, settings)?;
+                let output = renderer.render_and(scene.0, scene.1, &mut |made, rows| {
+                    let start = Instant::now();
                     if rows.first == 0 {
                         facets = options.truth.then(FacetSet::default);
                     }
                     looks.as_mut().map_or(Ok(()), |looks| looks.add_unshadowed_rows(gpu, made, width, rows))?;
-                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, made, words, width, rows))
+                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, made, words, width, rows))?;
+                    aside += start.elapsed();
+                    Ok(())
                 })?;
-                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames: 0 })
+                let setup = start.elapsed().saturating_sub(aside);
+                let (output, timed_frames) = timed(output, frames, || renderer.render(scene.0, scene.1))?;
+                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
             }
             (Extent::Everything, Self::Gpu(gpu)) if options.method != MethodName::FacetMasks => {
                 let mut renderer = AnyRenderer::new(gpu, prepared, options.method, settings, options.budget())?;
@@ -115,21 +129,25 @@ impl Engine {
                 } else {
                     (renderer.render(&scene.camera, &scene.light)?, None)
                 };
-                let again = || renderer.render(&scene.camera, &scene.light);
-                let (output, timed_frames) = warm(output, options.frames, again)?;
-                Ok(Rendered { output, facets: None, looks, cpu_stages: None, timed_frames })
+                let setup = start.elapsed();
+                let (output, timed_frames) = timed(output, frames, || renderer.render(&scene.camera, &scene.light))?;
+                Ok(Rendered { output, facets: None, looks, cpu_stages: None, timed_frames, setup })
             }
             (Extent::Everything, Self::Gpu(gpu)) => {
                 let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
                 let (mut facets, mut looks) = (None, options.looks.then(Looks::default));
                 let width = settings.size[0];
                 let output = renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
+                    let start = Instant::now();
                     if rows.first == 0 {
                         facets = options.truth.then(FacetSet::default);
                     }
                     looks.as_mut().map_or(Ok(()), |looks| looks.add_rows(gpu, method, width, rows))?;
-                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, method.facets(), words, width, rows))
+                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, method.facets(), words, width, rows))?;
+                    aside += start.elapsed();
+                    Ok(())
                 })?;
+                let setup = start.elapsed().saturating_sub(aside);
                 let (parts, views) = (renderer.parts(), renderer.views());
                 if parts.across() > 1 {
                     console.note(&format!(
@@ -148,15 +166,17 @@ impl Engine {
                         renderer.strips()
                     ));
                 }
-                let again = || renderer.render(&scene.camera, &scene.light);
-                let (output, timed_frames) = warm(output, options.frames, again)?;
-                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames })
+                let (output, timed_frames) = timed(output, frames, || renderer.render(&scene.camera, &scene.light))?;
+                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
             }
             (_, Self::Cpu) if options.method != MethodName::FacetMasks => {
                 let name = options.method.name();
                 Err(Error::Config(format!("method {name} on the CPU engine, which has facet-masks only")))
             }
             (_, Self::Cpu) => {
+                // Nothing is compiled here, but the first view of all makes the tree of the mesh.
+                settings.light_view(prepared, &scene.light)?;
+                let setup = start.elapsed();
                 let task = console.task("CPU engine");
                 let progress = |done, total| task.at(done, total);
                 let request = cpu::Request {
@@ -168,7 +188,7 @@ impl Engine {
                 let frame = cpu::render(prepared, settings, &scene.camera, &scene.light, request)?;
                 let facets = options.truth.then(|| FacetSet::of_cpu(&frame.facets, words));
                 let cpu_stages = Some(frame.stages);
-                Ok(Rendered { output: frame.output, facets, looks: frame.looks, cpu_stages, timed_frames: 0 })
+                Ok(Rendered { output: frame.output, facets, looks: frame.looks, cpu_stages, timed_frames: 1, setup })
             }
         }
     }

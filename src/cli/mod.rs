@@ -5,6 +5,8 @@ mod args;
 mod choices;
 mod engine;
 mod explain;
+mod given;
+mod held;
 mod output;
 mod progress;
 mod render;
@@ -13,21 +15,34 @@ mod report;
 mod stability;
 mod table;
 
-use args::{Cli, Command};
-use clap::Parser;
+use args::{Cli, Command, Options};
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
+use given::given;
+use std::io::Write;
 use std::process::ExitCode;
+use subpixel_shadows::Result;
 
 /// Reads the command line and runs it. Exit status: 0 done, 1 bad input, 2 usage (by clap), 3 the GPU failed.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let parsed = Cli::command().try_get_matches();
+    let (matches, cli) = match parsed.and_then(|matches| Cli::from_arg_matches(&matches).map(|cli| (matches, cli))) {
+        Ok(parsed) => parsed,
+        Err(told) => return usage(&told),
+    };
+    let matches = matches.subcommand().map_or(&matches, |(_, of_command)| of_command);
     let done = match cli.command {
-        Some(Command::Render { scene, options }) => render::run(scene.as_deref(), &options),
-        Some(Command::Explain { scene, options }) => explain::run(scene.as_deref(), &options),
+        Some(Command::Render { scene, options }) => with(matches, scene, options, render::run),
+        Some(Command::Explain { scene, options }) => with(matches, scene, options, explain::run),
         Some(Command::Report { options }) => report::run(&options),
         Some(Command::Stability { options }) => stability::run(&options),
         Some(Command::Adapters { check }) => adapters::run(check),
-        None => render::run(None, &cli.options),
+        None => with(matches, None, cli.options, render::run),
     };
+    status(done)
+}
+
+/// The exit status, after a line about what failed.
+fn status(done: Result<()>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -35,4 +50,21 @@ pub fn main() -> ExitCode {
             ExitCode::from(if error.is_gpu() { 3 } else { 1 })
         }
     }
+}
+
+/// Runs `command` with what was given.
+fn with(
+    matches: &ArgMatches,
+    scene: Option<String>,
+    options: Options,
+    command: impl FnOnce(Option<&str>, &Options) -> Result<()>,
+) -> Result<()> {
+    let (scene, options) = given(matches, scene, options)?;
+    command(scene.as_deref(), &options)
+}
+
+/// Prints help, version or what is wrong with the command line.
+fn usage(told: &clap::Error) -> ExitCode {
+    let printed = told.print().and_then(|()| std::io::stdout().flush());
+    if told.use_stderr() { ExitCode::from(2) } else { status(table::told(printed)) }
 }

@@ -88,7 +88,43 @@ impl Drop for Task {
 
 /// One line on standard error.
 pub fn complain(text: &str) {
-    let line: Vec<&str> = text.split_whitespace().collect();
     // A standard error that cannot be written to leaves nowhere to say so.
-    let _ = writeln!(std::io::stderr(), "subpixel-shadows: {}", line.join(" "));
+    let _ = writeln!(std::io::stderr(), "subpixel-shadows: {}", line(text));
+}
+
+/// Characters of a word, such as a path, and of a line; the middle of what is longer is left out.
+const LONGEST: [usize; 2] = [300, 1500];
+
+/// `text` as one line of bearable length.
+fn line(text: &str) -> String {
+    let words: Vec<String> = text.split_whitespace().map(|word| shortened(word, LONGEST[0])).collect();
+    shortened(&words.join(" "), LONGEST[1])
+}
+
+/// `text` without its middle, if it has more than `most` characters.
+fn shortened(text: &str, most: usize) -> String {
+    let count = text.chars().count();
+    if count <= most {
+        return text.to_owned();
+    }
+    let (head, tail) = (most / 2, most - most / 2 - 1);
+    text.chars().take(head).chain(['…']).chain(text.chars().skip(count - tail)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_bearable() {
+        assert_eq!(line("a  b\n c"), "a b c");
+        let long = format!("no scene '{}'; built in are", "é".repeat(5000));
+        let short = line(&long);
+        assert!(short.starts_with("no scene 'éé") && short.ends_with("éé'; built in are") && short.contains('…'));
+        assert_eq!(short.split(' ').map(|w| w.chars().count()).max(), Some(300));
+        let many = line(&"word ".repeat(1000));
+        assert!(many.chars().count() == 1500 && many.starts_with("word ") && many.ends_with("word"), "{many}");
+        let path = format!("/{}", "x".repeat(299));
+        assert_eq!(line(&path), path);
+    }
 }

@@ -3,6 +3,7 @@
 use super::args::Options;
 use super::engine::{Engine, Rendered};
 use super::explain::mesh_line;
+use super::given::{other_mesh, settings as settings_of};
 use super::output::OutFolder;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
@@ -15,8 +16,8 @@ use subpixel_shadows::report::frame_json::{AdapterReport, ErrorReport, Sources};
 use subpixel_shadows::report::looks::{CLASS_COLOURS, write_classes, write_map};
 use subpixel_shadows::report::shaded::Shading;
 use subpixel_shadows::report::{
-    ConvergedErrors, FacetErrors, FrameReport, TracedScene, shade, write_difference, write_exr, write_png_grey,
-    write_png_rgb,
+    ConvergedErrors, FacetErrors, FrameReport, SeenErrors, TracedScene, or_dash, percent_or_dash, shade,
+    write_difference, write_exr, write_png_grey, write_png_rgb,
 };
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::truth::{Tracer, TruthImage};
@@ -27,15 +28,18 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
     OutFolder::check(&options.out)?;
-    let scene = options.open(scene)?;
+    let scene = options.open(scene, console)?;
+    let from = Instant::now();
     let prepared = Prepared::new(&scene.mesh)?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let engine = Engine::open(options, console)?;
-    let rendered = engine.render(options, &plan, &scene, &prepared, console)?;
+    let before = from.elapsed();
+    let rendered = engine.render(options, options.frames, &plan, &scene, &prepared, console)?;
+    let setup_ms = (before + rendered.setup).as_secs_f64() * 1e3;
     let compared = || compare(options, &rendered, &plan, &scene, &prepared, console);
     let truth = options.truth.then(compared).transpose()?;
     let error = truth.as_ref().map(|(error, _)| *error);
-    let (name, backend) = engine.adapter();
+    let ((name, backend), asked) = (engine.adapter(), settings_of(options, &scene, &engine));
     let frame = FrameReport::new(Sources {
         adapter: AdapterReport { name: &name, backend: &backend },
         engine: engine.name(),
@@ -47,8 +51,13 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
         output: &rendered.output,
         cpu_stages: rendered.cpu_stages.as_deref(),
         timed_frames: rendered.timed_frames,
+        setup_ms,
+        asked: &asked,
         error,
     });
+    if let Some(note) = other_mesh(options, &frame) {
+        console.note(&note);
+    }
     let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;
     let mut report = Report::default();
     report.line("scene", &format!("{}: {}", scene.name, mesh_line(&prepared)));
@@ -70,11 +79,10 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     report.text(
         "look further: `explain` for the plan, `--truth` for the error, `--force-all` to leave nothing out, `--help`",
     );
-    report.print();
-    Ok(())
+    report.print()
 }
 
-/// The error against both truths, and scene truth.
+/// The error against the truths, and scene truth.
 fn compare(
     options: &Options,
     rendered: &Rendered,
@@ -93,6 +101,12 @@ fn compare(
         }
         None => None,
     };
+    let task = console.task("seen surfaces");
+    let progress = |done, total| task.at(done, total);
+    let seen = match &rendered.facets {
+        Some(set) => SeenErrors::of(set, &tracer, &scene.camera, settings, Some(&progress))?,
+        None => SeenErrors::of_centres(&rendered.output.triangles, &tracer, &scene.camera, settings, Some(&progress))?,
+    };
     let task = console.task("scene truth");
     let progress = |done, total| task.at(done, total);
     let visibility = &rendered.output.visibility;
@@ -104,7 +118,7 @@ fn compare(
         ConvergedErrors::of(visibility, &tracer, camera, light, settings, Some(&progress))
     };
     let converged = options.converged.then(converged).transpose()?;
-    Ok((ErrorReport { facet, scene: traced.errors(visibility)?, converged }, traced.image))
+    Ok((ErrorReport { facet, seen, scene: traced.errors(visibility)?, converged }, traced.image))
 }
 
 /// Writes all files, or none.
@@ -127,25 +141,25 @@ fn write(
         triangles,
         visibility,
     };
-    let mut out = OutFolder::open(&options.out)?;
-    write_png_rgb(&out.file("shaded.png"), w, h, &shade(&shading))?;
-    write_png_grey(&out.file("visibility.png"), w, h, visibility)?;
-    write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
-    if let Some(truth) = truth {
-        let values = truth.visibility();
-        write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
-        write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
-    }
-    if let Some(looks) = &rendered.looks {
-        if !looks.classes.is_empty() {
-            write_classes(&out.file("classes.png"), w, h, &looks.classes)?;
+    OutFolder::fill(&options.out, |out| {
+        write_png_rgb(&out.file("shaded.png"), w, h, &shade(&shading))?;
+        write_png_grey(&out.file("visibility.png"), w, h, visibility)?;
+        write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
+        if let Some(truth) = truth {
+            let values = truth.visibility();
+            write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
+            write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
         }
-        if let Some(map) = &looks.map {
-            write_map(&out.file("light-view.png"), map)?;
+        if let Some(looks) = &rendered.looks {
+            if !looks.classes.is_empty() {
+                write_classes(&out.file("classes.png"), w, h, &looks.classes)?;
+            }
+            if let Some(map) = &looks.map {
+                write_map(&out.file("light-view.png"), map)?;
+            }
         }
-    }
-    frame.write(&out.file("frame.json"))?;
-    out.finish()
+        frame.write(&out.file("frame.json"))
+    })
 }
 
 /// Stages with their time, and those left out.
@@ -164,6 +178,12 @@ fn stages(report: &mut Report, frame: &FrameReport, plan: &Plan, rendered: &Rend
     }
     let all = if on_cpu { frame.stages.iter().map(|s| s.cpu_ms).sum() } else { frame.gpu_ms };
     rows.push(vec!["all".to_owned(), format!("{all:.3}"), String::new()]);
+    let what = match (on_cpu, output.dispatches) {
+        (false, 1..) => "before: mesh, device, pipelines, memory, a frame that is not timed",
+        (false, 0) => "before: mesh, device",
+        (true, _) => "before: mesh, tree",
+    };
+    rows.push(vec!["set-up".to_owned(), format!("{:.3}", frame.setup_ms), what.to_owned()]);
     report.table(&rows, &[1]);
     let left_out = plan.left_out().count();
     report.text(&if on_cpu {
@@ -172,8 +192,8 @@ fn stages(report: &mut Report, frame: &FrameReport, plan: &Plan, rendered: &Rend
         let time = format!("{:.3} ms from submission to the end", output.wall_ms);
         let of_frames = match rendered.timed_frames {
             0 => String::new(),
-            1 => "; times of the second frame".to_owned(),
-            n => format!("; times are medians of the {n} frames after the first"),
+            1 => "; times of one frame, after one that is not timed".to_owned(),
+            n => format!("; times are medians of {n} frames, after one that is not timed"),
         };
         format!("{time}, {} dispatches, {left_out} steps left out{of_frames}", output.dispatches)
     });
@@ -257,11 +277,12 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
     let mut row = |cells: &[&str]| rows.push(cells.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>());
     if let Some(f) = &error.facet {
         row(&["facet truth", "samples", "wrong", "wrong in band", "in band"]);
+        let of_some = |n| if f.facet_samples == 0 { "–".to_owned() } else { grouped(n) };
         row(&[
             "all compared",
             &grouped(f.facet_samples),
-            &grouped(f.facet_wrong_outside_band),
-            &grouped(f.facet_wrong_in_band),
+            &of_some(f.facet_wrong_outside_band),
+            &of_some(f.facet_wrong_in_band),
             &percent(f.facet_ambiguous, f.facet_samples),
         ]);
         if f.facet_wrong_outside_band > 0 {
@@ -282,21 +303,30 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
         report
             .text(&format!("first wrong: sample {sample} of pixel ({x}, {y}), whose facet is of triangle {triangle}"));
     }
+    let seen = &error.seen;
+    let of_some = |n| if seen.seen_samples == 0 { "–".to_owned() } else { grouped(n) };
+    let mut rows = vec![["seen truth", "samples", "wrong", "tied"].map(String::from).to_vec()];
+    rows.push(vec![
+        "surface each sees".to_owned(),
+        grouped(seen.seen_samples),
+        of_some(seen.seen_wrong),
+        of_some(seen.seen_tied),
+    ]);
+    report.table(&rows, &[1, 2, 3]);
+    if let Some([pixel, sample, triangle]) = seen.first_wrong {
+        let (x, y) = (pixel % width, pixel / width);
+        let given = if triangle == u32::MAX { "no surface".to_owned() } else { format!("triangle {triangle}") };
+        report.text(&format!("first on another surface: sample {sample} of pixel ({x}, {y}), given {given}"));
+    }
     let s = &error.scene;
     let within = format!("within 1/{samples}");
     let mut rows = vec![["scene truth", "pixels", "RMSE", "mean", "max", &within].map(String::from).to_vec()];
-    let share = |v: f64| format!("{:.3} %", 100.0 * v);
     let line = |name: &str, pixels, rmse, mean, max, matching| {
-        vec![
-            name.to_owned(),
-            grouped(pixels),
-            format!("{rmse:.5}"),
-            format!("{mean:.5}"),
-            format!("{max:.3}"),
-            share(matching),
-        ]
+        let [rmse, mean, max] = [(rmse, 5), (mean, 5), (max, 3)].map(|(figure, places)| or_dash(figure, places));
+        vec![name.to_owned(), grouped(pixels), rmse, mean, max, percent_or_dash(matching)]
     };
-    rows.push(line("whole image", s.scene_pixels, s.scene_rmse, s.scene_mean, s.scene_max, s.scene_pixel_match));
+    let [rmse, mean, max] = [s.scene_rmse, s.scene_mean, s.scene_max].map(Some);
+    rows.push(line("whole image", s.scene_pixels, rmse, mean, max, s.scene_pixel_match));
     rows.push(line(
         "silhouette band",
         s.scene_band_pixels,
@@ -311,7 +341,7 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
         String::new(),
         String::new(),
         String::new(),
-        share(s.scene_one_plane_match),
+        percent_or_dash(s.scene_one_plane_match),
     ]);
     report.table(&rows, &[1, 2, 3, 4, 5]);
     report.text(&format!(
@@ -322,10 +352,10 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
     ));
     if let Some(c) = &error.converged {
         report.text(&format!(
-            "against 1024 rays a pixel: RMSE {:.5}, in the silhouette band of {} pixels {:.5}, mean FLIP {:.5}",
+            "against 1024 rays a pixel: RMSE {:.5}, in the silhouette band of {} pixels {}, mean FLIP {:.5}",
             c.converged_rmse,
             grouped(c.converged_band_pixels),
-            c.converged_band_rmse,
+            or_dash(c.converged_band_rmse, 5),
             c.converged_flip
         ));
     }

@@ -1,4 +1,4 @@
-//! Times that a frame takes when it is not the first.
+//! Times that a frame takes once it is set up.
 
 use std::time::{Duration, Instant};
 use subpixel_shadows::Result;
@@ -6,20 +6,20 @@ use subpixel_shadows::gpu::StageTime;
 use subpixel_shadows::methods::render::Output;
 use subpixel_shadows::report::comparison::Spread;
 
-/// When no further frame is begun, counted from the begin of the first.
+/// When no further frame is begun, counted from the begin of the first that is timed.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// `first` with the times of the frames after it, the median of each, and how many these are: one fewer than `frames`, or as many as
-/// begin within [`PATIENCE`]; none after a first that took longer. A first frame also pays for memory that was never touched, and for lists that turned out too short.
-pub fn warm(first: Output, frames: u32, mut again: impl FnMut() -> Result<Output>) -> Result<(Output, u32)> {
-    let (start, of_first) = (Instant::now(), Duration::from_secs_f64(first.wall_ms.max(0.0) / 1e3));
-    let mut later = Vec::new();
-    while later.len() + 1 < frames as usize && start.elapsed() + of_first < PATIENCE {
+/// `first` with the times of the frames after it, the median of each, and how many these are: `frames`, or as many as begin within
+/// [`PATIENCE`], but one at the least. The first frame, whose own times are dropped, compiles what the driver has not compiled yet,
+/// touches memory for the first time, and finds how long the lists have to be. Without `frames` no time is taken.
+pub fn timed(first: Output, frames: u32, mut again: impl FnMut() -> Result<Output>) -> Result<(Output, u32)> {
+    let (start, mut later) = (Instant::now(), Vec::new());
+    while later.len() < frames as usize && (later.is_empty() || start.elapsed() < PATIENCE) {
         let Output { stages, wall_ms, .. } = again()?;
         later.push((stages, wall_ms));
     }
-    let Some((stages, _)) = later.first() else { return Ok((first, 0)) };
     let median = |values: Vec<f64>| Spread::of(&values).median;
+    let stages = later.first().map_or(&[][..], |(stages, _)| stages);
     let of_stage = |k: usize| later.iter().filter_map(|(stages, _)| Some(stages.get(k)?.gpu_ms)).collect();
     let stages = (0..stages.len()).map(|k| StageTime { name: stages[k].name, gpu_ms: median(of_stage(k)) }).collect();
     let wall_ms = median(later.iter().map(|(_, wall)| *wall).collect());
@@ -42,17 +42,28 @@ mod tests {
     #[test]
     fn times_are_medians_of_the_frames_after_the_first() {
         let mut later = [30.0, 10.0, 20.0].into_iter();
-        let (output, counted) = warm(frame(90.0), 4, || Ok(frame(later.next().unwrap()))).unwrap();
+        let (output, counted) = timed(frame(90.0), 3, || Ok(frame(later.next().unwrap()))).unwrap();
         assert_eq!((counted, output.wall_ms, output.dispatches), (3, 20.0, 7));
         let times: Vec<_> = output.stages.iter().map(|s| (s.name, s.gpu_ms)).collect();
         assert_eq!(times, [("resolve", 20.0), ("triangle_setup", 20.0)]);
     }
 
     #[test]
-    fn of_one_frame_or_a_long_one_the_time_is_its_own() {
-        for (ms, frames) in [(90.0, 1), (6000.0, 4)] {
-            let (output, counted) = warm(frame(ms), frames, || panic!("no other frame is asked for")).unwrap();
-            assert_eq!((counted, output.wall_ms, output.stages[0].gpu_ms), (0, ms, ms));
+    fn the_first_frame_is_never_timed_whatever_it_takes() {
+        for (ms, frames) in [(90.0, 1), (6000.0, 1), (6000.0, 3)] {
+            let (output, counted) = timed(frame(ms), frames, || Ok(frame(20.0))).unwrap();
+            assert_eq!((counted, output.wall_ms, output.stages[0].gpu_ms), (frames, 20.0, 20.0));
         }
+        let (output, counted) = timed(frame(90.0), 0, || panic!("no other frame is asked for")).unwrap();
+        assert!(counted == 0 && output.wall_ms == 0.0 && output.stages.is_empty() && output.dispatches == 7);
+    }
+
+    #[test]
+    fn long_frames_are_few_and_one_at_the_least() {
+        let slow = || {
+            std::thread::sleep(PATIENCE + Duration::from_millis(1));
+            Ok(frame(20.0))
+        };
+        assert_eq!(timed(frame(90.0), 3, slow).unwrap().1, 1);
     }
 }

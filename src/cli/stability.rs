@@ -8,7 +8,7 @@ use std::time::Instant;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::report::comparison::Machine;
 use subpixel_shadows::report::stability::{Outcome, markdown, named, row, run as run_case, variants};
-use subpixel_shadows::report::write_text;
+use subpixel_shadows::report::{or_dash, write_text};
 use subpixel_shadows::{Error, Result};
 
 /// Runs the cases, writes the page and the rows, prints what is not as it must be.
@@ -39,10 +39,10 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
     let command = format!("cargo run --release -- {}", arguments.join(" "));
     let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "outcomes": sorted }));
     let json = json.map_err(|e| Error::file(&options.out, e.to_string()))?;
-    let mut out = OutFolder::open(&options.out)?;
-    write_text(&out.file("stability.md"), &markdown(&command, &machine.line(), &cases, &sorted))?;
-    write_text(&out.file("stability.json"), &json)?;
-    let files = out.finish()?;
+    let files = OutFolder::fill(&options.out, |out| {
+        write_text(&out.file("stability.md"), &markdown(&command, &machine.line(), &cases, &sorted))?;
+        write_text(&out.file("stability.json"), &json)
+    })?;
     let mut report = Report::default();
     report.line("adapter", &machine.line());
     let mut rows = vec![
@@ -57,8 +57,8 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
             chosen.map(|o| o.facet.facet_wrong_outside_band).sum::<u64>().to_string()
         };
         let worst = |variant: &str| {
-            let errors = of_case.iter().filter(|o| o.variant == variant).map(|o| o.scene.scene_band_rmse);
-            format!("{:.4}", errors.fold(0.0, f64::max))
+            let errors = of_case.iter().filter(|o| o.variant == variant).filter_map(|o| o.scene.scene_band_rmse);
+            or_dash(errors.reduce(f64::max), 4)
         };
         rows.push(vec![
             case.name.to_owned(),
@@ -82,6 +82,5 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
     }
     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     report.text(&format!("\nwrote {}\nin {:.0} s", names.join(", "), start.elapsed().as_secs_f64()));
-    report.print();
-    Ok(())
+    report.print()
 }

@@ -1,6 +1,7 @@
 //! Plain tables on standard output.
 
 use std::io::Write;
+use subpixel_shadows::{Error, Result};
 
 /// Lines of a report, written at once.
 #[derive(Debug, Default)]
@@ -37,9 +38,23 @@ impl Report {
         }
     }
 
-    /// Writes it; a closed pipe is no fault.
-    pub fn print(&self) {
-        let _ = std::io::stdout().write_all(self.text.as_bytes());
+    /// Writes it.
+    ///
+    /// # Errors
+    /// [`Error::File`] if standard output cannot be written to; a closed pipe is no fault.
+    pub fn print(&self) -> Result<()> {
+        let mut out = std::io::stdout();
+        told(out.write_all(self.text.as_bytes()).and_then(|()| out.flush()))
+    }
+}
+
+/// The outcome of writing to standard output. Who closes it has seen enough.
+pub fn told(written: std::io::Result<()>) -> Result<()> {
+    match written {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::file("standard output", format!("cannot be written: {e}")))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -56,9 +71,9 @@ pub fn grouped(n: u64) -> String {
     out
 }
 
-/// A share in percent, with enough digits to tell it from 0 and 100.
+/// A share in percent, with enough digits to tell it from 0 and 100; of nothing a dash.
 pub fn percent(part: u64, whole: u64) -> String {
-    if whole == 0 { "0 %".to_owned() } else { format!("{:.2} %", 100.0 * part as f64 / whole as f64) }
+    if whole == 0 { "–".to_owned() } else { format!("{:.2} %", 100.0 * part as f64 / whole as f64) }
 }
 
 #[cfg(test)]
@@ -69,7 +84,7 @@ mod tests {
     fn numbers_are_grouped() {
         assert_eq!([0, 12, 999, 1000, 1_234_567].map(grouped), ["0", "12", "999", "1,000", "1,234,567"]);
         assert_eq!(percent(1, 8), "12.50 %");
-        assert_eq!(percent(0, 0), "0 %");
+        assert_eq!((percent(0, 0), percent(0, 8)), ("–".to_owned(), "0.00 %".to_owned()));
     }
 
     #[test]

@@ -47,7 +47,9 @@ pub fn filled(device: &wgpu::Device, label: &str, content: &[u8], usage: wgpu::B
     Ok(buffer)
 }
 
-/// A GPU buffer of `len` elements of `T`. Never empty: a buffer of 0 elements holds one that nobody reads.
+/// A GPU buffer of `len` elements of `T`. Never empty: a buffer of 0 elements holds one that nobody reads. Its bytes are padded to a
+/// multiple of 16, which `arrayLength` in a kernel counts too: what a kernel must not write beyond, and the host must go through, is
+/// told to it by a uniform.
 /// A clone is another handle of the same memory.
 #[derive(Clone, Debug)]
 pub struct Buffer<T> {

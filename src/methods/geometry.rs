@@ -5,7 +5,7 @@ use super::prepared::CasterBuffers;
 use crate::Result;
 use crate::gpu::kernels::{camera_visibility, light_layers};
 use crate::gpu::{Buffer, Recorder};
-use crate::stages::camera_visibility::{Blocks, CameraVisibility};
+use crate::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use crate::stages::dispatch_args::{DispatchArgs, Request, Requests};
 use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use crate::stages::vertex_project::VertexProject;
@@ -42,8 +42,8 @@ pub struct Geometry {
     pub map_points: Buffer<[f32; 4]>,
     /// Facing, rectangles and block counts of each triangle.
     pub facts: TriangleFacts,
-    /// Complements of the triangle and of the bits of the view depth at every pixel centre; 0 where nothing is seen.
-    pub seen_keys: Buffer<[u32; 2]>,
+    /// What every pixel centre sees, and how sure that is.
+    pub centres: Centres,
     /// Complement of the triangle at every pixel centre; 0 where there is none.
     pub id_keys: Buffer<u32>,
     camera_offsets: Buffer<u32>,
@@ -78,7 +78,7 @@ impl Geometry {
             points: Buffer::storage(device, "vertex_project.points", vertices)?,
             map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
             facts: TriangleFacts::new(device, triangles)?,
-            seen_keys: Buffer::storage(device, "camera_visibility.keys", pixels)?,
+            centres: Centres::new(device, queue, pixels)?,
             id_keys: Buffer::storage(device, "camera_visibility.id_keys", pixels)?,
             camera_offsets: offsets("triangle_setup.camera_offsets", pixels)?,
             light_offsets: offsets("triangle_setup.light_offsets", texels)?,
@@ -127,9 +127,12 @@ impl Geometry {
         frame: &wgpu::Buffer,
         casters: &CasterBuffers,
     ) -> Result<()> {
-        rec.clear(self.seen_keys.raw());
+        for buffer in [self.centres.keys.raw(), self.centres.doubts.raw(), self.id_keys.raw()] {
+            rec.clear(buffer);
+        }
         let stage = &mut rec.stage("camera_visibility");
-        with.visibility.record(stage, frame, self.in_camera(casters), &self.seen_keys, &self.id_keys)
+        let positions = casters.positions.raw();
+        with.visibility.record(stage, frame, self.in_camera(casters), positions, &self.centres, &self.id_keys)
     }
 
     /// The triangles' blocks of pixels.

@@ -1,9 +1,11 @@
 //! How long the lists of a frame are: a first guess, what a frame left in its counters, and the next guess from that.
 
+mod bands;
 mod guess;
 mod needs;
 mod together;
 
+pub use bands::in_reach;
 pub use guess::{first_for, within};
 pub use needs::Needs;
 pub use together::{Together, Wanted, roomy};
@@ -311,7 +313,7 @@ mod tests {
 
     fn of(pairs: PairVariant) -> Settings {
         let samples = Samples::new(Pattern::default(), 32).expect("32 samples");
-        Settings { pairs, ..Settings::new([800, 600], 512, samples) }
+        Settings { pairs, facets: FacetMode::One, ..Settings::new([800, 600], 512, samples) }
     }
 
     fn bytes(settings: &Settings, c: Capacities) -> u64 {

@@ -8,6 +8,7 @@ pub mod fixed;
 pub mod geometry;
 pub mod growth;
 pub mod looks;
+pub mod options;
 pub mod prepared;
 pub mod ray_traced;
 pub mod render;
@@ -23,6 +24,7 @@ pub mod unshadowed;
 pub use any::{AnyRenderer, MethodName};
 pub use facet_masks::FacetMasks;
 pub use looks::{Looks, MapLook, PixelClass};
+pub use options::{METHOD_OPTIONS, MethodOption};
 pub use prepared::Prepared;
 pub use settings::{
     FacetMode, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape,

@@ -227,6 +227,8 @@ impl<'a> Renderer<'a> {
             let Some(wanted) = growth::wanted(&needs, now, &self.settings, &limits, self.budget.bytes)? else {
                 return self.read(&words, runs, dispatches, wall_ms).map(Some);
             };
+            let triangles = self.prepared.mesh.triangles.len();
+            let wanted = growth::in_reach(&needs, now, wanted, &self.settings, self.budget.bytes, triangles)?;
             log::info!("lists overflowed: running again with {wanted:?}");
             match self.method.resize(device, queue, wanted) {
                 Err(error @ Error::Memory { .. }) => {

@@ -12,9 +12,9 @@ use crate::{Error, Result};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FacetMode {
     /// One, for the surface at its centre (Pan 2009).
-    #[default]
     One,
     /// One for each surface that its samples see. Their coverage replaces the validity mask.
+    #[default]
     All,
 }
 
@@ -358,14 +358,15 @@ impl Settings {
         self.size.iter().map(|&s| s as usize).product()
     }
 
-    /// The settings of the paper for an image of `size` pixels and a map of `map` texels a side: validity masks, exact
-    /// masks, every facet settled early that can be, no caster left out.
+    /// The settings for an image of `size` pixels and a map of `map` texels a side: a facet for every surface, as in the program,
+    /// exact masks, every facet settled early that can be, no caster left out. With [`FacetMode::One`] in place they are those of
+    /// the paper, with validity masks.
     pub fn new(size: [u32; 2], map: u32, samples: Samples) -> Self {
         Self {
             size,
             map,
             samples,
-            facets: FacetMode::One,
+            facets: FacetMode::default(),
             validity: true,
             cull_back: false,
             masks: MaskVariant::Exact,

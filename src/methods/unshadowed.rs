@@ -42,7 +42,7 @@ pub type Look<'a> = &'a mut dyn FnMut(&Facets, Rows) -> Result<()>;
 /// # Errors
 /// As [`super::render::Renderer::render`].
 pub fn render(gpu: &Gpu, prepared: &Prepared, settings: &Settings, camera: &Camera, light: &Light) -> Result<Output> {
-    render_and(gpu, prepared, settings, camera, light, &mut |_, _| Ok(()))
+    Unshadowed::new(gpu, prepared, settings)?.render(camera, light)
 }
 
 /// As [`render`], and lets `look` see the facets with their masks after each strip of rows; from row 0 on once more, with other rows,
@@ -58,32 +58,74 @@ pub fn render_and(
     light: &Light,
     look: Look,
 ) -> Result<Output> {
-    settings.check()?;
-    let casters = prepared.upload(&gpu.device, &gpu.queue)?;
-    let frame = frame(prepared, settings, camera, light, &casters)?;
-    let with = Pipelines::new(gpu, settings);
-    let mut strips = Strips::new(settings.size, 1);
-    'image: loop {
-        let mut image: Option<Output> = None;
-        for rows in strips.rows() {
-            let of_strip = Settings { size: strips.size(), ..settings.clone() };
-            let mut frame = Frame { image_size: of_strip.size, first_row: rows.first, ..frame };
-            frame.facets_total = of_strip.pixels() as u32;
-            frame.facet_count = frame.facets_total;
-            let (output, facets) = match strip(gpu, &with, &casters, &of_strip, frame) {
-                Err(error @ Error::Memory { .. }) => {
-                    strips = strips.more().ok_or(error)?;
-                    continue 'image;
+    Unshadowed::new(gpu, prepared, settings)?.render_and(camera, light, look)
+}
+
+/// Frames in which nothing casts a shadow, set up for one mesh and one setting, to be rendered again and again.
+pub struct Unshadowed<'a> {
+    gpu: &'a Gpu,
+    prepared: &'a Prepared,
+    settings: Settings,
+    casters: CasterBuffers,
+    with: Pipelines,
+    strips: Strips,
+    /// Memory of one strip, of that size; made by the first frame.
+    memory: Option<([u32; 2], Memory)>,
+}
+
+impl<'a> Unshadowed<'a> {
+    /// Uploads the mesh and builds pipelines.
+    ///
+    /// # Errors
+    /// As [`super::render::Renderer::new`].
+    pub fn new(gpu: &'a Gpu, prepared: &'a Prepared, settings: &Settings) -> Result<Self> {
+        settings.check()?;
+        let casters = prepared.upload(&gpu.device, &gpu.queue)?;
+        let (with, strips) = (Pipelines::new(gpu, settings), Strips::new(settings.size, 1));
+        Ok(Self { gpu, prepared, settings: settings.clone(), casters, with, strips, memory: None })
+    }
+
+    /// Renders one frame.
+    ///
+    /// # Errors
+    /// As [`super::render::Renderer::render`].
+    pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
+        self.render_and(camera, light, &mut |_, _| Ok(()))
+    }
+
+    /// As [`render_and`].
+    ///
+    /// # Errors
+    /// As [`render_and`].
+    pub fn render_and(&mut self, camera: &Camera, light: &Light, look: Look) -> Result<Output> {
+        let frame = frame(self.prepared, &self.settings, camera, light, &self.casters)?;
+        'image: loop {
+            let mut image: Option<Output> = None;
+            for rows in self.strips.rows() {
+                let of_strip = Settings { size: self.strips.size(), ..self.settings.clone() };
+                let mut frame = Frame { image_size: of_strip.size, first_row: rows.first, ..frame };
+                frame.facets_total = of_strip.pixels() as u32;
+                frame.facet_count = frame.facets_total;
+                let (size, memory) = match self.memory.take().filter(|(size, _)| *size == of_strip.size) {
+                    Some(kept) => kept,
+                    None => match Memory::new(self.gpu, &self.casters, &of_strip) {
+                        Err(error @ Error::Memory { .. }) => {
+                            self.strips = self.strips.more().ok_or(error)?;
+                            continue 'image;
+                        }
+                        made => (of_strip.size, made?),
+                    },
+                };
+                let (_, memory) = self.memory.insert((size, memory));
+                let output = memory.strip(self.gpu, &self.with, &self.casters, &of_strip, frame)?;
+                look(&memory.facets, rows)?;
+                match &mut image {
+                    None => image = Some(output),
+                    Some(image) => image.add_rows(output, rows),
                 }
-                made => made?,
-            };
-            look(&facets, rows)?;
-            match &mut image {
-                None => image = Some(output),
-                Some(image) => image.add_rows(output, rows),
             }
+            return image.ok_or_else(|| Error::Config("an image without rows".to_owned()));
         }
-        return image.ok_or_else(|| Error::Config("an image without rows".to_owned()));
     }
 }
 
@@ -104,47 +146,6 @@ impl Pipelines {
     }
 }
 
-/// One strip of rows, and its facets.
-fn strip(
-    gpu: &Gpu,
-    with: &Pipelines,
-    casters: &CasterBuffers,
-    settings: &Settings,
-    frame: Frame,
-) -> Result<(Output, Facets)> {
-    let mut timer = Timer::new(gpu)?;
-    let mut encoder = gpu.encoder();
-    let mut recorder = Recorder::new(&gpu.device, &mut encoder, timer.as_mut());
-    let made = record(gpu, &mut recorder, with, casters, settings, frame)?;
-    let dispatches = recorder.dispatches();
-    if let Some(timer) = &timer {
-        timer.resolve(&mut encoder);
-    }
-    let start = Instant::now();
-    gpu.submit_and_wait(encoder)?;
-    let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-    let words = made.status.read(gpu)?;
-    let state = |s: State| u64::from(words[status::STATES + s as usize]);
-    let output = Output {
-        visibility: made.visibility.read(gpu)?,
-        lit: made.lit.read(gpu)?,
-        words: settings.samples.words(),
-        triangles: made.geometry.id_keys.read(gpu)?.into_iter().map(|key| !key).collect(),
-        counts: Counts {
-            empty_facets: state(State::Empty),
-            dark_facets: state(State::Dark),
-            // Without casters a facet that is not settled is lit as well.
-            lit_facets: state(State::Lit) + state(State::Undecided),
-            ..Counts::default()
-        },
-        lists: Vec::new(),
-        stages: timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(gpu))?,
-        wall_ms,
-        dispatches,
-    };
-    Ok((output, made.facets))
-}
-
 /// A frame with a light view of one texel that no caster touches.
 fn frame(
     prepared: &Prepared,
@@ -163,57 +164,103 @@ fn frame(
     Ok(frame)
 }
 
-/// What a frame leaves behind.
-struct Made {
+/// Memory of one strip, and what its frame leaves behind.
+struct Memory {
+    frame: Buffer<Frame>,
+    samples: Buffer<[f32; 4]>,
     geometry: Geometry,
     facets: Facets,
     status: Buffer<u32>,
     visibility: Buffer<f32>,
     lit: Buffer<u32>,
+    /// The light view's one texel: no mark in the table.
+    sat: Buffer<u32>,
+    /// The same: no caster.
+    splits: Buffer<f32>,
+    timer: Option<Timer>,
 }
 
-fn record(
-    gpu: &Gpu,
-    rec: &mut Recorder,
-    with: &Pipelines,
-    casters: &CasterBuffers,
-    settings: &Settings,
-    frame: Frame,
-) -> Result<Made> {
-    let (device, queue) = (&gpu.device, &gpu.queue);
-    let pixels = settings.size.iter().map(|&s| s as usize).product::<usize>();
-    let words = settings.samples.words();
-    let frame_buffer = Buffer::uniform(device, "frame", 1)?;
-    frame_buffer.write(queue, &[frame]);
-    let samples = Buffer::uniform(device, "samples", 64)?;
-    samples.write(queue, &sample_words(&settings.samples));
-    let made = Made {
-        geometry: Geometry::new(device, queue, casters, pixels, settings.texels())?,
-        facets: Facets::new(device, pixels, pixels, words as usize)?,
-        status: Buffer::storage(device, "status", status::BANDS + 4)?,
-        visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
-        lit: Buffer::storage(device, "resolve.lit", pixels * words as usize)?,
-    };
-    // The light view's one texel: no mark in the table, no caster.
-    let sat = Buffer::storage(device, "summed_area.sat", 1)?;
-    let splits = Buffer::from_slice(device, queue, "front_layer.splits", &[UNCOVERED])?;
-    let (frame, triangles) = (frame_buffer.raw(), casters.triangles.raw());
-    let geometry = &made.geometry;
-    geometry.record_setup(rec, &with.geometry, frame, casters)?;
-    geometry.record_camera(rec, &with.geometry, frame, casters)?;
-    {
-        let stage = &mut rec.stage("facet_classify");
-        let around = Surroundings { triangles, positions: casters.positions.raw(), sat: &sat, splits: &splits };
-        with.classify.record_one(stage, frame, &geometry.id_keys, &made.facets)?;
-        with.classify.record_classify(
-            stage,
-            frame,
-            samples.raw(),
-            around,
-            &made.facets,
-            Groups::Items(pixels as u64),
-        )?;
+impl Memory {
+    fn new(gpu: &Gpu, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let (pixels, words) = (settings.pixels(), settings.samples.words() as usize);
+        let samples = Buffer::uniform(device, "samples", 64)?;
+        samples.write(queue, &sample_words(&settings.samples));
+        Ok(Self {
+            frame: Buffer::uniform(device, "frame", 1)?,
+            samples,
+            geometry: Geometry::new(device, queue, casters, pixels, settings.texels())?,
+            facets: Facets::new(device, pixels, pixels, words)?,
+            status: Buffer::storage(device, "status", status::BANDS + 4)?,
+            visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
+            lit: Buffer::storage(device, "resolve.lit", pixels * words)?,
+            sat: Buffer::storage(device, "summed_area.sat", 1)?,
+            splits: Buffer::from_slice(device, queue, "front_layer.splits", &[UNCOVERED])?,
+            timer: Timer::new(gpu)?,
+        })
     }
-    with.resolve.record(&mut rec.stage("resolve"), frame, &made.facets, &made.visibility, &made.lit, &made.status)?;
-    Ok(made)
+
+    /// Renders one strip of rows.
+    fn strip(
+        &mut self,
+        gpu: &Gpu,
+        with: &Pipelines,
+        casters: &CasterBuffers,
+        settings: &Settings,
+        frame: Frame,
+    ) -> Result<Output> {
+        self.frame.write(&gpu.queue, &[frame]);
+        let mut timer = self.timer.take();
+        if let Some(timer) = &mut timer {
+            timer.reset();
+        }
+        let mut encoder = gpu.encoder();
+        let mut recorder = Recorder::new(&gpu.device, &mut encoder, timer.as_mut());
+        self.record(&mut recorder, with, casters, settings.pixels())?;
+        let dispatches = recorder.dispatches();
+        if let Some(timer) = &timer {
+            timer.resolve(&mut encoder);
+        }
+        let start = Instant::now();
+        gpu.submit_and_wait(encoder)?;
+        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+        let words = self.status.read(gpu)?;
+        let state = |s: State| u64::from(words[status::STATES + s as usize]);
+        let stages = timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(gpu))?;
+        self.timer = timer;
+        Ok(Output {
+            visibility: self.visibility.read(gpu)?,
+            lit: self.lit.read(gpu)?,
+            words: settings.samples.words(),
+            triangles: self.geometry.id_keys.read(gpu)?.into_iter().map(|key| !key).collect(),
+            counts: Counts {
+                empty_facets: state(State::Empty),
+                dark_facets: state(State::Dark),
+                // Without casters a facet that is not settled is lit as well.
+                lit_facets: state(State::Lit) + state(State::Undecided),
+                ..Counts::default()
+            },
+            lists: Vec::new(),
+            stages,
+            wall_ms,
+            dispatches,
+        })
+    }
+
+    fn record(&self, rec: &mut Recorder, with: &Pipelines, casters: &CasterBuffers, pixels: usize) -> Result<()> {
+        let (frame, triangles) = (self.frame.raw(), casters.triangles.raw());
+        rec.clear(self.status.raw());
+        self.geometry.record_setup(rec, &with.geometry, frame, casters)?;
+        self.geometry.record_camera(rec, &with.geometry, frame, casters)?;
+        {
+            let stage = &mut rec.stage("facet_classify");
+            let positions = casters.positions.raw();
+            let around = Surroundings { triangles, positions, sat: &self.sat, splits: &self.splits };
+            with.classify.record_one(stage, frame, &self.geometry.id_keys, &self.facets)?;
+            let groups = Groups::Items(pixels as u64);
+            with.classify.record_classify(stage, frame, self.samples.raw(), around, &self.facets, groups)?;
+        }
+        let resolve = &mut rec.stage("resolve");
+        with.resolve.record(resolve, frame, &self.facets, &self.visibility, &self.lit, &self.status)
+    }
 }

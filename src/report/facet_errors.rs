@@ -66,7 +66,7 @@ impl FacetSet {
     }
 
     /// Coverage, occluded and invalid samples of facet `f`.
-    fn masks_of(&self, f: usize) -> [u128; 3] {
+    pub(super) fn masks_of(&self, f: usize) -> [u128; 3] {
         let words = self.words as usize;
         [0, 1, 2].map(|kind| {
             let mut mask = [0; 4];

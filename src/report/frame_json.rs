@@ -1,7 +1,7 @@
 //! `frame.json`: what a frame was computed from, with, and in what time.
 
 use super::picture;
-use super::{ConvergedErrors, FacetErrors, SceneErrors};
+use super::{ConvergedErrors, FacetErrors, SceneErrors, SeenErrors};
 use crate::methods::cpu::{self, CpuTime};
 use crate::methods::facet_masks::Settings;
 use crate::methods::prepared::Prepared;
@@ -11,6 +11,7 @@ use crate::samples::Samples;
 use crate::scene::{Camera, Ground, Light, Scene};
 use crate::{Error, Result};
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::Path;
 
@@ -47,14 +48,19 @@ pub struct FrameReport<'a> {
     pub gpu_ms: f64,
     /// From submission to the end.
     pub wall_ms: f64,
-    /// Frames after the first whose median time each time is; 0 where it is that of the first.
+    /// Frames whose median time each time is, after one that is not timed; 0 where nothing ran.
     pub timed_frames: u32,
+    /// From the mesh to the begin of the first frame that is timed: preparing it, opening the device, compiling, making memory, and one
+    /// frame. In no other time.
+    pub setup_ms: f64,
     /// What was counted.
     pub counts: &'a Counts,
     /// How the lists fared.
     pub lists: &'a [ListUse],
     /// Error against both truths.
     pub error: Option<ErrorReport>,
+    /// What was asked for, under the names of the program's options: those that the method takes.
+    pub settings: &'a Map<String, Value>,
 }
 
 /// The program.
@@ -105,6 +111,9 @@ pub struct ErrorReport {
     /// Against facet truth, where facets could be had.
     #[serde(flatten)]
     pub facet: Option<FacetErrors>,
+    /// Against seen truth.
+    #[serde(flatten)]
+    pub seen: SeenErrors,
     /// Against scene truth.
     #[serde(flatten)]
     pub scene: SceneErrors,
@@ -134,10 +143,14 @@ pub struct Sources<'a> {
     pub output: &'a Output,
     /// The stages that ran on the CPU engine; `None` on a GPU.
     pub cpu_stages: Option<&'a [CpuTime]>,
-    /// Frames after the first whose median time each time is; 0 where it is that of the first.
+    /// Frames whose median time each time is; 0 where nothing ran.
     pub timed_frames: u32,
+    /// What was done before these, milliseconds.
+    pub setup_ms: f64,
     /// Its error, where truth was computed.
     pub error: Option<ErrorReport>,
+    /// What was asked for, under the names of the program's options.
+    pub asked: &'a Map<String, Value>,
 }
 
 impl<'a> FrameReport<'a> {
@@ -176,9 +189,11 @@ impl<'a> FrameReport<'a> {
             gpu_ms: s.output.stages.iter().map(|t| t.gpu_ms).sum::<f64>().max(0.0),
             wall_ms: s.output.wall_ms,
             timed_frames: s.timed_frames,
+            setup_ms: s.setup_ms,
             counts: &s.output.counts,
             lists: &s.output.lists,
             error: s.error,
+            settings: s.asked,
         }
     }
 

@@ -25,14 +25,14 @@ pub struct Truth<'a> {
 pub struct Errors {
     /// How many pixels.
     pub pixels: u64,
-    /// Root of the mean squared difference.
-    pub rmse: f64,
+    /// Root of the mean squared difference; `None` without pixels, as the next two.
+    pub rmse: Option<f64>,
     /// Mean absolute difference.
-    pub mean: f64,
+    pub mean: Option<f64>,
     /// Largest absolute difference.
-    pub max: f64,
-    /// Share of the pixels within `1/samples` of truth; 1 without pixels.
-    pub pixel_match: f64,
+    pub max: Option<f64>,
+    /// Share of the pixels within `1/samples` of truth; `None` without pixels, and with one sample, of which every picture is within 1.
+    pub pixel_match: Option<f64>,
 }
 
 /// Errors of a picture.
@@ -123,15 +123,15 @@ impl Truth<'_> {
             matching += u64::from(d <= within);
         }
         if n == 0 {
-            return Errors { pixel_match: 1.0, ..Errors::default() };
+            return Errors::default();
         }
         let count = n as f64;
         Errors {
             pixels: n,
-            rmse: (squares / count).sqrt(),
-            mean: sum / count,
-            max,
-            pixel_match: matching as f64 / count,
+            rmse: Some((squares / count).sqrt()),
+            mean: Some(sum / count),
+            max: Some(max),
+            pixel_match: (self.samples > 1).then(|| matching as f64 / count),
         }
     }
 }
@@ -180,7 +180,8 @@ mod tests {
     fn equal_pictures_have_no_error() {
         let t = row();
         let m = truth(&t).compare(&t).unwrap();
-        let errors = |pixels| Errors { pixels, pixel_match: 1.0, ..Errors::default() };
+        let none = Some(0.0);
+        let errors = |pixels| Errors { pixels, rmse: none, mean: none, max: none, pixel_match: Some(1.0) };
         assert_eq!(m, Metrics { whole: errors(24), band: errors(9), acne_pixels: 0, leak_pixels: 0 });
     }
 
@@ -193,19 +194,31 @@ mod tests {
             truth(&t).compare(&o).unwrap()
         };
         let one_sample = with(2, 0.5 + 1.0 / 32.0);
-        assert_eq!((one_sample.whole.pixel_match, one_sample.whole.max), (1.0, 1.0 / 32.0));
+        assert_eq!((one_sample.whole.pixel_match, one_sample.whole.max), (Some(1.0), Some(1.0 / 32.0)));
         let edge = with(2, 0.75);
-        assert_eq!(edge.band.max, 0.25);
-        assert!((edge.band.rmse - 0.25 / 3.0).abs() < 1e-12);
-        assert!((edge.whole.mean - 0.25 / 24.0).abs() < 1e-12);
-        assert!((edge.band.pixel_match - 8.0 / 9.0).abs() < 1e-12);
+        assert_eq!(edge.band.max, Some(0.25));
+        let close = |value: Option<f64>, to: f64| value.is_some_and(|v| (v - to).abs() < 1e-12);
+        assert!(close(edge.band.rmse, 0.25 / 3.0));
+        assert!(close(edge.whole.mean, 0.25 / 24.0));
+        assert!(close(edge.band.pixel_match, 8.0 / 9.0));
         assert_eq!((edge.acne_pixels, edge.leak_pixels), (0, 0));
         let acne = with(6, 0.9);
-        assert_eq!((acne.acne_pixels, acne.leak_pixels, acne.band.max), (1, 0, 0.0));
+        assert_eq!((acne.acne_pixels, acne.leak_pixels, acne.band.max), (1, 0, Some(0.0)));
         assert_eq!(with(4, 0.9).acne_pixels, 0, "next to the band it is an edge");
         assert_eq!(with(0, 0.1).leak_pixels, 1);
         let broken = with(7, f32::NAN);
-        assert_eq!((broken.whole.max, broken.acne_pixels), (1.0, 1));
+        assert_eq!((broken.whole.max, broken.acne_pixels), (Some(1.0), 1));
+    }
+
+    /// No perfect score of a band that is not there, nor of "within one sample" where one sample is all there is.
+    #[test]
+    fn what_says_nothing_has_no_figure() {
+        let lit = [1.0; 24];
+        let m = truth(&lit).compare(&lit).unwrap();
+        assert_eq!((m.band, m.whole.pixel_match), (Errors::default(), Some(1.0)));
+        assert_eq!([m.band.rmse, m.band.mean, m.band.max, m.band.pixel_match], [None; 4]);
+        let one = Truth { samples: 1, ..truth(&lit) }.compare(&[0.0; 24]).unwrap();
+        assert_eq!((one.whole.pixel_match, one.whole.rmse), (None, Some(1.0)));
     }
 
     #[test]

@@ -8,6 +8,7 @@ pub mod looks;
 pub mod metrics;
 pub mod picture;
 pub mod scene_errors;
+pub mod seen_errors;
 pub mod shaded;
 pub mod stability;
 
@@ -15,6 +16,17 @@ pub use facet_errors::{FacetErrors, FacetSet};
 pub use flip::{flip, mean_flip};
 pub use frame_json::FrameReport;
 pub use metrics::{Errors, Metrics, Truth, wrong_samples};
-pub use picture::{write_difference, write_exr, write_png_grey, write_png_rgb, write_text};
+pub use picture::{part_of_dead, write_difference, write_exr, write_png_grey, write_png_rgb, write_text};
 pub use scene_errors::{ConvergedErrors, SceneErrors, TracedScene};
+pub use seen_errors::SeenErrors;
 pub use shaded::shade;
+
+/// A figure with so many places behind the point; a dash where there is none.
+pub fn or_dash(figure: Option<f64>, places: usize) -> String {
+    figure.map_or("–".to_owned(), |value| format!("{value:.places$}"))
+}
+
+/// A share in percent, with three places; a dash where there is none.
+pub fn percent_or_dash(share: Option<f64>) -> String {
+    share.map_or("–".to_owned(), |share| format!("{:.3} %", 100.0 * share))
+}

@@ -59,9 +59,9 @@ impl TracedScene {
         let near = |ours: f32, truth: f32| (f64::from(ours) - f64::from(truth)).abs() <= within;
         let all = planar().count();
         errors.scene_one_plane_pixels = all as u64;
-        if all > 0 {
+        if all > 0 && samples > 1 {
             let matching = planar().filter(|((_, ours), truth)| near(**ours, **truth)).count();
-            errors.scene_one_plane_match = matching as f64 / all as f64;
+            errors.scene_one_plane_match = Some(matching as f64 / all as f64);
         }
         Ok(errors)
     }
@@ -78,18 +78,19 @@ pub struct SceneErrors {
     pub scene_mean: f64,
     /// Largest absolute difference.
     pub scene_max: f64,
-    /// Share of the pixels within 1/N of truth.
-    pub scene_pixel_match: f64,
-    /// Pixels of the silhouette band: neither all lit nor all dark in truth, grown by one pixel.
+    /// Share of the pixels within 1/N of truth; as the other two of its kind, `None` with one sample: any picture is within 1.
+    pub scene_pixel_match: Option<f64>,
+    /// Pixels of the silhouette band: neither all lit nor all dark in truth, grown by one pixel. Figures of the band are `None` where it
+    /// is empty, as it is of truth with one sample.
     pub scene_band_pixels: u64,
     /// Root of the mean squared difference in the band.
-    pub scene_band_rmse: f64,
+    pub scene_band_rmse: Option<f64>,
     /// Mean absolute difference in the band.
-    pub scene_band_mean: f64,
+    pub scene_band_mean: Option<f64>,
     /// Largest absolute difference in the band.
-    pub scene_band_max: f64,
+    pub scene_band_max: Option<f64>,
     /// Share of the band's pixels within 1/N of truth.
-    pub scene_band_pixel_match: f64,
+    pub scene_band_pixel_match: Option<f64>,
     /// Pixels that are lit in truth, less than that here, and not near the band.
     pub scene_acne_pixels: u64,
     /// Pixels that are dark in truth and lit here at all.
@@ -98,8 +99,8 @@ pub struct SceneErrors {
     pub scene_flip: f64,
     /// Pixels whose samples all see one plane.
     pub scene_one_plane_pixels: u64,
-    /// Share of those within 1/N of truth.
-    pub scene_one_plane_match: f64,
+    /// Share of those within 1/N of truth; `None` without any.
+    pub scene_one_plane_match: Option<f64>,
 }
 
 /// A frame against rays so many that more change nothing: the error of the method and of its samples together.
@@ -111,12 +112,12 @@ pub struct ConvergedErrors {
     pub converged_mean: f64,
     /// Largest absolute difference.
     pub converged_max: f64,
-    /// Pixels of the silhouette band of this truth.
+    /// Pixels of the silhouette band of this truth; where there are none, `None` is said of it.
     pub converged_band_pixels: u64,
     /// Root of the mean squared difference in the band.
-    pub converged_band_rmse: f64,
+    pub converged_band_rmse: Option<f64>,
     /// Mean absolute difference in the band.
-    pub converged_band_mean: f64,
+    pub converged_band_mean: Option<f64>,
     /// Mean of the FLIP map.
     pub converged_flip: f64,
 }
@@ -151,6 +152,22 @@ impl ConvergedErrors {
 }
 
 impl SceneErrors {
+    /// As they would be of this version: earlier ones wrote perfect scores where `samples` or the pixels say nothing.
+    pub fn honest(self, samples: u32) -> Self {
+        let some = |pixels: u64, value: Option<f64>| value.filter(|_| pixels > 0);
+        let share = |pixels: u64, value: Option<f64>| some(pixels, value).filter(|_| samples > 1);
+        let (band, plane) = (self.scene_band_pixels, self.scene_one_plane_pixels);
+        Self {
+            scene_pixel_match: share(self.scene_pixels, self.scene_pixel_match),
+            scene_band_rmse: some(band, self.scene_band_rmse),
+            scene_band_mean: some(band, self.scene_band_mean),
+            scene_band_max: some(band, self.scene_band_max),
+            scene_band_pixel_match: share(band, self.scene_band_pixel_match),
+            scene_one_plane_match: share(plane, self.scene_one_plane_match),
+            ..self
+        }
+    }
+
     /// Holds `visibility` against any picture of truth; nothing is said of pixels that see one plane.
     ///
     /// # Errors
@@ -160,9 +177,9 @@ impl SceneErrors {
         let Metrics { whole, band, acne_pixels, leak_pixels } = held.compare(visibility)?;
         Ok(Self {
             scene_pixels: whole.pixels,
-            scene_rmse: whole.rmse,
-            scene_mean: whole.mean,
-            scene_max: whole.max,
+            scene_rmse: whole.rmse.unwrap_or_default(),
+            scene_mean: whole.mean.unwrap_or_default(),
+            scene_max: whole.max.unwrap_or_default(),
             scene_pixel_match: whole.pixel_match,
             scene_band_pixels: band.pixels,
             scene_band_rmse: band.rmse,
@@ -173,7 +190,7 @@ impl SceneErrors {
             scene_leak_pixels: leak_pixels,
             scene_flip: mean_flip(width, height, truth, visibility)?,
             scene_one_plane_pixels: 0,
-            scene_one_plane_match: 1.0,
+            scene_one_plane_match: None,
         })
     }
 }
@@ -186,4 +203,29 @@ fn sees_one_plane(scene: &SceneTruth, tracer: &Tracer, eye: DVec3, pixel: u32, f
     let Some((first, others)) = surfaces.split_first() else { return false };
     let plane = Plane::new(corners(first.0));
     seen == full && others.iter().all(|&(t, _)| corners(t).iter().all(|&p| plane.height(p) == 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A journal of an earlier version has numbers where nothing is known.
+    #[test]
+    fn perfect_scores_of_nothing_are_not_taken() {
+        let old = r#"{"scene_pixels":12,"scene_rmse":0.5,"scene_mean":0.5,"scene_max":0.5,"scene_pixel_match":1.0,
+            "scene_band_pixels":0,"scene_band_rmse":0.0,"scene_band_mean":0.0,"scene_band_max":0.0,
+            "scene_band_pixel_match":1.0,"scene_acne_pixels":0,"scene_leak_pixels":0,"scene_flip":0.0,
+            "scene_one_plane_pixels":3,"scene_one_plane_match":1.0}"#;
+        let old: SceneErrors = serde_json::from_str(old).unwrap();
+        assert_eq!((old.scene_band_rmse, old.scene_pixel_match), (Some(0.0), Some(1.0)));
+        let [one, many] = [1, 32].map(|samples| old.honest(samples));
+        assert_eq!([one.scene_pixel_match, one.scene_one_plane_match], [None; 2]);
+        assert_eq!([many.scene_pixel_match, many.scene_one_plane_match], [Some(1.0); 2]);
+        for errors in [one, many] {
+            let band = [errors.scene_band_rmse, errors.scene_band_mean, errors.scene_band_max];
+            assert_eq!((band, errors.scene_band_pixel_match, errors.scene_rmse), ([None; 3], None, 0.5));
+        }
+        let some = SceneErrors { scene_band_pixels: 5, ..old };
+        assert_eq!(some.honest(32), some);
+    }
 }

@@ -1,16 +1,19 @@
 //! The nearest triangle at every pixel centre, by compute rasterization.
 //!
-//! - **Reads** triangles, projected vertices, their pixel rectangles and the scan of the rectangles' 8 × 8 blocks.
-//! - **Writes** `keys`, two words a pixel, which must be 0 before (complement of the triangle, and complement of the bits of view
-//!   depth in scaled units; 0 where nothing is seen), and the first of them as `id_keys`.
-//! - **Guarantee.** Bit-equal from run to run: the nearest depth, and of equal depths the lowest index. A centre on a shared
-//!   edge belongs to both triangles, so no closed surface has a hole there.
-//! - **Cost.** One indirect dispatch, without [`Gpu::WIDE_ATOMICS`] two; one invocation looks at up to 64 pixels. One over the
-//!   pixels.
+//! - **Reads** triangles, projected vertices and the positions they were made of, their pixel rectangles and the scan of the rectangles'
+//!   8 × 8 blocks.
+//! - **Writes** `keys`, two words a pixel, which must be 0 before (complement of the triangle, whose upper bit is 1 only where
+//!   single precision left it open; and complement of the bits of view depth in scaled units; 0 where nothing is seen), and the complement
+//!   of the triangle as `id_keys`.
+//! - **Guarantee.** Bit-equal from run to run: the nearest triangle; of those that 46 bits do not tell apart the lowest index. A
+//!   centre on a shared edge belongs to both triangles, so no closed surface has a hole there.
+//! - **Cost.** Four indirect dispatches; one invocation looks at up to 64 pixels. The last two have nothing to do unless single precision
+//!   leaves open which of two triangles is nearer. One over the pixels.
 
+use super::dispatch_args::{DispatchArgs, Request, Requests};
 use crate::Result;
-use crate::gpu::kernels::{camera_visibility as kernel, camera_visibility_64 as wide};
-use crate::gpu::{Buffer, Gpu, Groups, Program, Stage, Uniforms};
+use crate::gpu::kernels::camera_visibility as kernel;
+use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
@@ -21,13 +24,41 @@ shared_struct! {
     }
 }
 
-/// The pipeline.
+/// The pipelines.
 #[derive(Debug)]
 pub struct CameraVisibility {
     raster: Program,
+    settle: Program,
     take: Program,
-    runs: usize,
+    fold: DispatchArgs,
     uniforms: Uniforms,
+}
+
+/// What the stage writes: one element a pixel.
+#[derive(Debug)]
+pub struct Centres {
+    /// Complements of the triangle and of the bits of the view depth; 0 where nothing is seen.
+    pub keys: Buffer<[u32; 2]>,
+    /// Blocks to go through again, then one bit for each pixel that single precision leaves open.
+    pub doubts: Buffer<u32>,
+    args: Buffer<u32>,
+    requests: Requests,
+}
+
+impl Centres {
+    /// Memory for `pixels` pixels.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, pixels: usize) -> Result<Self> {
+        let request = Request::new(0, kernel::WORKGROUP, Request::MAX_LIMIT, 0)?;
+        Ok(Self {
+            keys: Buffer::storage(device, "camera_visibility.keys", pixels)?,
+            doubts: Buffer::storage(device, "camera_visibility.doubts", 1 + pixels.div_ceil(32))?,
+            args: Buffer::indirect(device, "camera_visibility.args", 3)?,
+            requests: DispatchArgs::requests(device, queue, &[request])?,
+        })
+    }
 }
 
 /// What the stage reads.
@@ -50,33 +81,16 @@ pub struct Blocks<'a> {
 impl CameraVisibility {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        if !device.features().contains(Gpu::WIDE_ATOMICS) {
-            return Self::narrow(device);
-        }
-        Self {
-            raster: Program::new(device, wide::ENTRY_RASTER, &[]),
-            take: Program::new(device, wide::ENTRY_TAKE, &[]),
-            runs: 1,
-            uniforms: Uniforms::default(),
-        }
-    }
-
-    /// Likewise for atomics of 32 bits, whatever the device has.
-    pub fn narrow(device: &wgpu::Device) -> Self {
         Self {
             raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            settle: Program::new(device, kernel::ENTRY_SETTLE, &[]),
             take: Program::new(device, kernel::ENTRY_TAKE, &[]),
-            runs: 2,
+            fold: DispatchArgs::new(device),
             uniforms: Uniforms::default(),
         }
     }
 
-    /// How often it goes through the casters.
-    pub fn runs(&self) -> usize {
-        self.runs
-    }
-
-    /// Records all runs.
+    /// Records all runs. Keys and doubts of `centres` must be 0 before, and so must `id_keys`.
     ///
     /// # Errors
     /// None that input can cause.
@@ -85,7 +99,8 @@ impl CameraVisibility {
         stage: &mut Stage,
         frame: &wgpu::Buffer,
         blocks: Blocks,
-        keys: &Buffer<[u32; 2]>,
+        positions: &wgpu::Buffer,
+        centres: &Centres,
         id_keys: &Buffer<u32>,
     ) -> Result<()> {
         let buffers = |pass| {
@@ -96,14 +111,20 @@ impl CameraVisibility {
                 ("points", blocks.points.raw()),
                 ("camera_rects", blocks.rects.raw()),
                 ("work_offsets", blocks.offsets.raw()),
-                ("keys", keys.raw()),
+                ("keys", centres.keys.raw()),
                 ("id_keys", id_keys.raw()),
+                ("doubts", centres.doubts.raw()),
+                ("positions", positions),
             ]
         };
         let pass = |index| self.uniforms.get(stage.device, &Pass { index });
         let passes = [pass(0)?, pass(1)?];
-        for pass in passes.iter().take(self.runs) {
+        for pass in &passes {
             stage.run(&self.raster, &buffers(pass), Groups::Indirect(blocks.args.0, blocks.args.1))?;
+        }
+        self.fold.record(stage, &centres.doubts, &centres.requests, &centres.args)?;
+        for pass in &passes {
+            stage.run(&self.settle, &buffers(pass), Groups::Indirect(centres.args.raw(), 0))?;
         }
         stage.run(&self.take, &buffers(&passes[0]), Groups::Items(id_keys.len() as u64))
     }

@@ -97,6 +97,10 @@ impl Rays {
     ) -> Result<Self> {
         let words = samples.div_ceil(32) as usize;
         let together = kernel::WORKGROUP / samples.clamp(1, 32);
+        // Whole quads of words: the kernel takes its room from `arrayLength`, which counts padding, and all of it must be gone through.
+        let head = kernel::WORK_HEAD as usize + facets * words;
+        let len = (head + 2 * doubts).next_multiple_of(4);
+        let doubts = (len - head) / 2;
         let requests = [
             dispatch_args::Request::new(0, together, facets, TRACE_ARGS)?,
             dispatch_args::Request::new(0, kernel::WORKGROUP, facets, FACET_ARGS)?,
@@ -105,11 +109,7 @@ impl Rays {
         ];
         Ok(Self {
             listed: Buffer::storage(device, "shadow_rays.listed", facets)?,
-            work: Buffer::storage(
-                device,
-                "shadow_rays.work",
-                kernel::WORK_HEAD as usize + facets * words + 2 * doubts,
-            )?,
+            work: Buffer::storage(device, "shadow_rays.work", len)?,
             facets,
             args: Buffer::indirect(device, "shadow_rays.args", 12)?,
             requests: DispatchArgs::requests(device, queue, &requests)?,

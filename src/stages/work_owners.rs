@@ -22,12 +22,12 @@ shared_struct! {
     "work_owners" => pub struct Params {
         /// Owners.
         pub owners: u32,
+        /// Places that the table has room for.
+        pub room: u32,
         /// Unused.
         pub pad_0: u32,
         /// Unused.
         pub pad_1: u32,
-        /// Unused.
-        pub pad_2: u32,
     }
 }
 
@@ -57,9 +57,11 @@ impl WorkOwners {
     pub fn record(&self, stage: &mut Stage, offsets: &Buffer<u32>, owners: usize) -> Result<()> {
         let head = owners + kernel::HEAD as usize;
         holds("work_owners", "work_offsets", offsets.len(), head)?;
-        let params = self.uniforms.get(stage.device, &Params { owners: owners as u32, ..Params::default() })?;
+        let room = offsets.len() - head;
+        let params = Params { owners: owners as u32, room: room as u32, ..Params::default() };
+        let params = self.uniforms.get(stage.device, &params)?;
         let buffers = [("params", &params), ("work_offsets", offsets.raw())];
-        stage.run(&self.list, &buffers, Groups::Items((offsets.len() - head).max(1) as u64))
+        stage.run(&self.list, &buffers, Groups::Items(room.max(1) as u64))
     }
 }
 

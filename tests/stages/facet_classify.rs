@@ -6,7 +6,7 @@ use crate::support::{Random, assert_same, gpu, poisoned, run, sizes_around, uplo
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::render::{Budget, Renderer};
-use subpixel_shadows::methods::{Prepared, Settings};
+use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::reference::facet_classify::{self as reference, State, Surroundings, classify, pixel_ray};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::view::block_count;
@@ -463,7 +463,7 @@ fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5
     let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
     let samples = samples(32);
     let size = [40, 30];
-    let settings = Settings { validity: false, ..Settings::new(size, 96, samples.clone()) };
+    let settings = Settings { facets: FacetMode::One, validity: false, ..Settings::new(size, 96, samples.clone()) };
     let mut renderer = Renderer::new(gpu(), &prepared, &settings, Budget::default()).expect("a renderer");
     let (mut looked_at, mut wrong, mut states) = (0, 0, [0; 5]);
     for view in 0..views {

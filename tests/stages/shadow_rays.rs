@@ -158,6 +158,19 @@ fn overflow_by_one() {
     }
 }
 
+/// Doubts lie in no padding, which the kernel counts as room and the host does not go through.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn padding_holds_no_doubts() {
+    let gpu = gpu();
+    for facets in 1..9 {
+        for doubts in 0..5 {
+            let rays = Rays::with_doubts(&gpu.device, &gpu.queue, facets, 8, doubts).expect("memory");
+            assert_eq!(rays.work.bytes(), 4 * rays.work.len() as u64, "{facets} facets, room for {doubts} doubts");
+        }
+    }
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {

@@ -12,7 +12,7 @@ use subpixel_shadows::reference::prefix_scan;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::Seen;
-use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility};
+use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
 use subpixel_shadows::stages::silhouette_mask::SilhouetteMask;
@@ -49,7 +49,7 @@ pub struct Setup {
     /// Texels likewise.
     pub cells_lit: usize,
     pub in_light: Work,
-    pub seen_keys: Buffer<[u32; 2]>,
+    pub centres: Centres,
     pub id_keys: Buffer<u32>,
     pub layers: Layers,
     pub edge_rects: Buffer<[u32; 2]>,
@@ -199,7 +199,7 @@ impl Setup {
             cells_seen,
             cells_lit,
             in_light,
-            seen_keys: Buffer::storage(device, "bench.seen_keys", pixels)?,
+            centres: Centres::new(device, &gpu.queue, pixels)?,
             id_keys: Buffer::storage(device, "bench.id_keys", pixels)?,
             layers: Layers::new(device, MAP as usize)?,
             edge_rects,
@@ -214,7 +214,8 @@ impl Setup {
                 s,
                 setup.frame.raw(),
                 setup.seen(),
-                &setup.seen_keys,
+                setup.casters.positions.raw(),
+                &setup.centres,
                 &setup.id_keys,
             )?;
             LightLayers::new(device).record(s, setup.frame.raw(), setup.lit(), &setup.layers)?;

@@ -13,22 +13,22 @@ pub fn measured(rows: &[Row]) -> Vec<&Row> {
     rows.iter().filter(|r| r.failed.is_none() && r.method != SceneCase::TRUTH).collect()
 }
 
-/// The rows that no other row beats in both time and error, from the fastest on. Error: RMSE of the silhouette band against
-/// converged truth.
+/// The rows that no other row beats in both time and error, from the fastest on, those without an error left out. Error: RMSE of
+/// the silhouette band against converged truth.
 pub fn pareto_front<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
-    let mut sorted = rows.to_vec();
-    sorted.sort_by(|a, b| a.time().total_cmp(&b.time()).then(error(a).total_cmp(&error(b))));
-    let mut front: Vec<&Row> = Vec::new();
-    for row in sorted {
-        if front.last().is_none_or(|last| error(row) < error(last)) {
-            front.push(row);
+    let mut sorted: Vec<(&Row, f64)> = rows.iter().filter_map(|r| Some((*r, error(r)?))).collect();
+    sorted.sort_by(|(a, a_error), (b, b_error)| a.time().total_cmp(&b.time()).then(a_error.total_cmp(b_error)));
+    let mut front: Vec<(&Row, f64)> = Vec::new();
+    for (row, error) in sorted {
+        if front.last().is_none_or(|(_, last)| error < *last) {
+            front.push((row, error));
         }
     }
-    front
+    front.into_iter().map(|(row, _)| row).collect()
 }
 
-/// The error that rows are ranked by.
-pub fn error(row: &Row) -> f64 {
+/// The error that rows are ranked by; `None` where the silhouette band is empty.
+pub fn error(row: &Row) -> Option<f64> {
     row.converged.scene_band_rmse
 }
 
@@ -85,22 +85,22 @@ fn error_time(scene: &str, rows: &[&Row]) -> Plot {
     let mut series: Vec<Series> = Vec::new();
     for (name, rows) in by_series(rows) {
         let (first, others): (Vec<&Row>, Vec<&Row>) = rows.into_iter().partition(|r| r.map == first_map);
-        let point = |r: &&Row, text: String| (r.time(), error(r), text);
+        let point = |r: &&Row, text: String| Some((r.time(), error(r)?, text));
         let by_map = |r: &&Row| point(r, format!("{}²", r.map));
         if first.len() == 1 && !others.is_empty() {
-            series.push(points(name, first.iter().chain(&others).map(by_map).collect()));
+            series.push(points(name, first.iter().chain(&others).filter_map(by_map).collect()));
             continue;
         }
         let by_samples = |r: &&Row| point(r, r.samples.to_string());
         if !first.is_empty() {
-            series.push(points(name.clone(), first.iter().map(by_samples).collect()));
+            series.push(points(name.clone(), first.iter().filter_map(by_samples).collect()));
         }
         if !others.is_empty() {
-            series.push(points(format!("{name}, other maps"), others.iter().map(by_map).collect()));
+            series.push(points(format!("{name}, other maps"), others.iter().filter_map(by_map).collect()));
         }
     }
     let front = pareto_front(rows);
-    let steps = front.iter().map(|r| (r.time(), error(r), String::new())).collect();
+    let steps = front.iter().filter_map(|r| Some((r.time(), error(r)?, String::new()))).collect();
     series.insert(0, Series { name: "Pareto front".to_owned(), points: steps, joined: true, guide: true });
     Plot { title: format!("{scene}: error against time"), x: Axis::log(TIME), y: Axis::log(ERROR), series }
 }
@@ -124,7 +124,7 @@ fn error_time_overall(rows: &[&Row]) -> Plot {
     let mut series: BTreeMap<String, Vec<(f64, f64, String)>> = BTreeMap::new();
     for ((name, map, samples), rows) in groups.into_iter().filter(|(_, rows)| rows.len() == count) {
         let time = geometric_mean(&rows.iter().map(|r| r.time()).collect::<Vec<_>>());
-        let errors = geometric_mean(&rows.iter().map(|r| error(r)).collect::<Vec<_>>());
+        let errors = rows.iter().map(|r| error(r)).collect::<Option<Vec<_>>>().and_then(|all| geometric_mean(&all));
         if let (Some(time), Some(errors), true) = (time, errors, map == first_map) {
             series.entry(name).or_default().push((time, errors, samples.to_string()));
         }
@@ -255,7 +255,7 @@ mod tests {
             setting: setting.to_owned(),
             samples,
             gpu_ms: Spread { median: time, low: time, high: time },
-            converged: SceneErrors { scene_band_rmse: error, ..SceneErrors::default() },
+            converged: SceneErrors { scene_band_rmse: Some(error), ..SceneErrors::default() },
             ..Row::default()
         }
     }
@@ -270,8 +270,22 @@ mod tests {
             row("a", "y", 8, 9.0, 0.1),
         ];
         let rows: Vec<&Row> = rows.iter().collect();
-        let front: Vec<(f64, f64)> = pareto_front(&rows).iter().map(|r| (r.time(), error(r))).collect();
-        assert_eq!(front, [(1.0, 0.5), (3.0, 0.1)]);
+        let front: Vec<(f64, Option<f64>)> = pareto_front(&rows).iter().map(|r| (r.time(), error(r))).collect();
+        assert_eq!(front, [(1.0, Some(0.5)), (3.0, Some(0.1))]);
+    }
+
+    /// The fastest row of all is on no front and in no plot of errors, if nothing is known of its error.
+    #[test]
+    fn what_has_no_error_beats_nothing() {
+        let blank = Row { converged: SceneErrors::default(), ..row("a", "z", 1, 0.5, 0.0) };
+        let rows = [row("a", "x", 1, 1.0, 0.5), blank];
+        let front: Vec<f64> = pareto_front(&rows.iter().collect::<Vec<_>>()).iter().map(|r| r.time()).collect();
+        assert_eq!(front, [1.0]);
+        let found: BTreeMap<String, Plot> = figures(&rows).into_iter().collect();
+        for name in ["error-time", "error-time-a"] {
+            let times = found[name].series.iter().flat_map(|s| &s.points).map(|p| p.0);
+            assert!(times.clone().all(|t| t == 1.0) && times.count() > 0, "{name}");
+        }
     }
 
     #[test]

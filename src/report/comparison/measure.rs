@@ -5,7 +5,8 @@ use super::variant::Variant;
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::methods::render::{Budget, Output};
-use crate::methods::{AnyRenderer, MethodName, Prepared, Settings, unshadowed};
+use crate::methods::unshadowed::{self, Unshadowed};
+use crate::methods::{AnyRenderer, MethodName, Prepared, Settings};
 use crate::plan::{Extent, Plan};
 use crate::report::{SceneErrors, TracedScene};
 use crate::scene::Scene;
@@ -123,7 +124,7 @@ impl SceneCase {
 /// A method set up for one scene as the plan has it.
 enum Subject<'a> {
     Nothing(Settings),
-    Facing(Settings),
+    Facing(Box<Unshadowed<'a>>),
     Whole(Box<AnyRenderer<'a>>),
 }
 
@@ -134,7 +135,7 @@ impl<'a> Subject<'a> {
             Plan::of_method(variant.method, &case.prepared, &scene.camera, &scene.light, &variant.settings, false)?;
         Ok(match plan.extent {
             Extent::Nothing => Self::Nothing(plan.settings),
-            Extent::Facing => Self::Facing(plan.settings),
+            Extent::Facing => Self::Facing(Box::new(Unshadowed::new(gpu, &case.prepared, &plan.settings)?)),
             Extent::Everything => {
                 let made = AnyRenderer::new(gpu, &case.prepared, variant.method, &plan.settings, budget)?;
                 Self::Whole(Box::new(made))
@@ -142,11 +143,11 @@ impl<'a> Subject<'a> {
         })
     }
 
-    fn render(&mut self, gpu: &Gpu, case: &SceneCase) -> Result<Output> {
+    fn render(&mut self, case: &SceneCase) -> Result<Output> {
         let (camera, light) = (&case.scene.camera, &case.scene.light);
         match self {
             Self::Nothing(settings) => Ok(unshadowed::nothing_seen(settings)),
-            Self::Facing(settings) => unshadowed::render(gpu, &case.prepared, settings, camera, light),
+            Self::Facing(renderer) => renderer.render(camera, light),
             Self::Whole(renderer) => renderer.render(camera, light),
         }
     }
@@ -156,10 +157,9 @@ impl<'a> Subject<'a> {
 pub struct Bench<'a> {
     /// Where.
     pub gpu: &'a Gpu,
-    /// Frames of each row that count; one more comes first and does not.
+    /// Frames of each row that count; one more comes first and does not, whatever it takes: it compiles.
     pub repeats: u32,
-    /// Milliseconds after which a row has frames enough, fewer than `repeats` but one at the least. A first frame of
-    /// [`Bench::LONG`] times as long counts: what it compiles is little beside it.
+    /// Milliseconds after which a row has frames enough, fewer than `repeats` but one at the least.
     pub row_ms: f64,
     /// Memory of lists.
     pub budget: Budget,
@@ -176,8 +176,6 @@ pub struct Measured {
 impl Bench<'_> {
     /// Rows that are measured together: so many that memory suffices.
     pub const GROUP: usize = 5;
-    /// See [`Bench::row_ms`].
-    pub const LONG: f64 = 10.0;
 
     /// Measures a group of variants in interleaved rounds, with `reference` in each of them. A variant that the scene or
     /// the memory does not allow becomes a row that says so.
@@ -185,9 +183,8 @@ impl Bench<'_> {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails, and what the reference fails of.
     pub fn measure(&self, case: &SceneCase, reference: &Variant, group: &[Variant]) -> Result<Vec<Measured>> {
-        let gpu = self.gpu;
-        let mut first = Subject::new(gpu, case, reference, self.budget)?;
-        first.render(gpu, case)?;
+        let mut first = Subject::new(self.gpu, case, reference, self.budget)?;
+        first.render(case)?;
         let mut subjects = Vec::new();
         let mut rows = Vec::new();
         for variant in group {
@@ -196,9 +193,7 @@ impl Bench<'_> {
             match self.set_up(case, variant, &mut row) {
                 Ok((subject, output)) => {
                     visibility = output.visibility;
-                    let long = output.wall_ms > Self::LONG * self.row_ms;
-                    let first = Timing { stages: output.stages, wall_ms: output.wall_ms };
-                    subjects.push((rows.len(), subject, if long { vec![first] } else { Vec::new() }));
+                    subjects.push((rows.len(), subject, Vec::new()));
                 }
                 Err(error) if error.is_gpu() => return Err(error),
                 Err(error) => row.failed = Some(error.to_string()),
@@ -207,7 +202,7 @@ impl Bench<'_> {
         }
         let mut of_reference = Vec::new();
         for round in 0..self.repeats {
-            of_reference.push(timing(first.render(gpu, case)?));
+            of_reference.push(timing(first.render(case)?));
             // Each other round the other way about, so that no row always follows the same one.
             let mut order: Vec<usize> = (0..subjects.len()).collect();
             if round % 2 == 1 {
@@ -216,7 +211,7 @@ impl Bench<'_> {
             for k in order {
                 let (_, subject, times) = &mut subjects[k];
                 if times.is_empty() || spent(times) < self.row_ms {
-                    times.push(timing(subject.render(gpu, case)?));
+                    times.push(timing(subject.render(case)?));
                 }
             }
         }
@@ -231,7 +226,7 @@ impl Bench<'_> {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn picture(&self, case: &SceneCase, variant: &Variant) -> Result<Option<Vec<f32>>> {
-        match Subject::new(self.gpu, case, variant, self.budget).and_then(|mut s| s.render(self.gpu, case)) {
+        match Subject::new(self.gpu, case, variant, self.budget).and_then(|mut s| s.render(case)) {
             Ok(output) => Ok(Some(output.visibility)),
             Err(error) if error.is_gpu() => Err(error),
             Err(_) => Ok(None),
@@ -242,7 +237,7 @@ impl Bench<'_> {
     fn set_up<'c>(&'c self, case: &'c SceneCase, variant: &Variant, row: &mut Row) -> Result<(Subject<'c>, Output)> {
         let before = self.allocated();
         let mut subject = Subject::new(self.gpu, case, variant, self.budget)?;
-        let output = subject.render(self.gpu, case)?;
+        let output = subject.render(case)?;
         row.memory = before.zip(self.allocated()).map(|(before, after)| after.saturating_sub(before));
         row.counts = output.counts;
         row.lists = output.lists.iter().map(ListRow::from).collect();

@@ -3,6 +3,7 @@
 use super::figures::{error, measured, pareto_front, scenes, slug};
 use super::measure::SceneCase;
 use super::row::{Machine, Row};
+use crate::report::{or_dash, percent_or_dash};
 use std::fmt::Write;
 
 /// What a page says beside its rows.
@@ -55,23 +56,28 @@ const COLUMNS: [Column; 49] = [
     ("matched_rmse", |r| r.matched.scene_rmse.to_string()),
     ("matched_mean", |r| r.matched.scene_mean.to_string()),
     ("matched_max", |r| r.matched.scene_max.to_string()),
-    ("matched_pixel_match", |r| r.matched.scene_pixel_match.to_string()),
+    ("matched_pixel_match", |r| or_empty(r.matched.scene_pixel_match)),
     ("matched_band_pixels", |r| r.matched.scene_band_pixels.to_string()),
-    ("matched_band_rmse", |r| r.matched.scene_band_rmse.to_string()),
-    ("matched_band_mean", |r| r.matched.scene_band_mean.to_string()),
-    ("matched_band_max", |r| r.matched.scene_band_max.to_string()),
-    ("matched_band_pixel_match", |r| r.matched.scene_band_pixel_match.to_string()),
+    ("matched_band_rmse", |r| or_empty(r.matched.scene_band_rmse)),
+    ("matched_band_mean", |r| or_empty(r.matched.scene_band_mean)),
+    ("matched_band_max", |r| or_empty(r.matched.scene_band_max)),
+    ("matched_band_pixel_match", |r| or_empty(r.matched.scene_band_pixel_match)),
     ("matched_acne_pixels", |r| r.matched.scene_acne_pixels.to_string()),
     ("matched_leak_pixels", |r| r.matched.scene_leak_pixels.to_string()),
     ("matched_flip", |r| r.matched.scene_flip.to_string()),
-    ("matched_one_plane_match", |r| r.matched.scene_one_plane_match.to_string()),
+    ("matched_one_plane_match", |r| or_empty(r.matched.scene_one_plane_match)),
     ("converged_rmse", |r| r.converged.scene_rmse.to_string()),
     ("converged_max", |r| r.converged.scene_max.to_string()),
-    ("converged_band_rmse", |r| r.converged.scene_band_rmse.to_string()),
-    ("converged_band_mean", |r| r.converged.scene_band_mean.to_string()),
+    ("converged_band_rmse", |r| or_empty(r.converged.scene_band_rmse)),
+    ("converged_band_mean", |r| or_empty(r.converged.scene_band_mean)),
     ("converged_leak_pixels", |r| r.converged.scene_leak_pixels.to_string()),
     ("converged_flip", |r| r.converged.scene_flip.to_string()),
 ];
+
+/// A figure that there may not be, in the CSV file.
+fn or_empty(value: Option<f64>) -> String {
+    value.map_or(String::new(), |v| v.to_string())
+}
 
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
@@ -176,18 +182,18 @@ fn scene_section(out: &mut String, page: &Page, scene: &str, rows: &[Row]) {
         &head,
         shown.iter().map(|r| {
             let timed = r.method != SceneCase::TRUTH;
-            let or_dash = |text: String| if timed { text } else { "–".to_owned() };
+            let if_timed = |text: String| if timed { text } else { "–".to_owned() };
             vec![
                 r.series(),
                 r.samples.to_string(),
-                or_dash(r.map.to_string()),
-                or_dash(format!("{:.2}", r.time())),
-                or_dash(format!("{:.2}", r.ratio)),
-                or_dash(format!("{:.2}", r.camera_ms)),
-                format!("{:.5}", r.matched.scene_band_rmse),
+                if_timed(r.map.to_string()),
+                if_timed(format!("{:.2}", r.time())),
+                or_dash((timed && r.ratio > 0.0).then_some(r.ratio), 2),
+                if_timed(format!("{:.2}", r.camera_ms)),
+                or_dash(r.matched.scene_band_rmse, 5),
                 format!("{:.3}", r.matched.scene_max),
-                format!("{:.3} %", 100.0 * r.matched.scene_pixel_match),
-                format!("{:.5}", r.converged.scene_band_rmse),
+                percent_or_dash(r.matched.scene_pixel_match),
+                or_dash(r.converged.scene_band_rmse, 5),
                 format!("{:.5}", r.converged.scene_flip),
                 r.matched.scene_leak_pixels.to_string(),
                 r.memory.map_or("–".to_owned(), |m| format!("{:.0}", m as f64 / f64::from(1 << 20))),
@@ -212,12 +218,12 @@ fn on_the_front(out: &mut String, rows: &[&Row]) {
         let first_map = of_scene.first().map_or(0, |r| r.map);
         let text = |r: &&Row| {
             let map = if r.map == first_map { String::new() } else { format!(", map {}", r.map) };
-            format!("{} ({}{map}: {:.1} ms, {:.4})", r.series(), r.samples, r.time(), error(r))
+            format!("{} ({}{map}: {:.1} ms, {})", r.series(), r.samples, r.time(), or_dash(error(r), 4))
         };
         let ours = front.iter().any(|r| r.method == "facet-masks");
         lines.push(vec![
             scene,
-            if ours { "yes" } else { "**no**" }.to_owned(),
+            if front.is_empty() { "–: no silhouette band" } else { if ours { "yes" } else { "**no**" } }.to_owned(),
             front.iter().map(text).collect::<Vec<_>>().join("; "),
         ]);
     }
@@ -371,6 +377,12 @@ mod tests {
         let text = markdown(&page, &rows);
         assert!(text.contains("## a\n") && text.contains("too small") && text.contains("`report`"));
         assert!(!text.contains("The adapter is software"));
+        // Nothing is known of the errors in their bands.
+        let lines = csv(&rows[..1]);
+        let [names, values] = [0, 1].map(|n| lines.lines().nth(n).unwrap().split(',').collect::<Vec<_>>());
+        let empty = names.iter().zip(values).filter(|(_, v)| v.is_empty()).map(|(name, _)| *name);
+        assert!(empty.clone().filter(|n| n.contains("_band_")).count() == 6, "{:?}", empty.collect::<Vec<_>>());
+        assert!(text.contains("| – | 0.000 | – | – |") && text.contains("–: no silhouette band"), "{text}");
         let soft = Page { machine: Machine { software: true, ..Machine::default() }, ..page };
         assert!(markdown(&soft, &rows).contains("The adapter is software"));
     }

@@ -43,7 +43,7 @@ impl Scope {
 
     fn settings(&self, samples: u32, map: u32) -> Result<Settings> {
         let samples = Samples::new(Pattern::LowDiscrepancy, samples)?;
-        Ok(Settings { cull_back: true, ..Settings::new(self.size, map, samples) })
+        Ok(Settings { facets: FacetMode::One, cull_back: true, ..Settings::new(self.size, map, samples) })
     }
 
     /// The row that others are compared with: `facet-masks` with one facet a pixel, the usual samples, the first map.

@@ -8,10 +8,11 @@ pub use cases::{Case, Step, cases};
 use crate::gpu::Gpu;
 use crate::mask_table::MaskVariant;
 use crate::methods::facet_masks::Pipelines;
-use crate::methods::render::Renderer;
-use crate::methods::{FacetMode, Prepared, ProjectionVariant, Settings, unshadowed};
+use crate::methods::render::{Output, Renderer};
+use crate::methods::unshadowed::{self, Unshadowed};
+use crate::methods::{FacetMode, Prepared, ProjectionVariant, Settings};
 use crate::plan::{Extent, Plan};
-use crate::report::{FacetErrors, FacetSet, SceneErrors, TracedScene};
+use crate::report::{FacetErrors, FacetSet, SceneErrors, SeenErrors, TracedScene, or_dash};
 use crate::truth::Tracer;
 use crate::{Error, Result};
 use serde::Serialize;
@@ -31,15 +32,15 @@ pub struct Variant {
 /// The variants of `facet-masks` that are compared, with the pipelines of each: one facet a pixel, several, the table of
 /// masks, and the paper's two projections.
 pub fn variants(gpu: &Gpu, settings: &Settings) -> Vec<Variant> {
-    let all = Settings { facets: FacetMode::All, ..settings.clone() };
-    let table = Settings { masks: MaskVariant::TABLE, ..settings.clone() };
-    let two_step = Settings { projection: ProjectionVariant::TwoStep, ..settings.clone() };
+    let [one, all] = [FacetMode::One, FacetMode::All].map(|facets| Settings { facets, ..settings.clone() });
+    let table = Settings { masks: MaskVariant::TABLE, ..one.clone() };
+    let two_step = Settings { projection: ProjectionVariant::TwoStep, ..one.clone() };
     let made = |(name, exact, settings)| {
         let pipelines = Arc::new(Pipelines::new(&gpu.device, &settings));
         Variant { name, exact, settings, pipelines }
     };
     [
-        ("facets=one", true, settings.clone()),
+        ("facets=one", true, one),
         ("facets=all", true, all),
         ("facets=one masks=table", false, table),
         ("facets=one projection=two-step", false, two_step),
@@ -65,13 +66,15 @@ pub struct Outcome {
     pub refused: Option<String>,
     /// Against facet truth: the numeric error.
     pub facet: FacetErrors,
+    /// Against seen truth: whether samples were given the surfaces they see.
+    pub seen: SeenErrors,
     /// Against scene truth: the whole error.
     pub scene: SceneErrors,
     /// Values that are not finite or not in `[0, 1]`.
     pub not_a_share: usize,
     /// Whether the picture is that of the case's first step, bit for bit; `None` where it need not be.
     pub same_bits: Option<bool>,
-    /// Sum of the stages' GPU time of the last run, milliseconds.
+    /// Sum of the stages' GPU time, milliseconds, of a second frame.
     pub gpu_ms: f64,
     /// Runs until all lists fitted.
     pub runs: u32,
@@ -80,11 +83,11 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether it is what it has to be: no sample wrong outside the ambiguity band (but in variants that are not exact), shares
-    /// that are shares, and the same bits where they must be.
+    /// Whether it is what it has to be: no sample wrong outside the ambiguity band (but in variants that are not exact) or on another
+    /// surface than it sees, shares that are shares, and the same bits where they must be.
     pub fn holds(&self) -> bool {
         let exact = !self.exact || self.facet.facet_wrong_outside_band == 0;
-        exact && self.not_a_share == 0 && self.same_bits != Some(false)
+        exact && self.seen.seen_wrong == 0 && self.not_a_share == 0 && self.same_bits != Some(false)
     }
 }
 
@@ -105,6 +108,7 @@ pub fn run(gpu: &Gpu, case: &Case, variant: &Variant) -> Result<Vec<Outcome>> {
                 triangles: step.mesh.triangles.len(),
                 refused: None,
                 facet: FacetErrors::default(),
+                seen: SeenErrors::default(),
                 scene: SceneErrors::default(),
                 not_a_share: 0,
                 same_bits: None,
@@ -138,25 +142,29 @@ fn measure(gpu: &Gpu, step: &Step, variant: &Variant, outcome: &mut Outcome) -> 
         Extent::Nothing => (unshadowed::nothing_seen(settings), FacetSet { words, ..FacetSet::default() }),
         Extent::Facing => {
             let (mut set, width) = (FacetSet::default(), settings.size[0]);
-            let output =
-                unshadowed::render_and(gpu, &prepared, settings, &step.camera, &step.light, &mut |facets, rows| {
-                    if rows.first == 0 {
-                        set = FacetSet::default();
-                    }
-                    set.add(gpu, facets, words, width, rows)
-                })?;
-            (output, set)
+            let mut renderer = Unshadowed::new(gpu, &prepared, settings)?;
+            let output = renderer.render_and(&step.camera, &step.light, &mut |facets, rows| {
+                if rows.first == 0 {
+                    set = FacetSet::default();
+                }
+                set.add(gpu, facets, words, width, rows)
+            })?;
+            let Output { stages, .. } = renderer.render(&step.camera, &step.light)?;
+            (Output { stages, ..output }, set)
         }
         Extent::Everything => {
             let pipelines = variant.pipelines.clone();
             let mut renderer = Renderer::with_pipelines(gpu, &prepared, settings, step.budget, pipelines)?;
             let output = renderer.render(&step.camera, &step.light)?;
-            (output, FacetSet::read(gpu, renderer.method().facets(), words)?)
+            // The first frame, which compiles, is not timed.
+            let Output { stages, .. } = renderer.render(&step.camera, &step.light)?;
+            (Output { stages, ..output }, FacetSet::read(gpu, renderer.method().facets(), words)?)
         }
     };
     let tracer = Tracer::new(&prepared.mesh)?;
     let (camera, light) = (&step.camera, &step.light);
     outcome.facet = FacetErrors::of(&facets, &tracer, camera, light, settings, None)?;
+    outcome.seen = SeenErrors::of(&facets, &tracer, camera, settings, None)?;
     let traced = TracedScene::new(&tracer, camera, light, settings, None)?;
     outcome.scene = traced.errors(&output.visibility)?;
     outcome.not_a_share = output.visibility.iter().filter(|v| !(0.0..=1.0).contains(*v)).count();
@@ -172,7 +180,8 @@ pub fn markdown(command: &str, machine: &str, cases: &[Case], outcomes: &[Outcom
     let mut out = format!("# Numerical stability\n\n`{command}`\n\n{machine}.\n\n");
     out += "Wrong samples are those farther than 1/256 pixel from every edge, against the method's own model in `f64` (facet \
             truth): there must be none, but with the table of masks, which rounds, and with the paper's two projections (two-step: from the \
-            light onto the facet's plane, then onto the screen, in single precision), which bound no rounding. Band: samples within it. RMSE and largest \
+            light onto the facet's plane, then onto the screen, in single precision), which bound no rounding. Band: samples within it. Elsewhere: samples that were given another surface \
+            than they see (seen truth), which there must be none of; with one facet a pixel its centre is asked. RMSE and largest \
             error are of visibility against rays through the same samples, in the silhouette band: with one facet a pixel that \
             is the model's own error. Refined: evaluations that needed 46 bits.\n\n";
     let bad = outcomes.iter().filter(|o| !o.holds()).count();
@@ -182,9 +191,9 @@ pub fn markdown(command: &str, machine: &str, cases: &[Case], outcomes: &[Outcom
         let _ = writeln!(out, "## {}\n\n{}.\n", case.name, case.about);
         let _ = writeln!(
             out,
-            "| step | variant | triangles | wrong | band | RMSE | max | ms | evaluations | refined | runs | |"
+            "| step | variant | triangles | wrong | band | elsewhere | RMSE | max | ms | evaluations | refined | runs | |"
         );
-        let _ = writeln!(out, "|---|---|---|---|---|---|---|---|---|---|---|---|");
+        let _ = writeln!(out, "|---|---|---|---|---|---|---|---|---|---|---|---|---|");
         for o in outcomes.iter().filter(|o| o.case == case.name) {
             let _ = writeln!(out, "| {} |", row(o).join(" | "));
         }
@@ -197,11 +206,15 @@ pub fn markdown(command: &str, machine: &str, cases: &[Case], outcomes: &[Outcom
 pub fn row(o: &Outcome) -> Vec<String> {
     if let Some(why) = &o.refused {
         let mut cells = vec![o.step.clone(), o.variant.to_owned(), o.triangles.to_string()];
-        cells.extend(std::iter::repeat_n("–".to_owned(), 8));
+        cells.extend(std::iter::repeat_n("–".to_owned(), 9));
         cells.push(format!("refused: {why}"));
         return cells;
     }
-    let share = |part: u64, whole: u64| if whole == 0 { 0.0 } else { 100.0 * part as f64 / whole as f64 };
+    let of_some = |wrong: u64, whole: u64| if whole == 0 { "–".to_owned() } else { wrong.to_string() };
+    let share = |part: u64, whole: u64, places: usize| match whole {
+        0 => "–".to_owned(),
+        _ => format!("{:.places$} %", 100.0 * part as f64 / whole as f64),
+    };
     let note = match (o.holds(), o.same_bits) {
         (false, Some(false)) => "**other bits**",
         (false, _) => "**wrong**",
@@ -212,13 +225,14 @@ pub fn row(o: &Outcome) -> Vec<String> {
         o.step.clone(),
         o.variant.to_owned(),
         o.triangles.to_string(),
-        o.facet.facet_wrong_outside_band.to_string(),
-        format!("{:.2} %", share(o.facet.facet_ambiguous, o.facet.facet_samples)),
-        format!("{:.4}", o.scene.scene_band_rmse),
+        of_some(o.facet.facet_wrong_outside_band, o.facet.facet_samples),
+        share(o.facet.facet_ambiguous, o.facet.facet_samples, 2),
+        of_some(o.seen.seen_wrong, o.seen.seen_samples),
+        or_dash(o.scene.scene_band_rmse, 4),
         format!("{:.3}", o.scene.scene_max),
         format!("{:.1}", o.gpu_ms),
         o.evaluations[0].to_string(),
-        format!("{:.1} %", share(o.evaluations[1], o.evaluations[0])),
+        share(o.evaluations[1], o.evaluations[0], 1),
         o.runs.to_string(),
         note.to_owned(),
     ]
@@ -250,6 +264,7 @@ mod tests {
             triangles: 2,
             refused: None,
             facet: FacetErrors::default(),
+            seen: SeenErrors::default(),
             scene: SceneErrors::default(),
             not_a_share: 0,
             same_bits: None,
@@ -265,10 +280,16 @@ mod tests {
         let wrong = FacetErrors { facet_wrong_outside_band: 1, ..FacetErrors::default() };
         assert!(!Outcome { facet: wrong, ..outcome() }.holds());
         assert!(Outcome { facet: wrong, exact: false, ..outcome() }.holds());
+        let elsewhere = SeenErrors { seen_wrong: 1, ..SeenErrors::default() };
+        assert!(!Outcome { seen: elsewhere, exact: false, ..outcome() }.holds());
         assert!(!Outcome { not_a_share: 1, ..outcome() }.holds());
         assert!(!Outcome { same_bits: Some(false), ..outcome() }.holds());
         let page = |o: Outcome| markdown("c", "m", &named(&["contact".to_owned()]).unwrap(), &[o]);
         assert!(page(Outcome { same_bits: Some(false), ..outcome() }).contains("**other bits**"));
+        // Of no samples and no band there is no figure.
+        assert!(page(outcome()).contains("| 2 | – | – | – | – | 0.000 |"), "{}", page(outcome()));
+        let some = FacetErrors { facet_samples: 5, ..FacetErrors::default() };
+        assert!(page(Outcome { facet: some, ..outcome() }).contains("| 2 | 0 | 0.00 % | – | – | 0.000 |"));
         assert!(page(Outcome { refused: Some("why".to_owned()), ..outcome() }).contains("refused: why"));
     }
 

@@ -1,0 +1,259 @@
+//! Seen truth: whether each sample was given the surface that it sees.
+//!
+//! Facet truth takes the facet it is given, and scene truth asks for light alone: neither notices a sample that was put on another
+//! surface of the same light. Here every sample's ray is sent to the nearest triangle in `f64`, and held against the triangle it was
+//! given. The given one is *right* if it is the nearest, or if its plane meets the ray where the nearest does, within the `f64` error
+//! bounds: triangles of one plane may stand for each other.
+//!
+//! **Ties.** Else the sample is *tied*, and either answer may stand, if
+//! - the two planes lie so near to each other along the ray that kernels, which have 46 bits, may take them for equal ([`NEARLY_EQUAL`]);
+//! - a ray within [`AMBIGUITY`] of a pixel sees the given surface (or nothing, if nothing was given): at one of eight places around the
+//!   sample, or where the given triangle comes into the square of these;
+//! - an edge within the `f64` error bound decided what is nearest;
+//! - the given or the nearest surface lies within 2^-20 of the near distance.
+//!
+//! All other samples that were not given the nearest surface are *wrong*.
+
+use super::packet::{Seen, see};
+use super::predicate::Plane;
+use super::rays::{EDGES, canonical};
+use super::{AMBIGUITY, DETERMINANT_ERROR, Tracer, bits};
+use crate::samples::Samples;
+use crate::scene::{Camera, PixelRays};
+use crate::{Error, Result};
+use glam::{DVec2, DVec3};
+
+/// Planes whose distances along a ray differ by no more than this share of what the distances are made of are tied: four times what
+/// kernels take for nothing.
+pub const NEARLY_EQUAL: f64 = 1.0 / (1u64 << 36) as f64;
+/// Share of the near distance within which single precision may take a surface to be nearer or farther.
+const NEAR_ROUNDING: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// How the samples of a pixel compare with what they see.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SeenResult {
+    /// Samples that were given another surface than they see.
+    pub wrong: u128,
+    /// Samples that were given another one, of which either may stand.
+    pub tied: u128,
+}
+
+/// Says what the samples of a view see.
+#[derive(Clone, Debug)]
+pub struct SeenTruth<'a> {
+    tracer: &'a Tracer,
+    rays: PixelRays,
+    offsets: Vec<DVec2>,
+    near: f64,
+    width: u32,
+}
+
+impl<'a> SeenTruth<'a> {
+    /// The truth of `tracer`'s mesh seen by `camera`, for an image of `width` × `height` pixels.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if the camera cannot be used, [`Error::Config`] if the image has no pixels.
+    pub fn new(tracer: &'a Tracer, camera: &Camera, samples: &Samples, width: u32, height: u32) -> Result<Self> {
+        camera.check()?;
+        if width == 0 || height == 0 {
+            return Err(Error::Config(format!("an image of {width} x {height} pixels")));
+        }
+        let offsets = samples.offsets().iter().map(|o| DVec2::new(f64::from(o[0]), f64::from(o[1]))).collect();
+        Ok(Self { tracer, rays: camera.rays(width, height), offsets, near: f64::from(camera.near), width })
+    }
+
+    /// Holds the samples `asked` of a pixel against what they see. `given` tells the triangle that a sample was given; `None` for
+    /// nothing. It must be below [`Tracer::triangle_count`].
+    pub fn judge(&self, pixel: u32, asked: u128, given: impl Fn(usize) -> Option<u32>) -> SeenResult {
+        let corner = DVec2::new(f64::from(pixel % self.width), f64::from(pixel / self.width));
+        // What lies behind the last sample that is asked for is not traced.
+        let offsets = &self.offsets[..self.offsets.len().min(128 - asked.leading_zeros() as usize)];
+        let seen = self.see(corner, offsets);
+        let other = |k: usize| match given(k) {
+            Some(t) => !self.is_met(&seen, k, t),
+            None => seen.seen >> k & 1 != 0,
+        };
+        let mut left = bits(asked).filter(|&k| k < offsets.len() && other(k)).fold(0u128, |mask, k| mask | 1 << k);
+        let off = left;
+        if off == 0 {
+            return SeenResult::default();
+        }
+        left &= !seen.touching;
+        left = bits(left).filter(|&k| !self.is_tie(&seen, k, given(k))).fold(0, |mask, k| mask | 1 << k);
+        for x in [-AMBIGUITY, 0.0, AMBIGUITY] {
+            for y in [-AMBIGUITY, 0.0, AMBIGUITY] {
+                if left == 0 || (x == 0.0 && y == 0.0) {
+                    continue;
+                }
+                let around = self.see(corner + DVec2::new(x, y), offsets);
+                let agrees = |k: usize| match given(k) {
+                    Some(t) => self.is_met(&around, k, t),
+                    None => around.seen >> k & 1 == 0,
+                };
+                left = bits(left).filter(|&k| !agrees(k)).fold(0, |mask, k| mask | 1 << k);
+            }
+        }
+        left = bits(left)
+            .filter(|&k| !given(k).is_some_and(|t| self.is_seen_near(corner + self.offsets[k], t)))
+            .fold(0, |mask, k| mask | 1 << k);
+        SeenResult { wrong: left, tied: off & !left }
+    }
+
+    fn see(&self, corner: DVec2, offsets: &[DVec2]) -> Seen {
+        see(self.tracer, &self.rays, corner, offsets, self.near)
+    }
+
+    fn plane(&self, triangle: u32) -> Plane {
+        Plane::new(self.tracer.corners(triangle).map(|p| p - self.rays.eye))
+    }
+
+    /// Whether sample `k` sees triangle `t`, or its plane at the same place.
+    fn is_met(&self, seen: &Seen, k: usize, t: u32) -> bool {
+        if seen.triangle[k] == t {
+            return true;
+        }
+        if seen.seen >> k & 1 == 0 {
+            return false;
+        }
+        let (plane, ray) = (self.plane(t), seen.rays[k]);
+        let along = plane.normal.dot(ray);
+        let along_error = DETERMINANT_ERROR * plane.size * ray.length();
+        let depth = plane.distance / along;
+        let error = 2.0 * (DETERMINANT_ERROR * plane.size * plane.reach + depth.abs() * along_error) / along.abs();
+        along.abs() > along_error && (depth - seen.depth[k]).abs() <= error + seen.error[k]
+    }
+
+    /// Whether what sample `k` sees and what it was given are too near to each other, or to the near distance, to tell.
+    fn is_tie(&self, seen: &Seen, k: usize, given: Option<u32>) -> bool {
+        let ray = seen.rays[k];
+        let is_near = |p: &Plane| {
+            let depth = p.distance / p.normal.dot(ray);
+            (depth - self.near).abs() <= NEAR_ROUNDING * self.near
+        };
+        let own = (seen.seen >> k & 1 != 0).then(|| self.plane(seen.triangle[k]));
+        let theirs = given.map(|t| self.plane(t));
+        if own.as_ref().is_some_and(is_near) || theirs.as_ref().is_some_and(is_near) {
+            return true;
+        }
+        let (Some(p), Some(q)) = (own, theirs) else { return false };
+        let (over, under) = (p.normal.dot(ray), q.normal.dot(ray));
+        let made_of = |plane: &Plane, other: f64| plane.size * plane.reach * other.abs();
+        (p.distance * under - q.distance * over).abs() <= NEARLY_EQUAL * (made_of(&p, under) + made_of(&q, over))
+    }
+
+    /// Whether triangle `t` is seen anywhere in the square of half-width [`AMBIGUITY`] around a place of the image: where the square
+    /// is cut by the triangle's edges, at the corners of what is left and in its middle.
+    fn is_seen_near(&self, at: DVec2, t: u32) -> bool {
+        let corners = self.tracer.corners(t).map(|p| p - self.rays.eye);
+        let turn = if self.plane(t).distance > 0.0 { 1.0 } else { -1.0 };
+        let ray = self.rays.direction(at.x, at.y);
+        let (x, y) = (self.rays.step_x * AMBIGUITY, self.rays.step_y * AMBIGUITY);
+        let mut polygon = vec![ray - x - y, ray + x - y, ray + x + y, ray - x + y];
+        for (i, j) in EDGES {
+            let (lo, hi, flip) = canonical(corners[i], corners[j]);
+            let normal = lo.cross(hi - lo) * (flip * turn);
+            let mut left = Vec::with_capacity(8);
+            for (k, &p) in polygon.iter().enumerate() {
+                let q = polygon[(k + 1) % polygon.len()];
+                let (at, next) = (normal.dot(p), normal.dot(q));
+                if at >= 0.0 {
+                    left.push(p);
+                }
+                if (at < 0.0) != (next < 0.0) {
+                    left.push(p + (q - p) * (at / (at - next)));
+                }
+            }
+            polygon = left;
+        }
+        if polygon.is_empty() {
+            return false;
+        }
+        let middle = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
+        let sees = |r: DVec3| self.tracer.closest(self.rays.eye, r, self.near).is_some_and(|hit| hit.triangle == t);
+        sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::Pattern;
+    use crate::scene::Mesh;
+
+    const CAMERA: Camera = Camera {
+        eye: [0.0, 0.0, 5.0],
+        target: [0.0; 3],
+        up: [0.0, 1.0, 0.0],
+        vertical_fov_degrees: 40.0,
+        near: 0.1,
+        far: 100.0,
+    };
+
+    /// Two sheets that face the eye, `gap` apart at x = 0 and `gap + tilt` at x = 1, the nearer one ending at x = 0.5.
+    fn sheets(gap: f32, tilt: f32) -> Mesh {
+        let z = |x: f32| gap + x * tilt;
+        Mesh {
+            positions: vec![
+                [-9.0, -9.0, 0.0],
+                [9.0, -9.0, 0.0],
+                [0.0, 9.0, 0.0],
+                [0.5, -9.0, z(0.5)],
+                [0.5, 9.0, z(0.5)],
+                [-9.0, 0.0, z(-9.0)],
+            ],
+            triangles: vec![[0, 1, 2], [3, 4, 5]],
+        }
+    }
+
+    /// Wrong and tied samples of the middle row, if each was given `t`.
+    fn given(mesh: &Mesh, t: Option<u32>) -> (u32, u32) {
+        let tracer = Tracer::new(mesh).unwrap();
+        let samples = Samples::new(Pattern::default(), 8).unwrap();
+        let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
+        let results = (16 * 32 + 12..16 * 32 + 20).map(|pixel| truth.judge(pixel, 0xff, |_| t));
+        results.fold((0, 0), |(wrong, tied), r| (wrong + r.wrong.count_ones(), tied + r.tied.count_ones()))
+    }
+
+    #[test]
+    fn what_lies_behind_is_wrong_and_what_is_in_front_right() {
+        // The edge at x = 0.5 lies 4.4 pixels right of the middle, beyond these pixels.
+        let mesh = sheets(0.01, 0.0);
+        assert_eq!(given(&mesh, Some(1)), (0, 0));
+        assert_eq!(given(&mesh, Some(0)), (64, 0));
+        assert_eq!(given(&mesh, None), (64, 0));
+        let nothing = Mesh { triangles: vec![[0, 1, 2]], ..sheets(0.01, 0.0) };
+        assert_eq!(given(&nothing, Some(0)), (0, 0));
+    }
+
+    #[test]
+    fn planes_that_cannot_be_told_apart_are_tied() {
+        // 2^-40 apart, at a distance of 5: below what 46 bits tell, and above the error of f64.
+        assert_eq!(given(&sheets(2f32.powi(-40), 0.0), Some(0)), (0, 64));
+        // 2^-24 apart they can be told.
+        assert_eq!(given(&sheets(2f32.powi(-24), 0.0), Some(0)), (64, 0));
+        // One plane: each stands for the other.
+        assert_eq!(given(&sheets(0.0, 0.0), Some(0)), (0, 0));
+        assert_eq!(given(&sheets(0.0, 0.0), Some(1)), (0, 0));
+    }
+
+    #[test]
+    fn an_edge_within_the_band_is_a_tie() {
+        let mesh = sheets(0.01, 0.0);
+        let tracer = Tracer::new(&mesh).unwrap();
+        let samples = Samples::new(Pattern::default(), 1).unwrap();
+        let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
+        // The place of the image at which the edge is seen, from the middle of a pixel.
+        let rays = CAMERA.rays(32, 32);
+        let x_of = |x: f64| x / (5.0 - 0.01) / (rays.step_x.length() / rays.direction(16.0, 16.0).length()) + 16.0;
+        let edge = x_of(0.5);
+        for (off, tied) in [(0.5 * AMBIGUITY, true), (2.0 * AMBIGUITY, false)] {
+            // Just inside the nearer sheet, given the other; just outside, given the nearer one.
+            for (at, t) in [(edge - off, 0), (edge + off, 1)] {
+                let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
+                let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(t));
+                let want = if tied { SeenResult { wrong: 0, tied: 1 } } else { SeenResult { wrong: 1, tied: 0 } };
+                assert_eq!(result, want, "{off} pixels off, given {t}");
+            }
+        }
+    }
+}
