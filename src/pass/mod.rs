@@ -24,7 +24,8 @@
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
-//!   whole one: each status says for itself whether its frame was complete.
+//!   whole one: each status says for itself whether its frame was complete. Lists of which more than seven eighths are needed grow
+//!   before they overflow; with [`PassConfig::keep_last`] the last complete picture stands meanwhile.
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
 mod casters;
