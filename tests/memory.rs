@@ -5,12 +5,16 @@ mod frames;
 #[path = "../examples/shared/refused.rs"]
 mod refused;
 
+use frames::status_of;
 use refused::Told;
-use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::faults::Refusal;
-use subpixel_shadows::methods::FacetMode;
+use subpixel_shadows::methods::render::{Budget, Renderer};
+use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
+use subpixel_shadows::pass::{Casters, Inputs, PassConfig, Target};
+use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, builtin};
+use subpixel_shadows::{Error, ShadowPass, wgpu};
 
 fn scene(name: &str) -> Scene {
     builtin(name).expect("a built-in scene")
@@ -54,5 +58,105 @@ fn a_pass_that_cannot_be_made_is_an_error() {
         let told =
             refused::new_pass(&gpu, &scene("plane"), facets, first, step, Refusal::Device).expect("one error each");
         assert!(told.refused >= 2 && told.absorbed == 0, "{facets:?}: {told:?}");
+    }
+}
+
+fn settings(facets: FacetMode, size: [u32; 2]) -> Settings {
+    let samples = Samples::new(Pattern::LowDiscrepancy, 32).expect("32 samples");
+    Settings { facets, ..Settings::new(size, 64, samples) }
+}
+
+/// A device that is destroyed while a renderer waits for its frame: an error that says so, and no frame after it. A new renderer on a new
+/// device gives the bits that the first frames had.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_renderer_whose_device_is_lost_says_so() {
+    let scene = scene("windmill");
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    for facets in [FacetMode::One, FacetMode::All] {
+        let settings = settings(facets, [160, 120]);
+        let gpu = Gpu::open(None).expect("a GPU");
+        let mut renderer = Renderer::new(&gpu, &prepared, &settings, Budget::default()).expect("a renderer");
+        let first = renderer.render(&scene.camera, &scene.light).expect("a frame");
+        let device = gpu.device.clone();
+        let destroyer = std::thread::spawn(move || {
+            std::thread::sleep(std::time::Duration::from_millis(40));
+            device.destroy();
+        });
+        let error = (0..2000).find_map(|_| renderer.render(&scene.camera, &scene.light).err());
+        destroyer.join().expect("the device is destroyed");
+        let text = error.expect("a lost device renders no frames").to_string();
+        assert!(text.starts_with("gpu: ") && text.to_lowercase().contains("lost"), "{text}");
+        let again = renderer.render(&scene.camera, &scene.light);
+        assert!(again.as_ref().is_err_and(|e| matches!(e, Error::Gpu(_))), "{:?}", again.map(|o| o.counts));
+        let gpu = Gpu::open(None).expect("another device");
+        let mut renderer = Renderer::new(&gpu, &prepared, &settings, Budget::default()).expect("a renderer");
+        let after = renderer.render(&scene.camera, &scene.light).expect("a frame");
+        assert!(after.lit == first.lit && after.visibility == first.visibility, "{facets:?}: another picture");
+    }
+}
+
+/// A device that is destroyed while frames of a pass are in flight, some recorded and not submitted: each frame that was submitted
+/// has a status that says so, none is complete that is not, and a new pass on a new device gives the same bits.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn a_pass_whose_device_is_lost_says_so() {
+    let scene = scene("windmill");
+    let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };
+    let inputs = Inputs::new(&scene.camera, &scene.light);
+    for facets in [FacetMode::One, FacetMode::All] {
+        let config = PassConfig::new(settings(facets, [160, 120]), casters);
+        let whole = |gpu: &Gpu| {
+            let mut pass = ShadowPass::new(&gpu.device, &gpu.queue, &config).expect("a pass");
+            for _ in 0..4 {
+                let mut encoder = gpu.encoder();
+                pass.record(&mut encoder, &inputs, &Target::default()).expect("recorded");
+                gpu.submit_and_wait(encoder).expect("the frame runs");
+                if status_of(&mut pass).complete {
+                    break;
+                }
+            }
+            let words = refused::words(gpu, pass.visibility(), pass.lit()).expect("a picture");
+            (pass, words)
+        };
+        let gpu = Gpu::open(None).expect("a GPU");
+        let (mut pass, first) = whole(&gpu);
+        let mut numbers = Vec::new();
+        for _ in 0..3 {
+            let mut encoder = gpu.encoder();
+            numbers.push(pass.record(&mut encoder, &inputs, &Target::default()).expect("recorded"));
+            gpu.queue.submit([encoder.finish()]);
+        }
+        gpu.device.destroy();
+        // Submitted to a device that is gone already.
+        let mut encoder = gpu.encoder();
+        let late = pass.record(&mut encoder, &inputs, &Target::default());
+        gpu.queue.submit([encoder.finish()]);
+        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        let lost = gpu.wait(None).expect_err("the device is lost").to_string();
+        assert!(lost.to_lowercase().contains("lost"), "{lost}");
+        let said = |error: &str| error.contains("lost") && !error.contains('\n');
+        // A frame that was done by then may well be complete; of one that was not it is said.
+        for &number in &numbers {
+            let status = status_of(&mut pass);
+            assert_eq!(status.frame, number);
+            assert!(status.complete != status.error.as_deref().is_some_and(said), "{status:?}");
+        }
+        match late {
+            Ok(number) => {
+                let status = status_of(&mut pass);
+                assert!(status.frame == number && !status.complete, "{status:?}");
+                assert!(status.error.as_deref().is_some_and(said), "{status:?}");
+            }
+            Err(error) => assert!(said(&error.to_string()), "{error}"),
+        }
+        assert!(pass.status().is_none());
+        assert!(
+            pass.set_size([40, 30])
+                .and_then(|()| pass.record(&mut gpu.encoder(), &inputs, &Target::default()))
+                .is_err()
+        );
+        let gpu = Gpu::open(None).expect("another device");
+        assert!(whole(&gpu).1 == first, "{facets:?}: another picture");
     }
 }

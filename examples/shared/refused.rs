@@ -153,7 +153,8 @@ fn frame(gpu: &Gpu, pass: &mut ShadowPass, inputs: &Inputs) -> Result<bool> {
     Err(Error::Config(format!("nothing is known of frame {number}")))
 }
 
-fn words(gpu: &Gpu, visibility: &wgpu::Buffer, lit: &wgpu::Buffer) -> Result<Vec<u32>> {
+/// Words of two buffers.
+pub fn words(gpu: &Gpu, visibility: &wgpu::Buffer, lit: &wgpu::Buffer) -> Result<Vec<u32>> {
     let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("refused.picture"),
         size: visibility.size() + lit.size(),

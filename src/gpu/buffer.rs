@@ -26,6 +26,27 @@ pub fn allocate(
     }
 }
 
+/// What is said of a buffer that is not mapped when it should be.
+pub(crate) fn not_mapped(doing: &str, error: &dyn std::error::Error) -> Error {
+    let text = error.to_string();
+    let words: Vec<_> = text.split_whitespace().collect();
+    Error::Gpu(format!("{doing}: was the device lost or destroyed? ({})", words.join(" ")))
+}
+
+/// A buffer that holds `content`, as many bytes as a multiple of 4, without the queue.
+///
+/// # Errors
+/// As [`allocate`]; [`Error::Gpu`] if the device is lost.
+pub fn filled(device: &wgpu::Device, label: &str, content: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+    let buffer = allocate(device, label, content.len() as u64, usage, true)?;
+    match buffer.get_mapped_range_mut(..) {
+        Ok(mut view) => view.copy_from_slice(content),
+        Err(e) => return Err(not_mapped(&format!("writing '{label}'"), &e)),
+    }
+    buffer.unmap();
+    Ok(buffer)
+}
+
 /// A GPU buffer of `len` elements of `T`. Never empty: a buffer of 0 elements holds one that nobody reads. Its bytes are padded to a
 /// multiple of 16, which `arrayLength` in a kernel counts too: what a kernel must not write beyond, and the host must go through, is
 /// told to it by a uniform.
@@ -152,7 +173,7 @@ impl<T: Pod> Buffer<T> {
         gpu.queue.submit([encoder.finish()]);
         staging.map_async(wgpu::MapMode::Read, .., |_| {});
         gpu.wait(None)?;
-        let view = staging.get_mapped_range(..).map_err(|e| Error::Gpu(format!("reading '{}': {e}", self.label)))?;
+        let view = staging.get_mapped_range(..).map_err(|e| not_mapped(&format!("reading '{}'", self.label), &e))?;
         let mut out = vec![T::zeroed(); count];
         bytemuck::cast_slice_mut::<T, u8>(&mut out).copy_from_slice(&view[..bytes]);
         Ok(out)

@@ -1,8 +1,8 @@
 //! GPU time of each stage, from time stamps at the begin and end of its compute passes.
 
 use super::Gpu;
-use super::buffer::allocate;
-use crate::{Error, Result};
+use super::buffer::{allocate, not_mapped};
+use crate::Result;
 use serde::Serialize;
 
 /// GPU time of one stage.
@@ -106,8 +106,7 @@ impl Timer {
         self.staging.map_async(wgpu::MapMode::Read, .., |_| {});
         gpu.wait(None)?;
         let times = {
-            let view =
-                self.staging.get_mapped_range(..).map_err(|e| Error::Gpu(format!("reading time stamps: {e}")))?;
+            let view = self.staging.get_mapped_range(..).map_err(|e| not_mapped("reading time stamps", &e))?;
             self.times(&self.names, &view)
         };
         self.staging.unmap();

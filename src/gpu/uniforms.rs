@@ -1,7 +1,7 @@
 //! Small constant buffers, made once per content.
 
 use crate::Result;
-use crate::gpu::buffer::allocate;
+use crate::gpu::buffer::filled;
 use crate::gpu::layout::Shared;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -25,7 +25,7 @@ impl Uniforms {
     /// A buffer that holds `params`.
     ///
     /// # Errors
-    /// As [`allocate`].
+    /// As [`filled`].
     pub fn get<T: Shared>(&self, device: &wgpu::Device, params: &T) -> Result<wgpu::Buffer> {
         let bytes = bytemuck::bytes_of(params);
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
@@ -38,11 +38,7 @@ impl Uniforms {
         let mut content = bytes.to_vec();
         content.resize(bytes.len().next_multiple_of(16), 0);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
-        let buffer = allocate(device, T::KERNEL, content.len() as u64, usage, true)?;
-        if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
-            view.copy_from_slice(&content);
-        }
-        buffer.unmap();
+        let buffer = filled(device, T::KERNEL, &content, usage)?;
         made.push((bytes.to_vec(), buffer.clone()));
         Ok(buffer)
     }

@@ -24,7 +24,8 @@
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
-//!   whole one: each status says for itself whether its frame was complete.
+//!   whole one: each status says for itself whether its frame was complete. Lists of which more than seven eighths are needed grow
+//!   before they overflow; with [`PassConfig::keep_last`] the last complete picture stands meanwhile.
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
 mod casters;
@@ -45,7 +46,7 @@ pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
-use crate::gpu::buffer::allocate;
+use crate::gpu::buffer::filled;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
 use crate::methods::Settings;
@@ -366,14 +367,8 @@ impl ShadowPass {
 
     /// A buffer that holds `frames`.
     fn stage(&self, frames: &[Frame]) -> Result<wgpu::Buffer> {
-        let bytes: &[u8] = bytemuck::cast_slice(frames);
-        let (size, usage) = (bytes.len() as u64, wgpu::BufferUsages::COPY_SRC);
-        let buffer = allocate(&self.maker.device, "shadow_pass.frames", size, usage, true)?;
-        if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
-            view.copy_from_slice(bytes);
-        }
-        buffer.unmap();
-        Ok(buffer)
+        let usage = wgpu::BufferUsages::COPY_SRC;
+        filled(&self.maker.device, "shadow_pass.frames", bytemuck::cast_slice(frames), usage)
     }
 
     /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all of them.

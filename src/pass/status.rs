@@ -1,7 +1,7 @@
 //! What is known of recorded frames once the GPU is done with them: counters are copied to a buffer that maps itself when
 //! the application's submission has run, and are read when they are asked for. Nothing waits.
 
-use crate::gpu::buffer::allocate;
+use crate::gpu::buffer::{allocate, not_mapped};
 use crate::gpu::{Buffer, Recorder, StageTime, Timer};
 use crate::methods::facet_masks::Capacities;
 use crate::methods::render::{Counts, ListUse};
@@ -218,7 +218,7 @@ impl Slot {
             let view = self
                 .staging
                 .get_mapped_range(..)
-                .map_err(|e| Error::Gpu(format!("reading the counters of frame {}: {e}", self.label.frame)))?;
+                .map_err(|e| not_mapped(&format!("reading the counters of frame {}", self.label.frame), &e))?;
             let at = self.status_bytes as usize;
             let faults_end = at + FAULT_WORDS * 4;
             let words = |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, u32>(bytes);
