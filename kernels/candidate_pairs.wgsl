@@ -25,6 +25,7 @@ override WORDS: u32 = 1u;
 override ALONE: u32 = 1u;  // 0: of no facet all samples lie on its own triangle
 const WORKGROUP = 64u;
 const ROUND_LENGTH = 4096u;
+const NEARLY_ROUND = 3584u;  // longer lists are told of: another round may soon be needed
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<storage, read> undecided: array<Undecided>;
@@ -86,7 +87,7 @@ fn walk(pair: vec2<u32>) -> u32 {
     if TILE_SHIFT != 0u { place = pair.y >> 4u; }
     let list = triangle_offsets[place];
     let list_end = min(triangle_offsets[place + 1u], frame.triangle_texel_capacity);
-    if list_end > list + ROUND_LENGTH { atomicMax(&candidates.tally[TALLY_LONGEST], list_end - list); }
+    if list_end > list + NEARLY_ROUND { atomicMax(&candidates.tally[TALLY_LONGEST], list_end - list); }
     let first = list + frame.round * ROUND_LENGTH;
     let end = min(list_end, first + ROUND_LENGTH);
     if first >= end { return 0u; }

@@ -2,7 +2,8 @@
 // Reads facets, their masks (coverage, occluded, invalid: WORDS words each) and which facets a pixel has. Writes
 // `visibility` (lit share of the samples that count, 1 where nothing is seen) and `lit` (WORDS words a pixel: which samples
 // are lit, all of them where nothing is seen). Counts into `status` how many facets each state has; with
-// FLAG_CLAMP a pixel without a facet counts as an empty one.
+// FLAG_CLAMP a pixel without a facet counts as an empty one. Writes the frame's stamp there: this stage is the last, so that who reads
+// the stamp knows that the frame has run.
 
 //@import frame
 //@import dispatch
@@ -11,6 +12,7 @@
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
 const STATUS_STATES = 16u;
+const STATUS_FINISHED = 12u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> facets: array<Facet>;
@@ -25,7 +27,9 @@ var<workgroup> wg_states: array<atomic<u32>, 5>;
 @compute @workgroup_size(WORKGROUP)
 fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
-    if pixel < frame.image_size.x * frame.image_size.y {
+    let pixels = frame.image_size.x * frame.image_size.y;
+    if pixel + 1u == pixels { atomicStore(&status[STATUS_FINISHED], frame.stamp); }
+    if pixel < pixels {
         var seen = 0u;
         var bright = 0u;
         var words = vec4(0u);

@@ -54,7 +54,7 @@ fn lit_share(r: Receiver, at: vec3<f32>) -> f32 {
         }
     }
     // Rounding of the weights leaves neither a little light in the dark nor a little dark in the light.
-    return select(sum / f32(last * last), 1.0, lit_taps == f32(KERNEL * KERNEL));
+    return select(sum / f32(max(last * last, 1)), 1.0, lit_taps == f32(KERNEL * KERNEL));
 }
 
 @compute @workgroup_size(WORKGROUP)

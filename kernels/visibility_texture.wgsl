@@ -1,6 +1,10 @@
 // visibility_texture: writes the visibility of every pixel into a texture of the application's.
 // Reads `visibility` (row by row from the top). Writes `target_texture` (r32float, a texel a pixel), of a strip
 // of rows those that are its own.
+//
+// Where the last complete picture is to stand until the next, `judge` looks at what a frame left in its counters (`status`, `faults`)
+// and sets `verdict` if anything is missing; it is cleared before. Then `hold` copies what the frame made (`latest`) to `held` if
+// nothing is: of the picture as of any words.
 
 //@import frame
 //@import dispatch
@@ -12,6 +16,62 @@ const WORKGROUP = 64u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> visibility: array<f32>;
 @group(0) @binding(2) var target_texture: texture_storage_2d<r32float, write>;
+
+struct Lists {
+    bands: u32,          // of all views
+    most_at_place: u32,  // triangles over a place of the map
+    most_at_pixel: u32,  // triangles over a pixel
+    pad_0: u32,
+}
+
+@group(0) @binding(3) var<uniform> lists: Lists;
+@group(0) @binding(4) var<storage, read> status: array<u32>;
+@group(0) @binding(5) var<storage, read> faults: array<u32>;
+@group(0) @binding(6) var<storage, read_write> verdict: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read> latest: array<u32>;
+@group(0) @binding(8) var<storage, read_write> held: array<u32>;
+
+const STATUS_FINISHED = 12u;
+const STATUS_LONGEST = 25u;
+const STATUS_PIXEL_TRIANGLES = 26u;  // each of these and a flag: more than 2^32
+const STATUS_COMPLEX_PIXELS = 28u;
+const STATUS_FACETS = 30u;
+const STATUS_BANDS = 32u;
+const BAND_WORDS = 8u;
+
+// Whether a list was too short of which this word tells the need, and the next word that it is beyond 2^32.
+fn is_short(word: u32, capacity: u32) -> bool {
+    return status[word] > capacity || status[word + 1u] != 0u;
+}
+
+fn is_band_short(band: u32) -> bool {
+    let first = STATUS_BANDS + BAND_WORDS * band;
+    let pairs = is_short(first, frame.pixel_texel_capacity) || is_short(first + 2u, frame.triangle_texel_capacity);
+    return pairs || status[first + 4u] > frame.candidate_capacity || status[first + 6u] > lists.most_at_place;
+}
+
+fn is_camera_short() -> bool {
+    if (frame.flags & FLAG_CLAMP) == 0u { return false; }
+    let listed = is_short(STATUS_PIXEL_TRIANGLES, frame.pixel_triangle_capacity) || status[STATUS_LONGEST] > lists.most_at_pixel;
+    return listed || is_short(STATUS_COMPLEX_PIXELS, frame.complex_capacity) || is_short(STATUS_FACETS, frame.facets_total);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn judge(@builtin(local_invocation_index) local: u32) {
+    var wrong = false;
+    if local == 0u {
+        wrong = status[STATUS_FINISHED] != frame.stamp || is_camera_short();
+        for (var k = 0u; k < arrayLength(&faults); k++) { wrong = wrong || faults[k] != 0u; }
+    }
+    for (var band = local; band < lists.bands; band += WORKGROUP) { wrong = wrong || is_band_short(band); }
+    if wrong { atomicOr(&verdict[0], 1u); }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn hold(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let word = flat_invocation(group, groups, WORKGROUP, local);
+    if word < min(arrayLength(&latest), arrayLength(&held)) && atomicLoad(&verdict[0]) == 0u { held[word] = latest[word]; }
+}
 
 @compute @workgroup_size(WORKGROUP)
 fn store(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {

@@ -90,8 +90,8 @@ shared_struct! {
         /// Always 0. Arithmetic of two `f32` goes through it, so that no compiler takes it apart: nothing else may ask for it, for
         /// some drivers (llvmpipe) compile a kernel anew for the values that its conditions ask for.
         pub seal: u32,
-        /// Unused.
-        pub pad_1: u32,
+        /// Which frame it is: the last stage writes it down when it has run. No condition may ask for it either.
+        pub stamp: u32,
     }
 }
 

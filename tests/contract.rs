@@ -14,7 +14,8 @@ use subpixel_shadows::stages::camera_visibility::Pass;
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::{
     caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, pixel_receivers, prefix_scan,
-    radix_sort, sample_surfaces, sorted_pairs, split_maps, summed_area, texel_group, triangle_ids, work_owners,
+    radix_sort, sample_surfaces, sorted_pairs, split_maps, summed_area, texel_group, triangle_ids, visibility_texture,
+    work_owners,
 };
 
 /// A struct as Rust knows it.
@@ -74,6 +75,7 @@ fn registry() -> Vec<Registered> {
         of::<summed_area::Params>(),
         of::<texel_group::Params>(),
         of::<triangle_ids::Params>(),
+        of::<visibility_texture::Lists>(),
         of::<work_owners::Params>(),
     ]
 }

@@ -627,6 +627,20 @@ fn bad_surfaces_are_refused() {
     for (scale, offset) in [(0.0, 0.0), (f32::NAN, 1.0), (0.0, f32::INFINITY)] {
         refused("view depths", with(with_terms(DepthTerms { scale, offset, ..DepthTerms::infinite(0.1) }, 1.0)));
     }
+    // A projection of another field of view or aspect than the camera's.
+    let fov = scene.camera.vertical_fov_degrees;
+    let projection = |degrees: f32, aspect: f32| {
+        let of = glam::camera::rh::proj::directx::perspective_infinite_reverse(degrees.to_radians(), aspect, 0.1);
+        DepthTerms::of_projection(of).expect("a projection")
+    };
+    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
+    with(with_terms(projection(fov, aspect), 0.0)).expect("the camera's own");
+    for (terms, number) in [
+        (projection(fov + 1.0, aspect), format!("camera of {fov} degrees")),
+        (projection(fov, aspect * 1.01), format!("{}x{}", SIZE[0], SIZE[1])),
+    ] {
+        refused(&number, with(with_terms(terms, 0.0)));
+    }
     let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };
     let mut without =
         ShadowPass::new(&gpu().device, &gpu().queue, &PassConfig::new(settings(FacetMode::One, 32), casters))
@@ -635,7 +649,7 @@ fn bad_surfaces_are_refused() {
     refused("room for receivers", without.record(&mut encoder, &inputs, &none));
     let mut every = self::pass(settings(FacetMode::All, 32), &scene.mesh);
     refused("one sample", every.record(&mut encoder, &inputs, &none));
-    gpu().submit_and_wait(encoder).expect("nothing was recorded");
+    gpu().submit_and_wait(encoder).expect("one frame was recorded");
     gpu().check().expect("no error of the device");
 }
 
@@ -831,6 +845,6 @@ fn bad_samples_are_refused() {
     let mut one = self::pass(settings(FacetMode::One, 32), &scene.mesh);
     let inputs = Inputs { gbuffer: GBuffer::SampleIds(SampleTexture::new(&four, &places)), ..plain };
     refused("every surface", one.record(&mut encoder, &inputs, &none));
-    gpu().submit_and_wait(encoder).expect("nothing was recorded");
+    gpu().submit_and_wait(encoder).expect("one frame was recorded");
     gpu().check().expect("no error of the device");
 }

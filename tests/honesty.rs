@@ -44,6 +44,14 @@ fn done(args: &[&str]) -> String {
     String::from_utf8_lossy(&done.stdout).into_owned()
 }
 
+/// Runs a command that has to succeed; what it notes.
+fn complaint(args: &[&str]) -> String {
+    let done = run(args);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(done.status.success(), "{args:?}: {said}");
+    said
+}
+
 /// Runs a small frame into `out`, which has to succeed.
 fn render(out: &str, args: &[&str]) -> String {
     done(&[&["render", "--quiet", "--out", out, "--size", "48x36", "--map", "64", "--frames", "1"], args].concat())
@@ -137,6 +145,14 @@ fn a_frame_of_the_cpu_engine_is_repeated() {
     }
     assert_eq!(frames[0], frames[1]);
     assert_eq!(frames[0]["settings"]["light"], "spot=1.3,4.1,0.77;target=0,0,0.1;angle=71.3");
+    assert!(!complaint(&["render", "--from", &format!("{first}/frame.json"), "--out", &again]).contains("another"));
+    // A mesh that has changed since is another picture, and that is said.
+    folder.file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0.1\nv 0.3 0.2 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\n");
+    let said = complaint(&["render", "--from", &format!("{first}/frame.json"), "--out", &again]);
+    assert!(
+        said.contains("frame.json") && said.contains("\"triangles\":4") && said.contains("\"triangles\":5"),
+        "{said}"
+    );
     // What is given beside it comes first; another scene, too.
     let other = ["--samples", "1", "--light", "directional=1,1,1", "--out", &again];
     done(&[&["render", "plane", "--quiet", "--from", &format!("{first}/frame.json")], &other[..]].concat());

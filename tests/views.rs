@@ -108,7 +108,7 @@ fn through(scene: &Scene, settings: &Settings, views: &[LightView]) -> (Vec<f32>
         FacetMasks::new(&gpu.device, &gpu.queue, pipelines, &casters, settings, capacities).expect("the method");
     let bounds = prepared.mesh().bounds().expect("a mesh");
     let strip = Strip::whole(SIZE);
-    method.prepare(&gpu.queue, &casters, &scene.camera, &scene.light, views, bounds, strip).expect("prepared");
+    method.prepare(&gpu.queue, &casters, &scene.camera, &scene.light, views, bounds, strip, 1).expect("prepared");
     let mut encoder = gpu.encoder();
     method.record(&mut Recorder::new(&gpu.device, &mut encoder, None), &casters).expect("recorded");
     gpu.submit_and_wait(encoder).expect("a frame");

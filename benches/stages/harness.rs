@@ -221,7 +221,7 @@ fn time(gpu: &Gpu, record: &Record) -> Result<f64> {
 
 /// GPU time of one recording in milliseconds, and its dispatches.
 fn time_and_count(gpu: &Gpu, record: &Record) -> Result<(f64, u32)> {
-    let mut timer = Timer::new(gpu).ok_or_else(|| Error::NoAdapter("the device has no time stamps".to_owned()))?;
+    let mut timer = Timer::new(gpu)?.ok_or_else(|| Error::NoAdapter("the device has no time stamps".to_owned()))?;
     let mut encoder = gpu.encoder();
     let mut recorder = Recorder::new(&gpu.device, &mut encoder, Some(&mut timer));
     record(&mut recorder.stage("case"))?;

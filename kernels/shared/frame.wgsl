@@ -42,7 +42,7 @@ struct Frame {
     rows_above: u32,         // at its top: they belong to the strip above
     rows_below: u32,         // likewise at its bottom
     seal: u32,               // always 0, and no condition asks for it: see double_float
-    pad_1: u32,
+    stamp: u32,              // which frame it is; no condition asks for it
 }
 
 const FLAG_CULL_BACK = 1u;      // triangles of closed bodies that face away from the light are no casters; they may cut facets

@@ -65,7 +65,7 @@ fn table_mask(line: vec3<f32>) -> vec4<u32> {
     let turn = select(2.0 - part, part, line.y >= 0.0) + 1.0;
     let distance = -line.x / length(line.yz);
     let a = min(u32(turn * 0.25 * f32(ANGLES)), ANGLES - 1u);
-    let o = u32(clamp((distance * 0.70710678 + 0.5) * f32(OFFSETS), 0.0, f32(OFFSETS) - 1.0));
+    let o = u32(clamp((distance * 0.70710678 + 0.5) * f32(OFFSETS), 0.0, max(f32(OFFSETS) - 1.0, 0.0)));
     let at = (a * OFFSETS + o) * WORDS;
     var m = vec4(table[at], 0u, 0u, 0u);
     if WORDS > 1u { m.y = table[at + 1u]; }

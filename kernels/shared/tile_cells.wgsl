@@ -11,7 +11,8 @@ fn box_cells(tile: vec2<u32>, low: vec2<f32>, high: vec2<f32>) -> u32 {
 
 // The cells of some of a tile's texels, which are four bits row by row.
 fn texel_cells(texels: u32) -> u32 {
-    return (texels & 1u) * 0x33u | ((texels >> 1u) & 1u) * 0xccu | ((texels >> 2u) & 1u) * 0x3300u | (texels >> 3u) * 0xcc00u;
+    let upper = ((texels & 1u) * 0x33u) | (((texels >> 1u) & 1u) * 0xccu);
+    return upper | (((texels >> 2u) & 1u) * 0x3300u) | ((texels >> 3u) * 0xcc00u);
 }
 
 // The upper half of a depth's bits, so rounded down; depths before 0 count as 0.

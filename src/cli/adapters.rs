@@ -20,8 +20,7 @@ pub fn run(check: bool) -> Result<()> {
         }
         describe(&mut report, adapter);
     }
-    report.print();
-    Ok(())
+    report.print()
 }
 
 fn describe(report: &mut Report, adapter: &wgpu::Adapter) {

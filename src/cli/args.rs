@@ -3,6 +3,7 @@
 use super::choices::{
     Encoding, EngineName, FacetsPerPixel, Masks, PairsBy, PatternName, Projection, Rays, Search, Shape, Switch, WarpBy,
 };
+use super::progress::Console;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use subpixel_shadows::Result;
@@ -417,13 +418,15 @@ impl Options {
     }
 
     /// Opens the scene with what the options change of it.
-    pub fn open(&self, scene: Option<&str>) -> Result<Scene> {
+    pub fn open(&self, scene: Option<&str>, console: Console) -> Result<Scene> {
         let options = SceneOptions {
             ground: self.ground,
             camera: self.camera.as_deref().map(str::parse).transpose()?,
             light: self.light.as_deref().map(str::parse).transpose()?,
         };
-        Scene::open(scene.unwrap_or("windmill"), &options)
+        let (scene, note) = Scene::open_and_note(scene.unwrap_or("windmill"), &options)?;
+        note.iter().for_each(|note| console.note(note));
+        Ok(scene)
     }
 
     /// Memory of the lists.

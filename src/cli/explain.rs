@@ -12,8 +12,9 @@ use subpixel_shadows::plan::Plan;
 /// Prints what would run and what would be left out, and why. Of `facet-masks` it renders a frame, writes none of it, and
 /// prints how many pixels took which way.
 pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
+    let console = Console::new(options.quiet);
     let settings = options.settings()?;
-    let scene = options.open(scene)?;
+    let scene = options.open(scene, console)?;
     let prepared = Prepared::new(&scene.mesh)?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let mut report = Report::default();
@@ -29,14 +30,13 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     }
     report.table(&rows, &[]);
     report.text("\nStages also run on lists that may turn out empty; `render` prints what they ran on.");
-    report.print();
+    report.print()?;
     if options.method == MethodName::FacetMasks {
-        let console = Console::new(options.quiet);
         let engine = Engine::open(options, console)?;
         let counts = engine.render(options, 0, &plan, &scene, &prepared, console)?.output.counts;
         let mut report = Report::default();
         ways(&mut report, &counts, &plan);
-        report.print();
+        report.print()?;
     }
     Ok(())
 }

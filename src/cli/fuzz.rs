@@ -71,6 +71,6 @@ pub fn run(options: &FuzzOptions) -> Result<ExitCode> {
         write_text(page, &summary.markdown(&command, &machine.line(), grouped))?;
         report.text(&format!("wrote {}", page.display()));
     }
-    report.print();
+    report.print()?;
     Ok(if summary.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

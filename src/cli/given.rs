@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 use std::ffi::OsString;
 use std::path::Path;
 use subpixel_shadows::methods::{METHOD_OPTIONS, MethodName};
+use subpixel_shadows::report::FrameReport;
 use subpixel_shadows::scene::{BUILTIN_NAMES, Camera, CameraOverride, Light, Mesh, Scene};
 use subpixel_shadows::{Error, Result};
 
@@ -62,7 +63,7 @@ fn with_frame(
     own: &Options,
     path: &Path,
 ) -> Result<(Option<String>, Options)> {
-    let settings = read(path)?;
+    let settings = settings_in(path, &read(path)?)?;
     let mut arguments = vec![OsString::from("subpixel-shadows")];
     let mut method = own.method;
     let mut found = Vec::new();
@@ -93,15 +94,29 @@ fn with_frame(
     Ok((scene.or(of_file), Given::try_parse_from(arguments).map_err(fault)?.options))
 }
 
-/// The object `settings` of a frame.json.
-fn read(path: &Path) -> Result<Map<String, Value>> {
+/// The note that the scene of `--from` has another mesh than it had, if so: the picture is another then.
+pub fn other_mesh(options: &Options, frame: &FrameReport) -> Option<String> {
+    let path = options.from.as_deref()?;
+    let whole = read(path).ok()?;
+    let (then, now) = (whole.get("mesh")?, serde_json::to_value(frame.mesh).ok()?);
+    let same = ["scene", "ground"].iter().all(|key| whole["settings"].get(*key) == frame.settings.get(*key));
+    (same && *then != now)
+        .then(|| format!("{}: the mesh of '{}' was another then: {then}, now {now}", path.display(), frame.scene))
+}
+
+/// A frame.json.
+fn read(path: &Path) -> Result<Value> {
     let fault = |e: std::io::Error| Error::file(path, format!("cannot be read: {e}"));
     let about = std::fs::metadata(path).map_err(fault)?;
     if !about.is_file() || about.len() > LARGEST {
         return Err(Error::file(path, format!("is no frame.json: {} bytes", about.len())));
     }
     let text = std::fs::read(path).map_err(fault)?;
-    let whole: Value = serde_json::from_slice(&text).map_err(|e| Error::file(path, format!("is no JSON: {e}")))?;
+    serde_json::from_slice(&text).map_err(|e| Error::file(path, format!("is no JSON: {e}")))
+}
+
+/// Its object `settings`.
+fn settings_in(path: &Path, whole: &Value) -> Result<Map<String, Value>> {
     match whole.get("settings") {
         Some(Value::Object(settings)) => Ok(settings.clone()),
         Some(other) => Err(Error::file(path, format!("settings is {}, no object", short(other)))),
@@ -249,6 +264,7 @@ fn vector([x, y, z]: [f32; 3]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::progress::Console;
     use std::collections::BTreeSet;
 
     fn options(arguments: &[&str]) -> Options {
@@ -287,7 +303,7 @@ mod tests {
         ];
         for (asked, light) in asked.iter().zip(lights) {
             let own = options(&[asked, &["--light", light, "--camera", "eye=0.1,2,3.3333333;fov=40.1"][..]].concat());
-            let scene = own.open(Some("spheres")).unwrap();
+            let scene = own.open(Some("spheres"), Console::new(true)).unwrap();
             let path = Path::new("f.json");
             let mut line = vec![OsString::from("subpixel-shadows")];
             for (name, value) in settings(&own, &scene, &Engine::Cpu) {
@@ -300,7 +316,7 @@ mod tests {
                 (again.force_all, again.list_start, again.converged),
                 (own.force_all, own.list_start, own.converged)
             );
-            let reopened = again.open(Some("spheres")).unwrap();
+            let reopened = again.open(Some("spheres"), Console::new(true)).unwrap();
             assert_eq!((reopened.camera, reopened.light), (scene.camera, scene.light));
         }
     }

@@ -7,6 +7,7 @@ mod engine;
 mod explain;
 mod fuzz;
 mod given;
+mod held;
 mod output;
 mod progress;
 mod render;
@@ -18,13 +19,17 @@ mod table;
 use args::{Cli, Command, Options};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use given::given;
+use std::io::Write;
 use std::process::ExitCode;
 use subpixel_shadows::Result;
 
 /// Reads the command line and runs it. Exit status: 0 done, 1 bad input, 2 usage (by clap), 3 the GPU failed.
 pub fn main() -> ExitCode {
-    let matches = Cli::command().get_matches();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let parsed = Cli::command().try_get_matches();
+    let (matches, cli) = match parsed.and_then(|matches| Cli::from_arg_matches(&matches).map(|cli| (matches, cli))) {
+        Ok(parsed) => parsed,
+        Err(told) => return usage(&told),
+    };
     let matches = matches.subcommand().map_or(&matches, |(_, of_command)| of_command);
     let done = match cli.command {
         Some(Command::Fuzz { options }) => return finish(fuzz::run(&options)),
@@ -38,7 +43,12 @@ pub fn main() -> ExitCode {
     finish(done.map(|()| ExitCode::SUCCESS))
 }
 
-fn finish(done: subpixel_shadows::Result<ExitCode>) -> ExitCode {
+/// The exit status, after a line about what failed.
+fn status(done: Result<()>) -> ExitCode {
+    finish(done.map(|()| ExitCode::SUCCESS))
+}
+
+fn finish(done: Result<ExitCode>) -> ExitCode {
     match done {
         Ok(code) => code,
         Err(error) => {
@@ -57,4 +67,10 @@ fn with(
 ) -> Result<()> {
     let (scene, options) = given(matches, scene, options)?;
     command(scene.as_deref(), &options)
+}
+
+/// Prints help, version or what is wrong with the command line.
+fn usage(told: &clap::Error) -> ExitCode {
+    let printed = told.print().and_then(|()| std::io::stdout().flush());
+    if told.use_stderr() { ExitCode::from(2) } else { status(table::told(printed)) }
 }

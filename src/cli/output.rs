@@ -1,40 +1,57 @@
 //! The folder that the files go to: all of them, or none.
 
+use super::held::Held;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use subpixel_shadows::{Error, Result};
 
+/// How long a run that has its files ready waits for another one that is writing into the same folder.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 /// Files under way to a folder. They are written into a folder of their own inside it and moved when all are complete;
-/// without [`OutFolder::finish`] nothing is left behind, folders that were made for it included.
+/// without [`OutFolder::fill`] coming to its end nothing is left behind, folders that were made for it included. Of two runs
+/// that write into one folder, the second waits for the first.
 #[derive(Debug)]
 pub struct OutFolder {
-    folder: PathBuf,
     part: PathBuf,
-    /// The folders that did not exist before, outermost first.
-    made: Vec<PathBuf>,
     names: Vec<&'static str>,
     finished: bool,
+    held: Held,
 }
 
 impl OutFolder {
-    /// Refuses what can never become a folder, before any work is done.
+    /// Refuses what can never become a folder, and one that another run holds, before any work is done.
     pub fn check(folder: &Path) -> Result<()> {
-        match folder.ancestors().find(|p| p.exists()) {
-            Some(there) if !there.is_dir() => Err(Error::file(there, "is not a folder, no files can be written there")),
-            _ if folder.as_os_str().is_empty() => Err(Error::file(folder, "--out '' names no folder")),
-            _ => Ok(()),
-        }
+        Held::check(folder)
     }
 
-    /// Makes `folder` where it is missing.
+    /// Makes `folder` where it is missing, lets `write` write the files, and moves them to their places; returns these.
+    pub fn fill(folder: &Path, write: impl FnOnce(&mut Self) -> Result<()>) -> Result<Vec<PathBuf>> {
+        let mut out = Self::open(folder)?;
+        write(&mut out).map_err(|e| out.renamed(e))?;
+        out.finish()
+    }
+
+    /// Makes `folder` where it is missing, and holds it.
     pub fn open(folder: &Path) -> Result<Self> {
-        Self::check(folder)?;
-        let mut made: Vec<PathBuf> =
-            folder.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).map(Path::to_owned).collect();
-        made.reverse();
-        let part = folder.join(format!(".subpixel-shadows-{}.part", std::process::id()));
-        let out = Self { folder: folder.to_owned(), part, made, names: Vec::new(), finished: false };
-        std::fs::create_dir_all(&out.part).map_err(|e| Error::file(folder, format!("cannot be made: {e}")))?;
+        Held::check_kind(folder)?;
+        let held = Held::open(folder, PATIENCE)?;
+        let mut out = Self { part: PathBuf::new(), names: Vec::new(), finished: false, held };
+        out.part = out.begin().map_err(|e| Error::file(folder, format!("cannot be written into: {e}")))?;
         Ok(out)
+    }
+
+    /// Makes the folder of the unfinished files. Another one of this name is that of a process elsewhere, on a file system
+    /// without locks.
+    fn begin(&self) -> std::io::Result<PathBuf> {
+        for k in 0u32.. {
+            let part = self.held.folder().join(format!(".subpixel-shadows-{}-{k}.part", std::process::id()));
+            match std::fs::create_dir(&part) {
+                Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+                made => return made.map(|()| part),
+            }
+        }
+        Err(std::io::ErrorKind::AlreadyExists.into())
     }
 
     /// Where to write the file `name`.
@@ -43,15 +60,26 @@ impl OutFolder {
         self.part.join(name)
     }
 
+    /// An error with the name that the file was to have.
+    fn renamed(&self, error: Error) -> Error {
+        match error {
+            Error::File { path, message } => match path.strip_prefix(&self.part) {
+                Ok(name) => Error::file(self.held.folder().join(name), message),
+                Err(_) => Error::file(path, message),
+            },
+            other => other,
+        }
+    }
+
     /// Moves all files to their places; returns these.
     pub fn finish(mut self) -> Result<Vec<PathBuf>> {
-        let taken = self.names.iter().map(|n| self.folder.join(n)).find(|p| p.is_dir());
-        if let Some(path) = taken {
+        let place = |name: &&'static str| self.held.folder().join(name);
+        if let Some(path) = self.names.iter().map(place).find(|p| p.is_dir()) {
             return Err(Error::file(path, "is a folder, no file can be written there"));
         }
         let mut done = Vec::new();
         for name in &self.names {
-            let to = self.folder.join(name);
+            let to = place(name);
             std::fs::rename(self.part.join(name), &to)
                 .map_err(|e| Error::file(&to, format!("cannot be written: {e}")))?;
             done.push(to);
@@ -64,11 +92,11 @@ impl OutFolder {
 impl Drop for OutFolder {
     fn drop(&mut self) {
         // Nothing more can be done about what cannot be removed; the fault that led here is reported.
-        let _ = std::fs::remove_dir_all(&self.part);
+        if !self.part.as_os_str().is_empty() {
+            let _ = std::fs::remove_dir_all(&self.part);
+        }
         if !self.finished {
-            for folder in self.made.iter().rev() {
-                let _ = std::fs::remove_dir(folder);
-            }
+            self.held.unmake();
         }
     }
 }
@@ -84,17 +112,22 @@ mod tests {
         path
     }
 
+    fn written(out: &mut OutFolder) -> Result<()> {
+        std::fs::write(out.file("x.txt"), "x").map_err(|e| Error::file("x.txt", e.to_string()))
+    }
+
     #[test]
     fn finished_files_appear_and_unfinished_ones_do_not() {
         let base = base("both");
         let target = base.join("a").join("b");
-        let mut out = OutFolder::open(&target).expect("opens");
-        std::fs::write(out.file("x.txt"), "x").expect("writes");
-        drop(out);
+        let failed = OutFolder::fill(&target, |out| {
+            written(out)?;
+            Err(Error::file(out.file("y.txt"), "cannot be written"))
+        });
+        let line = failed.expect_err("refused").to_string();
+        assert_eq!(line, format!("{}: cannot be written", target.join("y.txt").display()), "the name it was to have");
         assert!(!base.join("a").exists(), "folders that were made are gone again");
-        let mut out = OutFolder::open(&target).expect("opens");
-        std::fs::write(out.file("x.txt"), "x").expect("writes");
-        assert_eq!(out.finish().expect("finishes"), [target.join("x.txt")]);
+        assert_eq!(OutFolder::fill(&target, written).expect("finishes"), [target.join("x.txt")]);
         assert_eq!(std::fs::read_dir(&target).expect("there").count(), 1);
         std::fs::remove_dir_all(base).expect("removed");
     }
@@ -105,12 +138,38 @@ mod tests {
         std::fs::write(base.join("taken"), "").expect("writes");
         for target in [base.join("taken"), base.join("taken").join("below")] {
             assert!(OutFolder::check(&target).expect_err("refused").to_string().contains("taken"));
+            assert!(OutFolder::fill(&target, written).expect_err("refused").to_string().contains("taken"));
         }
         std::fs::create_dir_all(base.join("out").join("x.txt")).expect("made");
-        let mut out = OutFolder::open(&base.join("out")).expect("opens");
-        std::fs::write(out.file("x.txt"), "x").expect("writes");
-        assert!(out.finish().is_err());
+        assert!(OutFolder::fill(&base.join("out"), written).is_err());
         assert_eq!(std::fs::read_dir(base.join("out")).expect("there").count(), 1);
+        std::fs::remove_dir_all(base).expect("removed");
+    }
+
+    /// Two that write at once: each time all files are of one of them.
+    #[test]
+    fn files_of_two_writers_do_not_mix() {
+        let base = base("two");
+        let fill = |mark: &str| {
+            OutFolder::fill(&base, |out| {
+                for name in ["a", "b", "c", "d"] {
+                    std::fs::write(out.file(name), mark).map_err(|e| Error::file(name, e.to_string()))?;
+                }
+                Ok(())
+            })
+        };
+        std::thread::scope(|scope| {
+            let one = scope.spawn(|| (0..200).for_each(|k| drop(fill(&format!("one {k}")).expect("written"))));
+            for k in 0..200 {
+                fill(&format!("two {k}")).expect("written");
+                let held = Held::open(&base, PATIENCE).expect("held");
+                let texts = ["a", "b", "c", "d"].map(|n| std::fs::read_to_string(base.join(n)).expect("a file"));
+                drop(held);
+                assert!(texts.iter().all(|t| *t == texts[0]), "{texts:?}");
+            }
+            one.join().expect("no panic");
+        });
+        assert_eq!(std::fs::read_dir(&base).expect("there").count(), 4);
         std::fs::remove_dir_all(base).expect("removed");
     }
 }

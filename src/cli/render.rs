@@ -3,7 +3,7 @@
 use super::args::Options;
 use super::engine::{Engine, Rendered};
 use super::explain::mesh_line;
-use super::given::settings as settings_of;
+use super::given::{other_mesh, settings as settings_of};
 use super::output::OutFolder;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
@@ -28,7 +28,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
     OutFolder::check(&options.out)?;
-    let scene = options.open(scene)?;
+    let scene = options.open(scene, console)?;
     let from = Instant::now();
     let prepared = Prepared::new(&scene.mesh)?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
@@ -55,6 +55,9 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
         asked: &asked,
         error,
     });
+    if let Some(note) = other_mesh(options, &frame) {
+        console.note(&note);
+    }
     let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;
     let mut report = Report::default();
     report.line("scene", &format!("{}: {}", scene.name, mesh_line(&prepared)));
@@ -76,8 +79,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
     report.text(
         "look further: `explain` for the plan, `--truth` for the error, `--force-all` to leave nothing out, `--help`",
     );
-    report.print();
-    Ok(())
+    report.print()
 }
 
 /// The error against the truths, and scene truth.
@@ -139,25 +141,25 @@ fn write(
         triangles,
         visibility,
     };
-    let mut out = OutFolder::open(&options.out)?;
-    write_png_rgb(&out.file("shaded.png"), w, h, &shade(&shading))?;
-    write_png_grey(&out.file("visibility.png"), w, h, visibility)?;
-    write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
-    if let Some(truth) = truth {
-        let values = truth.visibility();
-        write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
-        write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
-    }
-    if let Some(looks) = &rendered.looks {
-        if !looks.classes.is_empty() {
-            write_classes(&out.file("classes.png"), w, h, &looks.classes)?;
+    OutFolder::fill(&options.out, |out| {
+        write_png_rgb(&out.file("shaded.png"), w, h, &shade(&shading))?;
+        write_png_grey(&out.file("visibility.png"), w, h, visibility)?;
+        write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
+        if let Some(truth) = truth {
+            let values = truth.visibility();
+            write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
+            write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
         }
-        if let Some(map) = &looks.map {
-            write_map(&out.file("light-view.png"), map)?;
+        if let Some(looks) = &rendered.looks {
+            if !looks.classes.is_empty() {
+                write_classes(&out.file("classes.png"), w, h, &looks.classes)?;
+            }
+            if let Some(map) = &looks.map {
+                write_map(&out.file("light-view.png"), map)?;
+            }
         }
-    }
-    frame.write(&out.file("frame.json"))?;
-    out.finish()
+        frame.write(&out.file("frame.json"))
+    })
 }
 
 /// Stages with their time, and those left out.
@@ -302,12 +304,13 @@ fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {
             .text(&format!("first wrong: sample {sample} of pixel ({x}, {y}), whose facet is of triangle {triangle}"));
     }
     let seen = &error.seen;
+    let of_some = |n| if seen.seen_samples == 0 { "–".to_owned() } else { grouped(n) };
     let mut rows = vec![["seen truth", "samples", "wrong", "tied"].map(String::from).to_vec()];
     rows.push(vec![
         "surface each sees".to_owned(),
         grouped(seen.seen_samples),
-        grouped(seen.seen_wrong),
-        grouped(seen.seen_tied),
+        of_some(seen.seen_wrong),
+        of_some(seen.seen_tied),
     ]);
     report.table(&rows, &[1, 2, 3]);
     if let Some([pixel, sample, triangle]) = seen.first_wrong {

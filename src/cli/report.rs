@@ -1,11 +1,11 @@
 //! `report`: error against run time.
 
 use super::args::ReportOptions;
-use super::output::OutFolder;
+use super::held::Held;
 use super::progress::{Console, Task};
 use super::table::Report;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
@@ -15,6 +15,9 @@ use subpixel_shadows::report::comparison::{Bench, Journal, Machine, Row, SceneCa
 use subpixel_shadows::report::{or_dash, write_text};
 use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::{Error, Result};
+
+/// How long a run waits for another one to leave the folder.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// A scene of the report with its rows.
 struct Job {
@@ -30,15 +33,17 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     let start = Instant::now();
     let console = Console::new(options.quiet);
     let scope = options.scope()?;
-    OutFolder::check(&options.out)?;
+    Held::check(&options.out)?;
     let gpu = Gpu::open(options.adapter.as_deref())?;
     let machine = Machine::of(&gpu.adapter);
     let jobs = jobs(options, &scope)?;
     // A scene that cannot be opened is found before hours are spent on the others.
     for job in &jobs {
-        open(options, &job.scene)?;
+        let (_, note) = open(options, &job.scene)?;
+        note.iter().filter(|_| job.tessellation == 0).for_each(|note| console.note(note));
     }
-    std::fs::create_dir_all(&options.out).map_err(|e| Error::file(&options.out, format!("cannot be made: {e}")))?;
+    // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does both.
+    let _held = Held::open(&options.out, PATIENCE)?;
     let at = options.out.join("rows.jsonl");
     if options.fresh && at.exists() {
         std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
@@ -55,12 +60,11 @@ pub fn run(options: &ReportOptions) -> Result<()> {
         }
     }
     let written = write(options, &machine, &rows)?;
-    summary(&machine, &rows, &written, start);
-    Ok(())
+    summary(&machine, &rows, &written, start)
 }
 
-fn open(options: &ReportOptions, scene: &str) -> Result<Scene> {
-    Scene::open(scene, &SceneOptions { ground: options.ground, ..SceneOptions::default() })
+fn open(options: &ReportOptions, scene: &str) -> Result<(Scene, Option<String>)> {
+    Scene::open_and_note(scene, &SceneOptions { ground: options.ground, ..SceneOptions::default() })
 }
 
 /// What is to be measured, in order.
@@ -104,15 +108,13 @@ fn measure(
     journal: &mut Journal,
     (task, done, all): (&Task, &mut usize, usize),
 ) -> Result<Vec<Row>> {
-    let mut case = SceneCase::new(open(options, &job.scene)?, job.tessellation, scope.size)?;
+    let mut case = SceneCase::new(open(options, &job.scene)?.0, job.tessellation, scope.size)?;
     let picture = (job.tessellation == 0).then(|| picture_path(&options.out, &job.scene));
     let reference = scope.reference()?;
     let shown =
         |v: &Variant| v.settings.samples == reference.settings.samples && v.settings.map == reference.settings.map;
-    // Without their picture, rows that it shows are measured again.
     let draw = picture.as_ref().is_some_and(|p| !p.exists());
-    let missing: Vec<Variant> =
-        job.variants.iter().filter(|v| !journal.has(&case.row(v).key()) || (draw && shown(v))).cloned().collect();
+    let missing: Vec<Variant> = job.variants.iter().filter(|v| !journal.has(&case.row(v).key())).cloned().collect();
     *done += job.variants.len() - missing.len();
     task.at(*done, all);
     // Of each variant that the picture shows what it rendered.
@@ -132,7 +134,7 @@ fn measure(
         }
     }
     if let Some(path) = picture
-        && pictures.iter().any(Option::is_some)
+        && (draw || pictures.iter().any(Option::is_some))
     {
         // Rows of former runs are in it, too.
         for (n, variant) in job.variants.iter().enumerate().filter(|(_, v)| shown(v)) {
@@ -142,7 +144,10 @@ fn measure(
         }
         let truth = case.matched(&reference.settings, None)?.visibility();
         let panel = |ours| Panel { ours, truth: truth.to_vec() };
-        side_by_side(&path, scope.size, &pictures.into_iter().flatten().map(panel).collect::<Vec<_>>())?;
+        let panels: Vec<Panel> = pictures.into_iter().flatten().map(panel).collect();
+        if !panels.is_empty() {
+            side_by_side(&path, scope.size, &panels)?;
+        }
     }
     let mut rows = Vec::new();
     for like in &job.truths {
@@ -192,7 +197,7 @@ fn write(options: &ReportOptions, machine: &Machine, rows: &[Row]) -> Result<Vec
 }
 
 /// What people want to see first: the front of each scene.
-fn summary(machine: &Machine, rows: &[Row], written: &[PathBuf], start: Instant) {
+fn summary(machine: &Machine, rows: &[Row], written: &[PathBuf], start: Instant) -> Result<()> {
     let mut report = Report::default();
     report.line("adapter", &machine.line());
     let plain: Vec<&Row> = measured(rows).into_iter().filter(|r| r.tessellation == 0).collect();
@@ -212,5 +217,5 @@ fn summary(machine: &Machine, rows: &[Row], written: &[PathBuf], start: Instant)
     let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
     report.text(&format!("\nwrote {}", names.join(", ")));
     report.text(&format!("in {:.0} s", start.elapsed().as_secs_f64()));
-    report.print();
+    report.print()
 }

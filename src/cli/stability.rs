@@ -39,10 +39,10 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
     let command = format!("cargo run --release -- {}", arguments.join(" "));
     let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "outcomes": sorted }));
     let json = json.map_err(|e| Error::file(&options.out, e.to_string()))?;
-    let mut out = OutFolder::open(&options.out)?;
-    write_text(&out.file("stability.md"), &markdown(&command, &machine.line(), &cases, &sorted))?;
-    write_text(&out.file("stability.json"), &json)?;
-    let files = out.finish()?;
+    let files = OutFolder::fill(&options.out, |out| {
+        write_text(&out.file("stability.md"), &markdown(&command, &machine.line(), &cases, &sorted))?;
+        write_text(&out.file("stability.json"), &json)
+    })?;
     let mut report = Report::default();
     report.line("adapter", &machine.line());
     let mut rows = vec![
@@ -82,6 +82,5 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
     }
     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     report.text(&format!("\nwrote {}\nin {:.0} s", names.join(", "), start.elapsed().as_secs_f64()));
-    report.print();
-    Ok(())
+    report.print()
 }

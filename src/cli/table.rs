@@ -1,6 +1,7 @@
 //! Plain tables on standard output.
 
 use std::io::Write;
+use subpixel_shadows::{Error, Result};
 
 /// Lines of a report, written at once.
 #[derive(Debug, Default)]
@@ -37,9 +38,23 @@ impl Report {
         }
     }
 
-    /// Writes it; a closed pipe is no fault.
-    pub fn print(&self) {
-        let _ = std::io::stdout().write_all(self.text.as_bytes());
+    /// Writes it.
+    ///
+    /// # Errors
+    /// [`Error::File`] if standard output cannot be written to; a closed pipe is no fault.
+    pub fn print(&self) -> Result<()> {
+        let mut out = std::io::stdout();
+        told(out.write_all(self.text.as_bytes()).and_then(|()| out.flush()))
+    }
+}
+
+/// The outcome of writing to standard output. Who closes it has seen enough.
+pub fn told(written: std::io::Result<()>) -> Result<()> {
+    match written {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::file("standard output", format!("cannot be written: {e}")))
+        }
+        _ => Ok(()),
     }
 }
 

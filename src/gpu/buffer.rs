@@ -1,10 +1,30 @@
 //! Typed buffers.
 
-use super::Gpu;
+use super::{Gpu, faults};
 use crate::{Error, Result};
 use bytemuck::Pod;
 use futures::executor::block_on;
 use std::marker::PhantomData;
+
+/// A buffer of `size` bytes, mapped or not: every buffer of the library is made here.
+///
+/// # Errors
+/// [`Error::Gpu`] if the device has no memory for it.
+pub fn allocate(
+    device: &wgpu::Device,
+    label: &str,
+    size: u64,
+    usage: wgpu::BufferUsages,
+    mapped_at_creation: bool,
+) -> Result<wgpu::Buffer> {
+    faults::ask(label, size)?;
+    let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation });
+    match block_on(scope.pop()) {
+        None => Ok(buffer),
+        Some(_) => Err(faults::out_of_memory(label, size)),
+    }
+}
 
 /// A GPU buffer of `len` elements of `T`. Never empty: a buffer of 0 elements holds one that nobody reads. Its bytes are padded to a
 /// multiple of 16, which `arrayLength` in a kernel counts too: what a kernel must not write beyond, and the host must go through, is
@@ -94,16 +114,7 @@ impl<T: Pod> Buffer<T> {
         let Some(size) = bytes.checked_next_multiple_of(16).filter(|&size| size <= limit) else {
             return Err(Error::Memory { what: label.to_owned(), needed: bytes, limit });
         };
-        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let raw = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size,
-            usage,
-            mapped_at_creation: false,
-        });
-        if block_on(scope.pop()).is_some() {
-            return Err(Error::Gpu(format!("out of memory allocating '{label}' ({size} bytes)")));
-        }
+        let raw = allocate(device, label, size, usage, false)?;
         Ok(Self { raw, len, label: label.to_owned(), element: PhantomData })
     }
 
@@ -134,12 +145,8 @@ impl<T: Pod> Buffer<T> {
         }
         let bytes = count * size_of::<T>();
         let size = (bytes as u64).next_multiple_of(4);
-        let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("readback"),
-            size,
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let staging = allocate(&gpu.device, "readback", size, usage, false)?;
         let mut encoder = gpu.encoder();
         encoder.copy_buffer_to_buffer(&self.raw, 0, &staging, 0, size);
         gpu.queue.submit([encoder.finish()]);

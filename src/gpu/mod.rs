@@ -2,6 +2,7 @@
 
 pub mod buffer;
 pub mod device;
+pub mod faults;
 pub mod kept;
 pub mod layout;
 pub mod program;

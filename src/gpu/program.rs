@@ -2,6 +2,20 @@
 
 use super::kept::KeptPrograms;
 use crate::{Error, Result};
+use std::cell::Cell;
+
+/// What messages of the pipelines that are made have as their target, at the level of debugging: a JSON array of the kernel, the
+/// entry point and the constants.
+pub const LOG: &str = "subpixel_shadows::pipelines";
+
+thread_local! {
+    static MADE: Cell<u64> = const { Cell::new(0) };
+}
+
+/// How many pipelines this thread has made, on any device. Making one takes milliseconds to seconds.
+pub fn made_here() -> u64 {
+    MADE.get()
+}
 
 /// How a kernel uses a binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,6 +111,8 @@ impl Program {
 
     fn build(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
         let label = format!("{}.{}", entry.kernel, entry.name);
+        MADE.set(MADE.get() + 1);
+        log::debug!(target: LOG, "{}", described(entry, constants));
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(&label),
             source: wgpu::ShaderSource::Wgsl(entry.source.into()),
@@ -189,6 +205,12 @@ impl Program {
             entries: &entries,
         }))
     }
+}
+
+/// A pipeline, as [`LOG`] says.
+fn described(entry: Entry, constants: &[(&str, f64)]) -> String {
+    let constants: Vec<_> = constants.iter().map(|(name, value)| format!("{name:?}: {value:?}")).collect();
+    format!("[{:?}, {:?}, {{{}}}]", entry.kernel, entry.name, constants.join(", "))
 }
 
 /// The whole of a buffer, for [`Program::bind_ranges`].

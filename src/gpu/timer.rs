@@ -1,6 +1,7 @@
 //! GPU time of each stage, from time stamps at the begin and end of its compute passes.
 
 use super::Gpu;
+use super::buffer::allocate;
 use crate::{Error, Result};
 use serde::Serialize;
 
@@ -29,31 +30,35 @@ impl Timer {
     pub const BYTES: u64 = Self::PASSES as u64 * 16;
 
     /// A timer, or `None` where the device has no time stamps.
-    pub fn new(gpu: &Gpu) -> Option<Self> {
+    ///
+    /// # Errors
+    /// As [`allocate`].
+    pub fn new(gpu: &Gpu) -> Result<Option<Self>> {
         Self::on(&gpu.device, &gpu.queue)
     }
 
     /// As [`Timer::new`], on a device of one's own.
-    pub fn on(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
+    ///
+    /// # Errors
+    /// As [`Timer::new`].
+    pub fn on(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Option<Self>> {
         if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
-            return None;
+            return Ok(None);
         }
         use wgpu::BufferUsages as U;
         let size = Self::BYTES;
-        let buffer = |label, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
-        };
-        Some(Self {
+        let buffer = |label, usage| allocate(device, label, size, usage, false);
+        Ok(Some(Self {
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("timer"),
                 ty: wgpu::QueryType::Timestamp,
                 count: Self::PASSES * 2,
             }),
-            resolved: buffer("timer.resolved", U::QUERY_RESOLVE | U::COPY_SRC),
-            staging: buffer("timer.staging", U::COPY_DST | U::MAP_READ),
+            resolved: buffer("timer.resolved", U::QUERY_RESOLVE | U::COPY_SRC)?,
+            staging: buffer("timer.staging", U::COPY_DST | U::MAP_READ)?,
             names: Vec::new(),
             period_ns: f64::from(queue.get_timestamp_period()),
-        })
+        }))
     }
 
     /// Forgets the passes of the last submission.

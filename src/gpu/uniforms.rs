@@ -1,5 +1,7 @@
 //! Small constant buffers, made once per content.
 
+use crate::Result;
+use crate::gpu::buffer::allocate;
 use crate::gpu::layout::Shared;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -21,28 +23,27 @@ impl Uniforms {
     pub const KEPT: usize = 256;
 
     /// A buffer that holds `params`.
-    pub fn get<T: Shared>(&self, device: &wgpu::Device, params: &T) -> wgpu::Buffer {
+    ///
+    /// # Errors
+    /// As [`allocate`].
+    pub fn get<T: Shared>(&self, device: &wgpu::Device, params: &T) -> Result<wgpu::Buffer> {
         let bytes = bytemuck::bytes_of(params);
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, buffer)) = made.iter().find(|(content, _)| content == bytes) {
-            return buffer.clone();
+            return Ok(buffer.clone());
         }
         if made.len() >= Self::KEPT {
             made.drain(..Self::KEPT / 2);
         }
         let mut content = bytes.to_vec();
         content.resize(bytes.len().next_multiple_of(16), 0);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(T::KERNEL),
-            size: content.len() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
-            mapped_at_creation: true,
-        });
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
+        let buffer = allocate(device, T::KERNEL, content.len() as u64, usage, true)?;
         if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
             view.copy_from_slice(&content);
         }
         buffer.unmap();
         made.push((bytes.to_vec(), buffer.clone()));
-        buffer
+        Ok(buffer)
     }
 }

@@ -25,13 +25,30 @@ pub struct SampleIds<'a> {
     pub faults: &'a Buffer<u32>,
 }
 
-/// Pipelines and memory.
+/// The pipelines, for any mesh and image.
 #[derive(Debug)]
-pub struct EverySurface {
+pub struct SurfacePipelines {
     triangles: PixelTriangles,
     compact: Compact,
     surfaces: SampleSurfaces,
     fold: DispatchArgs,
+}
+
+impl SurfacePipelines {
+    /// Builds them for so many samples a pixel.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
+        Self {
+            triangles: PixelTriangles::new(device, scan),
+            compact: Compact::new(device, scan),
+            surfaces: SampleSurfaces::for_any(device, scan, samples),
+            fold: DispatchArgs::new(device),
+        }
+    }
+}
+
+/// The memory of one mesh and image.
+#[derive(Debug)]
+pub struct EverySurface {
     lists: PixelLists,
     complex: ComplexPixels,
     compact_scratch: compact::Scratch,
@@ -44,32 +61,22 @@ pub struct EverySurface {
 }
 
 impl EverySurface {
-    /// Builds the pipelines and the memory for a mesh of `casters` triangles; with `merge` the triangles of one surface make one facet.
+    /// Makes the memory for a mesh of `casters` triangles.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        scan: &PrefixScan,
         casters: usize,
-        merge: bool,
         settings: &Settings,
         capacities: Capacities,
     ) -> Result<Self> {
-        let (samples, words) = (settings.samples.count(), settings.samples.words());
+        let words = settings.samples.words();
         let pixels = settings.pixels();
         let c = capacities;
         let lists = PixelLists::new(device, pixels, c.pixel_triangles)?;
         Ok(Self {
-            triangles: PixelTriangles::new(device, scan),
-            compact: Compact::new(device, scan),
-            surfaces: if merge {
-                SampleSurfaces::merging(device, scan, samples)
-            } else {
-                SampleSurfaces::new(device, scan, samples)
-            },
-            fold: DispatchArgs::new(device),
             requests: requests(device, queue, casters, &lists, c)?,
             lists,
             complex: ComplexPixels::new(device, queue, c.complex_pixels, words as usize)?,
@@ -104,7 +111,8 @@ impl EverySurface {
         Ok(())
     }
 
-    /// Records the facets of all pixels: of the surfaces found among the triangles, or of those of a G-buffer.
+    /// Records the facets of all pixels: of the surfaces found among the triangles, or of those of a G-buffer. Where `merged_by` tells
+    /// the surface of each triangle, the triangles of one make one facet.
     ///
     /// # Errors
     /// None that input can cause.
@@ -112,6 +120,7 @@ impl EverySurface {
     pub fn record(
         &self,
         rec: &mut Recorder,
+        with: &SurfacePipelines,
         frame: &wgpu::Buffer,
         samples: &wgpu::Buffer,
         in_camera: Blocks,
@@ -126,22 +135,22 @@ impl EverySurface {
         let pixels = lists.counts.len();
         rec.clear(lists.cover_keys.raw());
         rec.clear(lists.counts.raw());
-        if let Some(SampleIds { stage: with, given, faults }) = given {
+        if let Some(SampleIds { stage: of_samples, given, faults }) = given {
             let stage = &mut rec.stage("gbuffer_triangles");
-            with.record(stage, frame, given, lists, &self.scan_scratch, status_words, faults)?;
+            of_samples.record(stage, frame, given, lists, &self.scan_scratch, status_words, faults)?;
         } else {
             let stage = &mut rec.stage("pixel_triangles");
-            self.fold.record(stage, in_camera.offsets, &self.requests[1], &self.again_args)?;
+            with.fold.record(stage, in_camera.offsets, &self.requests[1], &self.again_args)?;
             let rest = (self.again_args.raw(), 0);
-            self.triangles.record(stage, frame, in_camera, rest, lists, &self.scan_scratch, status_words)?;
+            with.triangles.record(stage, frame, in_camera, rest, lists, &self.scan_scratch, status_words)?;
         }
         {
             let stage = &mut rec.stage("sample_surfaces");
             let flags = Flags::Words(&lists.complex_flags);
             let total = (&complex.total, 0);
             let count = Count::Exactly(pixels);
-            self.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
-            self.fold.record(stage, &complex.total, &self.requests[0], &self.args)?;
+            with.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
+            with.fold.record(stage, &complex.total, &self.requests[0], &self.args)?;
             let mesh = Mesh {
                 samples,
                 triangles: in_camera.triangles,
@@ -158,8 +167,7 @@ impl EverySurface {
             });
             let fill = fill.as_ref().map(|f| f as Fill);
             let rounds = self.rounds;
-            let surfaces = &self.surfaces;
-            surfaces.record(stage, frame, mesh, lists, complex, args, rounds, scratch, facets, id_keys, fill)?;
+            with.surfaces.record(stage, frame, mesh, lists, complex, args, rounds, scratch, facets, id_keys, fill)?;
         }
         let mut keep = |from: &Buffer<u32>, first: usize, at: usize| {
             rec.copy_words(from.raw(), first as u64, status_words.raw(), at as u64, 2);

@@ -56,15 +56,7 @@ impl FacetMasks {
         }
         let every_surface = match settings.facets {
             FacetMode::One => None,
-            FacetMode::All => Some(EverySurface::new(
-                device,
-                queue,
-                &pipelines.scan,
-                casters.triangles.len(),
-                casters.surfaces.is_some(),
-                settings,
-                capacities,
-            )?),
+            FacetMode::All => Some(EverySurface::new(device, queue, casters.triangles.len(), settings, capacities)?),
         };
         let memory = Memory::new(device, queue, casters, settings, &pipelines.summed_area, capacities)?;
         Ok(Self { settings: settings.clone(), with: pipelines, every_surface, memory, capacities })
@@ -108,8 +100,8 @@ impl FacetMasks {
         Ok(())
     }
 
-    /// Writes what the next frame is computed from: camera, light and its views, as many as [`Capacities::views`], and which rows
-    /// of the image it is.
+    /// Writes what the next frame is computed from: camera, light and its views, as many as [`Capacities::views`], which rows
+    /// of the image it is, and what its last stage is to write into [`status::FINISHED`].
     ///
     /// # Errors
     /// [`Error::Scene`] if camera or light cannot be used, or coordinates are beyond 10^18; [`Error::Config`] for another number of views,
@@ -124,8 +116,10 @@ impl FacetMasks {
         views: &[LightView],
         bounds: (DVec3, DVec3),
         strip: Strip,
+        stamp: u32,
     ) -> Result<()> {
-        let frames = self.frames_for(casters, camera, light, views, bounds, strip)?;
+        let mut frames = self.frames_for(casters, camera, light, views, bounds, strip)?;
+        frames.iter_mut().for_each(|frame| frame.stamp = stamp);
         frames.iter().zip(&self.memory.frames).for_each(|(frame, buffer)| buffer.write(queue, &[*frame]));
         Ok(())
     }
@@ -213,15 +207,16 @@ impl FacetMasks {
         let geometry = &m.geometry;
         geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
         let in_camera = geometry.in_camera(casters);
-        match (&self.every_surface, seen) {
+        match (self.every_surface.as_ref().zip(self.with.surfaces.as_ref()), seen) {
             (None, Seen::Centres(write)) => write(rec, frame)?,
             (None, _) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
-            (Some(camera), seen) => {
+            (Some((camera, with)), seen) => {
                 let given = if let Seen::Samples(given) = seen { Some(given) } else { None };
                 rec.clear(geometry.id_keys.raw());
                 let positions = casters.positions.raw();
                 camera.record(
                     rec,
+                    with,
                     frame,
                     m.samples.raw(),
                     in_camera,

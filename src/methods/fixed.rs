@@ -113,7 +113,7 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
             geometry: Geometry::new(&gpu.device, &gpu.queue, &casters, settings.pixels(), settings.texels())?,
             frame: Buffer::uniform(&gpu.device, "frame", 1)?,
             samples,
-            timer: Timer::new(gpu),
+            timer: Timer::new(gpu)?,
             casters,
             method,
             view: LastView::default(),

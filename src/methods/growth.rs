@@ -1,8 +1,14 @@
 //! How long the lists of a frame are: a first guess, what a frame left in its counters, and the next guess from that.
 
+mod bands;
+mod guess;
 mod needs;
+mod together;
 
+pub use bands::in_reach;
+pub use guess::{first_for, within};
 pub use needs::Needs;
+pub use together::{Together, Wanted, roomy};
 
 use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings, status};
 use super::render::{Budget, Counts, ListUse};
@@ -170,34 +176,6 @@ fn wanted_of_camera(
     }))
 }
 
-/// As [`first`], with room for the pairs of a mesh of `triangles` triangles, so that a first frame is likely whole.
-pub fn first_for(settings: &Settings, budget: Budget, triangles: usize) -> Capacities {
-    let first = first(settings, budget);
-    if budget.start.is_some() {
-        return first;
-    }
-    let of_mesh = |each: usize| (triangles * each).min(1 << 22);
-    let with_mesh = Capacities {
-        triangle_pairs: first.triangle_pairs.max(of_mesh(4)),
-        candidates: first.candidates.max(of_mesh(8)),
-        ..first
-    };
-    affordable(settings, budget.bytes, with_mesh)
-}
-
-/// The pair lists no longer than a binding and the budget hold; what does not fit then takes more bands.
-pub fn within(limits: &wgpu::Limits, settings: &Settings, budget: Budget, c: Capacities) -> Capacities {
-    let [pixel_pairs, triangle_pairs, candidates] =
-        longest_lists(settings, largest_binding(limits)).map(|most| most.max(1) as usize);
-    let within = Capacities {
-        pixel_pairs: c.pixel_pairs.min(pixel_pairs),
-        triangle_pairs: c.triangle_pairs.min(triangle_pairs),
-        candidates: c.candidates.min(candidates),
-        ..c
-    };
-    affordable(settings, budget.bytes, within)
-}
-
 fn largest_binding(limits: &wgpu::Limits) -> u64 {
     limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
 }
@@ -254,33 +232,6 @@ pub fn ahead(
     let lists = of_lists(more);
     let fits = pair_bytes(settings, lists) <= budget && bound(settings, largest_binding(limits), lists);
     if fits && wanted.bands == now.bands { more } else { wanted }
-}
-
-/// What the frames with the lists in use needed, all of them: frames that take turns come to lists that hold each, also where the
-/// budget does not hold what each needs most of.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Together {
-    needs: Needs,
-    bands: u32,
-}
-
-impl Together {
-    /// What all frames up to now want, the last of which needed `needs` with the capacities `now`; `None` if they hold all, or if nothing
-    /// can. As [`wanted`], and [`ahead`] of it.
-    pub fn wanted(
-        &mut self,
-        needs: Needs,
-        now: Capacities,
-        settings: &Settings,
-        limits: &wgpu::Limits,
-        budget: u64,
-    ) -> Option<Capacities> {
-        // What bands of other facets needed says nothing of these.
-        let before = if self.bands == now.bands { self.needs } else { Needs::default() };
-        (self.needs, self.bands) = (before.or(needs), now.bands);
-        let wanted = wanted(&self.needs, now, settings, limits, budget).ok()??;
-        Some(ahead(&self.needs, now, wanted, settings, limits, budget))
-    }
 }
 
 /// The larger of two in each list.
@@ -432,7 +383,7 @@ mod tests {
                 all = if together { all } else { Together::default() };
                 match all.wanted(needs(frame, now.bands), now, &settings, &limits, budget) {
                     None => fitted += 1,
-                    Some(more) => (now, fitted) = (more, 0),
+                    Some(more) => (now, fitted) = (more.capacities, 0),
                 }
                 assert!(bytes(&settings, now) <= budget);
                 if fitted == 2 {

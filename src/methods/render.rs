@@ -1,7 +1,7 @@
 //! Computing one frame of `facet-masks` on the GPU and reading it back: records, submits, looks at what the lists needed,
 //! grows them and runs again until nothing is left out.
 
-use super::facet_masks::{Capacities, FacetMasks, LightMaps, Pipelines, Seen, Settings};
+use super::facet_masks::{Capacities, FacetMasks, LightMaps, Pipelines, Seen, Settings, status};
 use super::growth::{self, Needs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::settings::LastView;
@@ -119,6 +119,8 @@ pub struct Renderer<'a> {
     timer: Option<Timer>,
     settings: Settings,
     view: LastView,
+    /// How often something was run: each run has a stamp of its own.
+    runs: u32,
 }
 
 /// Looks at the method after each strip.
@@ -166,9 +168,9 @@ impl<'a> Renderer<'a> {
         let parts = Parts::within(settings.map, &gpu.device.limits());
         let (strips, method) = fitting(gpu, &casters, &settings.of_part(parts), budget, &pipelines, strips)?;
         gpu.check()?;
-        let (timer, settings) = (Timer::new(gpu), settings.clone());
+        let (timer, settings) = (Timer::new(gpu)?, settings.clone());
         let view = LastView::default();
-        Ok(Self { gpu, prepared, casters, pipelines, method, strips, parts, budget, timer, settings, view })
+        Ok(Self { gpu, prepared, casters, pipelines, method, strips, parts, budget, timer, settings, view, runs: 0 })
     }
 
     /// Renders one frame, running it again with larger lists, more bands, rounds or strips until nothing is left out.
@@ -211,15 +213,22 @@ impl<'a> Renderer<'a> {
         }
         loop {
             runs += 1;
-            self.method.prepare(queue, &self.casters, camera, light, views, bounds, self.strips.strip(rows))?;
+            self.runs = self.runs.checked_add(1).unwrap_or(1);
+            let (casters, strip, stamp) = (&self.casters, self.strips.strip(rows), self.runs);
+            self.method.prepare(queue, casters, camera, light, views, bounds, strip, stamp)?;
             let maps = if rows.first == 0 { LightMaps::Made } else { LightMaps::Kept };
             let (dispatches, wall_ms) = self.run_once(maps)?;
             let words = self.method.status().read(self.gpu)?;
+            if words[status::FINISHED] != self.runs {
+                return Err(Error::Gpu("a frame was submitted, and did not run to its end".to_owned()));
+            }
             let (now, limits) = (self.method.capacities(), device.limits());
             let needs = Needs::of(&words, now);
             let Some(wanted) = growth::wanted(&needs, now, &self.settings, &limits, self.budget.bytes)? else {
                 return self.read(&words, runs, dispatches, wall_ms).map(Some);
             };
+            let triangles = self.prepared.mesh.triangles.len();
+            let wanted = growth::in_reach(&needs, now, wanted, &self.settings, self.budget.bytes, triangles)?;
             log::info!("lists overflowed: running again with {wanted:?}");
             match self.method.resize(device, queue, wanted) {
                 Err(error @ Error::Memory { .. }) => {

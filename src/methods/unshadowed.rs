@@ -196,7 +196,7 @@ impl Memory {
             lit: Buffer::storage(device, "resolve.lit", pixels * words)?,
             sat: Buffer::storage(device, "summed_area.sat", 1)?,
             splits: Buffer::from_slice(device, queue, "front_layer.splits", &[UNCOVERED])?,
-            timer: Timer::new(gpu),
+            timer: Timer::new(gpu)?,
         })
     }
 

@@ -2,11 +2,12 @@
 
 use super::{GBuffer, Moved, ShadowPass};
 use crate::methods::{FacetMode, Settings};
+use crate::scene::Camera;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
 
 impl ShadowPass {
-    pub(super) fn check_gbuffer(&self, gbuffer: &GBuffer) -> Result<()> {
+    pub(super) fn check_gbuffer(&self, gbuffer: &GBuffer, camera: &Camera) -> Result<()> {
         let refuse = |text: &str| Err(Error::Config(text.to_owned()));
         let size = self.settings.size;
         match gbuffer {
@@ -22,7 +23,7 @@ impl ShadowPass {
             GBuffer::Surfaces(_) if !self.maker.receivers => {
                 refuse("surfaces in a G-buffer need a pass that was made with room for receivers")
             }
-            GBuffer::Surfaces(given) => given.check(size),
+            GBuffer::Surfaces(given) => given.check(size, camera),
         }
     }
 

@@ -2,7 +2,9 @@
 //! of them use one after the other, and of more than one the whole image beside it.
 
 use super::casters::CasterSet;
+use super::inputs::Target;
 use super::seen::{HALO, keys};
+use super::textures::first_level;
 use crate::gpu::{Buffer, Recorder};
 use crate::light_view::Parts;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines};
@@ -10,6 +12,7 @@ use crate::methods::prepared::{Surfaces, surfaces};
 use crate::methods::render::Budget;
 use crate::methods::strips::{Rows, Strips};
 use crate::methods::{Settings, growth};
+use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
 use std::sync::Arc;
 
@@ -130,6 +133,13 @@ impl CutImage {
     /// The memory of both.
     fn results(&self) -> Whole {
         Whole { visibility: self.visibility().clone(), lit: self.lit().clone() }
+    }
+
+    /// The visibility of a strip to where the application wants it.
+    pub fn record_store(&self, rec: &mut Recorder, store: &VisibilityTexture, target: &Target) -> Result<()> {
+        let Some(texture) = target.visibility else { return Ok(()) };
+        let (method, view) = (&self.method, first_level(texture));
+        store.record(&mut rec.stage("visibility_texture"), method.frames()[0].raw(), method.visibility(), &view)
     }
 
     /// Copies a strip's own rows to where they belong, here and in the application's buffer.

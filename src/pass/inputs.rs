@@ -48,7 +48,8 @@ pub struct Moved<'a> {
 /// What one frame is computed from.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
-    /// The camera. Its image is the whole target; pixels are square.
+    /// The camera. Its image is the whole target; pixels are square. A G-buffer must be drawn with the projection of this camera: no
+    /// jitter, centred. Of a depth buffer [`DepthTerms::of_projection`](super::DepthTerms::of_projection) sees to it; of others nobody can.
     pub camera: &'a Camera,
     /// The light, which may be another every frame: its views are then fitted anew, which takes no walk over all casters.
     pub light: &'a Light,

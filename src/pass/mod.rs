@@ -31,7 +31,9 @@ mod casters;
 mod checks;
 mod cut;
 mod gbuffer;
+mod held;
 mod inputs;
+mod judge;
 mod seen;
 mod status;
 mod textures;
@@ -43,22 +45,25 @@ pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
+use crate::gpu::buffer::allocate;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
 use crate::methods::Settings;
 use crate::methods::facet_masks::{Capacities, LightMaps, Pipelines};
-use crate::methods::growth::{self, Needs, Together};
-use crate::methods::render::{Budget, Counts};
+use crate::methods::growth::{self, Together, Wanted};
+use crate::methods::render::Budget;
 pub use crate::methods::strips::Strips;
 use crate::stages::caster_positions::CasterPositions;
-use crate::stages::visibility_texture::VisibilityTexture;
+use crate::stages::visibility_texture::{LastPicture, VisibilityTexture};
 use crate::{Error, Result};
 use casters::{CasterSet, checked_mesh};
 use checks::{check_limits, settled};
 use cut::{CutImage, Made, Maker};
 use futures::executor::block_on;
+use held::Held;
+use judge::stamp_of;
 use seen::{Seen, With};
-use status::{FAULT_WORDS, Finished, InFlight, Label, Staging};
+use status::{FAULT_WORDS, InFlight, Label, Staging};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use views::Views;
@@ -81,14 +86,27 @@ pub struct PassConfig<'a> {
     /// About so many strips of rows in which the image is rendered, of as many rows each; more where the device's bindings do not hold
     /// those (down to [`Strips::LEAST`] rows). Of several, memory is that of one, and of the results.
     pub strips: u32,
+    /// Show the last complete picture until there is another: a frame that is not [`complete`](FrameStatus::complete) changes neither its
+    /// targets' picture from that of the last one that was, nor [`ShadowPass::visibility`] and [`ShadowPass::lit`]. Before the first all is
+    /// lit. The GPU decides it by the frame's own counters; it takes the memory of a picture more, and one copy of it a frame.
+    pub keep_last: bool,
     /// Take the time of each stage, where the device has [`wgpu::Features::TIMESTAMP_QUERY`].
     pub timing: bool,
 }
 
 impl<'a> PassConfig<'a> {
-    /// Default budget, lists that grow, no room for receivers that are no casters, no more strips than it takes, no times.
+    /// Default budget, lists that grow, no room for receivers that are no casters, no more strips than it takes, no last picture, no times.
     pub fn new(settings: Settings, casters: Casters<'a>) -> Self {
-        Self { settings, casters, budget: Budget::default(), grow: true, receivers: false, strips: 1, timing: false }
+        Self {
+            settings,
+            casters,
+            budget: Budget::default(),
+            grow: true,
+            receivers: false,
+            strips: 1,
+            keep_last: false,
+            timing: false,
+        }
     }
 }
 
@@ -102,12 +120,13 @@ pub struct ShadowPass {
     store: VisibilityTexture,
     casters: CasterSet,
     image: CutImage,
+    last: Option<(LastPicture, Held)>,
     faults: Buffer<u32>,
     timer: Option<Timer>,
     in_flight: InFlight,
     known: VecDeque<FrameStatus>,
     together: Together,
-    wanted: Option<Capacities>,
+    wanted: Option<Wanted>,
     views: Views,
     frame: u64,
     generation: u64,
@@ -159,8 +178,10 @@ impl ShadowPass {
             let mut casters = CasterSet::new(device, queue, &config.casters, mesh)?;
             let made = maker.make(&settings, &casters, maker.first_strips(&settings), None)?;
             casters.take(made.surfaces);
+            let held = || Ok::<_, Error>((LastPicture::new(device), Held::new(device, queue, &settings)?));
             Ok(Self {
-                seen: Seen::new(device, &settings, made.keys),
+                last: config.keep_last.then(held).transpose()?,
+                seen: Seen::new(device, &settings, made.keys)?,
                 settings,
                 maker,
                 grows: config.grow,
@@ -169,7 +190,7 @@ impl ShadowPass {
                 casters,
                 image: made.image,
                 faults: Buffer::storage(device, "shadow_pass.faults", FAULT_WORDS)?,
-                timer: if config.timing { Timer::on(device, queue) } else { None },
+                timer: if config.timing { Timer::on(device, queue)? } else { None },
                 in_flight: InFlight::default(),
                 known: VecDeque::new(),
                 together: Together::default(),
@@ -211,6 +232,11 @@ impl ShadowPass {
     fn rebuild(&mut self, settings: Settings, casters: Option<CasterSet>) -> Result<()> {
         let strips = self.maker.first_strips(&settings);
         let made = self.maker.make(&settings, casters.as_ref().unwrap_or(&self.casters), strips, None)?;
+        if let Some((_, held)) = &mut self.last
+            && settings.size != self.settings.size
+        {
+            *held = Held::new(&self.maker.device, &self.maker.queue, &settings)?;
+        }
         self.settings = settings;
         if let Some(casters) = casters {
             self.casters = casters;
@@ -238,12 +264,14 @@ impl ShadowPass {
     /// # Errors
     /// [`Error::Scene`] for a camera or light that cannot be used; [`Error::Config`] for textures
     /// and buffers of a wrong format, size or usage, and for inputs that do not go with the settings; [`Error::Memory`] and
-    /// [`Error::Gpu`] if there is no memory for larger lists. Nothing is recorded then.
+    /// [`Error::Gpu`] if there is no memory for larger lists. Nothing is recorded then, but for memory that runs out in the middle of
+    /// recording, for a buffer of some words: the encoder then holds a part of a frame that has no status, and is to be dropped. A later
+    /// frame is as if there had been no error.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs, target: &Target) -> Result<u64> {
         inputs.camera.check()?;
         inputs.light.check()?;
         target.check(self.settings.size, self.image.lit().len() as u64 * 4)?;
-        self.check_gbuffer(&inputs.gbuffer)?;
+        self.check_gbuffer(&inputs.gbuffer, inputs.camera)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
         let views = self.maker.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
         if self.grows {
@@ -258,11 +286,13 @@ impl ShadowPass {
             let method = &self.image.method;
             frames.extend(method.frames_for(casters, inputs.camera, inputs.light, &views, bounds, strip)?);
         }
+        let stamp = stamp_of(self.frame + 1);
+        frames.iter_mut().for_each(|frame| frame.stamp = stamp);
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
         }
         let (strips, status) = (self.image.strips.count(), self.image.method.status());
-        let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips));
+        let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;
         encoder.push_debug_group("shadow_pass");
         let recorded = self.record_checked(encoder, inputs, target, &frames, &staging);
         encoder.pop_debug_group();
@@ -288,12 +318,15 @@ impl ShadowPass {
         let (image, casters, faults) = (&self.image, &self.casters, &self.faults);
         let method = &image.method;
         // Written by the encoder and not by the queue: a second frame of the same submission must not change the first.
-        let staged = self.stage(frames);
+        let staged = self.stage(frames)?;
         let rec = &mut Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
         rec.clear(faults.raw());
+        if let Some((_, held)) = &self.last {
+            held.record_begin(rec);
+        }
+        let words = size_of::<Frame>() as u64 / 4;
+        let each = frames.len() as u64 / u64::from(image.strips.count());
         for (k, rows) in (0..).zip(image.strips.rows()) {
-            let words = size_of::<Frame>() as u64 / 4;
-            let each = frames.len() as u64 / u64::from(image.strips.count());
             for (at, frame) in (k * each..(k + 1) * each).zip(method.frames()) {
                 rec.copy_words(&staged, at * words, frame.raw(), 0, words);
             }
@@ -304,30 +337,43 @@ impl ShadowPass {
             let maps = if k == 0 { LightMaps::Made } else { LightMaps::Kept };
             let offsets = self.settings.samples.offsets();
             self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps })?;
-            if let Some(texture) = target.visibility {
-                let (frame, view) = (method.frames()[0].raw(), textures::first_level(texture));
-                self.store.record(&mut rec.stage("visibility_texture"), frame, method.visibility(), &view)?;
+            match &self.last {
+                Some((with, held)) => {
+                    held.record_judge(rec, with, image, faults)?;
+                    image.record_copies(rec, rows, None);
+                }
+                None => {
+                    image.record_store(rec, &self.store, target)?;
+                    image.record_copies(rec, rows, target.lit);
+                }
             }
-            image.record_copies(rec, rows, target.lit);
             staging.record(rec, method.status(), k);
+        }
+        let Some((with, held)) = &self.last else { return Ok(()) };
+        held.record_hold(rec, with, image)?;
+        for (k, rows) in (0..).zip(image.strips.rows()) {
+            rec.copy_words(&staged, k * each * words, method.frames()[0].raw(), 0, words);
+            let (width, pixels) = (u64::from(self.settings.size[0]), method.visibility().len() as u64);
+            let (from, to) = (held.visibility.raw(), method.visibility().raw());
+            rec.copy_words(from, u64::from(rows.first) * width, to, 0, pixels);
+            image.record_store(rec, &self.store, target)?;
+        }
+        if let Some(lit) = target.lit {
+            rec.copy(held.lit.raw(), lit, held.lit.len() as u64 * 4);
         }
         Ok(())
     }
 
     /// A buffer that holds `frames`.
-    fn stage(&self, frames: &[Frame]) -> wgpu::Buffer {
+    fn stage(&self, frames: &[Frame]) -> Result<wgpu::Buffer> {
         let bytes: &[u8] = bytemuck::cast_slice(frames);
-        let buffer = self.maker.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("shadow_pass.frames"),
-            size: bytes.len() as u64,
-            usage: wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: true,
-        });
+        let (size, usage) = (bytes.len() as u64, wgpu::BufferUsages::COPY_SRC);
+        let buffer = allocate(&self.maker.device, "shadow_pass.frames", size, usage, true)?;
         if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
             view.copy_from_slice(bytes);
         }
         buffer.unmap();
-        buffer
+        Ok(buffer)
     }
 
     /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all of them.
@@ -349,86 +395,48 @@ impl ShadowPass {
         self.in_flight.len()
     }
 
-    /// Lets the lists grow to what the frames known so far needed, and returns whether they did. Frames recorded from now on
-    /// use the larger lists. [`ShadowPass::record`] does this by itself unless [`PassConfig::grow`] is off.
+    /// Lets the lists grow to what the frames known so far needed, with room for more where a list is nearly full, and returns whether
+    /// they did. Frames recorded from now on use the larger lists. [`ShadowPass::record`] does this by itself unless [`PassConfig::grow`] is off.
     ///
     /// # Errors
     /// [`Error::Memory`] and [`Error::Gpu`] if there is no memory for them; the lists are then as before.
     pub fn grow(&mut self) -> Result<bool> {
         self.collect();
-        let Some(wanted) = self.wanted.take() else { return Ok(false) };
+        let Some(Wanted { capacities: wanted, must }) = self.wanted.take() else { return Ok(false) };
         let (device, queue, method) = (&self.maker.device, &self.maker.queue, &mut self.image.method);
         let wanted = Capacities { views: method.capacities().views, ..wanted };
         let Err(error) = method.resize(device, queue, wanted) else { return Ok(true) };
+        if !must {
+            self.together.cramp();
+            return Ok(false);
+        }
+        // Another time there may be memory.
+        let again = Some(Wanted { capacities: wanted, must });
         // Strips of fewer rows have shorter lists.
-        let (Error::Memory { .. }, Some(more)) = (&error, self.image.strips.more()) else { return Err(error) };
-        let made = self.maker.make(&self.settings, &self.casters, more, Some((&self.image, wanted)))?;
-        self.take(made);
-        Ok(true)
-    }
-
-    /// Takes in what is known by now.
-    fn collect(&mut self) {
-        for finished in self.in_flight.finished(self.timer.as_ref()) {
-            let status = self.judge(finished);
-            if self.known.len() == Self::KEPT {
-                self.known.pop_front();
-            }
-            self.known.push_back(status);
-        }
-    }
-
-    fn judge(&mut self, finished: Finished) -> FrameStatus {
-        let Finished { label: Label { frame, generation, capacities, strips }, read } = finished;
-        let mut status = FrameStatus {
-            frame,
-            complete: false,
-            overflowed: false,
-            faults: Faults::default(),
-            error: None,
-            counts: Counts::default(),
-            lists: Vec::new(),
-            stages: Vec::new(),
+        let (Error::Memory { .. }, Some(more)) = (&error, self.image.strips.more()) else {
+            self.wanted = again;
+            return Err(error);
         };
-        let words;
-        (words, status.faults, status.stages) = match read {
-            Ok(read) => read,
+        let made = self.maker.make(&self.settings, &self.casters, more, Some((&self.image, wanted)));
+        match made {
+            Ok(made) => self.take(made),
             Err(error) => {
-                status.error = Some(error.to_string());
-                return status;
+                self.wanted = again;
+                return Err(error);
             }
-        };
-        let (facets, limits, budget) = (self.settings.facets, self.maker.device.limits(), self.maker.budget.bytes);
-        // What the lists must hold is what the largest strip needs of each.
-        let mut needs = Needs::default();
-        for strip in words.chunks_exact(words.len() / strips.max(1) as usize) {
-            status.counts = status.counts.with_rows(growth::counts(strip, capacities));
-            needs = needs.or(Needs::of(strip, capacities));
         }
-        status.lists = growth::lists(&needs, capacities, facets, 1);
-        match growth::wanted(&needs, capacities, &self.settings, &limits, budget) {
-            Ok(wanted) => status.overflowed = wanted.is_some(),
-            Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
-        }
-        // A frame with other lists than those in use says nothing of these, and one for which there are none is not waited for.
-        let in_use = self.image.method.capacities();
-        let same = generation == self.generation && in_use == (Capacities { views: in_use.views, ..capacities });
-        if same && status.error.is_none() {
-            self.wanted = self.together.wanted(needs, capacities, &self.settings, &limits, budget).or(self.wanted);
-        }
-        status.complete = !status.overflowed && status.faults == Faults::default();
-        status
+        Ok(true)
     }
 
     /// The visibility of the last frame, an `f32` a pixel, row by row from the top; usage `STORAGE` and `COPY_SRC`. Another
     /// buffer after [`ShadowPass::set_size`] and [`ShadowPass::set_casters`].
     pub fn visibility(&self) -> &wgpu::Buffer {
-        self.image.visibility().raw()
+        self.last.as_ref().map_or(self.image.visibility(), |(_, held)| &held.visibility).raw()
     }
 
     /// The lit samples of the last frame, as [`Target::lit`] describes them; else as [`ShadowPass::visibility`].
     pub fn lit(&self) -> &wgpu::Buffer {
-        self.image.lit().raw()
+        self.last.as_ref().map_or(self.image.lit(), |(_, held)| &held.lit).raw()
     }
 
     /// What the pass computes with.

@@ -46,10 +46,14 @@ struct Receivers {
 
 impl Seen {
     /// With the [`keys`] of the pixels of which surfaces that are no casters are told apart, if the pass has room for them.
-    pub fn new(device: &wgpu::Device, settings: &Settings, keys: Option<Buffer<u32>>) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Gpu`](crate::Error::Gpu) if the device has no memory.
+    pub fn new(device: &wgpu::Device, settings: &Settings, keys: Option<Buffer<u32>>) -> Result<Self> {
         let every = settings.facets == FacetMode::All;
         let samples = every.then(|| GbufferTriangles::new(device, &PrefixScan::new(device)));
-        Self { ids: TriangleIds::new(device), receivers: keys.map(|keys| Receivers::new(device, keys)), samples }
+        let receivers = keys.map(|keys| Receivers::new(device, keys));
+        Ok(Self { ids: TriangleIds::new(device), receivers, samples })
     }
 
     /// Uses other memory from now on, of [`keys`].

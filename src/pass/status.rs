@@ -1,6 +1,7 @@
 //! What is known of recorded frames once the GPU is done with them: counters are copied to a buffer that maps itself when
 //! the application's submission has run, and are read when they are asked for. Nothing waits.
 
+use crate::gpu::buffer::allocate;
 use crate::gpu::{Buffer, Recorder, StageTime, Timer};
 use crate::methods::facet_masks::Capacities;
 use crate::methods::render::{Counts, ListUse};
@@ -43,7 +44,8 @@ impl Faults {
 pub struct FrameStatus {
     /// Its number, as [`record`](super::ShadowPass::record) returned it.
     pub frame: u64,
-    /// Whether its picture is whole and right. If not, `overflowed`, `faults` or `error` says why.
+    /// Whether its picture is whole and right: the GPU itself has written that it ran to its end, no list was too short, and all input
+    /// could be used. If not, `overflowed`, `faults` or `error` says why.
     pub complete: bool,
     /// A list was too short: some shadows are missing. The lists grow before a later frame.
     pub overflowed: bool,
@@ -133,18 +135,16 @@ impl InFlight {
     const KEPT: usize = 8;
 
     /// A buffer for `words` counters of a frame.
-    pub(super) fn staging(&mut self, device: &wgpu::Device, words: u64) -> Staging {
+    pub(super) fn staging(&mut self, device: &wgpu::Device, words: u64) -> Result<Staging> {
         let size = stamps_at(words * 4) + Timer::BYTES;
         let buffer = match self.free.iter().position(|b| b.size() == size) {
             Some(k) => self.free.swap_remove(k),
-            None => device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("shadow_pass.status"),
-                size,
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-                mapped_at_creation: false,
-            }),
+            None => {
+                let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+                allocate(device, "shadow_pass.status", size, usage, false)?
+            }
         };
-        Staging { buffer, words }
+        Ok(Staging { buffer, words })
     }
 
     /// Appends the copy of the faults and time stamps of a frame to `encoder`, whose counters are copied to `staging` already.
@@ -184,7 +184,12 @@ impl InFlight {
             let label = slot.label;
             let read = match state {
                 READY => slot.read(timer),
-                FAILED => Err(Error::Gpu("the counters of the frame could not be mapped".to_owned())),
+                FAILED => {
+                    let of = label.frame;
+                    Err(Error::Gpu(format!(
+                        "the counters of frame {of} cannot be read: the device was lost or destroyed before it was done"
+                    )))
+                }
                 _ => continue,
             };
             if read.is_ok() && self.free.len() < Self::KEPT {

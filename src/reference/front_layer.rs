@@ -41,8 +41,10 @@ pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin
     let reach = 0.5 + margin.texels;
     let cuts: Vec<Cut> =
         triangles.iter().filter_map(|t| if let Reach::Cut(cut) = t.map { Some(cut) } else { None }).collect();
-    by_rows(&figures, size, reach, |y, list| {
-        let mut row: Vec<bool> = (0..size).map(|x| cuts.iter().any(|cut| cut.touches(centre(x, y), reach))).collect();
+    by_rows(&figures, size, reach, |y, list, row| {
+        for (x, marked) in row.iter_mut().enumerate() {
+            *marked = cuts.iter().any(|cut| cut.touches(centre(x as u32, y), reach));
+        }
         for &t in list {
             let Some(flat) = &figures[t as usize] else { continue };
             for x in columns(flat, reach, size) {
@@ -56,7 +58,6 @@ pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin
                 });
             }
         }
-        row
     })
 }
 

@@ -29,8 +29,7 @@ impl Layer {
 /// |x| + |y| across the edge) leaves the texel open, and so does a rival whose depth differs by at most `tie`.
 pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<Layer> {
     let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
-    by_rows(&figures, size, guard, |y, list| {
-        let mut row = vec![Layer::default(); size as usize];
+    by_rows(&figures, size, guard, |y, list, row: &mut [Layer]| {
         for &t in list {
             let Some(flat) = &figures[t as usize] else { continue };
             for x in columns(flat, guard, size) {
@@ -50,11 +49,10 @@ pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<La
                 }
             }
         }
-        for layer in &mut row {
+        for layer in row.iter_mut() {
             let (Some((a, _)), Some((b, _))) = (layer.nearest, layer.second) else { continue };
             layer.open |= b - a <= tie;
         }
-        row
     })
 }
 

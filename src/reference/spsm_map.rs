@@ -28,8 +28,7 @@ pub fn lifted(flat: &Flat, at: DVec2, reach: f64, margin: f64) -> f64 {
 /// its centre the one with the least [`lifted`] depth there; of equals the lowest.
 pub fn closest(triangles: &[Triangle], size: u32, reach: f64, margin: f64) -> Vec<Option<(f64, u32)>> {
     let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
-    by_rows(&figures, size, reach, |y, list| {
-        let mut row = vec![None; size as usize];
+    by_rows(&figures, size, reach, |y, list, row: &mut [_]| {
         for &t in list {
             let Some(flat) = &figures[t as usize] else { continue };
             for x in columns(flat, reach, size).filter(|&x| flat.touches(centre(x, y), reach)) {
@@ -40,7 +39,6 @@ pub fn closest(triangles: &[Triangle], size: u32, reach: f64, margin: f64) -> Ve
                 }
             }
         }
-        row
     })
 }
 

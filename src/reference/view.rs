@@ -243,10 +243,16 @@ pub fn block_count(rect: Option<[u32; 4]>) -> u32 {
     rect.map_or(0, |[x0, y0, x1, y1]| (x1 / 8 - x0 / 8 + 1) * (y1 / 8 - y0 / 8 + 1))
 }
 
-/// Calls `visit` for each row of cells in parallel with the triangles whose box, grown by `reach`, meets the row.
-pub(super) fn by_rows<T: Send + Sync, F>(figures: &[Option<Flat>], rows: u32, reach: f64, visit: F) -> Vec<T>
+/// Calls `visit` for each row of a square of cells in parallel, with the triangles whose box, grown by `reach`, meets the row, and
+/// the row's cells; returns all cells.
+pub(super) fn by_rows<T: Clone + Default + Send + Sync, F>(
+    figures: &[Option<Flat>],
+    rows: u32,
+    reach: f64,
+    visit: F,
+) -> Vec<T>
 where
-    F: Fn(u32, &[u32]) -> Vec<T> + Sync,
+    F: Fn(u32, &[u32], &mut [T]) + Sync,
 {
     use rayon::prelude::*;
     let mut lists: Vec<Vec<u32>> = vec![Vec::new(); rows as usize];
@@ -257,7 +263,11 @@ where
             (first as usize..=last as usize).for_each(|row| lists[row].push(t as u32));
         }
     }
-    lists.par_iter().enumerate().flat_map_iter(|(row, list)| visit(row as u32, list)).collect()
+    // Written where it stays: a map may be most of the memory there is.
+    let mut all = vec![T::default(); rows as usize * rows as usize];
+    let each = all.par_chunks_mut(rows.max(1) as usize).zip(&lists).enumerate();
+    each.for_each(|(row, (cells, list))| visit(row as u32, list, cells));
+    all
 }
 
 /// The cells of a row, as a range, that a figure's box grown by `reach` meets.

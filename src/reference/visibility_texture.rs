@@ -6,6 +6,31 @@ pub fn texels(visibility: &[f32], width: usize) -> Vec<([usize; 2], f32)> {
     visibility.iter().enumerate().map(|(p, &v)| ([p % width.max(1), p / width.max(1)], v)).collect()
 }
 
+/// How long the lists of a frame are: of pixel-texel pairs, triangle-texel pairs, candidates and triangles over a place of the map, all of a
+/// band; and with a facet for every surface of triangles in the lists of pixels, complex pixels, facets, and triangles over a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lengths {
+    /// Of a band.
+    pub band: [u32; 4],
+    /// Of the camera's lists.
+    pub camera: Option<[u32; 4]>,
+}
+
+/// Whether nothing is missing in a frame of the given stamp that left these counters, in so many bands.
+pub fn is_complete(status: &[u32], faults: &[u32], stamp: u32, bands: usize, lengths: Lengths) -> bool {
+    let holds = |word: usize, length: u32| status[word] <= length && status[word + 1] == 0;
+    let band = |k: usize| {
+        let first = 32 + 8 * k;
+        let [pixel, triangle, candidates, place] = lengths.band;
+        let pairs = holds(first, pixel) && holds(first + 2, triangle);
+        pairs && status[first + 4] <= candidates && status[first + 6] <= place
+    };
+    let camera = lengths.camera.is_none_or(|[triangles, complex, facets, pixel]| {
+        holds(26, triangles) && holds(28, complex) && holds(30, facets) && status[25] <= pixel
+    });
+    status[12] == stamp && camera && (0..bands).all(band) && faults.iter().all(|&f| f == 0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

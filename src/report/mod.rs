@@ -16,7 +16,7 @@ pub use facet_errors::{FacetErrors, FacetSet};
 pub use flip::{flip, mean_flip};
 pub use frame_json::FrameReport;
 pub use metrics::{Errors, Metrics, Truth, wrong_samples};
-pub use picture::{write_difference, write_exr, write_png_grey, write_png_rgb, write_text};
+pub use picture::{part_of_dead, write_difference, write_exr, write_png_grey, write_png_rgb, write_text};
 pub use scene_errors::{ConvergedErrors, SceneErrors, TracedScene};
 pub use seen_errors::SeenErrors;
 pub use shaded::shade;

@@ -5,7 +5,8 @@ use crate::{Error, Result};
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
-use std::io::{BufWriter, Write};
+use std::fs::File;
+use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -88,6 +89,19 @@ fn check(width: u32, height: u32, pixels: usize) -> Result<()> {
     Ok(())
 }
 
+/// Whether `name` is that of an unfinished file of [`write`], or of a folder of such files (`.subpixel-shadows-…part`), so that
+/// nobody misses it when the process that began it is dead.
+pub fn part_of_dead(name: &str) -> bool {
+    let numbers = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit() || b == b'-');
+    let inner = name.strip_prefix('.').and_then(|n| n.strip_suffix(".part"));
+    inner
+        .and_then(|n| n.rsplit_once(MARK))
+        .is_some_and(|(file, after)| numbers(after) && (file.is_empty() || file.ends_with('.')))
+}
+
+/// Before the process number in the names of unfinished files and folders.
+const MARK: &str = "subpixel-shadows-";
+
 /// A file that is removed again unless it gets its name.
 struct Unfinished(Option<PathBuf>);
 
@@ -100,22 +114,66 @@ impl Drop for Unfinished {
     }
 }
 
+/// A file that keeps the first fault of the system: encoders put other words in its place.
+pub(super) struct Disk {
+    file: File,
+    fault: Option<String>,
+}
+
+impl Disk {
+    fn noted<T>(&mut self, done: std::io::Result<T>) -> std::io::Result<T> {
+        if let Err(e) = &done
+            && e.kind() != std::io::ErrorKind::Interrupted
+        {
+            self.fault.get_or_insert_with(|| e.to_string());
+        }
+        done
+    }
+}
+
+impl Write for Disk {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let done = self.file.write(bytes);
+        self.noted(done)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        let done = self.file.flush();
+        self.noted(done)
+    }
+}
+
+impl Seek for Disk {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        let done = self.file.seek(to);
+        self.noted(done)
+    }
+}
+
+/// Lets `encode` write all of `file`; fails in the words of the system, where it is at fault.
+fn fill(file: File, encode: impl FnOnce(&mut BufWriter<Disk>) -> ImageResult<()>) -> std::result::Result<(), String> {
+    let mut out = BufWriter::new(Disk { file, fault: None });
+    let encoded = encode(&mut out).map_err(|e| e.to_string());
+    let encoded = encoded.and_then(|()| out.flush().map_err(|e| e.to_string()));
+    // What is left in the buffer of a file that cannot be written is not tried again.
+    let (disk, _) = out.into_parts();
+    encoded.map_err(|e| disk.fault.unwrap_or(e))?;
+    disk.file.sync_all().map_err(|e| e.to_string())
+}
+
 /// Lets `encode` write the file and moves it to `path` when it is complete.
-pub(super) fn write(path: &Path, encode: impl FnOnce(&mut BufWriter<std::fs::File>) -> ImageResult<()>) -> Result<()> {
+pub(super) fn write(path: &Path, encode: impl FnOnce(&mut BufWriter<Disk>) -> ImageResult<()>) -> Result<()> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let fault = |e: &dyn std::fmt::Display| Error::file(path, format!("cannot be written: {e}"));
     let name = path.file_name().ok_or_else(|| Error::file(path, "is not the name of a file"))?;
-    let mark = format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+    let mark = format!(".{MARK}{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
     let mut part = std::ffi::OsString::from(".");
     part.push(name);
     part.push(mark);
     let part = path.with_file_name(part);
-    let file = std::fs::File::create_new(&part).map_err(|e| fault(&e))?;
+    let file = File::create_new(&part).map_err(|e| fault(&e))?;
     let mut unfinished = Unfinished(Some(part.clone()));
-    let mut out = BufWriter::new(file);
-    encode(&mut out).map_err(|e| fault(&e))?;
-    out.flush().map_err(|e| fault(&e))?;
-    out.get_ref().sync_all().map_err(|e| fault(&e))?;
+    fill(file, encode).map_err(|e| fault(&e))?;
     std::fs::rename(&part, path).map_err(|e| fault(&e))?;
     unfinished.0 = None;
     Ok(())
@@ -188,5 +246,33 @@ mod tests {
         assert!(write_png_grey(&taken, 2, 1, &[1.0]).is_err());
         assert!(write_png_rgb(&taken, 0, 0, &[]).is_err());
         std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_full_disk_is_told_in_the_words_of_the_system() {
+        let pixels = [0u8; 16 * 64 * 64];
+        let exr = |out: &mut BufWriter<Disk>| {
+            OpenExrEncoder::new(out).write_image(&pixels, 64, 64, ExtendedColorType::Rgba32F)
+        };
+        let png =
+            |out: &mut BufWriter<Disk>| PngEncoder::new(out).write_image(&pixels, 64, 64, ExtendedColorType::Rgba32F);
+        let full = || File::options().write(true).open("/dev/full").unwrap();
+        let faults = [fill(full(), exr).unwrap_err(), fill(full(), |out| Ok(out.write_all(b"text")?)).unwrap_err()];
+        assert!(faults.iter().all(|e| e == "No space left on device (os error 28)"), "{faults:?}");
+        // What is no fault of the system keeps the encoder's words.
+        let refused = fill(full(), png).unwrap_err();
+        assert!(refused.contains("Rgba32F"), "{refused}");
+    }
+
+    #[test]
+    fn unfinished_files_are_known_by_their_names() {
+        for name in [".subpixel-shadows-7.part", ".subpixel-shadows-7-0.part", ".a.b.subpixel-shadows-1-22.part"] {
+            assert!(part_of_dead(name), "{name}");
+        }
+        let others = ["subpixel-shadows-7.part", ".subpixel-shadows-.part", ".subpixel-shadows-7x.part", ".a.7-0.part"];
+        for name in others.iter().chain(&[".subpixel-shadows-7", ".asubpixel-shadows-7.part", ".part", ""]) {
+            assert!(!part_of_dead(name), "{name}");
+        }
     }
 }

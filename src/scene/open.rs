@@ -17,12 +17,22 @@ impl Scene {
     /// [`Error::Scene`] if `spec` is neither a name nor a file, or camera, light or extent cannot be used;
     /// [`Error::File`] if the file cannot be read; [`Error::Mesh`] if the mesh cannot be used.
     pub fn open(spec: &str, options: &SceneOptions) -> Result<Self> {
+        Self::open_and_note(spec, options).map(|(scene, _)| scene)
+    }
+
+    /// As [`Scene::open`], with one line for people on what the file holds that is not read (skins, textures, …), if it does.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    pub fn open_and_note(spec: &str, options: &SceneOptions) -> Result<(Self, Option<String>)> {
         let loaded = match builtin(spec) {
             Some(scene) => {
-                Loaded { mesh: scene.mesh, camera: Some(scene.camera), light: Some(scene.light), ground: false }
+                let (camera, light) = (Some(scene.camera), Some(scene.light));
+                Loaded { mesh: scene.mesh, camera, light, ..Loaded::default() }
             }
             None => from_file(spec)?,
         };
+        let note = loaded.note().map(|note| format!("{}: {note}", spec.escape_debug()));
         let mut mesh = loaded.mesh;
         mesh.check(spec)?;
         let camera = options.camera.unwrap_or_default().apply(loaded.camera, &mesh).map_err(|e| named(spec, e))?;
@@ -33,7 +43,7 @@ impl Scene {
             mesh.add_ground(ground);
             mesh.check(spec)?;
         }
-        Ok(Self { name: spec.into(), mesh, camera, light, ground })
+        Ok((Self { name: spec.into(), mesh, camera, light, ground }, note))
     }
 
     /// A scene of one mesh with the camera that frames it and the [`DEFAULT_LIGHT`].

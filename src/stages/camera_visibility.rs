@@ -117,7 +117,8 @@ impl CameraVisibility {
                 ("positions", positions),
             ]
         };
-        let passes = [0, 1].map(|index| self.uniforms.get(stage.device, &Pass { index }));
+        let pass = |index| self.uniforms.get(stage.device, &Pass { index });
+        let passes = [pass(0)?, pass(1)?];
         for pass in &passes {
             stage.run(&self.raster, &buffers(pass), Groups::Indirect(blocks.args.0, blocks.args.1))?;
         }

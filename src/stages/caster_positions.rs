@@ -134,7 +134,7 @@ impl CasterPositions {
             stride: (vertices.stride / 4) as u32,
             ..Params::default()
         };
-        let params = self.uniforms.get(stage.device, &params);
+        let params = self.uniforms.get(stage.device, &params)?;
         let source = wgpu::BufferBinding { buffer: vertices.buffer, offset: first, size: None };
         let whole = crate::gpu::program::whole;
         let ranges = [

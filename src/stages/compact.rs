@@ -126,7 +126,7 @@ impl Compact {
                 indices: values.is_none().into(),
                 ..Params::default()
             },
-        );
+        )?;
         let buffers = [
             ("params", &params),
             ("counts", count.buffer(&params)),

@@ -153,7 +153,7 @@ impl GbufferTriangles {
         super::holds("gbuffer_triangles", "faults", faults.len(), FAULT_UNKNOWN as usize + 1)?;
         let pixels = lists.counts.len();
         let (programs, name, texture) = self.with(given.texture);
-        let params = self.uniforms.get(stage.device, &given.params);
+        let params = self.uniforms.get(stage.device, &given.params)?;
         let resources = [
             ("frame", frame.as_entire_binding()),
             ("params", params.as_entire_binding()),
@@ -192,7 +192,7 @@ impl GbufferTriangles {
         groups: Groups,
     ) -> Result<()> {
         let (programs, name, texture) = self.with(given.texture);
-        let params = self.uniforms.get(stage.device, &Params { first_slot, slots, ..given.params });
+        let params = self.uniforms.get(stage.device, &Params { first_slot, slots, ..given.params })?;
         let resources = [
             ("frame", frame.as_entire_binding()),
             ("params", params.as_entire_binding()),

@@ -105,7 +105,7 @@ impl PixelReceivers {
         super::holds("pixel_receivers", "id_keys", id_keys.len(), pixels)?;
         super::holds("pixel_receivers", "triangles", room(triangles.bytes(), 16, triangles.len()), pixels)?;
         super::holds("pixel_receivers", "positions", room(positions.bytes(), 16, positions.len()), 3 * pixels)?;
-        let params = self.uniforms.get(stage.device, &params);
+        let params = self.uniforms.get(stage.device, &params)?;
         let resources = [
             ("frame", frame.as_entire_binding()),
             ("params", params.as_entire_binding()),

@@ -123,7 +123,7 @@ impl PixelTriangles {
         blocks: Blocks,
         lists: &PixelLists,
     ) -> Result<()> {
-        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 });
+        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 })?;
         let buffers = [
             ("frame", frame),
             ("step", &kept),

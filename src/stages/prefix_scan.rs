@@ -127,7 +127,7 @@ impl PrefixScan {
                         first_block: (first / block) as u32,
                         ..Params::default()
                     },
-                );
+                )?;
                 let buffers = [
                     ("params", whole(&params)),
                     ("counts", whole(count.buffer(&params))),
@@ -143,7 +143,7 @@ impl PrefixScan {
         let params = self.uniforms.get(
             stage.device,
             &Params { blocks: limit.div_ceil(block) as u32, total_word: total.1 as u32, ..Params::default() },
-        );
+        )?;
         let buffers = [("params", &params), ("sums", scratch.sums.raw()), ("total", total.0.raw())];
         stage.run(&self.spine, &buffers, Groups::Workgroups(1))?;
         segments(stage, &self.downsweep)

@@ -161,7 +161,7 @@ impl RadixSort {
                 blocks: blocks as u32,
                 ..Params::default()
             },
-        );
+        )?;
         let buffers = [
             ("params", &params),
             ("counts", count.buffer(&params)),

@@ -219,7 +219,7 @@ impl SampleBins {
     ) -> Result<()> {
         holds("sample_bins", "bands", bins.frames.len(), band + 1)?;
         let Scene { samples, blocks, positions, facets } = scene;
-        let pass = self.uniforms.get(stage.device, &Pass { index: run });
+        let pass = self.uniforms.get(stage.device, &Pass { index: run })?;
         let buffers = [
             ("frame", bins.frames[band].raw()),
             ("samples", samples),

@@ -40,6 +40,14 @@ shared_struct! {
     }
 }
 
+/// Whether the triangles of one surface make one facet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Merging {
+    Never,
+    Always,
+    WhereGiven,
+}
+
 /// The pipelines for one number of samples.
 #[derive(Debug)]
 pub struct SampleSurfaces {
@@ -49,7 +57,8 @@ pub struct SampleSurfaces {
     crowds: Program,
     name: Option<Program>,
     group: Program,
-    emit: Program,
+    /// Of triangles by themselves, and of surfaces.
+    emit: [Option<Program>; 2],
     emit_single: Program,
     fold: DispatchArgs,
     scan: PrefixScan,
@@ -110,26 +119,35 @@ pub type Fill<'a> = &'a dyn Fn(&mut Stage, [u32; 2], &Buffer<u32>, Groups) -> Re
 impl SampleSurfaces {
     /// Builds the pipelines for `samples` samples a pixel; `scan` is shared. Every triangle is a surface of its own.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
-        Self::with(device, scan, samples, false)
+        Self::with(device, scan, samples, Merging::Never)
     }
 
     /// As [`SampleSurfaces::new`]; triangles of one surface ([`Mesh::surfaces`]) make one facet.
     pub fn merging(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
-        Self::with(device, scan, samples, true)
+        Self::with(device, scan, samples, Merging::Always)
     }
 
-    fn with(device: &wgpu::Device, scan: &PrefixScan, samples: u32, merge: bool) -> Self {
+    /// As [`SampleSurfaces::merging`] where surfaces are given, else as [`SampleSurfaces::new`].
+    pub fn for_any(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
+        Self::with(device, scan, samples, Merging::WhereGiven)
+    }
+
+    fn with(device: &wgpu::Device, scan: &PrefixScan, samples: u32, merge: Merging) -> Self {
         let words = samples.div_ceil(32);
-        let constants = [("WORDS", words), ("MERGE", u32::from(merge)), ("SAMPLES", samples.min(32))];
-        let constants = constants.map(|(name, value)| (name, f64::from(value)));
+        let of = |merge: u32| {
+            [("WORDS", words), ("MERGE", merge), ("SAMPLES", samples.min(32))]
+                .map(|(name, value)| (name, f64::from(value)))
+        };
+        let constants = of(0);
+        let emit = |with: bool, merge| with.then(|| Program::new(device, kernel::ENTRY_EMIT, &of(merge)));
         Self {
             nearest: Program::new(device, kernel::ENTRY_NEAREST, &constants),
             begin: Program::new(device, kernel::ENTRY_BEGIN, &[]),
             rivals: Program::new(device, kernel::ENTRY_SETTLE_RIVALS, &constants),
             crowds: Program::new(device, kernel::ENTRY_SETTLE_CROWDS, &constants),
-            name: merge.then(|| Program::new(device, kernel::ENTRY_NAME_SURFACES, &constants)),
+            name: (merge != Merging::Never).then(|| Program::new(device, kernel::ENTRY_NAME_SURFACES, &constants)),
             group: Program::new(device, kernel::ENTRY_GROUP_SAMPLES, &constants),
-            emit: Program::new(device, kernel::ENTRY_EMIT, &constants),
+            emit: [emit(merge != Merging::Always, 0), emit(merge != Merging::Never, 1)],
             emit_single: Program::new(device, kernel::ENTRY_EMIT_SINGLE, &constants),
             fold: DispatchArgs::new(device),
             scan: scan.clone(),
@@ -159,6 +177,10 @@ impl SampleSurfaces {
         fill: Option<Fill>,
     ) -> Result<()> {
         let pixels = lists.counts.len();
+        let name = self.name.as_ref().zip(mesh.surfaces);
+        let Some(emit) = &self.emit[usize::from(name.is_some())] else {
+            return Err(Error::Config("sample_surfaces: no surfaces to merge by".to_owned()));
+        };
         // As many workgroups as there are complex pixels; with several bands, as a band may hold.
         let groups = || match complex.keys.len() {
             1 => Groups::Indirect(args.0, args.1),
@@ -169,27 +191,28 @@ impl SampleSurfaces {
         for (band, keys) in complex.bands() {
             let seen = Seen { frame, mesh, lists, complex, keys };
             for (round, word) in turns() {
-                let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
+                let step = self.uniforms.get(stage.device, &Step { round, word, ..band })?;
                 stage.run(&self.nearest, &seen.buffers(&step), groups())?;
             }
             stage.run(&self.begin, &[("crowds", complex.crowds.raw())], Groups::Workgroups(1))?;
             if let Some(fill) = fill {
                 fill(stage, [band.first_slot, band.slots], keys, groups())?;
             }
-            let step = self.uniforms.get(stage.device, &band);
+            let step = self.uniforms.get(stage.device, &band)?;
             stage.run(&self.rivals, &seen.buffers(&step), groups())?;
             self.fold.record(stage, &complex.crowds, &complex.crowd_requests, &complex.crowd_args)?;
             for (round, word) in turns() {
-                let step = self.uniforms.get(stage.device, &Step { round, word, ..band });
+                let step = self.uniforms.get(stage.device, &Step { round, word, ..band })?;
                 stage.run(&self.crowds, &seen.buffers(&step), Groups::Indirect(complex.crowd_args.raw(), 0))?;
             }
             self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
+            let group_keys = if name.is_some() { complex.rivals.raw() } else { keys.raw() };
             let buffers = [
                 ("frame", frame),
                 ("step", &step),
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
-                ("group_keys", self.group_keys(complex, keys)),
+                ("group_keys", group_keys),
                 ("facet_counts", lists.facet_counts.raw()),
             ];
             stage.run(&self.group, &buffers, groups())?;
@@ -208,11 +231,12 @@ impl SampleSurfaces {
         ];
         stage.run(&self.emit_single, &buffers, Groups::Items(pixels.max(facets.list.len()) as u64))?;
         for (band, keys) in complex.bands() {
-            let step = self.uniforms.get(stage.device, &band);
+            let step = self.uniforms.get(stage.device, &band)?;
             if complex.keys.len() > 1 {
                 // Those of other bands were written over.
                 self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
             }
+            let group_keys = if name.is_some() { complex.rivals.raw() } else { keys.raw() };
             let buffers = [
                 ("frame", frame),
                 ("samples", mesh.samples),
@@ -220,13 +244,13 @@ impl SampleSurfaces {
                 ("complex_pixels", complex.pixels.raw()),
                 ("complex_total", complex.total.raw()),
                 ("seen_keys", keys.raw()),
-                ("group_keys", self.group_keys(complex, keys)),
+                ("group_keys", group_keys),
                 ("pixel_facets", facets.pixel_facets.raw()),
                 ("facets", facets.list.raw()),
                 ("masks", facets.masks.raw()),
                 ("id_keys", id_keys.raw()),
             ];
-            stage.run(&self.emit, &buffers, groups())?;
+            stage.run(emit, &buffers, groups())?;
         }
         Ok(())
     }
@@ -242,10 +266,7 @@ impl SampleSurfaces {
         keys: &Buffer<u32>,
         groups: Groups,
     ) -> Result<()> {
-        let Some(name) = &self.name else { return Ok(()) };
-        let Some(surfaces) = mesh.surfaces else {
-            return Err(Error::Config("sample_surfaces: no surfaces to merge by".to_owned()));
-        };
+        let Some((name, surfaces)) = self.name.as_ref().zip(mesh.surfaces) else { return Ok(()) };
         let buffers = [
             ("frame", frame),
             ("step", step),
@@ -257,10 +278,5 @@ impl SampleSurfaces {
             ("named_keys", complex.rivals.raw()),
         ];
         stage.run(name, &buffers, groups)
-    }
-
-    /// What samples are grouped by.
-    fn group_keys<'a>(&self, complex: &'a ComplexPixels, keys: &'a Buffer<u32>) -> &'a wgpu::Buffer {
-        if self.name.is_some() { complex.rivals.raw() } else { keys.raw() }
     }
 }

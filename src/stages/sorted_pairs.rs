@@ -113,7 +113,7 @@ impl SortedPairs {
         let appended = Pairs { keys: &scratch.keys, values: &scratch.values };
         let sorted = Pairs { keys: &scratch.sorted_keys, values };
         self.sort.record(stage, appended, sorted, &scratch.sort, key_bits, count)?;
-        let params = self.uniforms.get(stage.device, &Params { limit: limit as u32, ..Params::default() });
+        let params = self.uniforms.get(stage.device, &Params { limit: limit as u32, ..Params::default() })?;
         let mut buffers = vec![
             ("params", &params),
             ("counts", scratch.appended.raw()),

@@ -209,7 +209,7 @@ impl SpsmMap {
         texels: &SpsmTexels,
         which: u32,
     ) -> Result<()> {
-        let first = self.uniforms.get(stage.device, &Pass { index: which });
+        let first = self.uniforms.get(stage.device, &Pass { index: which })?;
         let buffers = Self::buffers(frame, &first, blocks, texels);
         let words = texels.marks.bit_words() as u64;
         stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
@@ -222,7 +222,7 @@ impl SpsmMap {
         stage.run(&self.encode, &buffers, Groups::Items(words))?;
         stage.run(&second.again, &buffers, Groups::Workgroups(1))?;
         second.fold.record(stage, &texels.marks.words, &list.requests, &list.args)?;
-        let again = self.uniforms.get(stage.device, &Pass { index: which | kernel::PASS_AGAIN });
+        let again = self.uniforms.get(stage.device, &Pass { index: which | kernel::PASS_AGAIN })?;
         let rest = Self::buffers(frame, &again, blocks, texels);
         stage.run(&self.raster, &rest, Groups::Indirect(list.args.raw(), 3))?;
         stage.run(&self.encode, &rest, Groups::Indirect(list.args.raw(), 0))

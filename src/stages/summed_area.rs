@@ -206,7 +206,7 @@ impl SummedArea {
                         rows: rows as u32,
                         ..Params::default()
                     },
-                );
+                )?;
                 let buffers = [
                     ("params", whole(&params)),
                     ("texels", range(texels, first * stride, rows * stride)),
@@ -240,7 +240,7 @@ impl SummedArea {
         holds("summed_area", "sums", sums.len(), rects.len())?;
         let params =
             Params { width: width as u32, height: height as u32, rects: rects.len() as u32, ..Params::default() };
-        let params = self.uniforms.get(stage.device, &params);
+        let params = self.uniforms.get(stage.device, &params)?;
         let buffers = [("params", &params), ("sat", sat.raw()), ("rects", rects.raw()), ("rect_sums", sums.raw())];
         stage.run(&self.query, &buffers, Groups::Items(rects.len() as u64))
     }

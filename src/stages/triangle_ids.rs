@@ -53,7 +53,7 @@ impl TriangleIds {
         faults: &Buffer<u32>,
     ) -> Result<()> {
         super::holds("triangle_ids", "faults", faults.len(), FAULT_UNKNOWN as usize + 1)?;
-        let params = self.uniforms.get(stage.device, &counted);
+        let params = self.uniforms.get(stage.device, &counted)?;
         let resources = [
             ("frame", frame.as_entire_binding()),
             ("params", params.as_entire_binding()),

@@ -61,7 +61,7 @@ impl TriangleTexelPairs {
         lists: &PairLists,
     ) -> Result<()> {
         lists.check(self.places)?;
-        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 });
+        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 })?;
         let buffers = [
             ("frame", frame),
             ("step", &kept),

@@ -59,7 +59,7 @@ impl WorkOwners {
         holds("work_owners", "work_offsets", offsets.len(), head)?;
         let room = offsets.len() - head;
         let params = Params { owners: owners as u32, room: room as u32, ..Params::default() };
-        let params = self.uniforms.get(stage.device, &params);
+        let params = self.uniforms.get(stage.device, &params)?;
         let buffers = [("params", &params), ("work_offsets", offsets.raw())];
         stage.run(&self.list, &buffers, Groups::Items(room.max(1) as u64))
     }

@@ -221,7 +221,7 @@ impl<'a> Judge<'a> {
 
     fn judge_among(mut self, candidates: impl Fn(&Self) -> Vec<(u32, [DVec3; 3])>) -> FacetResult {
         let (eye, light) = (self.plane.side_of_eye(), self.plane.side_of_light(self.truth.local_light));
-        if light == 0.0 || eye == 0.0 {
+        if eye == 0.0 || self.plane.is_light_open(self.truth.local_light) {
             self.doubt_occluded |= self.met;
         }
         if self.met == 0 || eye * light <= 0.0 {

@@ -26,6 +26,8 @@ pub mod rays;
 pub mod scene_truth;
 pub mod seen_truth;
 
+use glam::DVec3;
+
 pub use facet_truth::{FacetInput, FacetResult, FacetTruth};
 pub use rays::{Hit, Shade, Tracer};
 pub use scene_truth::{PixelTruth, SceneTruth, TruthImage};
@@ -40,6 +42,30 @@ pub const AMBIGUITY: f64 = 1.0 / 256.0;
 /// With `u = 2^-53`: differences of coordinates carry `u` each, a product of three and a sum of six terms add `5u`, and
 /// the sum of the absolute products is at most `sqrt(2)` times the product of the lengths: below `12u`.
 pub(crate) const DETERMINANT_ERROR: f64 = 1.0 / (1u64 << 49) as f64;
+
+/// A light lies in a triangle's plane if the determinant of two edges and the direction to it is at most this share of the product of
+/// their largest components: 2^-40, which 46 bits still tell from 0. Such a triangle casts nothing, and is dark: the cosine under which
+/// light falls on it is below 10^-12.
+const IN_PLANE: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// The side of a triangle that a light is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LightSide {
+    /// 1, -1, or 0 in the plane.
+    pub sign: f64,
+    /// So near to the bound between one side and the plane that kernels, which have 46 bits, may take the other.
+    pub open: bool,
+}
+
+/// The side of the triangle with the edges `ab` and `ac` from its first corner that a light in the direction `to_light` from there is on.
+#[inline]
+pub(crate) fn light_side(ab: DVec3, ac: DVec3, to_light: DVec3) -> LightSide {
+    let size = |v: DVec3| v.abs().max_element();
+    let side = ab.cross(ac).dot(to_light);
+    let bound = IN_PLANE * size(ab) * size(ac) * size(to_light);
+    let sign = if side.abs() > bound { side.signum() } else { 0.0 };
+    LightSide { sign, open: (side.abs() - bound).abs() <= bound / 2.0 && bound > 0.0 }
+}
 
 /// Receives progress: how many rows (or facets) are done, and how many there are. Called from any thread, not always in
 /// order.

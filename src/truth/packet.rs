@@ -6,7 +6,7 @@
 
 use super::beam::Beam;
 use super::rays::{EDGES, Tracer, canonical, group, normal_of};
-use super::{DETERMINANT_ERROR, bits, full_mask};
+use super::{DETERMINANT_ERROR, bits, full_mask, light_side};
 use crate::scene::PixelRays;
 use glam::{DVec2, DVec3, DVec4};
 
@@ -143,11 +143,11 @@ impl Seen {
         // Relative to the eye: differences of the f32 corners from the f32 eye are exact or nearly so.
         let l = light.truncate() - rays.eye * light.w;
         let [a, b, c] = tracer.corners(own).map(|c| c - rays.eye);
-        let (normal, size) = normal_of(a, b, c);
+        let normal = normal_of(a, b, c).0;
         let (to_eye, to_light) = (-a, l - a * light.w);
-        let side = normal.dot(to_light);
-        let doubtful = if side.abs() <= DETERMINANT_ERROR * size * to_light.length() { mask } else { 0 };
-        if normal.dot(to_eye) * side <= 0.0 {
+        let side = light_side(b - a, c - a, to_light);
+        let doubtful = if side.open { mask } else { 0 };
+        if normal.dot(to_eye) * side.sign <= 0.0 {
             return (mask, doubtful);
         }
         let mut points = [DVec3::ZERO; PACKET];
@@ -195,11 +195,11 @@ impl Volume {
         let [a, b, c] = corners;
         let (normal, size) = normal_of(a, b, c);
         let to_light = l - a * w;
-        let side = normal.dot(to_light);
-        if side.abs() <= DETERMINANT_ERROR * size * to_light.length() {
+        let side = light_side(b - a, c - a, to_light).sign;
+        if side == 0.0 {
             return None;
         }
-        let inner = if side > 0.0 { -1.0 } else { 1.0 };
+        let inner = -side;
         let reject = |normal: DVec3, at: DVec3, bound: f64| normal.dot(middle - at) + normal.length() * radius < -bound;
         let mut planes = [(DVec3::ZERO, DVec3::ZERO, 0.0); 4];
         let far = (middle - a).length() + radius;

@@ -9,7 +9,7 @@
 //! triangle shadows the points strictly beyond its own plane and inside or on the three others.
 
 use super::rays::{EDGES, canonical, normal_of};
-use super::{AMBIGUITY, DETERMINANT_ERROR};
+use super::{AMBIGUITY, DETERMINANT_ERROR, LightSide, light_side};
 use crate::scene::PixelRays;
 use glam::{DVec3, DVec4};
 
@@ -59,10 +59,20 @@ impl Plane {
         self.normal.dot(from).abs() <= NEARLY_FLAT * self.normal.length() * from.length()
     }
 
-    /// The side of the homogeneous `light` (relative to the eye): 1, -1, or 0 within the error bound.
+    /// The side of the homogeneous `light` (relative to the eye): 1, -1, or 0 if it lies in the plane, within 2^-40 of the sizes of
+    /// edges and direction.
     pub fn side_of_light(&self, light: DVec4) -> f64 {
-        let to_light = light.truncate() - self.corners[0] * light.w;
-        sign(self.normal.dot(to_light), DETERMINANT_ERROR * self.size * to_light.length())
+        self.light_side(light).sign
+    }
+
+    /// Whether kernels may take the light to be in the plane where [`Plane::side_of_light`] does not, or the other way round.
+    pub fn is_light_open(&self, light: DVec4) -> bool {
+        self.light_side(light).open
+    }
+
+    fn light_side(&self, light: DVec4) -> LightSide {
+        let [a, b, c] = self.corners;
+        light_side(b - a, c - a, light.truncate() - a * light.w)
     }
 
     /// The side of the eye: 1, -1, or 0 within the error bound.

@@ -8,7 +8,7 @@
 
 use super::beam::Beam;
 use super::hierarchy::Hierarchy;
-use super::{DETERMINANT_ERROR, bits};
+use super::{DETERMINANT_ERROR, bits, light_side};
 use crate::{Result, scene::Mesh};
 use glam::{DVec3, DVec4, Vec3};
 
@@ -249,10 +249,8 @@ impl ShadowRay {
         let from = self.point - a;
         let height = normal.dot(from);
         let to_light = self.light.truncate() - a * self.light.w;
-        let light_height = normal.dot(to_light);
-        let between = height * light_height < 0.0
-            && height.abs() > DETERMINANT_ERROR * size * from.length() + size * self.error
-            && light_height.abs() > DETERMINANT_ERROR * size * to_light.length();
+        let between = height * light_side(b - a, c - a, to_light).sign < 0.0
+            && height.abs() > DETERMINANT_ERROR * size * from.length() + size * self.error;
         match (between, signs.touching) {
             (false, _) => Crossing::None,
             (true, true) => Crossing::Touch,

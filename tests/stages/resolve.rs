@@ -11,6 +11,7 @@ use subpixel_shadows::stages::resolve::Resolve;
 use subpixel_shadows::truth::{join_mask, split_mask};
 
 const STATES: [State; 5] = [State::Empty, State::Dark, State::Lit, State::Shadowed, State::Undecided];
+const STAMP: u32 = 0xdecade;
 const COUNTS: [u32; 6] = [1, 8, 16, 32, 64, 128];
 
 /// Facets of each pixel.
@@ -45,7 +46,7 @@ fn resolve(gpu: &Gpu, stage: &Resolve, count: u32, pixels: &[Vec<Masks>]) -> Vec
     let mut firsts = vec![0];
     pixels.iter().for_each(|p| firsts.push(firsts.last().unwrap_or(&0) + p.len() as u32));
     memory.pixel_facets.write(&gpu.queue, &firsts);
-    let frame = Frame { image_size: [pixels.len() as u32, 1], sample_count: count, ..Frame::default() };
+    let frame = Frame { image_size: [pixels.len() as u32, 1], sample_count: count, stamp: STAMP, ..Frame::default() };
     let frame = uniform(gpu, &frame);
     let visibility = Buffer::<f32>::storage(&gpu.device, "test.visibility", pixels.len()).expect("memory");
     visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); pixels.len()]);
@@ -64,6 +65,7 @@ fn wanted(count: u32, pixels: &[Vec<Masks>]) -> Vec<u32> {
     let mut out: Vec<u32> = all.iter().map(|p| p.0.to_bits()).collect();
     out.extend(all.iter().flat_map(|p| split_mask(p.1)[..words].to_vec()));
     let mut status = vec![7; 32];
+    status[12] = STAMP;
     for (k, state) in STATES.iter().enumerate() {
         status[16 + k] += pixels.iter().flatten().filter(|m| m.state == *state).count() as u32;
     }

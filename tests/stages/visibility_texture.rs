@@ -4,8 +4,8 @@ use crate::support::shadow::{folding_gpu, uniform};
 use crate::support::{Random, difference, gpu, read_texture, run, sizes_around, texture, upload};
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::visibility_texture::texels;
-use subpixel_shadows::stages::visibility_texture::VisibilityTexture;
+use subpixel_shadows::reference::visibility_texture::{Lengths, is_complete, texels};
+use subpixel_shadows::stages::visibility_texture::{LastPicture, Lists, VisibilityTexture};
 use subpixel_shadows::wgpu;
 
 /// What a texture holds before the stage runs, as bits.
@@ -136,4 +136,80 @@ fn detects_corruption() {
         assert!(difference(&off, &wanted(image, image, &values)).is_some());
     }
     assert!(difference(&got, &wanted([10, 20], image, &values)).is_some());
+}
+
+/// A frame's counters, each need at, below or beyond what its list holds: one alone decides, and so does a fault or another stamp.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_is_missing_is_found() {
+    let gpu = gpu();
+    let stage = LastPicture::new(&gpu.device);
+    let mut random = Random::new(71);
+    let mut found = [0, 0];
+    for case in 0..400 {
+        let bands = [1, 2, 63, 64, 65, 200][random.below(6) as usize];
+        let band = [50, 60, 70, 80].map(|n| n + random.below(5));
+        let camera = (case % 2 == 1).then(|| [90, 91, 92, 93].map(|n| n + random.below(5)));
+        let frame = Frame {
+            stamp: 1 + random.below(3),
+            flags: if camera.is_some() { Frame::CLAMP } else { 0 },
+            pixel_texel_capacity: band[0],
+            triangle_texel_capacity: band[1],
+            candidate_capacity: band[2],
+            pixel_triangle_capacity: camera.map_or(0, |c| c[0]),
+            complex_capacity: camera.map_or(0, |c| c[1]),
+            facets_total: camera.map_or(7, |c| c[2]),
+            ..Frame::default()
+        };
+        let lists = Lists { bands, most_at_place: band[3], most_at_pixel: camera.map_or(512, |c| c[3]), pad_0: 0 };
+        // All lists full, then one thing wrong, or none.
+        let mut status = vec![0; 32 + 8 * bands as usize];
+        let [triangles, complex, facets, pixel] = camera.unwrap_or([7; 4]);
+        status[12] = frame.stamp;
+        (status[25], status[26], status[28], status[30]) = (pixel, triangles, complex, facets);
+        for k in 0..bands as usize {
+            let words = [band[0], 0, band[1], 0, band[2], random.word(), band[3], random.word()];
+            status[32 + 8 * k..40 + 8 * k].copy_from_slice(&words);
+        }
+        let mut faults = [0; 4];
+        let of_band = 32 + 8 * random.below(bands) as usize;
+        let places =
+            [12, 25, 26, 27, 28, 29, 30, 31, of_band, of_band + 1, of_band + 2, of_band + 3, of_band + 4, of_band + 6];
+        match random.below(4) {
+            0 => {}
+            1 => faults[random.below(4) as usize] = 1 + random.below(9),
+            _ => status[places[random.below(places.len() as u32) as usize]] += 1,
+        }
+        let lengths = Lengths { band, camera };
+        let want = is_complete(&status, &faults, frame.stamp, bands as usize, lengths);
+        found[usize::from(want)] += 1;
+        let verdict = upload(gpu, &[0u32]);
+        let (frame, status, faults) = (uniform(gpu, &frame), upload(gpu, &status), upload(gpu, &faults));
+        run(gpu, |s| stage.record_judge(s, frame.raw(), &lists, &status, &faults, &verdict));
+        assert_eq!(verdict.read(gpu).expect("readback"), [u32::from(!want)], "case {case}: {lengths:?}, {bands} bands");
+    }
+    assert!(found[0] > 100 && found[1] > 100, "{found:?}");
+}
+
+/// Words are copied if nothing is missing, all of them, and none else.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_is_complete_is_held() {
+    for gpu in [gpu(), folding_gpu()] {
+        let stage = LastPicture::new(&gpu.device);
+        for size in [1, 63, 64, 65, 300, 570] {
+            let mut random = Random::new(81 + size as u64);
+            let latest: Vec<u32> = (0..size).map(|_| random.word()).collect();
+            for missing in [0u32, 1] {
+                let (verdict, from) = (upload(gpu, &[missing]), upload(gpu, &latest));
+                let held = upload(gpu, &vec![BEFORE; size + 8]);
+                run(gpu, |s| stage.record_hold(s, &verdict, &from, &held));
+                let got = held.read(gpu).expect("readback");
+                let want = if missing == 0 { latest.clone() } else { vec![BEFORE; size] };
+                assert_eq!(difference(&got[..size], &want), None, "{size}, {missing}");
+                // Bindings are multiples of 16 bytes.
+                assert!(got[size.next_multiple_of(4)..].iter().all(|&w| w == BEFORE), "{size}: behind the last");
+            }
+        }
+    }
 }

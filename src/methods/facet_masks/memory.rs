@@ -48,6 +48,8 @@ pub mod status {
     pub const EDGES: usize = 8;
     /// Triangles tested against facets, low and high word.
     pub const TESTS: usize = 10;
+    /// The stamp of the frame, once its last stage has run; 0 before.
+    pub const FINISHED: usize = crate::stages::resolve::STATUS_FINISHED as usize;
     /// Facets by state.
     pub const STATES: usize = 16;
     /// First word of the bands.

@@ -1,5 +1,6 @@
 //! The pipelines of `facet-masks`.
 
+use super::super::every_surface::SurfacePipelines;
 use super::super::geometry::GeometryPipelines;
 use super::super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::mask_table::MaskVariant;
@@ -16,15 +17,17 @@ use crate::stages::visibility_masks::VisibilityMasks;
 use crate::stages::work_owners::ListWork;
 use crate::stages::{DispatchArgs, PrefixScan, SortedPairs, SummedArea};
 
-/// The pipelines, which may serve any number of meshes, images and settings with as many mask words, facets alike and the same
+/// The pipelines, which may serve any number of meshes, images and settings with as many samples, facets alike and the same
 /// variants of masks, pairs and projection.
 #[derive(Debug)]
 pub struct Pipelines {
-    pub(super) words: u32,
+    pub(super) samples: u32,
     pub(super) facets: FacetMode,
     pub(super) masks_by: MaskVariant,
     pub(super) pairs_by: PairVariant,
     pub(super) lines_by: ProjectionVariant,
+    /// With a facet for every surface.
+    pub(super) surfaces: Option<SurfacePipelines>,
     pub(super) geometry: GeometryPipelines,
     pub(super) layers: LightLayers,
     pub(super) front: FrontLayer,
@@ -60,11 +63,12 @@ impl Pipelines {
         let scan = PrefixScan::new(device);
         let (sorted, places) = (settings.pairs == PairVariant::Sorted, settings.pairs.places());
         Self {
-            words,
+            samples: settings.samples.count(),
             facets: settings.facets,
             masks_by: settings.masks,
             pairs_by: settings.pairs,
             lines_by: settings.projection,
+            surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count())),
             geometry: GeometryPipelines::new(device),
             layers: LightLayers::new(device),
             front: FrontLayer::new(device),
@@ -91,7 +95,7 @@ impl Pipelines {
 
     /// Whether they serve `settings`.
     pub fn serve(&self, settings: &Settings) -> bool {
-        let ours = (self.words, self.facets, self.masks_by, self.pairs_by, self.lines_by);
-        ours == (settings.samples.words(), settings.facets, settings.masks, settings.pairs, settings.projection)
+        let ours = (self.samples, self.facets, self.masks_by, self.pairs_by, self.lines_by);
+        ours == (settings.samples.count(), settings.facets, settings.masks, settings.pairs, settings.projection)
     }
 }

@@ -11,7 +11,7 @@ pub struct Needs {
     pub triangle_pairs: u64,
     /// Candidates of the band with most.
     pub candidates: u64,
-    /// Triangles over the place of the map with most, where above one round.
+    /// Triangles over the place of the map with most, where above seven eighths of a round.
     pub longest: u32,
     /// Triangles in the lists of all pixels, pixels that may show several surfaces, facets.
     pub camera: [u64; 3],

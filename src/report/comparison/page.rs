@@ -188,7 +188,7 @@ fn scene_section(out: &mut String, page: &Page, scene: &str, rows: &[Row]) {
                 r.samples.to_string(),
                 if_timed(r.map.to_string()),
                 if_timed(format!("{:.2}", r.time())),
-                if_timed(format!("{:.2}", r.ratio)),
+                or_dash((timed && r.ratio > 0.0).then_some(r.ratio), 2),
                 if_timed(format!("{:.2}", r.camera_ms)),
                 or_dash(r.matched.scene_band_rmse, 5),
                 format!("{:.3}", r.matched.scene_max),

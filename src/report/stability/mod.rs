@@ -210,6 +210,7 @@ pub fn row(o: &Outcome) -> Vec<String> {
         cells.push(format!("refused: {why}"));
         return cells;
     }
+    let of_some = |wrong: u64, whole: u64| if whole == 0 { "–".to_owned() } else { wrong.to_string() };
     let share = |part: u64, whole: u64, places: usize| match whole {
         0 => "–".to_owned(),
         _ => format!("{:.places$} %", 100.0 * part as f64 / whole as f64),
@@ -224,9 +225,9 @@ pub fn row(o: &Outcome) -> Vec<String> {
         o.step.clone(),
         o.variant.to_owned(),
         o.triangles.to_string(),
-        o.facet.facet_wrong_outside_band.to_string(),
+        of_some(o.facet.facet_wrong_outside_band, o.facet.facet_samples),
         share(o.facet.facet_ambiguous, o.facet.facet_samples, 2),
-        o.seen.seen_wrong.to_string(),
+        of_some(o.seen.seen_wrong, o.seen.seen_samples),
         or_dash(o.scene.scene_band_rmse, 4),
         format!("{:.3}", o.scene.scene_max),
         format!("{:.1}", o.gpu_ms),
@@ -285,6 +286,10 @@ mod tests {
         assert!(!Outcome { same_bits: Some(false), ..outcome() }.holds());
         let page = |o: Outcome| markdown("c", "m", &named(&["contact".to_owned()]).unwrap(), &[o]);
         assert!(page(Outcome { same_bits: Some(false), ..outcome() }).contains("**other bits**"));
+        // Of no samples and no band there is no figure.
+        assert!(page(outcome()).contains("| 2 | – | – | – | – | 0.000 |"), "{}", page(outcome()));
+        let some = FacetErrors { facet_samples: 5, ..FacetErrors::default() };
+        assert!(page(Outcome { facet: some, ..outcome() }).contains("| 2 | 0 | 0.00 % | – | – | 0.000 |"));
         assert!(page(Outcome { refused: Some("why".to_owned()), ..outcome() }).contains("refused: why"));
     }
 

@@ -24,6 +24,8 @@ pub struct Loaded {
     pub light: Option<Light>,
     /// Whether it asks for a ground plane.
     pub ground: bool,
+    /// What it holds that is not read, each kind with its number, such as `2 skins`.
+    pub ignored: Vec<String>,
 }
 
 /// Extensions of the files that [`load`] reads.
@@ -51,8 +53,8 @@ pub fn load(path: &Path) -> Result<Loaded> {
     } else {
         let bytes = read(path)?;
         sniff(&bytes, &extension).and_then(|()| match extension.as_str() {
-            "obj" => obj::parse(&bytes).map(Loaded::of),
-            "ply" => ply::parse(&bytes).map(Loaded::of),
+            "obj" => obj::parse(&bytes),
+            "ply" => ply::parse(&bytes),
             _ => gltf::parse(path, &bytes),
         })
     };
@@ -60,8 +62,14 @@ pub fn load(path: &Path) -> Result<Loaded> {
 }
 
 impl Loaded {
-    fn of(mesh: Mesh) -> Self {
-        Self { mesh, ..Self::default() }
+    /// One line for people on what is not read; `None` if all is.
+    pub fn note(&self) -> Option<String> {
+        const SHOWN: usize = 10;
+        let mut parts: Vec<String> = self.ignored.iter().take(SHOWN).cloned().collect();
+        parts.extend(numbered([(self.ignored.len().saturating_sub(SHOWN), "other kind", "other kinds")]));
+        let last = parts.pop()?;
+        let all = if parts.is_empty() { last } else { format!("{} and {last}", parts.join(", ")) };
+        Some(format!("not read: {all}"))
     }
 
     fn checked(self) -> Parsed<Self> {
@@ -137,6 +145,12 @@ fn inside(folder: &Path, relative: &str) -> Parsed<PathBuf> {
         return Err(format!("path {} is not a relative path that stays in the folder", quoted(relative)));
     }
     Ok(folder.join(path))
+}
+
+/// A number of things, each with its name for one and for many; none of those that are not there.
+fn numbered<const N: usize>(things: [(usize, &str, &str); N]) -> Vec<String> {
+    let there = things.into_iter().filter(|(n, ..)| *n > 0);
+    there.map(|(n, one, many)| format!("{n} {}", if n == 1 { one } else { many })).collect()
 }
 
 /// A name from a file in quotes, with nothing in it that could break the line, cut to a sensible length.

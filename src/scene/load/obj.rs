@@ -1,37 +1,18 @@
 //! Wavefront OBJ: positions and faces; polygons become triangle fans.
 
 use super::text::{coordinate, integer, shown, without_bom, words};
-use super::{Mesh, Parsed};
+use super::{Loaded, Mesh, Parsed, numbered};
 
-/// Statements that say nothing of where the surface is. Free-form surfaces are among them: they are not read.
-const IGNORED: [&[u8]; 45] = [
+/// Statements that say nothing of where surfaces are, or only how they look.
+const IGNORED: [&[u8]; 34] = [
     b"vt",
     b"vn",
-    b"vp",
-    b"l",
-    b"p",
     b"g",
     b"o",
     b"s",
     b"mg",
-    b"mtllib",
-    b"usemtl",
     b"usemap",
     b"maplib",
-    b"cstype",
-    b"deg",
-    b"bmat",
-    b"step",
-    b"curv",
-    b"curv2",
-    b"surf",
-    b"parm",
-    b"trim",
-    b"hole",
-    b"scrv",
-    b"sp",
-    b"end",
-    b"con",
     b"bevel",
     b"c_interp",
     b"d_interp",
@@ -42,18 +23,31 @@ const IGNORED: [&[u8]; 45] = [
     b"stech",
     b"call",
     b"csh",
-    b"bzp",
-    b"bsp",
-    b"cdc",
-    b"cdp",
-    b"res",
+    b"vp",
     b"vs",
     b"fl",
     b"cv",
+    b"mtllib",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
 ];
 
+/// Statements of what is not read and told of: points and lines, materials, free-form curves and surfaces.
+const THIN: [&[u8]; 2] = [b"l", b"p"];
+const MATERIALS: &[u8] = b"usemtl";
+const FREE_FORM: [&[u8]; 8] = [b"curv", b"curv2", b"surf", b"bzp", b"bsp", b"cdc", b"cdp", b"res"];
+
 /// Reads an OBJ file.
-pub(super) fn parse(bytes: &[u8]) -> Parsed<Mesh> {
+pub(super) fn parse(bytes: &[u8]) -> Parsed<Loaded> {
     let mut reader = Reader::default();
     let mut lines = without_bom(bytes).split(|&b| b == b'\n').zip(1u64..);
     while let Some((line, number)) = lines.next() {
@@ -80,6 +74,10 @@ struct Reader {
     face: Vec<u32>,
     /// The highest vertex that a face used before it was declared, and the line.
     ahead: Option<(u32, u64)>,
+    /// Statements of points and lines, of materials, of free-form curves and surfaces.
+    thin: usize,
+    materials: usize,
+    free_form: usize,
 }
 
 impl Reader {
@@ -89,9 +87,24 @@ impl Reader {
             Some(b"v") => self.vertex(words),
             Some(b"f" | b"fo") => self.face(words, number),
             Some(keyword) if keyword.starts_with(b"#") || IGNORED.contains(&keyword) => Ok(()),
-            Some(keyword) => Err(format!("{} is not an OBJ statement", shown(keyword))),
+            Some(keyword) => self.unread(keyword),
             None => Ok(()),
         }
+    }
+
+    /// Counts a statement that is known and not read.
+    fn unread(&mut self, keyword: &[u8]) -> Parsed<()> {
+        let counter = if THIN.contains(&keyword) {
+            &mut self.thin
+        } else if keyword == MATERIALS {
+            &mut self.materials
+        } else if FREE_FORM.contains(&keyword) {
+            &mut self.free_form
+        } else {
+            return Err(format!("{} is not an OBJ statement", shown(keyword)));
+        };
+        *counter += 1;
+        Ok(())
     }
 
     fn vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a [u8]>) -> Parsed<()> {
@@ -136,13 +149,20 @@ impl Reader {
         Ok(())
     }
 
-    fn finish(self) -> Parsed<Mesh> {
+    fn finish(self) -> Parsed<Loaded> {
         let n = self.mesh.positions.len();
         match self.ahead {
             Some((v, line)) if v as usize >= n => {
                 Err(format!("line {line}: face uses vertex {}, the file has {n}", u64::from(v) + 1))
             }
-            _ => Ok(self.mesh),
+            _ => {
+                let ignored = numbered([
+                    (self.thin, "statement of points or lines", "statements of points or lines"),
+                    (self.materials, "use of a material", "uses of materials"),
+                    (self.free_form, "free-form curve or surface", "free-form curves and surfaces"),
+                ]);
+                Ok(Loaded { mesh: self.mesh, ignored, ..Loaded::default() })
+            }
         }
     }
 }

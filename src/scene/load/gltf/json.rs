@@ -1,6 +1,7 @@
 //! The parts of a glTF document that say where triangles, cameras and lights are.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -25,6 +26,23 @@ pub(super) struct Root {
     pub(super) cameras: Vec<Camera>,
     #[serde(default)]
     pub(super) extensions: RootExtensions,
+    // Not read, and told of: elements of no size are counted without memory.
+    #[serde(default)]
+    pub(super) extensions_used: Vec<String>,
+    #[serde(default)]
+    pub(super) skins: Vec<IgnoredAny>,
+    #[serde(default)]
+    pub(super) animations: Vec<IgnoredAny>,
+    #[serde(default)]
+    pub(super) textures: Vec<IgnoredAny>,
+    #[serde(default)]
+    pub(super) materials: Vec<Material>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Material {
+    pub(super) alpha_mode: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -111,6 +129,8 @@ pub(super) struct Primitive {
     pub(super) attributes: Attributes,
     pub(super) indices: Option<usize>,
     pub(super) mode: Option<u32>,
+    #[serde(default)]
+    pub(super) targets: Vec<IgnoredAny>,
 }
 
 #[derive(Deserialize)]

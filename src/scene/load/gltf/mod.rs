@@ -1,11 +1,13 @@
 //! glTF 2.0, as `.gltf` with its buffers or as `.glb`: the triangles of its scene in world space, its first camera and
 //! its first light (`KHR_lights_punctual`).
 //!
-//! Skins, morph targets and animations are not applied, points, lines and cameras without perspective are left out.
+//! Skins, morph targets and animations are not applied, points, lines and cameras without perspective are left out;
+//! [`Loaded::ignored`] names them.
 //! Read from the JSON directly, so that every index, count and length is held against what is there before it is used.
 
 mod accessor;
 mod buffers;
+mod ignored;
 mod json;
 mod nodes;
 mod primitives;
@@ -21,7 +23,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
     let root: Root = serde_json::from_slice(text).map_err(|e| format!("glTF: {e}"))?;
     check_asset(&root)?;
     let buffers = buffers::load(&root, path.parent().unwrap_or(Path::new("")), chunk)?;
-    nodes::assemble(&root, &buffers)
+    Ok(Loaded { ignored: ignored::ignored(&root), ..nodes::assemble(&root, &buffers)? })
 }
 
 /// The JSON and the binary chunk of a GLB file.

@@ -3,16 +3,16 @@
 mod header;
 mod values;
 
-use super::{Mesh, Parsed};
+use super::{Loaded, Mesh, Parsed};
 use header::{Element, Header, Property, Scalar};
 use values::Values;
 
 /// Reads a PLY file.
-pub(super) fn parse(bytes: &[u8]) -> Parsed<Mesh> {
+pub(super) fn parse(bytes: &[u8]) -> Parsed<Loaded> {
     let (header, body) = Header::parse(bytes)?;
     let body = bytes.get(body..).unwrap_or_default();
     let mut values = Values::new(header.format, body);
-    let mut mesh = Mesh::default();
+    let (mut mesh, mut ignored) = (Mesh::default(), Vec::new());
     if !header.elements.iter().any(|e| e.name == "vertex") {
         return Err("has no element 'vertex'".into());
     }
@@ -22,7 +22,13 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed<Mesh> {
             "vertex" => vertices(element, &mut values, &mut mesh),
             "face" => faces(element, &mut values, &mut mesh),
             "tristrips" => strips(element, &mut values, &mut mesh),
-            _ => skip(element, &mut values),
+            name => {
+                if element.count > 0 {
+                    let rows = if element.count == 1 { "row" } else { "rows" };
+                    ignored.push(format!("{} {rows} of element '{name}'", element.count));
+                }
+                skip(element, &mut values)
+            }
         };
         read?;
     }
@@ -31,7 +37,7 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed<Mesh> {
         Some((t, tri)) => {
             Err(format!("triangle {t} uses vertex {}, the file has {n}", tri.iter().fold(0, |a, &b| a.max(b))))
         }
-        None => Ok(mesh),
+        None => Ok(Loaded { mesh, ignored, ..Loaded::default() }),
     }
 }
 

@@ -1,0 +1,63 @@
+//! Every request for memory of every built-in scene refused once, in turn: `cargo run --release --example refused_memory [-- [--step N] SCENE...]`
+//!
+//! For a renderer and its first frame, for a pass that takes casters and sizes and whose lists grow from one element, and for `plane`
+//! for a pass as it is made; both facet modes, and both ways to refuse. Each time there must be one clear error, or none where the
+//! library goes around it, and the frame after it must be that of an untroubled run, bit for bit. The exit status is 1 if not.
+
+#[path = "shared/refused.rs"]
+mod refused;
+
+use refused::Told;
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::gpu::faults::Refusal;
+use subpixel_shadows::methods::FacetMode;
+use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, builtin};
+use subpixel_shadows::{Error, Result};
+
+/// What is refused: a device, a scene, one or all facets a pixel, the first request and how many there are between two, and by whom.
+type Work = fn(&Gpu, &Scene, FacetMode, u64, u64, Refusal) -> Result<Told>;
+
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("{error}");
+        std::process::exit(1);
+    }
+}
+
+fn run() -> Result<()> {
+    let mut asked: Vec<String> = std::env::args().skip(1).collect();
+    let mut step = 1;
+    if let Some(at) = asked.iter().position(|word| word == "--step") {
+        let number = asked.get(at + 1).and_then(|text| text.parse().ok()).filter(|&n| n > 0);
+        step = number.ok_or_else(|| Error::Config("--step needs a number from 1 on".to_owned()))?;
+        asked.drain(at..at + 2);
+    }
+    let names: Vec<&str> =
+        if asked.is_empty() { BUILTIN_NAMES.to_vec() } else { asked.iter().map(String::as_str).collect() };
+    let gpu = Gpu::open(None)?;
+    println!(
+        "| scene | facets | of | refused by | requests | refused | without an error |\n|---|---|---|---|---|---|---|"
+    );
+    for name in names {
+        let scene = builtin(name).ok_or_else(|| Error::Config(format!("no built-in scene {name}")))?;
+        for facets in [FacetMode::One, FacetMode::All] {
+            for (what, work) in [
+                ("renderer", refused::renderer as Work),
+                ("pass", refused::pass as Work),
+                ("new pass", refused::new_pass as Work),
+            ] {
+                // Pipelines are made anew for each request.
+                if what == "new pass" && name != "plane" {
+                    continue;
+                }
+                for refusal in [Refusal::Device, Refusal::Limit] {
+                    let told = work(&gpu, &scene, facets, 0, step, refusal)
+                        .map_err(|e| Error::Config(format!("{name}, {facets:?}, {what}, {refusal:?}: {e}")))?;
+                    let Told { asked, refused, absorbed } = told;
+                    println!("| {name} | {facets:?} | {what} | {refusal:?} | {asked} | {refused} | {absorbed} |");
+                }
+            }
+        }
+    }
+    Ok(())
+}

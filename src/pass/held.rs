@@ -1,0 +1,69 @@
+//! The last complete picture, which stands until the next one.
+
+use super::cut::CutImage;
+use crate::Result;
+use crate::gpu::{Buffer, Recorder};
+use crate::methods::Settings;
+use crate::methods::facet_masks::Capacities;
+use crate::stages::candidate_pairs::ROUND_LENGTH;
+use crate::stages::sample_surfaces;
+use crate::stages::visibility_texture::{LastPicture, Lists};
+
+/// The picture, and whether it is replaced. A clone is the same memory.
+#[derive(Clone)]
+pub struct Held {
+    pub visibility: Buffer<f32>,
+    pub lit: Buffer<u32>,
+    verdict: Buffer<u32>,
+}
+
+impl Held {
+    /// Memory for the picture of an image; until there is a complete one all is lit.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, settings: &Settings) -> Result<Self> {
+        let (pixels, words) = (settings.pixels(), settings.samples.words() as usize);
+        let held = Self {
+            visibility: Buffer::banded(device, "shadow_pass.held_visibility", pixels)?,
+            lit: Buffer::banded(device, "shadow_pass.held_lit", pixels * words)?,
+            verdict: Buffer::storage(device, "shadow_pass.verdict", 1)?,
+        };
+        held.visibility.write(queue, &vec![1.0; pixels]);
+        held.lit.write(queue, &vec![u32::MAX; pixels * words]);
+        Ok(held)
+    }
+
+    /// Begins a frame: nothing is missing yet.
+    pub fn record_begin(&self, rec: &mut Recorder) {
+        rec.clear(self.verdict.raw());
+    }
+
+    /// Takes in what the strip that ran last left in its counters.
+    pub fn record_judge(
+        &self,
+        rec: &mut Recorder,
+        with: &LastPicture,
+        image: &CutImage,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        let (method, c) = (&image.method, image.method.capacities());
+        let frame = method.frames()[0].raw();
+        let stage = &mut rec.stage("visibility_texture");
+        with.record_judge(stage, frame, &lists(c), method.status(), faults, &self.verdict)
+    }
+
+    /// Takes over the picture of all strips, if nothing is missing in it.
+    pub fn record_hold(&self, rec: &mut Recorder, with: &LastPicture, image: &CutImage) -> Result<()> {
+        let stage = &mut rec.stage("visibility_texture");
+        with.record_hold(stage, &self.verdict, image.visibility(), &self.visibility)?;
+        with.record_hold(stage, &self.verdict, image.lit(), &self.lit)
+    }
+}
+
+/// What a frame with the capacities `c` does not tell of them.
+fn lists(c: Capacities) -> Lists {
+    Lists {
+        bands: c.views * c.bands,
+        most_at_place: c.rounds.saturating_mul(ROUND_LENGTH),
+        most_at_pixel: c.camera_rounds.saturating_mul(sample_surfaces::ROUND_LENGTH),
+        ..Lists::default()
+    }
+}

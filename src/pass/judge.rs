@@ -1,0 +1,73 @@
+//! How a finished frame came out, by its counters.
+
+use super::status::{Faults, Finished, FrameStatus, Label};
+use super::{ShadowPass, growth};
+use crate::methods::facet_masks::{Capacities, status as counters};
+use crate::methods::growth::Needs;
+use crate::methods::render::Counts;
+
+/// What the last stage of a frame writes into its counters: never 0, and another one for each of some billion frames.
+pub fn stamp_of(frame: u64) -> u32 {
+    (frame % u64::from(u32::MAX)) as u32 + 1
+}
+
+impl ShadowPass {
+    /// Takes in what is known by now.
+    pub(super) fn collect(&mut self) {
+        for finished in self.in_flight.finished(self.timer.as_ref()) {
+            let status = self.judge(finished);
+            if self.known.len() == Self::KEPT {
+                self.known.pop_front();
+            }
+            self.known.push_back(status);
+        }
+    }
+
+    fn judge(&mut self, finished: Finished) -> FrameStatus {
+        let Finished { label: Label { frame, generation, capacities, strips }, read } = finished;
+        let mut status = FrameStatus {
+            frame,
+            complete: false,
+            overflowed: false,
+            faults: Faults::default(),
+            error: None,
+            counts: Counts::default(),
+            lists: Vec::new(),
+            stages: Vec::new(),
+        };
+        let words;
+        (words, status.faults, status.stages) = match read {
+            Ok(read) => read,
+            Err(error) => {
+                status.error = Some(error.to_string());
+                return status;
+            }
+        };
+        let strips = words.chunks_exact(words.len() / strips.max(1) as usize);
+        // The staging buffer of commands that did not run holds zeros, or the counters of an earlier frame.
+        if strips.clone().any(|strip| strip[counters::FINISHED] != stamp_of(frame)) {
+            let text = format!("frame {frame} was submitted, and did not run to its end: its commands were refused");
+            return FrameStatus { error: Some(text), faults: Faults::default(), stages: Vec::new(), ..status };
+        }
+        let (facets, limits, budget) = (self.settings.facets, self.maker.device.limits(), self.maker.budget.bytes);
+        // What the lists must hold is what the largest strip needs of each.
+        let mut needs = Needs::default();
+        for strip in strips {
+            status.counts = status.counts.with_rows(growth::counts(strip, capacities));
+            needs = needs.or(Needs::of(strip, capacities));
+        }
+        status.lists = growth::lists(&needs, capacities, facets, 1);
+        match growth::wanted(&needs, capacities, &self.settings, &limits, budget) {
+            Ok(wanted) => status.overflowed = wanted.is_some(),
+            Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
+        }
+        // A frame with other lists than those in use says nothing of these, and one for which there are none is not waited for.
+        let in_use = self.image.method.capacities();
+        let same = generation == self.generation && in_use == (Capacities { views: in_use.views, ..capacities });
+        if same && status.error.is_none() {
+            self.wanted = self.together.wanted(needs, capacities, &self.settings, &limits, budget).or(self.wanted);
+        }
+        status.complete = !status.overflowed && status.faults == Faults::default();
+        status
+    }
+}
