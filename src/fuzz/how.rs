@@ -8,7 +8,7 @@ use crate::methods::{FacetMode, MethodName, PairVariant, RayTracedSettings, Sett
 use crate::samples::{Pattern, Samples};
 
 /// Cases that follow each other with the same pipelines.
-pub const BLOCK: u64 = 20;
+pub const BLOCK: u64 = 10;
 
 /// What a frame is asked for.
 #[derive(Clone, Debug, PartialEq)]
