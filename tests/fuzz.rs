@@ -97,7 +97,7 @@ fn spoiled_frames_are_failures() {
         shot.output.visibility[0] = 1.0;
         let mut forced = shot.output.clone();
         forced.visibility.iter_mut().for_each(|v| *v = 0.5);
-        shot.forced = Some(forced);
+        shot.forced = Some((forced, shot.facets.clone()));
         assert!(judged(&shot).has(Fault::Forced), "{what}");
     }
 }

@@ -13,6 +13,17 @@ pub(super) struct Truths<'a> {
     pub seen: SeenTruth<'a>,
 }
 
+impl Truths<'_> {
+    /// Whether a sample of a pixel with these facets is ambiguous, or tied.
+    pub fn is_open(&self, pixel: u32, set: &FacetSet) -> bool {
+        join_mask(self.scene.ambiguous_mask(pixel)) != 0 || {
+            let own = || set.facets.iter().enumerate().filter(|(_, facet)| facet.pixel == pixel);
+            let given = |k: usize| own().find(|(f, _)| set.masks_of(*f)[0] >> k & 1 == 1).map(|(_, f)| f.triangle);
+            self.seen.judge(pixel, u128::MAX, given).tied != 0
+        }
+    }
+}
+
 /// Of each pixel the samples that its facets cover.
 fn covered(set: &FacetSet, pixels: usize) -> Vec<u128> {
     let mut seen = vec![0; pixels];
