@@ -194,6 +194,7 @@ pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
     let truth = Truths {
         scene: SceneTruth::new(&tracer, camera, light, &settings.samples, width, height)?,
         seen: SeenTruth::new(&tracer, camera, &settings.samples, width, height)?,
+        samples: settings.samples.count(),
     };
     let each_sample = case.how.settings.facets == FacetMode::All || settings.samples.count() == 1;
     let of_scene = each_sample && case.how.method == MethodName::FacetMasks;
