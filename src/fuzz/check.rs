@@ -31,8 +31,8 @@ pub struct Shot {
     pub output: Output,
     /// The facets behind it, with their masks.
     pub facets: FacetSet,
-    /// The picture of everything run and nothing settled, where it was asked for.
-    pub forced: Option<Output>,
+    /// The picture of everything run and nothing settled, and its facets, where it was asked for.
+    pub forced: Option<(Output, FacetSet)>,
 }
 
 impl<'a> Bench<'a> {
@@ -66,7 +66,7 @@ impl<'a> Bench<'a> {
         let planned = |force| Plan::of_method(how.method, &prepared, &scene.camera, &scene.light, &how.settings, force);
         let plan = planned(how.force_all)?;
         let (output, facets) = self.frame(how, &plan, &scene, &prepared)?;
-        let forced = || Ok(self.frame(how, &planned(true)?, &scene, &prepared)?.0);
+        let forced = || self.frame(how, &planned(true)?, &scene, &prepared);
         let forced = how.both.then(forced).transpose()?;
         Ok(Shot { scene, prepared, plan, output, facets, forced })
     }

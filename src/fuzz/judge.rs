@@ -10,7 +10,7 @@
 //! - *Seen truth* ([`SeenErrors`]): no sample (with one facet a pixel: no centre) is given another surface than it sees, but where the two
 //!   are tied. What is tied there does not count in scene truth either.
 //! - *The picture*: shares are in `[0, 1]` and those of the masks they come from.
-//! - *The plan*: planned and forced pictures have the same bits.
+//! - *The plan*: planned and forced pictures have the same bits, but in pixels in which a sample is ambiguous or tied.
 //!
 //! Masks from a table ([`MaskVariant::Table`](crate::mask_table::MaskVariant)) round: their evaluated samples are held against
 //! [`TABLE_SHARE`], what is settled is exact as ever, and neither scene truth nor the forced picture is asked.
@@ -194,6 +194,7 @@ pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
     let truth = Truths {
         scene: SceneTruth::new(&tracer, camera, light, &settings.samples, width, height)?,
         seen: SeenTruth::new(&tracer, camera, &settings.samples, width, height)?,
+        samples: settings.samples.count(),
     };
     let each_sample = case.how.settings.facets == FacetMode::All || settings.samples.count() == 1;
     let of_scene = each_sample && case.how.method == MethodName::FacetMasks;
@@ -214,14 +215,17 @@ pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
             verdict.scene(Fault::CpuScene, &SceneWrong::of(&truth, image, plan, &frame.output, &of_cpu), width);
         }
     }
-    if let Some(forced) = forced {
-        let differs = |(a, b): &(&f32, &f32)| a.to_bits() != b.to_bits();
-        let pairs = || output.visibility.iter().zip(&forced.visibility);
-        let (count, first) = (pairs().filter(differs).count(), pairs().position(|pair| differs(&pair)));
-        verdict.add(Fault::Forced, count as u64, || {
-            let p = first.unwrap_or_default();
-            let [ours, other] = [output.visibility[p], forced.visibility[p]];
-            format!("first: pixel ({}, {}), {ours} and {other}", p as u32 % width, p as u32 / width)
+    if let Some((forced, of_forced)) = forced {
+        let differs = |(a, b): (&f32, &f32)| a.to_bits() != b.to_bits();
+        // Where a surface or an edge may be taken either way, the two may take it each its way.
+        let either = |p: u32| truth.is_open(p, facets) || truth.is_open(p, of_forced);
+        let pairs = output.visibility.iter().zip(&forced.visibility);
+        let other: Vec<u32> =
+            (0..).zip(pairs).filter(|(p, pair)| differs(*pair) && !either(*p)).map(|(p, _)| p).collect();
+        verdict.add(Fault::Forced, other.len() as u64, || {
+            let p = other.first().copied().unwrap_or_default();
+            let [ours, other] = [output, forced].map(|o| o.visibility[p as usize]);
+            format!("first: pixel ({}, {}), {ours} and {other}", p % width, p / width)
         });
     }
     Ok(verdict)

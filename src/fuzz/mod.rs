@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn cases_are_of_every_sort_and_few_are_refused() {
         let (mut seen, mut refused) = (HashSet::new(), 0);
-        for number in 0..1020 {
+        for number in 0..6120 {
             let case = Case::of(1, number).unwrap();
             refused += usize::from(case.world.scene().is_err());
             let (s, how) = (&case.how.settings, &case.how);
@@ -149,7 +149,7 @@ mod tests {
             seen.insert(format!("{light} {} {}", case.world.ground, how.both));
             assert!((1..=300).contains(&s.map) && case.world.mesh.triangles.len() <= 1500, "{case:?}");
         }
-        assert!(refused <= 5, "{refused} refused");
+        assert!(refused <= 30, "{refused} refused");
         let all = [6, Kind::ALL.len(), 2 * 3 * 2, 3 * 2, 3 * 2, 2 * 2, 3 * 2 * 2];
         assert_eq!(seen.len(), all.iter().sum::<usize>(), "{seen:?}");
     }

@@ -4,13 +4,31 @@ use crate::methods::FacetMode;
 use crate::methods::render::Output;
 use crate::plan::{Extent, Plan};
 use crate::report::FacetSet;
-use crate::stages::facet_classify::State;
+use crate::stages::facet_classify::{Facet, State};
 use crate::truth::{SceneTruth, SeenTruth, TruthImage, full_mask, join_mask};
 
 /// What scene truth is made of.
 pub(super) struct Truths<'a> {
     pub scene: SceneTruth<'a>,
     pub seen: SeenTruth<'a>,
+    pub samples: u32,
+}
+
+impl Truths<'_> {
+    /// Whether a sample of a pixel with these facets is ambiguous, or tied.
+    pub fn is_open(&self, pixel: u32, set: &FacetSet) -> bool {
+        join_mask(self.scene.ambiguous_mask(pixel)) != 0 || {
+            let given = |k: usize| given(set, pixel, k);
+            self.seen.judge(pixel, full_mask(self.samples), given).tied != 0
+        }
+    }
+}
+
+/// The triangle that a sample of a pixel was given.
+fn given(set: &FacetSet, pixel: u32, sample: usize) -> Option<u32> {
+    let own = |facet: &Facet| facet.pixel == pixel && facet.state != State::Empty as u32;
+    let covers = |f: usize| set.masks_of(f)[0] >> sample & 1 == 1;
+    (0..).zip(&set.facets).find(|(f, facet)| own(facet) && covers(*f)).map(|(_, facet)| facet.triangle)
 }
 
 /// Of each pixel the samples that its facets cover.
@@ -84,9 +102,7 @@ impl SceneWrong {
             if wrong == 0 {
                 continue;
             }
-            let own = || set.facets.iter().enumerate().filter(|(_, facet)| facet.pixel as usize == p);
-            let given =
-                |k: usize| own().find(|(f, _)| set.masks_of(*f)[0] >> k & 1 == 1).map(|(_, facet)| facet.triangle);
+            let given = |k: usize| given(set, p as u32, k);
             // Where one facet stands for all samples, it is the plan that gave them their surface.
             let tied = match plan.extent {
                 Extent::Everything => truth.seen.judge(p as u32, wrong, given).tied,

@@ -30,8 +30,8 @@ pub(super) fn layered(r: &mut Random) -> Mesh {
         let row = n + 1;
         let shared = |r: &mut Random, v: u32| match weld {
             0 | 1 => false,
-            2 => v % row == 0 || v % row == n || v / row == 0 || v / row == n,
-            3 => v % row == 0,
+            2 => v.is_multiple_of(row) || v % row == n || v / row == 0 || v / row == n,
+            3 => v.is_multiple_of(row),
             4 => v == 0,
             _ => r.chance(0.4),
         };
@@ -75,7 +75,7 @@ pub(super) fn plate(r: &mut Random) -> Mesh {
     let mut mesh = Mesh::default();
     sheet(&mut mesh, at(-1.0, height + thick, -1.0), at(0.0, 0.0, 2.0), at(2.0, 0.0, 0.0), n);
     let row = n + 1;
-    let border = |v: u32| v % row == 0 || v % row == n || v / row == 0 || v / row == n;
+    let border = |v: u32| v.is_multiple_of(row) || v % row == n || v / row == 0 || v / row == n;
     let shared = r.chance(0.5);
     let top = mesh.positions.len() as u32;
     let beneath: Vec<u32> = (0..top)
