@@ -15,6 +15,7 @@
 //@import double_float
 //@import vertex
 //@import facing_46
+//@import eye_order_46
 //@import camera_raster
 
 const WORKGROUP = 64u;
@@ -49,7 +50,9 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             if step.index == 0u {
                 atomicMax(&keys[2u * pixel + 1u], key.y);
             } else {
-                let other = atomicMax(&keys[2u * pixel], named);
+                // What may lie nearer than the near distance is in doubt by itself.
+                var other = ~named;
+                if key.y != 0u { other = atomicMax(&keys[2u * pixel], named); }
                 if other != 0u && other != named {
                     atomicOr(&doubts[1u + pixel / 32u], 1u << (pixel % 32u));
                     atomicStore(&doubts[0], work_offsets[frame.triangle_count]);
@@ -84,7 +87,10 @@ fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             let key = keys_at(seen, x, y);
             let least = atomicLoad(&keys[2u * pixel + 1u]);
             if key.x == 0u || least > key.x { continue; }
-            let nearer = key_46(triangles[seen.t], pixel_ray(pixel), bitcast<f32>(~least));
+            let i = triangles[seen.t];
+            let ray = pixel_ray(pixel);
+            if key.y == 0u && !is_beyond_near_46(i, ray) { continue; }
+            let nearer = key_46(i, ray, select(bitcast<f32>(~least), frame.forward.w, least == 0u));
             if step.index == 0u {
                 atomicMax(&id_keys[pixel], nearer);
             } else if atomicLoad(&id_keys[pixel]) == nearer {
@@ -101,4 +107,6 @@ fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let key = atomicLoad(&keys[2u * pixel]);
     atomicStore(&id_keys[pixel], select(key | SETTLED, 0u, key == 0u));
+    // Of what is seen only where 46 bits tell so no depth is known but this.
+    if key != 0u && atomicLoad(&keys[2u * pixel + 1u]) == 0u { atomicStore(&keys[2u * pixel + 1u], ~bitcast<u32>(frame.forward.w)); }
 }

@@ -22,6 +22,7 @@
 pub mod caster_tree;
 pub mod error;
 pub mod frame;
+pub mod fuzz;
 pub mod gpu;
 pub mod light_view;
 pub mod mask_table;

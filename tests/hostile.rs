@@ -119,9 +119,11 @@ fn what_is_not_read_is_said_in_one_note() {
     };
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
-        element face 1\nproperty list uchar int vertex_indices\nelement edge 2\nproperty int a\nelement none 0\nproperty int a\n\
+        element face 1\nproperty list uchar int vertex_indices\nelement edge 2\nproperty int a\n\
+        element none 0\nproperty int a\n\
         end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n4\n5\n";
-    let morphed = r#"{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":0},{}]},{"attributes":{"POSITION":0},"mode":0}"#;
+    let morphed = r#"{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":0},{}]},
+        {"attributes":{"POSITION":0},"mode":0}"#;
     let more = r#","skins":[{"joints":[0]},{"joints":[0]}],"animations":[{"channels":[],"samplers":[]}],"textures":[{}],
         "materials":[{"alphaMode":"BLEND"},{"alphaMode":"OPAQUE"},{}],"scene":0,"scenes":[{"nodes":[0]},{"nodes":[]}],
         "cameras":[{"type":"orthographic","orthographic":{}}],
@@ -144,13 +146,15 @@ fn what_is_not_read_is_said_in_one_note() {
             gltf(&folder, "more.gltf", r#"[{"mesh":0,"skin":0}]"#, morphed, more),
             Some(
                 "2 skins, 1 animation, 1 primitive's morph targets, 1 primitive of points or lines, 1 texture, \
-                1 see-through material, taken as opaque, 1 other scene, 1 camera without perspective and extension 'EXT_mesh_gpu_instancing'",
+                1 see-through material, taken as opaque, 1 other scene, \
+                1 camera without perspective and extension 'EXT_mesh_gpu_instancing'",
             ),
         ),
         (
             gltf(&folder, "many.gltf", r#"[{"mesh":0}]"#, BOX, &many),
             Some(
-                "extension 'EXT_0', extension 'EXT_1', extension 'EXT_2', extension 'EXT_3', extension 'EXT_4', extension 'EXT_5', \
+                "extension 'EXT_0', extension 'EXT_1', extension 'EXT_2', extension 'EXT_3', extension 'EXT_4', \
+                extension 'EXT_5', \
                 extension 'EXT_6', extension 'EXT_7', extension 'EXT_8', extension 'EXT_9' and 4 other kinds",
             ),
         ),
@@ -198,7 +202,8 @@ fn compressed_and_distant_data_is_refused_by_name() {
         let error = load(&path).map(|l| l.mesh.triangles.len()).unwrap_err().to_string();
         assert_eq!(error, format!("{}: {message}", path.display()));
     };
-    let draco = r#"{"attributes":{"POSITION":0},"indices":1,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{}}}}"#;
+    let draco = r#"{"attributes":{"POSITION":0},"indices":1,
+        "extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{}}}}"#;
     let required = |e: &str| format!(r#","extensionsUsed":["{e}"],"extensionsRequired":["{e}"]"#);
     refused(
         "draco.gltf",

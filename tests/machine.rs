@@ -1,4 +1,5 @@
-//! Faults of the machine: a full disk, a standard output that is full or closed, two runs at once, runs that are killed.
+//! Faults of the machine: a full disk, a standard output that is full or closed, two runs at once, runs that are
+//! killed.
 #![cfg(all(feature = "cli", unix))]
 
 use serde_json::Value;
@@ -204,8 +205,9 @@ fn rows(out: &str) -> Vec<String> {
     rows
 }
 
-/// Kills a report `kills` times, by TERM and KILL in turns, now at a random moment and now just after a row was written; then lets
-/// it come to its end. Returns how many of the killed runs were at work, and how often half a line was left.
+/// Kills a report `kills` times, by TERM and KILL in turns, now at a random moment and now just after a row was
+/// written; then lets it come to its end. Returns how many of the killed runs were at work, and how often half a line
+/// was left.
 fn kill_and_resume(kills: u64) -> (u64, u64) {
     let folder = Folder::new(&format!("killed-{kills}"));
     let (whole, out) = (folder.path("whole"), folder.path("killed"));

@@ -179,9 +179,10 @@ fn page(
     start: Instant,
 ) -> String {
     let mut text = format!(
-        "## Files\n\n{} files, each made in code and damaged in 1 to 4 places (bits, bytes, numbers, words, lines, pieces of other files,\n\
-         cuts; of half of them only numbers; every 16th is left sound), seed {}. Each is opened and, if it can be read, rendered by the CPU engine at 12 x 9; some also\n\
-         go through the program. {} failed. {:.0} s.\n\n",
+        "## Files\n\n{} files, each made in code and damaged in 1 to 4 places (bits, bytes, numbers, words, lines,\n\
+         pieces of other files, cuts; of half of them only numbers; every 16th is left sound), seed {}. Each is\n\
+         opened and, if it can be read, rendered by the CPU engine at 12 x 9; some also go through the program.\n\
+         {} failed. {:.0} s.\n\n",
         arguments.cases,
         arguments.seed,
         failures.len(),

@@ -1,11 +1,12 @@
-//! Damaged files of every format and extremes of every option against the loaders, the CPU engine and the built program:
-//! `cargo build --release && cargo run --release --example hostile -- [--cases N] [--seed S] [--program N] [--gpu N] [--limit SECONDS]
-//! [--options on|off] [--keep DIR] [--page FILE]`
+//! Damaged files of every format and extremes of every option against the loaders, the CPU engine and the built
+//! program:
+//! `cargo build --release && cargo run --release --example hostile -- [--cases N] [--seed S] [--program N] [--gpu N]
+//! [--limit SECONDS] [--options on|off] [--keep DIR] [--page FILE]`
 //!
-//! Of `--cases` files each is opened and rendered in this process; `--program` of them also go through the program on the CPU
-//! engine, and `--gpu` of those that can be read on the GPU. No case may panic, take longer than `--limit`, end with another
-//! status than is documented, say more or less than one line, or leave anything half-written. Files that do are kept in `--keep`.
-//! Exit status 1 if there are any.
+//! Of `--cases` files each is opened and rendered in this process; `--program` of them also go through the program on
+//! the CPU engine, and `--gpu` of those that can be read on the GPU. No case may panic, take longer than `--limit`,
+//! end with another status than is documented, say more or less than one line, or leave anything half-written. Files
+//! that do are kept in `--keep`. Exit status 1 if there are any.
 
 mod files;
 mod options;
@@ -66,7 +67,8 @@ fn run() -> Result<bool> {
     let adapter = program.adapter();
     let given = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let mut page = format!(
-        "# Hostile files and options\n\n`cargo build --release && cargo run --release --example hostile -- {given}`\n\n{}\n\n",
+        "# Hostile files and options\n\n`cargo build --release && cargo run --release --example hostile -- {given}`\n\n\
+         {}\n\n",
         match &adapter {
             Some(name) => format!("GPU cases on {name}."),
             None => "No adapter: no GPU cases.".to_owned(),
@@ -81,11 +83,21 @@ fn run() -> Result<bool> {
         page += &options.text;
         failures += options.failures;
     }
+    page += &load();
     println!("{page}");
     if let Some(path) = &arguments.page {
         subpixel_shadows::report::write_text(path, &page)?;
     }
     Ok(failures == 0)
+}
+
+/// What else the machine had to do, where the system tells: times are longer for it.
+fn load() -> String {
+    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    text.split(' ').next().filter(|l| !l.is_empty()).map_or(String::new(), |l| {
+        format!("\nAt the end {l} programs at a time wanted the machine's {threads} threads.\n")
+    })
 }
 
 /// A part of the page, and how many of its cases failed.

@@ -149,8 +149,9 @@ pub fn run(program: &Program, gpu: bool) -> Result<Section> {
         }
     }
     let mut text = format!(
-        "## Options\n\n{} runs of the program, each option at 0, 1, its greatest value and beyond, below 0 and as no number; {} with status 0,\n\
-         {} with 1, {} with 2, {} with 3, the slowest {slowest:.1} s. {failed} failed. {:.0} s.\n",
+        "## Options\n\n{} runs of the program, each option at 0, 1, its greatest value and beyond, below 0 and as no\n\
+         number; {} with status 0, {} with 1, {} with 2, {} with 3,\n\
+         the slowest {slowest:.1} s. {failed} failed. {:.0} s.\n",
         cases.len(),
         counted[0],
         counted[1],

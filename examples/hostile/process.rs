@@ -47,7 +47,8 @@ impl Program {
         text.lines().next().filter(|_| checked).map(|l| l.split_whitespace().collect::<Vec<_>>().join(" "))
     }
 
-    /// Runs it into a folder that is not there before, and holds the outcome against `allowed` and the rules for all runs.
+    /// Runs it into a folder that is not there before, and holds the outcome against `allowed` and the rules for all
+    /// runs.
     pub fn run(&self, arguments: &[String], allowed: &[i32]) -> Result<Ended> {
         let (out, log) = (self.folder.join("out"), self.folder.join("stderr"));
         let _ = std::fs::remove_dir_all(&out);

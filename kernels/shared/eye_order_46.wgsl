@@ -21,3 +21,11 @@ fn order_46(i: vec3<u32>, j: vec3<u32>, ray: vec3<f32>) -> f32 {
     let noise = EDGE_ON * (left + right);
     return select(0.0, sign(s) * sign(over.x) * sign(under.x), abs(s) > noise);
 }
+
+// Whether the plane of `i` lies beyond the near distance along the ray; what is at it counts as beyond.
+fn is_beyond_near_46(i: vec3<u32>, ray: vec3<f32>) -> bool {
+    let n = full_normal(i);
+    let over = df3_along(n, ray);
+    let s = df_add_fast(df3_dot(n, full_point_of(i.x)), -df_scale(over, frame.forward.w));
+    return s.x * sign(over.x) >= 0.0 && over.x != 0.0;
+}

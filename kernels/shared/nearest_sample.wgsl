@@ -94,7 +94,13 @@ fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
     let ray = ray_at(pixel, sample_offset(32u * step.word + k));
     let u = corners_at(corners_of(t));
     let depth = eye_depth(u, ray);
-    if !covers_ray(u, ray) || !(depth.x >= frame.forward.w) { return; }
+    if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w { return; }
+    if depth.x - depth.y < frame.forward.w && depth.y > TOUCHING * frame.forward.w {
+        // It may lie nearer than the near distance: as one of a crowd it is looked at with 46 bits.
+        crowded |= 1u << k;
+        return;
+    }
+    if !(depth.x >= frame.forward.w) { return; }
     let bounds = inverse_of(depth);
     let held = held_at(k);
     let other = ~held.key;

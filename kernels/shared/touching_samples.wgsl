@@ -26,16 +26,26 @@ fn settle_rivals_of(slot: u32) {
     }
 }
 
-// Of the triangles of a round that cover a ray, none sure to lie behind `known`, the nearest.
+// Of the triangles of a round that cover a ray, none sure to lie behind `known` (NO_TRIANGLE: nothing is), the nearest.
 fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
     var best = known;
-    let nearest = eye_depth(corners_at(corners_of(best)), ray);
-    let most = (nearest.x + nearest.y) * (1.0 + 2.0 * TOUCHING);
+    var most = 3.0e38;
+    if known != NO_TRIANGLE {
+        let nearest = eye_depth(corners_at(corners_of(known)), ray);
+        most = (nearest.x + nearest.y) * (1.0 + 2.0 * TOUCHING);
+    }
     for (var n = first; n < end; n++) {
         let t = pixel_list[n];
         let u = corners_at(corners_of(t));
         let depth = eye_depth(u, ray);
-        if t == best || !covers_ray(u, ray) || !(depth.x >= frame.forward.w) || depth.x - depth.y > most { continue; }
+        if t == best || !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w || depth.x - depth.y > most { continue; }
+        var is_there = depth.x >= frame.forward.w;
+        if depth.x - depth.y < frame.forward.w && depth.y > TOUCHING * frame.forward.w { is_there = is_beyond_near_46(u.i, ray); }
+        if !is_there { continue; }
+        if best == NO_TRIANGLE {
+            best = t;
+            continue;
+        }
         let order = order_46(u.i, corners_of(best), ray);
         if order < 0.0 || (order == 0.0 && t < best) { best = t; }
     }

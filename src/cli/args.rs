@@ -56,6 +56,11 @@ pub enum Command {
         #[command(flatten)]
         options: StabilityOptions,
     },
+    /// Random worlds, each against the CPU engine and both truths
+    Fuzz {
+        #[command(flatten)]
+        options: FuzzOptions,
+    },
     /// List what wgpu finds here: adapters, features, limits, and the path each would take
     Adapters {
         /// Only say by the exit status whether an adapter can be used: 0, or 3 if none
@@ -250,6 +255,43 @@ pub struct StabilityOptions {
     /// No progress, no notes
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// The options of `fuzz`.
+#[derive(Debug, Args)]
+pub struct FuzzOptions {
+    /// Cases to run [default: 1000; with --minutes as many as there is time for]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub cases: Option<u64>,
+    /// What the cases are drawn from: the same seed, the same cases
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    pub seed: u64,
+    /// Minutes after which no further case is begun
+    #[arg(long, value_name = "M", value_parser = minutes)]
+    pub minutes: Option<f64>,
+    /// The number of the first case
+    #[arg(long, default_value_t = 0, value_name = "NUMBER")]
+    pub first: u64,
+    /// Seconds that a failing case may be shrunk for
+    #[arg(long, default_value_t = 60, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=3600))]
+    pub shrink: u64,
+    /// Pick an adapter whose name contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// Folder for cases that fail
+    #[arg(long, default_value = "out/fuzz", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Also write the summary as a page of Markdown
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+    /// No progress, no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+fn minutes(text: &str) -> std::result::Result<f64, String> {
+    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
+    if value > 0.0 && value <= 10_000.0 { Ok(value) } else { Err("more than 0, up to 10000, are possible".to_owned()) }
 }
 
 impl StabilityOptions {

@@ -174,7 +174,7 @@ mod tests {
     fn what_the_dead_left_is_cleared_and_nothing_else() {
         let base = base("dead");
         let keep = [".subpixel-shadows-x.part", "a.part", ".frame.json.7-0.part", "frame.json", ".hidden"];
-        keep.map(|name| std::fs::write(base.join(name), "x").expect("writes"));
+        keep.into_iter().for_each(|name| std::fs::write(base.join(name), "x").expect("writes"));
         let own = format!(".subpixel-shadows-{}.part", std::process::id());
         for folder in [".subpixel-shadows-7.part", ".subpixel-shadows-8-2.part", own.as_str()] {
             std::fs::create_dir(base.join(folder)).expect("made");

@@ -1,10 +1,11 @@
-//! The command line: `render`, `explain`, `report`, `stability`, `adapters`.
+//! The command line: `render`, `explain`, `report`, `stability`, `fuzz`, `adapters`.
 
 mod adapters;
 mod args;
 mod choices;
 mod engine;
 mod explain;
+mod fuzz;
 mod given;
 mod held;
 mod output;
@@ -31,6 +32,7 @@ pub fn main() -> ExitCode {
     };
     let matches = matches.subcommand().map_or(&matches, |(_, of_command)| of_command);
     let done = match cli.command {
+        Some(Command::Fuzz { options }) => return finish(fuzz::run(&options)),
         Some(Command::Render { scene, options }) => with(matches, scene, options, render::run),
         Some(Command::Explain { scene, options }) => with(matches, scene, options, explain::run),
         Some(Command::Report { options }) => report::run(&options),
@@ -38,13 +40,17 @@ pub fn main() -> ExitCode {
         Some(Command::Adapters { check }) => adapters::run(check),
         None => with(matches, None, cli.options, render::run),
     };
-    status(done)
+    finish(done.map(|()| ExitCode::SUCCESS))
 }
 
 /// The exit status, after a line about what failed.
 fn status(done: Result<()>) -> ExitCode {
+    finish(done.map(|()| ExitCode::SUCCESS))
+}
+
+fn finish(done: Result<ExitCode>) -> ExitCode {
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             progress::complain(&error.to_string());
             ExitCode::from(if error.is_gpu() { 3 } else { 1 })

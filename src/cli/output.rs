@@ -9,8 +9,8 @@ use subpixel_shadows::{Error, Result};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Files under way to a folder. They are written into a folder of their own inside it and moved when all are complete;
-/// without [`OutFolder::fill`] coming to its end nothing is left behind, folders that were made for it included. Of two runs
-/// that write into one folder, the second waits for the first.
+/// without [`OutFolder::fill`] coming to its end nothing is left behind, folders that were made for it included. Of
+/// two runs that write into one folder, the second waits for the first.
 #[derive(Debug)]
 pub struct OutFolder {
     part: PathBuf,
@@ -41,8 +41,8 @@ impl OutFolder {
         Ok(out)
     }
 
-    /// Makes the folder of the unfinished files. Another one of this name is that of a process elsewhere, on a file system
-    /// without locks.
+    /// Makes the folder of the unfinished files. Another one of this name is that of a process elsewhere, on a file
+    /// system without locks.
     fn begin(&self) -> std::io::Result<PathBuf> {
         for k in 0u32.. {
             let part = self.held.folder().join(format!(".subpixel-shadows-{}-{k}.part", std::process::id()));

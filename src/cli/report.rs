@@ -42,7 +42,8 @@ pub fn run(options: &ReportOptions) -> Result<()> {
         let (_, note) = open(options, &job.scene)?;
         note.iter().filter(|_| job.tessellation == 0).for_each(|note| console.note(note));
     }
-    // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does both.
+    // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does
+    // both.
     let _held = Held::open(&options.out, PATIENCE)?;
     let at = options.out.join("rows.jsonl");
     if options.fresh && at.exists() {

@@ -3,6 +3,7 @@
 pub mod buffer;
 pub mod device;
 pub mod faults;
+pub mod kept;
 pub mod layout;
 pub mod program;
 pub mod recorder;
@@ -11,6 +12,7 @@ pub mod uniforms;
 
 pub use buffer::Buffer;
 pub use device::{AdapterSummary, Gpu};
+pub use kept::KeptPrograms;
 pub use program::{Entry, Program};
 pub use recorder::{Groups, Recorder, Stage};
 pub use timer::{StageTime, Timer};

@@ -1,5 +1,6 @@
 //! A compute pipeline whose bindings are known by name.
 
+use super::kept::KeptPrograms;
 use crate::{Error, Result};
 use std::cell::Cell;
 
@@ -103,8 +104,12 @@ pub struct Program {
 }
 
 impl Program {
-    /// Builds the pipeline; `constants` are values for the kernel's `override`s.
+    /// Builds the pipeline, or takes one that is kept ([`KeptPrograms`]); `constants` are values for the kernel's `override`s.
     pub fn new(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
+        KeptPrograms::get_or_make(device, entry, constants, || Self::build(device, entry, constants))
+    }
+
+    fn build(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
         let label = format!("{}.{}", entry.kernel, entry.name);
         MADE.set(MADE.get() + 1);
         log::debug!(target: LOG, "{}", described(entry, constants));

@@ -27,7 +27,8 @@ pub(super) fn of_large_casters(
     receivers: Receivers,
 ) -> Vec<DVec3> {
     let Casters { mesh, tree } = casters;
-    let slack = 1e-9 * (hi - lo).length();
+    // Corners are exact: above the rounding of their heights over a plane, and below what kernels tell from 0.
+    let slack = 1e-12 * (hi - lo).length();
     let texels = small.map_or(0.0, |view| f64::from(view.map_size));
     let inside = |view: &LightView, p: DVec3| {
         let at = view.project(p);
@@ -213,12 +214,12 @@ impl LargeCaster {
 fn plane_of_light(light: &Light, p: DVec3, q: DVec3, other: DVec3) -> DVec3 {
     let (to_light, edge) = (light.towards(p), q - p);
     let normal = edge.cross(to_light);
-    if normal.length() <= 1e-9 * edge.length() * to_light.length() {
+    if normal.length() <= 1e-13 * edge.length() * to_light.length() {
         return DVec3::ZERO;
     }
     let Some(unit) = normal.try_normalize() else { return DVec3::ZERO };
     let side = unit.dot(other - p);
-    if side.abs() > 1e-9 * (other - p).length() { unit * side.signum() } else { DVec3::ZERO }
+    if side.abs() > 1e-13 * (other - p).length() { unit * side.signum() } else { DVec3::ZERO }
 }
 
 /// Leaves of a convex polygon where `inside`, which is linear, is not below 0.

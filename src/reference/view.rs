@@ -243,8 +243,8 @@ pub fn block_count(rect: Option<[u32; 4]>) -> u32 {
     rect.map_or(0, |[x0, y0, x1, y1]| (x1 / 8 - x0 / 8 + 1) * (y1 / 8 - y0 / 8 + 1))
 }
 
-/// Calls `visit` for each row of a square of cells in parallel, with the triangles whose box, grown by `reach`, meets the row, and
-/// the row's cells; returns all cells.
+/// Calls `visit` for each row of a square of cells in parallel, with the triangles whose box, grown by `reach`, meets
+/// the row, and the row's cells; returns all cells.
 pub(super) fn by_rows<T: Clone + Default + Send + Sync, F>(
     figures: &[Option<Flat>],
     rows: u32,
@@ -298,8 +298,8 @@ mod tests {
         std::array::from_fn(|_| light + DVec3::new(next(), next(), next()) * 3.0)
     }
 
-    /// The lines of a triangle that reaches behind the light hold the texel of every point of it in front, but not all texels;
-    /// those of a triangle that lies in front are the triangle's.
+    /// The lines of a triangle that reaches behind the light hold the texel of every point of it in front, but not all
+    /// texels; those of a triangle that lies in front are the triangle's.
     #[test]
     fn lines_hold_what_is_in_front() {
         let mut scene = builtin("spheres").expect("a built-in scene");

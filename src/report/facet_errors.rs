@@ -66,7 +66,7 @@ impl FacetSet {
     }
 
     /// Coverage, occluded and invalid samples of facet `f`.
-    pub(super) fn masks_of(&self, f: usize) -> [u128; 3] {
+    pub(crate) fn masks_of(&self, f: usize) -> [u128; 3] {
         let words = self.words as usize;
         [0, 1, 2].map(|kind| {
             let mut mask = [0; 4];
@@ -82,7 +82,8 @@ impl FacetSet {
 /// Of a facet that was settled as lit or shadowed the samples on its own triangle (with a facet for every surface: all it covers)
 /// are compared: there its plane is a real surface, which is what the proof is about. Of one that was evaluated all covered
 /// samples are compared, for validity and, but for those that both drop, for occlusion: a point of the plane that is on no
-/// surface may lie beneath the scene, where the light view holds no caster, and does not count. Where ours leave none that is
+/// surface may lie beneath the scene, where the light view holds no caster, and does not count; with one facet a pixel, which is
+/// followed beyond its triangle, no more does one outside the box around the mesh. Where ours leave none that is
 /// valid and open, evaluation may have ended there, and what is asked is
 /// whether truth leaves one. Of one that is dark, all.
 ///
@@ -152,6 +153,7 @@ impl FacetErrors {
             width: w,
             offsets: settings.samples.offsets().iter().map(|o| DVec2::new(f64::from(o[0]), f64::from(o[1]))).collect(),
             validity,
+            bounds: tracer.bounds(),
             surfaces: match settings.facets {
                 FacetMode::One => None,
                 FacetMode::All => Some(SceneTruth::new(tracer, camera, light, &settings.samples, w, h)?),
@@ -188,6 +190,8 @@ struct View<'a> {
     width: u32,
     offsets: Vec<DVec2>,
     validity: bool,
+    /// The box around the mesh.
+    bounds: (DVec3, DVec3),
     /// With a facet for every surface: which samples are near the edge of one.
     surfaces: Option<SceneTruth<'a>>,
 }
@@ -267,6 +271,12 @@ impl View<'_> {
             let at = corner + self.offsets[k];
             let r = self.rays.direction(at.x, at.y);
             if normal.dot(r) * distance > 0.0 {
+                let point = self.rays.eye + r * (distance / normal.dot(r));
+                let slack = 1e-9 * (self.bounds.1 - self.bounds.0).length();
+                let is_around = (point - point.clamp(self.bounds.0, self.bounds.1)).length() <= slack;
+                if self.surfaces.is_none() && !is_around {
+                    continue;
+                }
                 met |= 1 << k;
                 let v = DVec3::from_array(edges.map(|e| e.dot(r)));
                 if v.min_element() >= 0.0 || v.max_element() <= 0.0 {

@@ -1,5 +1,5 @@
-//! Pictures as files: written beside their place under another name and moved there when complete, so that no half-written
-//! file is ever found.
+//! Pictures as files: written beside their place under another name and moved there when complete, so that no
+//! half-written file is ever found.
 
 use crate::{Error, Result};
 use image::codecs::openexr::OpenExrEncoder;
@@ -10,8 +10,8 @@ use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Writes visibility in `[0, 1]` as an 8-bit grey PNG, row 0 at the top. Values outside are clamped, and one that is not
-/// a number is black.
+/// Writes visibility in `[0, 1]` as an 8-bit grey PNG, row 0 at the top. Values outside are clamped, and one that is
+/// not a number is black.
 ///
 /// # Errors
 /// [`Error::File`] naming `path` if the file cannot be written, [`Error::Config`] if the sizes do not agree.
@@ -89,8 +89,8 @@ fn check(width: u32, height: u32, pixels: usize) -> Result<()> {
     Ok(())
 }
 
-/// Whether `name` is that of an unfinished file of [`write`], or of a folder of such files (`.subpixel-shadows-…part`), so that
-/// nobody misses it when the process that began it is dead.
+/// Whether `name` is that of an unfinished file of [`write`], or of a folder of such files
+/// (`.subpixel-shadows-…part`), so that nobody misses it when the process that began it is dead.
 pub fn part_of_dead(name: &str) -> bool {
     let numbers = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit() || b == b'-');
     let inner = name.strip_prefix('.').and_then(|n| n.strip_suffix(".part"));

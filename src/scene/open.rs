@@ -20,7 +20,8 @@ impl Scene {
         Self::open_and_note(spec, options).map(|(scene, _)| scene)
     }
 
-    /// As [`Scene::open`], with one line for people on what the file holds that is not read (skins, textures, …), if it does.
+    /// As [`Scene::open`], with one line for people on what the file holds that is not read (skins, textures, …), if
+    /// it does.
     ///
     /// # Errors
     /// As [`Scene::open`].

@@ -72,6 +72,12 @@ impl Tracer {
         self.tree.corners[self.slots[triangle as usize] as usize].map(|c| c.as_dvec3())
     }
 
+    /// Lowest and highest corner of the box around all triangles; infinite and turned around without any.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let corners = self.tree.corners.iter().flatten().map(|c| c.as_dvec3());
+        corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)))
+    }
+
     pub(crate) fn tree(&self) -> &Hierarchy {
         &self.tree
     }

@@ -185,6 +185,21 @@ impl<'a> SceneTruth<'a> {
         split_mask(mask)
     }
 
+    /// Whether the answer `[seen, lit]` is that of a place within [`AMBIGUITY`] of a sample along `x` and `y`: looked for on a grid of
+    /// 33 × 33, so that slivers are found that pass between the places of [`SceneTruth::ambiguous_mask`]. Costs as much as 1089 samples.
+    pub fn answers_nearby(&self, pixel: u32, sample: u32, [seen, lit]: [bool; 2]) -> bool {
+        let Some(&at) = self.offsets.get(sample as usize) else { return false };
+        let step = |k: i32| f64::from(k) / 16.0 * AMBIGUITY;
+        let places: Vec<DVec2> =
+            (-16..=16).flat_map(|y| (-16..=16).map(move |x| at + DVec2::new(step(x), step(y)))).collect();
+        places.chunks(PACKET).any(|part| {
+            let answer = self.trace(pixel, part);
+            let wrong = |mask: u128, ours: bool| mask ^ if ours { u128::MAX } else { 0 };
+            let full = full_mask(part.len() as u32);
+            (wrong(answer.seen, seen) | wrong(answer.lit, lit)) & full != full
+        })
+    }
+
     /// Whether one sample of a pixel is ambiguous. For callers that look at few of them: costs as much as the pixel's
     /// whole [`SceneTruth::ambiguous_mask`], nine times the pixel's truth.
     pub fn ambiguous(&self, pixel: u32, sample: u32) -> bool {

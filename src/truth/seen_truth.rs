@@ -10,7 +10,8 @@
 //! - a ray within [`AMBIGUITY`] of a pixel sees the given surface (or nothing, if nothing was given): at one of eight places around the
 //!   sample, or where the given triangle comes into the square of these;
 //! - an edge within the `f64` error bound decided what is nearest;
-//! - the given or the nearest surface lies within 2^-20 of the near distance.
+//! - the given or the nearest surface lies within 2^-20 of the near distance, or too near to it for 46 bits;
+//! - the given triangle is there within [`AMBIGUITY`] of a pixel, and its plane is seen edge-on within that: it may be at any depth.
 //!
 //! All other samples that were not given the nearest surface are *wrong*.
 
@@ -127,8 +128,9 @@ impl<'a> SeenTruth<'a> {
     fn is_tie(&self, seen: &Seen, k: usize, given: Option<u32>) -> bool {
         let ray = seen.rays[k];
         let is_near = |p: &Plane| {
-            let depth = p.distance / p.normal.dot(ray);
-            (depth - self.near).abs() <= NEAR_ROUNDING * self.near
+            let along = p.normal.dot(ray);
+            let made_of = p.size * (p.reach + self.near * ray.length());
+            (p.distance - self.near * along).abs() <= NEAR_ROUNDING * (self.near * along).abs() + NEARLY_EQUAL * made_of
         };
         let own = (seen.seen >> k & 1 != 0).then(|| self.plane(seen.triangle[k]));
         let theirs = given.map(|t| self.plane(t));
@@ -142,15 +144,29 @@ impl<'a> SeenTruth<'a> {
     }
 
     /// Whether triangle `t` is seen anywhere in the square of half-width [`AMBIGUITY`] around a place of the image: where the square
-    /// is cut by the triangle's edges, at the corners of what is left and in its middle.
+    /// is cut by the triangle's edges, at the corners of what is left and in its middle; or is there and seen edge-on.
     fn is_seen_near(&self, at: DVec2, t: u32) -> bool {
-        let corners = self.tracer.corners(t).map(|p| p - self.rays.eye);
-        let turn = if self.plane(t).distance > 0.0 { 1.0 } else { -1.0 };
+        let plane = self.plane(t);
         let ray = self.rays.direction(at.x, at.y);
         let (x, y) = (self.rays.step_x * AMBIGUITY, self.rays.step_y * AMBIGUITY);
+        let edge_on = plane.normal.dot(ray).abs() <= plane.normal.dot(x).abs() + plane.normal.dot(y).abs();
+        if edge_on {
+            return [1.0, -1.0].into_iter().any(|turn| !self.within(&plane, turn, [ray, x, y]).is_empty());
+        }
+        let polygon = self.within(&plane, if plane.distance > 0.0 { 1.0 } else { -1.0 }, [ray, x, y]);
+        if polygon.is_empty() {
+            return false;
+        }
+        let middle = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
+        let sees = |r: DVec3| self.tracer.closest(self.rays.eye, r, self.near).is_some_and(|hit| hit.triangle == t);
+        sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
+    }
+
+    /// What of the square around a ray lies inside the triangle's edges, as a polygon of rays; `turn`: 1 if it turns away from the eye.
+    fn within(&self, plane: &Plane, turn: f64, [ray, x, y]: [DVec3; 3]) -> Vec<DVec3> {
         let mut polygon = vec![ray - x - y, ray + x - y, ray + x + y, ray - x + y];
         for (i, j) in EDGES {
-            let (lo, hi, flip) = canonical(corners[i], corners[j]);
+            let (lo, hi, flip) = canonical(plane.corners[i], plane.corners[j]);
             let normal = lo.cross(hi - lo) * (flip * turn);
             let mut left = Vec::with_capacity(8);
             for (k, &p) in polygon.iter().enumerate() {
@@ -165,12 +181,7 @@ impl<'a> SeenTruth<'a> {
             }
             polygon = left;
         }
-        if polygon.is_empty() {
-            return false;
-        }
-        let middle = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
-        let sees = |r: DVec3| self.tracer.closest(self.rays.eye, r, self.near).is_some_and(|hit| hit.triangle == t);
-        sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
+        polygon
     }
 }
 

@@ -28,7 +28,8 @@ pub struct Sound {
     pub bytes: Vec<u8>,
 }
 
-/// A box on a floor and a bent strip: closed and open parts, edges of two faces and of one, triangles that see each other.
+/// A box on a floor and a bent strip: closed and open parts, edges of two faces and of one, triangles that see each
+/// other.
 fn solid() -> (Vec<[f32; 3]>, Vec<[u16; 3]>) {
     let mut positions: Vec<[f32; 3]> =
         (0..8u8).map(|k| [f32::from(k & 1), 0.25 + f32::from(k >> 1 & 1), f32::from(k >> 2)]).collect();
@@ -56,7 +57,8 @@ fn solid() -> (Vec<[f32; 3]>, Vec<[u16; 3]>) {
 fn ply_text() -> Vec<u8> {
     let (positions, triangles) = solid();
     let mut text = format!(
-        "ply\nformat ascii 1.0\ncomment a box\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+        "ply\nformat ascii 1.0\ncomment a box\nelement vertex {}\nproperty float x\nproperty float y\n\
+         property float z\n\
          property uchar red\nelement face {}\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int a\n\
          end_header\n",
         positions.len(),
@@ -120,7 +122,8 @@ fn obj() -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Positions as floats and as normalized shorts, indices, a strip, a sparse replacement; with what is not read beside it.
+/// Positions as floats and as normalized shorts, indices, a strip, a sparse replacement; with what is not read beside
+/// it.
 pub fn gltf_buffer() -> Vec<u8> {
     let (positions, triangles) = solid();
     let mut bytes: Vec<u8> = positions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
@@ -186,7 +189,8 @@ fn glb(json: &[u8], bin: &[u8]) -> Vec<u8> {
 }
 
 const TOML: &str = "mesh = \"box.obj\"\nground = true\n[camera]\neye = [4.0, 3.0, 6.0]\ntarget = [0.0, 1.0, 0.0]\n\
-                    up = [0.0, 1.0, 0.0]\nfov = 40.0\n[light]\nspot = [3.0, 6.0, 2.0]\ntarget = [0.0, 0.0, 0.0]\nangle = 60.0\n";
+                    up = [0.0, 1.0, 0.0]\nfov = 40.0\n[light]\n\
+                    spot = [3.0, 6.0, 2.0]\ntarget = [0.0, 0.0, 0.0]\nangle = 60.0\n";
 
 /// One or more files of each format, all of which can be read.
 pub fn sound() -> Vec<Sound> {
@@ -359,8 +363,8 @@ fn renumber(bytes: &mut Vec<u8>, random: &mut Random) {
     replace_number(bytes, at, &with);
 }
 
-/// A file of a format with 1 to 4 damages, and its number among the formats. Of half of them only numbers are changed, so that
-/// they get past the reader of the text; every 16th is sound.
+/// A file of a format with 1 to 4 damages, and its number among the formats. Of half of them only numbers are changed,
+/// so that they get past the reader of the text; every 16th is sound.
 pub fn hostile(sound: &[Sound], random: &mut Random) -> (usize, Vec<u8>) {
     let which = random.below(sound.len());
     let mut bytes = sound[which].bytes.clone();

@@ -60,9 +60,9 @@ mod tests {
         // As many as were wanted, as many as may be, and none where even those would not do.
         assert_eq!(bands(of(1, 500_000, 100_000)), Ok(8));
         assert_eq!(bands(of(4, 100_000, 1 << 21)), Ok(16));
-        let refused = bands(of(2, 2_500_000, 1 << 21)).expect_err("too much");
+        let refused = bands(of(4, 2_500_000, 1 << 21)).expect_err("too much");
         assert!(
-            refused.starts_with("memory: 'pair lists of the largest of 2 bands of facets, 16 at most"),
+            refused.starts_with("memory: 'pair lists of the largest of 4 bands of facets, 16 at most"),
             "{refused}"
         );
         let refused = bands(of(16, 200_000, 1 << 21)).expect_err("as many as may be do not do");

@@ -16,12 +16,14 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal of this machine, or begins one. A last line that was cut off is dropped: its run was ended while it wrote.
-    /// A line before it that is no row is damage, which no run does, and is refused rather than measured again unasked. What rows of
-    /// earlier versions say of no pixels, or of one sample, is not taken ([`SceneErrors::honest`](crate::report::SceneErrors::honest)).
+    /// Opens the journal of this machine, or begins one. A last line that was cut off is dropped: its run was ended
+    /// while it wrote. A line before it that is no row is damage, which no run does, and is refused rather than
+    /// measured again unasked. What rows of earlier versions say of no pixels, or of one sample, is not taken
+    /// ([`SceneErrors::honest`](crate::report::SceneErrors::honest)).
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be read or written, is of another machine or version, or a line is no row; with the line's number.
+    /// [`Error::File`] if it cannot be read or written, is of another machine or version, or a line is no row; with
+    /// the line's number.
     pub fn open(path: &Path, machine: &Machine) -> Result<Self> {
         let fault = |e: std::io::Error| Error::file(path, e.to_string());
         let mut file =

@@ -122,8 +122,8 @@ pub fn markdown(page: &Page, rows: &[Row]) -> String {
     };
     let _ = writeln!(
         out,
-        "Each time is the median of {repeats}, the rows of a scene in turns, with the quartiles in the CSV file. It is \
-         the GPU time of all stages, reading back left out. *Ratio* is over `facet-masks facets=one` of the same round. Errors \
+        "Each time is the median of {repeats}, after one that is not timed, the rows of a scene in turns, with the quartiles in \
+         the CSV file. It is the GPU time of all stages, reading back left out. *Ratio* is over `facet-masks facets=one` of the same round. Errors \
          are of visibility: *matched* against rays through the same samples, *converged* against 1024 rays a pixel; *band* is \
          the silhouette band, the pixels that are neither all lit nor all dark, grown by one.\n"
     );
