@@ -8,7 +8,8 @@
 //! **Ties.** Else the sample is *tied*, and either answer may stand, if
 //! - the two planes lie so near to each other along the ray that kernels, which have 46 bits, may take them for equal ([`NEARLY_EQUAL`]);
 //! - a ray within [`AMBIGUITY`] of a pixel sees the given surface (or nothing, if nothing was given): at one of eight places around the
-//!   sample, or where the given triangle comes into the square of these;
+//!   sample, or where the given triangle comes into the square of these; or does not see it there because the plane of another crosses
+//!   its own within the square;
 //! - an edge within the `f64` error bound decided what is nearest;
 //! - the given or the nearest surface lies within 2^-20 of the near distance, or too near to it for 46 bits;
 //! - the given triangle is there within [`AMBIGUITY`] of a pixel, and its plane is seen edge-on within that: it may be at any depth.
@@ -158,7 +159,14 @@ impl<'a> SeenTruth<'a> {
             return false;
         }
         let middle = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
-        let sees = |r: DVec3| self.tracer.closest(self.rays.eye, r, self.near).is_some_and(|hit| hit.triangle == t);
+        let sees = |r: DVec3| {
+            let Some(hit) = self.tracer.closest(self.rays.eye, r, self.near) else { return false };
+            // Or the two cross within the square: at a fold the one behind is nowhere seen beside the common edge.
+            let other = self.plane(hit.triangle);
+            let apart = |r: DVec3| plane.distance / plane.normal.dot(r) - other.distance / other.normal.dot(r);
+            let here = apart(r);
+            hit.triangle == t || here.abs() <= (apart(r + x) - here).abs() + (apart(r + y) - here).abs()
+        };
         sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
     }
 
@@ -245,6 +253,24 @@ mod tests {
         // One plane: each stands for the other.
         assert_eq!(given(&sheets(0.0, 0.0), Some(0)), (0, 0));
         assert_eq!(given(&sheets(0.0, 0.0), Some(1)), (0, 0));
+    }
+
+    #[test]
+    fn behind_a_fold_is_a_tie_at_the_fold_alone() {
+        // Two sheets from one edge at x = 0 to the right, the second ever farther behind the first.
+        let mesh = Mesh {
+            positions: vec![[0.0, -9.0, 0.0], [0.0, 9.0, 0.0], [9.0, 0.0, 0.0], [9.0, 0.0, -1.0]],
+            triangles: vec![[0, 2, 1], [0, 3, 1]],
+        };
+        let tracer = Tracer::new(&mesh).unwrap();
+        let samples = Samples::new(Pattern::default(), 1).unwrap();
+        let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
+        for (at, tied) in [(-2.0, false), (-0.5, true), (0.5, true), (3.0, false)] {
+            let at: f64 = 16.0 + at * AMBIGUITY;
+            let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
+            let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(1));
+            assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at}");
+        }
     }
 
     #[test]
