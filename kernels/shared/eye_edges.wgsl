@@ -67,3 +67,17 @@ fn eye_depth(given: Corners, ray: vec3<f32>) -> vec2<f32> {
     let doubt = min(lean, farthest - nearest);
     return select(vec2(-1.0, 0.0), vec2(clamp(depth, nearest, farthest), doubt), abs(over) > 0.0);
 }
+
+const TOUCHING = 9.5367432e-7;  // 2^-20: relative difference of depths, besides their doubts, that single precision is not asked about
+
+// Whether single precision leaves open if a depth, with its doubt, lies beyond the near distance.
+fn is_near_open(depth: vec2<f32>) -> bool {
+    return depth.x - depth.y < frame.forward.w && depth.y > TOUCHING * frame.forward.w;
+}
+
+// Whether a triangle is where the ray is, its edges included.
+fn covers_ray(u: Corners, ray: vec3<f32>) -> bool {
+    let i = u.i;
+    let v = vec3(eye_edge_near(i.x, i.y, u.a, u.b, ray), eye_edge_near(i.y, i.z, u.b, u.c, ray), eye_edge_near(i.z, i.x, u.c, u.a, ray));
+    return all(v >= vec3(0.0)) || all(v <= vec3(0.0));
+}

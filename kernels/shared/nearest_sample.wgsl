@@ -29,8 +29,6 @@ fn sample_offset(k: u32) -> vec2<f32> {
     return select(pair.xy, pair.zw, (k & 1u) == 1u);
 }
 
-const TOUCHING = 9.5367432e-7;  // 2^-20: relative difference of depths, besides their doubts, that single precision is not asked about
-
 // What is kept of a sample.
 struct Held { key: u32, high: f32, low: f32 }
 
@@ -82,20 +80,13 @@ fn look_twice(n: u32, t: u32) {
     look(2u * n + 1u, pair.zw, t);
 }
 
-// Whether a triangle is where the ray is, its edges included.
-fn covers_ray(u: Corners, ray: vec3<f32>) -> bool {
-    let i = u.i;
-    let v = vec3(eye_edge_near(i.x, i.y, u.a, u.b, ray), eye_edge_near(i.y, i.z, u.b, u.c, ray), eye_edge_near(i.z, i.x, u.c, u.a, ray));
-    return all(v >= vec3(0.0)) || all(v <= vec3(0.0));
-}
-
 // Triangle `t` at sample `k`, from its corners.
 fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
     let ray = ray_at(pixel, sample_offset(32u * step.word + k));
     let u = corners_at(corners_of(t));
     let depth = eye_depth(u, ray);
     if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w { return; }
-    if depth.x - depth.y < frame.forward.w && depth.y > TOUCHING * frame.forward.w {
+    if is_near_open(depth) {
         // It may lie nearer than the near distance: as one of a crowd it is looked at with 46 bits.
         crowded |= 1u << k;
         return;

@@ -40,7 +40,7 @@ fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
         let depth = eye_depth(u, ray);
         if t == best || !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w || depth.x - depth.y > most { continue; }
         var is_there = depth.x >= frame.forward.w;
-        if depth.x - depth.y < frame.forward.w && depth.y > TOUCHING * frame.forward.w { is_there = is_beyond_near_46(u.i, ray); }
+        if is_near_open(depth) { is_there = is_beyond_near_46(u.i, ray); }
         if !is_there { continue; }
         if best == NO_TRIANGLE {
             best = t;
