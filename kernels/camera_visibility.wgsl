@@ -1,7 +1,7 @@
 // camera_visibility: the nearest triangle at every pixel centre, by compute rasterization of 8 x 8 blocks.
 // `raster` raises the keys, with atomics, in two runs: pass 0 finds a depth that the nearest surely does not lie behind, pass 1 the
-// lowest triangle that may lie before it, and marks in `doubts` the pixels where there are several (one bit each behind the first word,
-// which is then how many blocks there are: a dispatch over them has nothing to do where no pixel is in doubt). For those `settle`
+// lowest triangle that may lie before it, and marks in `doubts` the pixels where there are several (a bit each, two words for each 8 x 8
+// pixels, behind the first word, which is then how many blocks there are: a dispatch over them has nothing to do where no pixel is in doubt). For those `settle`
 // finds the nearest with 46 bits, in two runs: pass 0 how near it is (`id_keys`), pass 1 the lowest triangle there. `take` copies it.
 // Reads the blocks of each triangle (`work_offsets`, `camera_rects`). Writes `keys` (of a pixel complement of the triangle, its upper bit
 // 1 only if `settle` chose it; and complement of the bits of the view depth; 0 where nothing is seen) and the complement of the triangle
@@ -17,6 +17,7 @@
 //@import facing_46
 //@import eye_order_46
 //@import camera_raster
+//@import block_bits
 
 const WORKGROUP = 64u;
 const SETTLED = 0x80000000u;
@@ -33,6 +34,12 @@ const SETTLED = 0x80000000u;
 @group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
 
 //@import frame_copy
+
+// The first of the two words of a pixel's 8 x 8 block in `doubts`.
+fn doubt_word(at: vec2<u32>) -> u32 {
+    let across = (frame.image_size.x + BLOCK - 1u) >> BLOCK_SHIFT;
+    return 1u + 2u * ((at.y >> BLOCK_SHIFT) * across + (at.x >> BLOCK_SHIFT));
+}
 
 @compute @workgroup_size(WORKGROUP)
 fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -54,7 +61,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
                 var other = ~named;
                 if key.y != 0u { other = atomicMax(&keys[2u * pixel], named); }
                 if other != 0u && other != named {
-                    atomicOr(&doubts[1u + pixel / 32u], 1u << (pixel % 32u));
+                    atomicOr(&doubts[doubt_word(vec2(x, y)) + ((y >> 2u) & 1u)], 1u << ((y & 3u) * 8u + (x & 7u)));
                     atomicStore(&doubts[0], work_offsets[frame.triangle_count]);
                 }
             }
@@ -78,24 +85,39 @@ fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
-    let seen = seen_in(item);
-    for (var y = seen.block.low.y; y <= seen.block.high.y; y++) {
-        let cells = pixels_of_row(seen, y);
-        for (var x = cells.x; x <= cells.y; x++) {
-            let pixel = y * frame.image_size.x + x;
-            if ((atomicLoad(&doubts[1u + pixel / 32u]) >> (pixel % 32u)) & 1u) == 0u { continue; }
-            let key = keys_at(seen, x, y);
-            let least = atomicLoad(&keys[2u * pixel + 1u]);
-            if key.x == 0u || least > key.x { continue; }
-            let i = triangles[seen.t];
-            let ray = pixel_ray(pixel);
-            if key.y == 0u && !is_beyond_near_46(i, ray) { continue; }
-            let nearer = key_46(i, ray, select(bitcast<f32>(~least), frame.forward.w, least == 0u));
-            if step.index == 0u {
-                atomicMax(&id_keys[pixel], nearer);
-            } else if atomicLoad(&id_keys[pixel]) == nearer {
-                atomicMax(&keys[2u * pixel], ~seen.t);
-            }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(camera_rects[t], item - work_offsets[t]);
+    let word = doubt_word(block.low);
+    let doubted = vec2(atomicLoad(&doubts[word]), atomicLoad(&doubts[word + 1u]));
+    // Few blocks have pixels in doubt: a loop that the others do not enter.
+    for (var some = any(doubted != vec2(0u)); some; some = false) { settle_in(seen_of(t, block), doubted); }
+}
+
+// Looks at the pixels of a block that are in doubt.
+fn settle_in(seen: Seen, doubted: vec2<u32>) {
+    let corner = seen.block.low & vec2(~7u);
+    var left = doubted;
+    var found = vec2(0u);
+    while any(left != vec2(0u)) {
+        let place = take_texel(&left);
+        let at = corner + place;
+        if any(at < seen.block.low) || any(at > seen.block.high) { continue; }
+        let key = keys_at(seen, at.x, at.y);
+        if key.x == 0u || atomicLoad(&keys[2u * (at.y * frame.image_size.x + at.x) + 1u]) > key.x { continue; }
+        add_texel(&found, place);
+    }
+    while any(found != vec2(0u)) {
+        let at = corner + take_texel(&found);
+        let pixel = at.y * frame.image_size.x + at.x;
+        let least = atomicLoad(&keys[2u * pixel + 1u]);
+        let i = triangles[seen.t];
+        let ray = pixel_ray(pixel);
+        if keys_at(seen, at.x, at.y).y == 0u && !is_beyond_near_46(i, ray) { continue; }
+        let nearer = key_46(i, ray, select(bitcast<f32>(~least), frame.forward.w, least == 0u));
+        if step.index == 0u {
+            atomicMax(&id_keys[pixel], nearer);
+        } else if atomicLoad(&id_keys[pixel]) == nearer {
+            atomicMax(&keys[2u * pixel], ~seen.t);
         }
     }
 }

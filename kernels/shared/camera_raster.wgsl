@@ -27,9 +27,14 @@ struct Seen {
 }
 
 fn seen_in(item: u32) -> Seen {
+    let t = owner_of(item, frame.triangle_count);
+    return seen_of(t, block_of(camera_rects[t], item - work_offsets[t]));
+}
+
+fn seen_of(t: u32, block: Rect) -> Seen {
     var s: Seen;
-    s.t = owner_of(item, frame.triangle_count);
-    s.block = block_of(camera_rects[s.t], item - work_offsets[s.t]);
+    s.t = t;
+    s.block = block;
     let i = triangles[s.t];
     s.edges = array(edge(i.x, i.y), edge(i.y, i.z), edge(i.z, i.x));
     let a = points[i.x].xyz;

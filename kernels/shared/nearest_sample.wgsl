@@ -30,14 +30,13 @@ fn sample_offset(k: u32) -> vec2<f32> {
 }
 
 // What is kept of a sample.
-struct Held { key: u32, high: f32, low: f32 }
+struct Held { key: u32, high: f32 }
 
 fn held_at(k: u32) -> Held {
-    var held = Held(0u, 0.0, 0.0);
+    var held = Held(0u, 0.0);
     for (var n = 0u; n < 32u; n++) {
         held.key = select(held.key, best_keys[n], n == k);
         held.high = select(held.high, best_high[n], n == k);
-        held.low = select(held.low, best_low[n], n == k);
     }
     return held;
 }
@@ -48,11 +47,12 @@ fn inverse_of(depth: vec2<f32>) -> vec2<f32> {
     return vec2(select(3.0e38, 1.000001 / nearest, nearest > 1e-38), 0.999999 / (depth.x + depth.y));
 }
 
-fn keep(k: u32, key: u32, high: f32, low: f32) {
+// Raises the upper bound, or, if it `takes` the sample, puts down triangle and both bounds.
+fn keep(k: u32, takes: bool, key: u32, high: f32, low: f32) {
     for (var n = 0u; n < 32u; n++) {
-        best_keys[n] = select(best_keys[n], key, n == k);
+        best_keys[n] = select(best_keys[n], key, (n == k) & takes);
         best_high[n] = select(best_high[n], high, n == k);
-        best_low[n] = select(best_low[n], low, n == k);
+        best_low[n] = select(best_low[n], low, (n == k) & takes);
     }
 }
 
@@ -113,7 +113,7 @@ fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
         crowded |= rivals & bit;
     }
     let high = select(bounds.x, max(bounds.x, held.high), (rivals & bit) != 0u);
-    if takes || touching { keep(k, select(held.key, ~t, takes), high, select(held.low, bounds.y, takes)); }
+    if takes || touching { keep(k, takes, ~t, high, bounds.y); }
 }
 
 // The samples of a word for which bounds do not tell whether they see triangle `t`.
@@ -185,7 +185,7 @@ fn resume(slot: u32, pixel: u32, count: u32) {
             let rival = rivals_found[place(slot, word + k)];
             bounds.x = max(bounds.x, inverse_of(eye_depth(corners_at(corners_of(rival)), ray)).x);
         }
-        keep(k, key, bounds.x, bounds.y);
+        keep(k, true, key, bounds.x, bounds.y);
     }
 }
 

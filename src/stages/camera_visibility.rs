@@ -39,7 +39,7 @@ pub struct CameraVisibility {
 pub struct Centres {
     /// Complements of the triangle and of the bits of the view depth; 0 where nothing is seen.
     pub keys: Buffer<[u32; 2]>,
-    /// Blocks to go through again, then one bit for each pixel that single precision leaves open.
+    /// Blocks to go through again, then one bit for each pixel that single precision leaves open, two words for each 8 × 8 pixels.
     pub doubts: Buffer<u32>,
     args: Buffer<u32>,
     requests: Requests,
@@ -51,10 +51,12 @@ impl Centres {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, pixels: usize) -> Result<Self> {
+        // No image of so many pixels has more blocks, whatever its width.
+        let blocks = pixels.div_ceil(8) + 1;
         let request = Request::new(0, kernel::WORKGROUP, Request::MAX_LIMIT, 0)?;
         Ok(Self {
             keys: Buffer::storage(device, "camera_visibility.keys", pixels)?,
-            doubts: Buffer::storage(device, "camera_visibility.doubts", 1 + pixels.div_ceil(32))?,
+            doubts: Buffer::storage(device, "camera_visibility.doubts", 1 + 2 * blocks)?,
             args: Buffer::indirect(device, "camera_visibility.args", 3)?,
             requests: DispatchArgs::requests(device, queue, &[request])?,
         })
