@@ -8,7 +8,7 @@
 //! **Ties.** Else the sample is *tied*, and either answer may stand, if
 //! - the two planes lie so near to each other along the ray that kernels, which have 46 bits, may take them for equal ([`NEARLY_EQUAL`]);
 //! - a ray within [`AMBIGUITY`] of a pixel sees the given surface (or nothing, if nothing was given): at one of eight places around the
-//!   sample, or where the given triangle comes into the square of these; or does not see it there because the plane of another crosses
+//!   sample, straight across an edge of what is seen (for nothing), or where the given triangle comes into the square of these; or does not see it there because the plane of another crosses
 //!   its own within the square;
 //! - an edge within the `f64` error bound decided what is nearest;
 //! - the given or the nearest surface lies within 2^-20 of the near distance, or too near to it for 46 bits;
@@ -95,9 +95,11 @@ impl<'a> SeenTruth<'a> {
                 left = bits(left).filter(|&k| !agrees(k)).fold(0, |mask, k| mask | 1 << k);
             }
         }
-        left = bits(left)
-            .filter(|&k| !given(k).is_some_and(|t| self.is_seen_near(corner + self.offsets[k], t)))
-            .fold(0, |mask, k| mask | 1 << k);
+        let is_near = |k: usize| match given(k) {
+            Some(t) => self.is_seen_near(corner + self.offsets[k], t),
+            None => self.is_gap_near(corner + self.offsets[k], seen.triangle[k]),
+        };
+        left = bits(left).filter(|&k| !is_near(k)).fold(0, |mask, k| mask | 1 << k);
         SeenResult { wrong: left, tied: off & !left }
     }
 
@@ -168,6 +170,21 @@ impl<'a> SeenTruth<'a> {
             hit.triangle == t || here.abs() <= (apart(r + x) - here).abs() + (apart(r + y) - here).abs()
         };
         sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
+    }
+
+    /// Whether nothing is seen straight across one of the edges of triangle `t`, which is seen there, within [`AMBIGUITY`] of a place of
+    /// the image: a gap between surfaces may be narrower than that.
+    fn is_gap_near(&self, at: DVec2, t: u32) -> bool {
+        let corners = self.plane(t).corners;
+        let ray = self.rays.direction(at.x, at.y);
+        EDGES.into_iter().any(|(i, j)| {
+            let normal = corners[i].cross(corners[j] - corners[i]);
+            let slope = DVec2::new(normal.dot(self.rays.step_x), normal.dot(self.rays.step_y));
+            let to_edge = slope * (-normal.dot(ray) / slope.length_squared());
+            let across = to_edge * 1.01;
+            let beyond = self.rays.direction(at.x + across.x, at.y + across.y);
+            across.length() <= AMBIGUITY && self.tracer.closest(self.rays.eye, beyond, self.near).is_none()
+        })
     }
 
     /// What of the square around a ray lies inside the triangle's edges, as a polygon of rays; `turn`: 1 if it turns away from the eye.
@@ -253,6 +270,31 @@ mod tests {
         // One plane: each stands for the other.
         assert_eq!(given(&sheets(0.0, 0.0), Some(0)), (0, 0));
         assert_eq!(given(&sheets(0.0, 0.0), Some(1)), (0, 0));
+    }
+
+    #[test]
+    fn a_gap_narrower_than_the_band_is_a_tie() {
+        // Two sheets, 0.00005 apart at x = 0: a ninth of the band of 0.00044.
+        let mesh = Mesh {
+            positions: vec![
+                [0.0, -9.0, 0.0],
+                [0.0, 9.0, 0.0],
+                [9.0, 0.0, 0.0],
+                [-5e-5, 9.0, 0.0],
+                [-5e-5, -9.0, 0.0],
+                [-9.0, 0.0, 0.0],
+            ],
+            triangles: vec![[0, 2, 1], [3, 5, 4]],
+        };
+        let tracer = Tracer::new(&mesh).unwrap();
+        let samples = Samples::new(Pattern::default(), 1).unwrap();
+        let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
+        for (at, tied) in [(-3.0, false), (-0.5, true), (0.5, true), (3.0, false)] {
+            let at: f64 = 16.0 + at * AMBIGUITY;
+            let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
+            let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| None);
+            assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at}");
+        }
     }
 
     #[test]
