@@ -172,19 +172,28 @@ impl<'a> SeenTruth<'a> {
         sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
     }
 
-    /// Whether nothing is seen straight across one of the edges of triangle `t`, which is seen there, within [`AMBIGUITY`] of a place of
-    /// the image: a gap between surfaces may be narrower than that.
+    /// Whether rounding may open a gap at a place of the image where triangle `t` is seen: within [`AMBIGUITY`] of it, straight across one of
+    /// the triangle's edges, nothing is seen, or a triangle that does not share the edge and ends within that, too.
     fn is_gap_near(&self, at: DVec2, t: u32) -> bool {
         let corners = self.plane(t).corners;
-        let ray = self.rays.direction(at.x, at.y);
         EDGES.into_iter().any(|(i, j)| {
-            let normal = corners[i].cross(corners[j] - corners[i]);
-            let slope = DVec2::new(normal.dot(self.rays.step_x), normal.dot(self.rays.step_y));
-            let to_edge = slope * (-normal.dot(ray) / slope.length_squared());
-            let across = to_edge * 1.01;
+            let across = self.to_line(at, corners[i], corners[j]) * 1.01;
+            if across.length() > AMBIGUITY {
+                return false;
+            }
             let beyond = self.rays.direction(at.x + across.x, at.y + across.y);
-            across.length() <= AMBIGUITY && self.tracer.closest(self.rays.eye, beyond, self.near).is_none()
+            let Some(hit) = self.tracer.closest(self.rays.eye, beyond, self.near) else { return true };
+            let other = self.plane(hit.triangle).corners;
+            let is_shared = other.contains(&corners[i]) && other.contains(&corners[j]);
+            !is_shared && EDGES.into_iter().any(|(i, j)| self.to_line(at, other[i], other[j]).length() <= AMBIGUITY)
         })
+    }
+
+    /// From a place of the image straight to the line through two points, in pixels.
+    fn to_line(&self, at: DVec2, p: DVec3, q: DVec3) -> DVec2 {
+        let normal = p.cross(q - p);
+        let slope = DVec2::new(normal.dot(self.rays.step_x), normal.dot(self.rays.step_y));
+        slope * (-normal.dot(self.rays.direction(at.x, at.y)) / slope.length_squared())
     }
 
     /// What of the square around a ray lies inside the triangle's edges, as a polygon of rays; `turn`: 1 if it turns away from the eye.
