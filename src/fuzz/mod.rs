@@ -1,7 +1,7 @@
 //! Random worlds, each held against the CPU engine and against truth: what `subpixel-shadows fuzz` runs.
 //!
 //! A case is a function of a seed and its number: a [`World`] (mesh, ground, camera, light) and [`How`] it is rendered. [`Bench::render`]
-//! renders it, [`judge`] holds the frame against everything there is to hold it against, [`shrink`](shrink::shrink) makes a failing
+//! renders it, [`judge`](mod@judge) holds the frame against everything there is to hold it against, [`shrink`](shrink::shrink) makes a failing
 //! case smaller, and [`write`](files::write) writes it as a scene file with the command that repeats it.
 
 pub mod check;

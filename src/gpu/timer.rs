@@ -98,7 +98,7 @@ impl Timer {
     /// The times of the submission, in order of first use of each name; waits for the GPU.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<StageTime>> {
         if self.names.is_empty() {
             return Ok(Vec::new());
