@@ -20,7 +20,7 @@ const LEG: u64 = 20;
 const EVERY: u64 = 500;
 /// Frames after which memory must not grow: every size, number of casters, kind of light and both kinds of casters were there.
 const SETTLED: u64 = 1000;
-/// What an allocator may move to and fro, bytes.
+/// Bytes that an allocator may move to and fro.
 const SLACK: u64 = 4 << 20;
 
 fn main() {

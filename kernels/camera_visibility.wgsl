@@ -57,7 +57,7 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             if step.index == 0u {
                 atomicMax(&keys[2u * pixel + 1u], key.y);
             } else {
-                // What may lie nearer than the near distance is in doubt by itself.
+                // A triangle that may lie nearer than the near distance is in doubt by itself.
                 var other = ~named;
                 if key.y != 0u { other = atomicMax(&keys[2u * pixel], named); }
                 if other != 0u && other != named {

@@ -252,7 +252,7 @@ fn another_surface_is_noticed() {
     let pixel = set.facets[at].pixel as usize;
     triangles[pixel] = copy(triangles[pixel]);
     assert_eq!(centres(&triangles).seen_wrong, 1);
-    // What is no triangle of the mesh is an error.
+    // A number that is no triangle of the mesh is an error.
     triangles[pixel] = tracer.triangle_count() as u32;
     assert!(SeenErrors::of_centres(&triangles, &tracer, camera, &settings, None).is_err());
 }

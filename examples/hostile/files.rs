@@ -17,7 +17,7 @@ use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::{Error, Result};
 
-/// What became of a file.
+/// The fate of a file.
 enum Outcome {
     Read,
     Refused(String),

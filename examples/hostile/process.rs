@@ -119,7 +119,7 @@ fn listed(folder: &Path) -> String {
     names(folder).join(", ")
 }
 
-/// What is wrong with the files of a finished run.
+/// The faults of the files of a finished run.
 fn incomplete(out: &Path) -> Option<String> {
     let expected = ["frame.json", "shaded.png", "visibility.exr", "visibility.png"];
     (names(out) != expected).then(|| format!("is done and left {}", listed(out)))

@@ -14,7 +14,7 @@ use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
 /// The two sizes that a pass goes through.
 const SIZES: [[u32; 2]; 2] = [[24, 18], [32, 20]];
 
-/// What one scene came to.
+/// The outcome of one scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Told {
     /// Requests of an untroubled run.

@@ -20,7 +20,7 @@ struct Scene {
     light: Light,
 }
 
-/// What is in memory after a frame.
+/// Memory after a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Frames up to now.
@@ -92,7 +92,7 @@ impl Scene {
     }
 }
 
-/// What the application has of its own.
+/// The application's own things.
 struct App<'a> {
     gpu: &'a Gpu,
     facets: FacetMode,

@@ -15,7 +15,7 @@ fn order_46(i: vec3<u32>, j: vec3<u32>, ray: vec3<f32>) -> f32 {
     let p = df_mul(a, under);
     let q = df_mul(b, over);
     let s = df_add_fast(p, -q).x;
-    // What the normals are made of, not what is left of that: a sliver's may be nearly nothing.
+    // By the factors of the normals, not by their sums: a sliver's may be nearly nothing.
     let left = df3_size(ab) * df3_size(ac) * df3_size(full_point_of(i.x)) * abs(under.x);
     let right = df3_size(de) * df3_size(df) * df3_size(full_point_of(j.x)) * abs(over.x);
     let noise = EDGE_ON * (left + right);

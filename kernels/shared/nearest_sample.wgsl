@@ -29,7 +29,7 @@ fn sample_offset(k: u32) -> vec2<f32> {
     return select(pair.xy, pair.zw, (k & 1u) == 1u);
 }
 
-// What is kept of a sample.
+// The state kept of a sample.
 struct Held { key: u32, high: f32 }
 
 fn held_at(k: u32) -> Held {

@@ -31,7 +31,7 @@ pub const TABLE_SHARE: f64 = 4.0 * 0.1 / 32.0;
 /// Samples that may be wrong with a table however few are evaluated: an average says nothing of a few.
 pub const TABLE_FEW: f64 = 64.0;
 
-/// What is wrong with a frame.
+/// The faults of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Fault {
     /// Samples of the frame against facet truth.

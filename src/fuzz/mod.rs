@@ -28,7 +28,7 @@ use crate::methods::{MethodName, Prepared};
 use crate::scene::{CameraOverride, Light, Mesh, Scene};
 use random::Random;
 
-/// What is seen, and by what light.
+/// Mesh, camera and light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
     /// The mesh, without the ground.

@@ -7,7 +7,7 @@ use crate::report::FacetSet;
 use crate::stages::facet_classify::{Facet, State};
 use crate::truth::{SceneTruth, SeenTruth, TruthImage, full_mask, join_mask};
 
-/// What scene truth is made of.
+/// The parts of scene truth.
 pub(super) struct Truths<'a> {
     pub scene: SceneTruth<'a>,
     pub seen: SeenTruth<'a>,

@@ -1,4 +1,4 @@
-//! What a run found, as tables and as a page.
+//! The findings of a run, as tables and as a page.
 
 use super::{Case, Fault, Figures, Kind, Verdict};
 use crate::methods::MethodName;

@@ -42,7 +42,7 @@ pub struct Geometry {
     pub map_points: Buffer<[f32; 4]>,
     /// Facing, rectangles and block counts of each triangle.
     pub facts: TriangleFacts,
-    /// What every pixel centre sees, and how sure that is.
+    /// The triangle that every pixel centre sees, and how sure that is.
     pub centres: Centres,
     /// Complement of the triangle at every pixel centre; 0 where there is none.
     pub id_keys: Buffer<u32>,

@@ -34,7 +34,7 @@ pub struct CameraVisibility {
     uniforms: Uniforms,
 }
 
-/// What the stage writes: one element a pixel.
+/// Outputs of the stage, one element a pixel.
 #[derive(Debug)]
 pub struct Centres {
     /// Complements of the triangle and of the bits of the view depth; 0 where nothing is seen.

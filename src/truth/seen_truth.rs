@@ -68,7 +68,7 @@ impl<'a> SeenTruth<'a> {
     /// nothing. It must be below [`Tracer::triangle_count`].
     pub fn judge(&self, pixel: u32, asked: u128, given: impl Fn(usize) -> Option<u32>) -> SeenResult {
         let corner = DVec2::new(f64::from(pixel % self.width), f64::from(pixel / self.width));
-        // What lies behind the last sample that is asked for is not traced.
+        // Samples behind the last that is asked for are not traced.
         let offsets = &self.offsets[..self.offsets.len().min(128 - asked.leading_zeros() as usize)];
         let seen = self.see(corner, offsets);
         let other = |k: usize| match given(k) {
@@ -196,7 +196,7 @@ impl<'a> SeenTruth<'a> {
         slope * (-normal.dot(self.rays.direction(at.x, at.y)) / slope.length_squared())
     }
 
-    /// What of the square around a ray lies inside the triangle's edges, as a polygon of rays; `turn`: 1 if it turns away from the eye.
+    /// The part of the square around a ray inside the triangle's edges, as a polygon of rays; `turn`: 1 if it turns away from the eye.
     fn within(&self, plane: &Plane, turn: f64, [ray, x, y]: [DVec3; 3]) -> Vec<DVec3> {
         let mut polygon = vec![ray - x - y, ray + x - y, ray + x + y, ray - x + y];
         for (i, j) in EDGES {

@@ -45,7 +45,7 @@ pub struct Together {
     cramped: bool,
 }
 
-/// What frames want.
+/// The lists that frames want.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
     /// The lists.
