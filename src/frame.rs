@@ -112,6 +112,8 @@ impl Frame {
     pub const CLOSED: u32 = 64;
     /// The view is one of several: see [`LightView::one_of_several`].
     pub const ONE_OF_SEVERAL: u32 = 512;
+    /// The first of four flags, one a side of the map: see [`LightView::ends`].
+    pub const ENDS: u32 = 1024;
     /// Another view of the light follows.
     pub const MORE_VIEWS: u32 = 128;
     /// This is not the first view of the light: what was found of facets is kept.
@@ -172,7 +174,8 @@ impl Frame {
             sample_count: samples.count(),
             flags: if view.perspective { Self::PERSPECTIVE } else { 0 }
                 | if view.closed { Self::CLOSED } else { 0 }
-                | if view.one_of_several { Self::ONE_OF_SEVERAL } else { 0 },
+                | if view.one_of_several { Self::ONE_OF_SEVERAL } else { 0 }
+                | (0..4).map(|side| u32::from(view.ends[side]) * (Self::ENDS << side)).sum::<u32>(),
             map_margin: map_margin as f32,
             depth_margin: depth_margin as f32,
             ..Self::default()

@@ -26,8 +26,8 @@ struct Undecided {
     box_low: vec2<f32>, // box of its outline, in texels
     box_high: vec2<f32>,
     slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w
-    tilt: f32,          // relative rounding of the normal, in units of 2^-24; below 0 if its samples all lie on its triangle
-    pad: u32,
+    tilt: f32,          // largest component of the normal's rounding, in units of 2^-24; below 0 if its samples all lie on its triangle
+    tilts: u32,         // shares of that of the three components, 8 bits each
     span: vec2<u32>,    // box around the samples it covers, lowest and highest corner packed; 0: the whole pixel
 }
 

@@ -54,6 +54,7 @@ const FLAG_BEYOND = 32u;        // with it: but may also cover samples beyond
 const FLAG_CLOSED = 64u;        // the mesh is closed, the light outside: what turns away from the light is dark on both sides
 const FLAG_MORE_VIEWS = 128u;   // another view of the light follows
 const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of facets is kept
+const FLAG_ENDS = 1024u;        // four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
 const FLAG_ONE_OF_SEVERAL = 512u; // the view is one of several: facets are settled only where all of them lies in it
 
 const NO_TRIANGLE = 0xffffffffu;

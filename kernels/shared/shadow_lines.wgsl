@@ -17,7 +17,7 @@ struct Ground {
     along_y: vec3<f32>,     // Y
     own: vec3<u32>,         // vertices of the facet's triangle, rising
     doubt: f32,             // how far rounding may have moved q along its ray, times -n . r
-    tilt: f32,              // relative rounding of the normal, in units of TINY
+    tilts: vec3<f32>,       // rounding of the normal, in units of TINY
     pixel: u32,
     origin: vec2<f32>,      // offset of the sample that q belongs to
     alone: bool,            // its samples all lie on its own triangle
@@ -41,7 +41,7 @@ fn ground_of(k: u32) -> Ground {
     g.at = f.at;
     g.along_x = f.plane.w * frame.ray_x.xyz - g.at * g.over.y;
     g.along_y = f.plane.w * frame.ray_y.xyz - g.at * g.over.z;
-    g.tilt = abs(f.tilt);
+    g.tilts = abs(f.tilt) * unpack4x8unorm(f.tilts).xyz;
     g.doubt = abs(f.doubt);
     g.alone = f.tilt < 0.0;
     g.turn = sign(f.doubt);
@@ -79,7 +79,7 @@ fn height_of(g: Ground, shared_vertex: bool, p: vec3<f32>) -> f32 {
     if shared_vertex { return 0.0; }
     let d = p - g.at;
     let h = dot(g.normal, d);
-    let bound = TINY * ((g.tilt + 4.0) * largest(d) + 4.0 * (largest(p) + largest(g.at)));
+    let bound = TINY * (dot(g.tilts, abs(d)) + 4.0 * (largest(d) + largest(p) + largest(g.at))) + g.doubt;
     return select(OPEN, h, abs(h) > bound);
 }
 

@@ -51,7 +51,8 @@ fn ray_of_sample(g: Ground, k: u32) -> Ray {
     let step = (away.x * g.along_x + away.y * g.along_y) / over;
     r.at = g.at + step;
     let size = largest(r.at);
-    aim(&r, largest(ray_at(g.pixel, r.offset)) / abs(over) * (g.doubt + TINY * (g.tilt + 8.0) * largest(step)) + 4.0 * TINY * size);
+    let off = g.doubt + TINY * (dot(g.tilts, abs(step)) + 8.0 * largest(step));
+    aim(&r, largest(ray_at(g.pixel, r.offset)) / abs(over) * off + 4.0 * TINY * size);
     return r;
 }
 

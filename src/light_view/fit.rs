@@ -47,6 +47,8 @@ impl LightView {
             return Ok(Self::holding(all, middle, light, map_size));
         }
         let closed = receivers == Receivers::Outsides;
+        // Of small triangles none is left out.
+        let ends = [receivers == Receivers::Planes && !casters.tree.large().is_empty(); 4];
         let mut points = Points { casters: Some((casters, Which::Small)), more: &[] };
         let small = (!points.is_empty()).then(|| Self::holding(points, middle, light, map_size));
         if let Some(view) = small.filter(|view| !view.complete) {
@@ -54,7 +56,7 @@ impl LightView {
             let at = light.homogeneous().truncate();
             let axes = casters.facing_axes(&view, at);
             if !axes.into_iter().any(|axis| Self::perspective(points, at, axis, map_size).complete) {
-                return Ok(Self { closed, ..view });
+                return Ok(Self { closed, ends, ..view });
             }
         }
         let of_large = of_large_casters(casters, light, bounds, small.filter(|view| view.complete), receivers);
@@ -65,7 +67,7 @@ impl LightView {
         }
         let l = light.homogeneous();
         if light.is_directional() {
-            return Ok(Self { closed, ..Self::directional(points, l.truncate().normalize(), map_size) });
+            return Ok(Self { closed, ends, ..Self::directional(points, l.truncate().normalize(), map_size) });
         }
         let start = light.towards(middle).try_normalize().map_or(DVec3::NEG_Y, |d| -d);
         let light = l.truncate();
@@ -87,7 +89,7 @@ impl LightView {
                 }
             }
         }
-        Ok(Self { closed, ..best.1 })
+        Ok(Self { closed, ends, ..best.1 })
     }
 
     /// Fits the view to all triangles of `mesh`, whatever they shadow of one another: for receivers that are no part of it.
@@ -143,6 +145,7 @@ impl LightView {
             perspective: false,
             complete: true,
             one_of_several: false,
+            ends: [false; 4],
             closed: false,
             outside: false,
         }
@@ -154,7 +157,9 @@ impl LightView {
         let nearest = (-points.reach(-axis) - axis.dot(light)).min(far);
         // Casters nearer than this, or behind the light, are "not in front": they are looked at everywhere.
         let near = (0.5 * nearest).max(1e-4 * far);
-        let reach = |across: DVec3| points.reach_in_perspective(light, across, axis, near);
+        // Nearer ones are held too: they cast on what is as near.
+        let held = if nearest > 0.0 { near.min(nearest) } else { near };
+        let reach = |across: DVec3| points.reach_in_perspective(light, across, axis, held);
         let (lo, hi) = ([-reach(-right), -reach(-up)], [reach(right), reach(up)]);
         let widest = [-lo[0], -lo[1], hi[0], hi[1]].into_iter().fold(0.0, f64::max);
         let complete = nearest > 0.0 && widest <= WIDEST;
@@ -186,6 +191,7 @@ impl LightView {
             perspective: true,
             complete: true,
             one_of_several: false,
+            ends: [false; 4],
             closed: false,
             outside: false,
         }

@@ -51,6 +51,7 @@ impl Parts {
         if self.across == 1 {
             return views;
         }
+        let last = self.across - 1;
         let parts = |view: LightView| {
             let place = move |k: u32| f64::from(k * self.texels) * view.w;
             let part = move |(x, y)| LightView {
@@ -58,6 +59,7 @@ impl Parts {
                 v: view.v - place(y),
                 map_size: self.texels,
                 one_of_several: true,
+                ends: [view.ends[0] && x == 0, view.ends[1] && x == last, view.ends[2] && y == 0, view.ends[3] && y == last],
                 ..view
             };
             (0..self.across).flat_map(move |y| (0..self.across).map(move |x| (x, y))).map(part)

@@ -57,10 +57,10 @@ shared_struct! {
         pub box_high: [f32; 2],
         /// Depth from the light over texels: per x, per y, at 0, and how far it may be off.
         pub slope: [f32; 4],
-        /// Relative rounding of the normal, in units of 2^-24; below 0 if all samples lie on the facet's own triangle.
+        /// Largest component of the normal's rounding, in units of 2^-24; below 0 if all samples lie on the facet's own triangle.
         pub tilt: f32,
-        /// Not read.
-        pub pad: u32,
+        /// Shares of that of the three components, 8 bits each.
+        pub tilts: u32,
         /// Box around the samples it covers, relative to the pixel centre: lowest and highest corner, each two 16-bit
         /// fractions; 0 is the whole pixel.
         pub span: [u32; 2],
