@@ -1,11 +1,12 @@
 // camera_visibility: the nearest triangle at every pixel centre, by compute rasterization of 8 x 8 blocks.
 // `raster` raises the keys, with atomics, in two runs: pass 0 finds a depth that the nearest surely does not lie behind, pass 1 the
-// lowest triangle that may lie before it, and marks in `doubts` the pixels where there are several (a bit each, two words for each 8 x 8
-// pixels, behind the first word, which is then how many blocks there are: a dispatch over them has nothing to do where no pixel is in doubt). For those `settle`
-// finds the nearest with 46 bits, in two runs: pass 0 how near it is (`id_keys`), pass 1 the lowest triangle there. `take` copies it.
+// lowest triangle that may lie before it. Where there are several, it marks the pixel in `id_keys` and lists all of them in `doubts`, and
+// `settle` finds the nearest with 46 bits, in three runs: pass 0 brings in the bounds of what may lie nearer than the near distance and
+// does not, pass 1 finds how near the nearest is (`id_keys`), pass 2 the lowest triangle there. If the list has not the room, `settle_all`
+// does the same through all blocks; `ask` tells which of the two has something to do. `take` copies what was found.
 // Reads the blocks of each triangle (`work_offsets`, `camera_rects`). Writes `keys` (of a pixel complement of the triangle, its upper bit
 // 1 only if `settle` chose it; and complement of the bits of the view depth; 0 where nothing is seen) and the complement of the triangle
-// as `id_keys`. All three must be 0 before.
+// as `id_keys`. Both must be 0 before, and so must the counts in `doubts`.
 
 //@import frame
 //@import dispatch
@@ -17,7 +18,6 @@
 //@import facing_46
 //@import eye_order_46
 //@import camera_raster
-//@import block_bits
 
 const WORKGROUP = 64u;
 const SETTLED = 0x80000000u;
@@ -30,15 +30,25 @@ const SETTLED = 0x80000000u;
 @group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
 @group(0) @binding(6) var<storage, read_write> keys: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> id_keys: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> doubts: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> doubts: Doubts;
 @group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
 
 //@import frame_copy
 
-// The first of the two words of a pixel's 8 x 8 block in `doubts`.
-fn doubt_word(at: vec2<u32>) -> u32 {
-    let across = (frame.image_size.x + BLOCK - 1u) >> BLOCK_SHIFT;
-    return 1u + 2u * ((at.y >> BLOCK_SHIFT) * across + (at.x >> BLOCK_SHIFT));
+// What single precision leaves open: pixel and triangle.
+struct Doubts {
+    needed: atomic<u32>,
+    listed: u32,  // to settle by the list, or
+    blocks: u32,  // by all blocks
+    pad: u32,
+    list: array<vec2<u32>>,
+}
+
+fn room() -> u32 { return frame.image_size.x * frame.image_size.y / 4u + 64u; }
+
+fn note(pixel: u32, t: u32) {
+    let at = atomicAdd(&doubts.needed, 1u);
+    if at < room() { doubts.list[at] = vec2(pixel, t); }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -55,14 +65,14 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             let key = keys_at(seen, x, y);
             if key.x == 0u || atomicLoad(&keys[2u * pixel + 1u]) > key.x { continue; }
             if step.index == 0u {
-                atomicMax(&keys[2u * pixel + 1u], key.y);
+                if key.z == 0u { atomicMax(&keys[2u * pixel + 1u], key.y); }
             } else {
-                // A triangle that may lie nearer than the near distance is in doubt by itself.
-                var other = ~named;
-                if key.y != 0u { other = atomicMax(&keys[2u * pixel], named); }
-                if other != 0u && other != named {
-                    atomicOr(&doubts[doubt_word(vec2(x, y)) + ((y >> 2u) & 1u)], 1u << ((y & 3u) * 8u + (x & 7u)));
-                    atomicStore(&doubts[0], work_offsets[frame.triangle_count]);
+                let other = atomicMax(&keys[2u * pixel], named);
+                // A triangle that may lie nearer than the near distance is in doubt by itself. Of several each comes after another: all are noted.
+                if key.z == 1u || other != 0u {
+                    atomicStore(&id_keys[pixel], 1u);
+                    note(pixel, seen.t);
+                    if other != 0u { note(pixel, ~(other | SETTLED)); }
                 }
             }
         }
@@ -80,44 +90,57 @@ fn key_46(i: vec3<u32>, ray: vec3<f32>, depth: f32) -> u32 {
     return bits ^ select(0x80000000u, 0xffffffffu, (bits >> 31u) != 0u);
 }
 
+// Takes a triangle in at a pixel that is in doubt.
+fn settle_at(seen: Seen, at: vec2<u32>) {
+    let pixel = at.y * frame.image_size.x + at.x;
+    if step.index == 0u { atomicStore(&keys[2u * pixel], 0u); }
+    let key = keys_at(seen, at.x, at.y);
+    let least = atomicLoad(&keys[2u * pixel + 1u]);
+    if key.x == 0u || least > key.x { return; }
+    let i = triangles[seen.t];
+    let ray = pixel_ray(pixel);
+    if key.z == 1u && !is_beyond_near_46(i, ray) { return; }
+    if step.index == 0u {
+        if key.z == 1u { atomicMax(&keys[2u * pixel + 1u], key.y); }
+        return;
+    }
+    let nearer = key_46(i, ray, bitcast<f32>(~least));
+    if step.index == 1u {
+        atomicMax(&id_keys[pixel], nearer);
+    } else if atomicLoad(&id_keys[pixel]) == nearer {
+        atomicMax(&keys[2u * pixel], ~seen.t);
+    }
+}
+
+@compute @workgroup_size(1)
+fn ask() {
+    take_frame(0u);
+    let needed = atomicLoad(&doubts.needed);
+    let fits = needed <= room();
+    doubts.listed = select(0u, needed, fits);
+    doubts.blocks = select(work_offsets[frame.triangle_count], 0u, fits);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     take_frame(local);
-    let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(camera_rects[t], item - work_offsets[t]);
-    let word = doubt_word(block.low);
-    let doubted = vec2(atomicLoad(&doubts[word]), atomicLoad(&doubts[word + 1u]));
-    // Few blocks have pixels in doubt: a loop that the others do not enter.
-    for (var some = any(doubted != vec2(0u)); some; some = false) { settle_in(seen_of(t, block), doubted); }
+    let k = flat_invocation(group, groups, WORKGROUP, local);
+    if k >= doubts.listed { return; }
+    let noted = doubts.list[k];
+    let at = vec2(noted.x % frame.image_size.x, noted.x / frame.image_size.x);
+    settle_at(seen_of(noted.y, Rect(at, at)), at);
 }
 
-// Looks at the pixels of a block that are in doubt.
-fn settle_in(seen: Seen, doubted: vec2<u32>) {
-    let corner = seen.block.low & vec2(~7u);
-    var left = doubted;
-    var found = vec2(0u);
-    while any(left != vec2(0u)) {
-        let place = take_texel(&left);
-        let at = corner + place;
-        if any(at < seen.block.low) || any(at > seen.block.high) { continue; }
-        let key = keys_at(seen, at.x, at.y);
-        if key.x == 0u || atomicLoad(&keys[2u * (at.y * frame.image_size.x + at.x) + 1u]) > key.x { continue; }
-        add_texel(&found, place);
-    }
-    while any(found != vec2(0u)) {
-        let at = corner + take_texel(&found);
-        let pixel = at.y * frame.image_size.x + at.x;
-        let least = atomicLoad(&keys[2u * pixel + 1u]);
-        let i = triangles[seen.t];
-        let ray = pixel_ray(pixel);
-        if keys_at(seen, at.x, at.y).y == 0u && !is_beyond_near_46(i, ray) { continue; }
-        let nearer = key_46(i, ray, select(bitcast<f32>(~least), frame.forward.w, least == 0u));
-        if step.index == 0u {
-            atomicMax(&id_keys[pixel], nearer);
-        } else if atomicLoad(&id_keys[pixel]) == nearer {
-            atomicMax(&keys[2u * pixel], ~seen.t);
+@compute @workgroup_size(WORKGROUP)
+fn settle_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    take_frame(local);
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= doubts.blocks { return; }
+    let seen = seen_in(item);
+    for (var y = seen.block.low.y; y <= seen.block.high.y; y++) {
+        let cells = pixels_of_row(seen, y);
+        for (var x = cells.x; x <= cells.y; x++) {
+            if atomicLoad(&id_keys[y * frame.image_size.x + x]) != 0u { settle_at(seen, vec2(x, y)); }
         }
     }
 }
@@ -129,6 +152,4 @@ fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let key = atomicLoad(&keys[2u * pixel]);
     atomicStore(&id_keys[pixel], select(key | SETTLED, 0u, key == 0u));
-    // Of what is seen only where 46 bits tell so no depth is known but this.
-    if key != 0u && atomicLoad(&keys[2u * pixel + 1u]) == 0u { atomicStore(&keys[2u * pixel + 1u], ~bitcast<u32>(frame.forward.w)); }
 }

@@ -54,13 +54,15 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 //@import mesh_caster
 //@import bin_tests
 
-// Texel x, y, depth of a point, and its distance along the axis of the light view; not positive if not surely in front.
+// Texel x, y, depth of a point, and its distance along the axis of the light view; where that is not surely in front, as vertex_project
+// has it: undivided, and how far it lies behind the nearest distance.
 fn in_light_view(p: vec3<f32>) -> vec4<f32> {
     let q = vec4(p, 1.0);
     let uvz = vec3(dot(frame.map_u, q), dot(frame.map_v, q), dot(frame.map_z, q));
     if (frame.flags & FLAG_PERSPECTIVE) == 0u { return vec4(uvz, 1.0); }
     let w = dot(frame.map_w, q);
-    return vec4(uvz / w, select(0.0, w, w > frame.light_low.w));
+    if w > frame.light_low.w { return vec4(uvz / w, w); }
+    return vec4(uvz, min(w - frame.light_low.w, 0.0));
 }
 
 // A sample of the band in 22 bits, and above them how far rounding may have moved its point, rounded up.

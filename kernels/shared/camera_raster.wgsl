@@ -62,20 +62,20 @@ fn pixels_of_row(s: Seen, y: u32) -> vec2<u32> {
     return cells_of(cut, s.block.low.x, s.block.high.x);
 }
 
-// How near the triangle may be at a pixel's centre, and how far: keys that fall with depth. Both 0 where it is not seen there, the second
-// where it may lie nearer than the near distance.
-fn keys_at(s: Seen, x: u32, y: u32) -> vec2<u32> {
+// How near the triangle may be at a pixel's centre, and how far: keys that fall with depth, 0 where it is not seen there. The third is 1
+// where it may lie nearer than the near distance, else 0.
+fn keys_at(s: Seen, x: u32, y: u32) -> vec3<u32> {
     let at = vec3(1.0, f32(x) + 0.5, f32(frame.first_row + y) + 0.5);
     let v = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at));
-    if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { return vec2(0u); }
+    if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { return vec3(0u); }
     let over = dot(s.normal, at);
     let depth = s.distance / over;
     // A sliver's plane is poorly known; its depth lies between its corners'.
     let lean = min(s.lean / abs(over), s.farthest - s.nearest);
-    if !(depth + lean >= frame.forward.w) { return vec2(0u); }
+    if !(depth + lean >= frame.forward.w) { return vec3(0u); }
     let held = clamp(depth, s.nearest, s.farthest);
     let doubt = 1e-6 * held + lean;
     let keys = ~bitcast<vec2<u32>>(vec2(max(held - doubt, 0.0), held + doubt));
-    if depth - lean < frame.forward.w && lean > 1e-6 * frame.forward.w { return vec2(keys.x, 0u); }
-    return select(vec2(0u), keys, depth >= frame.forward.w);
+    if depth - lean < frame.forward.w && lean > 1e-6 * frame.forward.w { return vec3(keys, 1u); }
+    return select(vec3(0u), vec3(keys, 0u), depth >= frame.forward.w);
 }

@@ -6,9 +6,10 @@
 //!   and whether that is lit, sample by sample. `scene_pixel_match` would not do: it counts within 1/N, so one wrong sample passes and
 //!   several ambiguous ones do not. A sample counts as ambiguous if the truth gives our answer, or the other, at one of the places around it
 //!   ([`SceneTruth::ambiguous_mask`], and for a sample that is still wrong [`SceneTruth::answers_nearby`], which also finds slivers that
-//!   pass between those places). Where the plan says that nothing is seen, truth must see nothing.
+//!   pass between those places), or if facet truth does of the surface that it was given. Where the plan says that nothing is seen, truth
+//!   must see nothing.
 //! - *Seen truth* ([`SeenErrors`]): no sample (with one facet a pixel: no centre) is given another surface than it sees, but where the two
-//!   are tied. What is tied there does not count in scene truth either.
+//!   are tied. What is tied there, or stands in for the nearest, does not count in scene truth either.
 //! - *The picture*: shares are in `[0, 1]` and those of the masks they come from.
 //! - *The plan*: planned and forced pictures have the same bits, but in pixels in which a sample is ambiguous or tied.
 //!
@@ -22,7 +23,7 @@ use crate::methods::cpu;
 use crate::methods::{FacetMode, MethodName};
 use crate::plan::Extent;
 use crate::report::{FacetErrors, FacetSet, SeenErrors};
-use crate::truth::{SceneTruth, SeenTruth, Tracer};
+use crate::truth::{FacetTruth, SceneTruth, SeenTruth, Tracer};
 
 /// Share of a facet's samples that one evaluation by a table may give another answer than an exact one, on average over a frame: four
 /// half-planes, of which each has at most 0.1 wrong bits of 32 on average ([`MaskVariant::TABLE`](crate::mask_table::MaskVariant::TABLE)).
@@ -194,6 +195,7 @@ pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
     let truth = Truths {
         scene: SceneTruth::new(&tracer, camera, light, &settings.samples, width, height)?,
         seen: SeenTruth::new(&tracer, camera, &settings.samples, width, height)?,
+        facets: FacetTruth::new(&tracer, camera, light, &settings.samples, width, height)?.without_validity(),
         samples: settings.samples.count(),
     };
     let each_sample = case.how.settings.facets == FacetMode::All || settings.samples.count() == 1;

@@ -5,12 +5,13 @@ use crate::methods::render::Output;
 use crate::plan::{Extent, Plan};
 use crate::report::FacetSet;
 use crate::stages::facet_classify::{Facet, State};
-use crate::truth::{SceneTruth, SeenTruth, TruthImage, full_mask, join_mask};
+use crate::truth::{FacetInput, FacetTruth, SceneTruth, SeenTruth, TruthImage, full_mask, join_mask, split_mask};
 
 /// The parts of scene truth.
 pub(super) struct Truths<'a> {
     pub scene: SceneTruth<'a>,
     pub seen: SeenTruth<'a>,
+    pub facets: FacetTruth<'a>,
     pub samples: u32,
 }
 
@@ -19,8 +20,26 @@ impl Truths<'_> {
     pub fn is_open(&self, pixel: u32, set: &FacetSet) -> bool {
         join_mask(self.scene.ambiguous_mask(pixel)) != 0 || {
             let given = |k: usize| given(set, pixel, k);
-            self.seen.judge(pixel, full_mask(self.samples), given).tied != 0
+            let seen = self.seen.judge(pixel, full_mask(self.samples), given);
+            seen.tied | seen.stand_in != 0
         }
+    }
+
+    /// Samples of a pixel whose light on the surface that they were given is ambiguous. Scene truth probes places around a sample, which
+    /// slivers of shadow pass between; facet truth asks for the shadows' lines.
+    fn open_on_facets(&self, pixel: u32, set: &FacetSet) -> u128 {
+        let full = full_mask(self.samples);
+        let own = set.facets.iter().enumerate().filter(|(_, facet)| facet.pixel == pixel);
+        let inputs: Vec<FacetInput> = own
+            .filter(|(_, facet)| facet.state != State::Empty as u32)
+            .map(|(f, facet)| FacetInput {
+                pixel,
+                triangle: facet.triangle,
+                coverage: split_mask(set.masks_of(f)[0] & full),
+            })
+            .collect();
+        let judged = self.facets.judge(&inputs, None).unwrap_or_default();
+        judged.iter().fold(0, |mask, result| mask | join_mask(result.ambiguous()))
     }
 }
 
@@ -105,7 +124,11 @@ impl SceneWrong {
             let given = |k: usize| given(set, p as u32, k);
             // Where one facet stands for all samples, it is the plan that gave them their surface.
             let tied = match plan.extent {
-                Extent::Everything => truth.seen.judge(p as u32, wrong, given).tied,
+                Extent::Everything => {
+                    // Facet truth tells whether a surface that stands in for the nearest is lit.
+                    let seen = truth.seen.judge(p as u32, wrong, given);
+                    seen.tied | seen.stand_in | truth.open_on_facets(p as u32, set)
+                }
                 _ => 0,
             };
             let doubt = join_mask(truth.scene.ambiguous_mask(p as u32)) | tied;

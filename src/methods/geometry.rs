@@ -127,9 +127,9 @@ impl Geometry {
         frame: &wgpu::Buffer,
         casters: &CasterBuffers,
     ) -> Result<()> {
-        for buffer in [self.centres.keys.raw(), self.centres.doubts.raw(), self.id_keys.raw()] {
-            rec.clear(buffer);
-        }
+        rec.clear(self.centres.keys.raw());
+        rec.clear(self.id_keys.raw());
+        rec.clear_words(self.centres.doubts.raw(), 0, Centres::COUNTS as u64);
         let stage = &mut rec.stage("camera_visibility");
         let positions = casters.positions.raw();
         with.visibility.record(stage, frame, self.in_camera(casters), positions, &self.centres, &self.id_keys)

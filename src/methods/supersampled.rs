@@ -10,7 +10,7 @@ use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
 use super::settled::Settled;
-use crate::Result;
+use crate::{Error, Result};
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
@@ -57,7 +57,15 @@ impl Supersampled {
 impl FixedMethod for Supersampled {
     const BEYOND: bool = true;
 
-    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, _: &LightView, frame: &Frame) -> Result<()> {
+    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, view: &LightView, frame: &Frame) -> Result<()> {
+        let [nearest, clear] = [frame.light_low[3], frame.eye_low[3]];
+        if view.perspective && nearest > clear {
+            return Err(Error::Scene(format!(
+                "the light is nearer to a caster ({:.3} of the nearest distance that its view tells) than supersampled can sort samples; \
+                 facet-masks and ray-traced can",
+                clear / nearest
+            )));
+        }
         self.settled.prepare(gpu, camera, frame);
         self.bins.prepare(&gpu.queue, frame);
         Ok(())

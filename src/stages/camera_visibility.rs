@@ -7,8 +7,9 @@
 //!   of the triangle as `id_keys`.
 //! - **Guarantee.** Bit-equal from run to run: the nearest triangle; of those that 46 bits do not tell apart the lowest index. A
 //!   centre on a shared edge belongs to both triangles, so no closed surface has a hole there.
-//! - **Cost.** Four indirect dispatches; one invocation looks at up to 64 pixels. The last two have nothing to do unless single precision
-//!   leaves open which of two triangles is nearer. One over the pixels.
+//! - **Cost.** Two indirect dispatches; one invocation looks at up to 64 pixels. Three over a list of what single precision leaves open, one
+//!   invocation a pixel and triangle; or if that list, a quarter of the pixels long, has not the room, three over all blocks again. One over
+//!   the pixels.
 
 use super::dispatch_args::{DispatchArgs, Request, Requests};
 use crate::Result;
@@ -28,7 +29,9 @@ shared_struct! {
 #[derive(Debug)]
 pub struct CameraVisibility {
     raster: Program,
+    ask: Program,
     settle: Program,
+    settle_all: Program,
     take: Program,
     fold: DispatchArgs,
     uniforms: Uniforms,
@@ -39,26 +42,28 @@ pub struct CameraVisibility {
 pub struct Centres {
     /// Complements of the triangle and of the bits of the view depth; 0 where nothing is seen.
     pub keys: Buffer<[u32; 2]>,
-    /// Blocks to go through again, then one bit for each pixel that single precision leaves open, two words for each 8 × 8 pixels.
+    /// Four words of counts, then pixel and triangle of what single precision leaves open.
     pub doubts: Buffer<u32>,
     args: Buffer<u32>,
     requests: Requests,
 }
 
 impl Centres {
+    /// Words at the beginning of [`Centres::doubts`] that must be 0 before.
+    pub const COUNTS: usize = 4;
+
     /// Memory for `pixels` pixels.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, pixels: usize) -> Result<Self> {
-        // No image of so many pixels has more blocks, whatever its width.
-        let blocks = pixels.div_ceil(8) + 1;
-        let request = Request::new(0, kernel::WORKGROUP, Request::MAX_LIMIT, 0)?;
+        let request = |word, args| Request::new(word, kernel::WORKGROUP, Request::MAX_LIMIT, args);
+        let requests = [request(1, 0)?, request(2, 3)?];
         Ok(Self {
             keys: Buffer::storage(device, "camera_visibility.keys", pixels)?,
-            doubts: Buffer::storage(device, "camera_visibility.doubts", 1 + 2 * blocks)?,
-            args: Buffer::indirect(device, "camera_visibility.args", 3)?,
-            requests: DispatchArgs::requests(device, queue, &[request])?,
+            doubts: Buffer::storage(device, "camera_visibility.doubts", Self::COUNTS + 2 * (pixels / 4 + 64))?,
+            args: Buffer::indirect(device, "camera_visibility.args", 6)?,
+            requests: DispatchArgs::requests(device, queue, &requests)?,
         })
     }
 }
@@ -85,14 +90,16 @@ impl CameraVisibility {
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
             raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            ask: Program::new(device, kernel::ENTRY_ASK, &[]),
             settle: Program::new(device, kernel::ENTRY_SETTLE, &[]),
+            settle_all: Program::new(device, kernel::ENTRY_SETTLE_ALL, &[]),
             take: Program::new(device, kernel::ENTRY_TAKE, &[]),
             fold: DispatchArgs::new(device),
             uniforms: Uniforms::default(),
         }
     }
 
-    /// Records all runs. Keys and doubts of `centres` must be 0 before, and so must `id_keys`.
+    /// Records all runs. Keys of `centres` must be 0 before, and so must the first [`Centres::COUNTS`] words of its doubts, and `id_keys`.
     ///
     /// # Errors
     /// None that input can cause.
@@ -120,13 +127,16 @@ impl CameraVisibility {
             ]
         };
         let pass = |index| self.uniforms.get(stage.device, &Pass { index });
-        let passes = [pass(0)?, pass(1)?];
-        for pass in &passes {
+        let passes = [pass(0)?, pass(1)?, pass(2)?];
+        for pass in &passes[..2] {
             stage.run(&self.raster, &buffers(pass), Groups::Indirect(blocks.args.0, blocks.args.1))?;
         }
+        stage.run(&self.ask, &buffers(&passes[0]), Groups::Items(1))?;
         self.fold.record(stage, &centres.doubts, &centres.requests, &centres.args)?;
-        for pass in &passes {
-            stage.run(&self.settle, &buffers(pass), Groups::Indirect(centres.args.raw(), 0))?;
+        for (program, args) in [(&self.settle, 0), (&self.settle_all, 3)] {
+            for pass in &passes {
+                stage.run(program, &buffers(pass), Groups::Indirect(centres.args.raw(), args))?;
+            }
         }
         stage.run(&self.take, &buffers(&passes[0]), Groups::Items(id_keys.len() as u64))
     }

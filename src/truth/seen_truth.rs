@@ -10,6 +10,8 @@
 //! - a ray within [`AMBIGUITY`] of a pixel sees the given surface (or nothing, if nothing was given): at one of eight places around the
 //!   sample, straight across an edge of what is seen (for nothing), or where the given triangle comes into the square of these; or does not see it there because the plane of another crosses
 //!   its own within the square;
+//! - the surface that is seen ends within [`AMBIGUITY`], and beyond its edge begins another that does not share that, so that rounding may
+//!   open a gap between the two, in which nothing is seen, or what lies behind;
 //! - an edge within the `f64` error bound decided what is nearest;
 //! - the given or the nearest surface lies within 2^-20 of the near distance, or too near to it for 46 bits;
 //! - the given triangle is there within [`AMBIGUITY`] of a pixel, and its plane is seen edge-on within that: it may be at any depth.
@@ -38,6 +40,9 @@ pub struct SeenResult {
     pub wrong: u128,
     /// Samples that were given another one, of which either may stand.
     pub tied: u128,
+    /// Samples that were given another one that lies, within the `f64` error bounds, where the nearest does: right, but what the two
+    /// see of the light may differ.
+    pub stand_in: u128,
 }
 
 /// Says what the samples of a view see.
@@ -77,8 +82,10 @@ impl<'a> SeenTruth<'a> {
         };
         let mut left = bits(asked).filter(|&k| k < offsets.len() && other(k)).fold(0u128, |mask, k| mask | 1 << k);
         let off = left;
+        let stand_in = bits(asked & !off & seen.seen).filter(|&k| k < offsets.len() && given(k) != Some(seen.triangle[k]));
+        let stand_in = stand_in.fold(0, |mask, k| mask | 1 << k);
         if off == 0 {
-            return SeenResult::default();
+            return SeenResult { stand_in, ..SeenResult::default() };
         }
         left &= !seen.touching;
         left = bits(left).filter(|&k| !self.is_tie(&seen, k, given(k))).fold(0, |mask, k| mask | 1 << k);
@@ -96,11 +103,19 @@ impl<'a> SeenTruth<'a> {
             }
         }
         let is_near = |k: usize| match given(k) {
-            Some(t) => self.is_seen_near(corner + self.offsets[k], t),
+            Some(t) => {
+                let at = corner + self.offsets[k];
+                let is_behind = || {
+                    let behind = seen.depth[k] + 2.0 * seen.error[k];
+                    self.tracer.closest(self.rays.eye, seen.rays[k], behind).is_some_and(|hit| hit.triangle == t)
+                };
+                let is_seen = seen.seen >> k & 1 != 0;
+                self.is_seen_near(at, t) || (is_seen && self.is_gap_near(at, seen.triangle[k]) && is_behind())
+            }
             None => self.is_gap_near(corner + self.offsets[k], seen.triangle[k]),
         };
         left = bits(left).filter(|&k| !is_near(k)).fold(0, |mask, k| mask | 1 << k);
-        SeenResult { wrong: left, tied: off & !left }
+        SeenResult { wrong: left, tied: off & !left, stand_in }
     }
 
     fn see(&self, corner: DVec2, offsets: &[DVec2]) -> Seen {
@@ -307,6 +322,38 @@ mod tests {
     }
 
     #[test]
+    fn what_lies_behind_a_gap_is_a_tie_and_behind_a_shared_edge_is_not() {
+        // Two sheets that meet at x = 0, by edges of their own or by one of both, before a wall.
+        let mesh = |shared: bool| Mesh {
+            positions: vec![
+                [0.0, -9.0, 0.0],
+                [0.0, 9.0, 0.0],
+                [9.0, 0.0, 0.0],
+                [0.0, 9.5, 0.0],
+                [0.0, -9.5, 0.0],
+                [-9.0, 0.0, 0.0],
+                [-9.0, -9.0, -1.0],
+                [9.0, -9.0, -1.0],
+                [0.0, 18.0, -1.0],
+            ],
+            triangles: vec![[0, 2, 1], if shared { [1, 5, 0] } else { [3, 5, 4] }, [6, 7, 8]],
+        };
+        for shared in [false, true] {
+            let mesh = mesh(shared);
+            let tracer = Tracer::new(&mesh).unwrap();
+            let samples = Samples::new(Pattern::default(), 1).unwrap();
+            let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
+            for (at, near) in [(-3.0, false), (-0.5, true), (0.5, true), (3.0, false)] {
+                let at: f64 = 16.0 + at * AMBIGUITY;
+                let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
+                let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(2));
+                let tied = near && !shared;
+                assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at} {shared}");
+            }
+        }
+    }
+
+    #[test]
     fn behind_a_fold_is_a_tie_at_the_fold_alone() {
         // Two sheets from one edge at x = 0 to the right, the second ever farther behind the first.
         let mesh = Mesh {
@@ -339,7 +386,7 @@ mod tests {
             for (at, t) in [(edge - off, 0), (edge + off, 1)] {
                 let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
                 let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(t));
-                let want = if tied { SeenResult { wrong: 0, tied: 1 } } else { SeenResult { wrong: 1, tied: 0 } };
+                let want = SeenResult { wrong: u128::from(!tied), tied: u128::from(tied), stand_in: 0 };
                 assert_eq!(result, want, "{off} pixels off, given {t}");
             }
         }
