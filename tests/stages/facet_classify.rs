@@ -98,7 +98,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
             let shares = DVec3::from([0, 8, 16].map(|k| f64::from(more.tilts >> k & 255) / 255.0));
             let tilts = f64::from(more.tilt.abs()) * shares / told.length();
             let off = (n - told.normalize()).abs();
-            if off.cmpgt(TINY * (tilts + 2.0 * (tilts.length() + 1.0) * n.abs() + 1e-3)).any() {
+            if off.cmpgt(2f64.powi(-24) * (tilts + 2.0 * (tilts.length() + 1.0) * n.abs() + 1e-3)).any() {
                 fault(format!("plane is off by {off}, told {tilts}"));
             }
             misplaced(world, &exact[k], more).into_iter().for_each(&mut fault);

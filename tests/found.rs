@@ -1,0 +1,85 @@
+//! Worlds in which a sample was wrong once: random worlds found them, and made them smaller (`subpixel-shadows fuzz`).
+
+#[path = "shared/device.rs"]
+mod device;
+
+use device::gpu;
+use std::path::Path;
+use subpixel_shadows::fuzz::{Bench, Case, How, Kind, World, judge};
+use subpixel_shadows::methods::render::Budget;
+use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{CameraOverride, Scene, SceneOptions};
+
+/// A world of `tests/found`, and how it was rendered.
+struct Found {
+    name: &'static str,
+    method: MethodName,
+    facets: FacetMode,
+    size: [u32; 2],
+    map: u32,
+    samples: (Pattern, u32),
+}
+
+const ONE: FacetMode = FacetMode::One;
+const ALL: FacetMode = FacetMode::All;
+const LOW: Pattern = Pattern::LowDiscrepancy;
+
+#[rustfmt::skip]
+const FOUND: [Found; 9] = [
+    // The view of a light held no caster nearer to it than a ten-thousandth of the farthest.
+    Found { name: "caster-near-a-light", method: MethodName::FacetMasks, facets: ALL, size: [2, 35], map: 1, samples: (LOW, 16) },
+    // A facet goes on beyond its surface and the view of the light, where what the view leaves out cuts it.
+    Found { name: "valley-at-an-end", method: MethodName::FacetMasks, facets: ONE, size: [1, 5], map: 1, samples: (LOW, 8) },
+    Found { name: "end-of-a-view", method: MethodName::FacetMasks, facets: ONE, size: [1, 2], map: 8, samples: (LOW, 8) },
+    Found { name: "plane-beyond-the-view", method: MethodName::Supersampled, facets: ONE, size: [15, 3], map: 16, samples: (LOW, 8) },
+    // Heights over a facet left out how far its point may lie off its plane.
+    Found { name: "light-along-a-large-facet", method: MethodName::FacetMasks, facets: ALL, size: [4, 24], map: 1, samples: (LOW, 1) },
+    // Of two surfaces in one place truth takes the light of the one, the frame that of the other.
+    Found { name: "stand-in", method: MethodName::FacetMasks, facets: ALL, size: [1, 3], map: 1, samples: (Pattern::Rotated, 16) },
+    // Both sheets lie so near to the near distance that only 46 bits tell that they are seen.
+    Found { name: "sheets-at-the-near-distance", method: MethodName::FacetMasks, facets: ONE, size: [20, 6], map: 1, samples: (LOW, 1) },
+    // The samples of a texel were not held against what reaches behind the light.
+    Found { name: "ground-behind-the-light", method: MethodName::Supersampled, facets: ONE, size: [1, 2], map: 1, samples: (LOW, 1) },
+    // Rounding opens a gap between two surfaces, and what lies behind shows.
+    Found { name: "gap-before-a-wall", method: MethodName::FacetMasks, facets: ALL, size: [9, 31], map: 1, samples: (LOW, 8) },
+];
+
+fn case(found: &Found) -> Case {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found").join(found.name);
+    let open = |file: &str| {
+        let path = folder.join(file);
+        Scene::open(&path.to_string_lossy(), &SceneOptions::default()).expect("a scene")
+    };
+    let (scene, mesh) = (open("scene.toml"), open("mesh.ply").mesh);
+    let [eye, target, up] = [scene.camera.eye, scene.camera.target, scene.camera.up].map(Some);
+    let fov = Some(scene.camera.vertical_fov_degrees);
+    let camera = CameraOverride { eye, target, up, fov, ..CameraOverride::default() };
+    let (pattern, count) = found.samples;
+    let samples = Samples::new(pattern, count).expect("samples");
+    let settings = Settings { facets: found.facets, ..Settings::new(found.size, found.map, samples) };
+    let how = How {
+        method: found.method,
+        pattern,
+        settings,
+        budget: Budget::default(),
+        force_all: false,
+        both: found.method == MethodName::FacetMasks,
+    };
+    let world = World { mesh, ground: scene.ground.is_some(), camera, light: scene.light };
+    assert_eq!(world.scene().expect("a scene").camera, scene.camera, "{}", found.name);
+    Case { seed: 0, number: 0, kind: Kind::ALL[0], world, how }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn what_was_wrong_once_is_right() {
+    let bench = Bench::new(gpu());
+    for found in &FOUND {
+        let case = case(found);
+        let shot = bench.render(&case).expect("a frame");
+        let verdict = judge(&case, &shot).expect("a judgement");
+        assert!(verdict.figures.compared > 0, "{}", found.name);
+        assert!(!verdict.fails(), "{}: {:?}", found.name, verdict.faults);
+    }
+}
