@@ -11,7 +11,7 @@
 //!   sample, straight across an edge of what is seen (for nothing), or where the given triangle comes into the square of these; or does not see it there because the plane of another crosses
 //!   its own within the square;
 //! - the surface that is seen ends within [`AMBIGUITY`], and beyond its edge begins another that does not share that, so that rounding may
-//!   open a gap between the two, in which nothing is seen, or what lies behind;
+//!   open a gap between the two, in which nothing is seen, or what lies behind; or so does what hides the given one near there;
 //! - an edge within the `f64` error bound decided what is nearest;
 //! - the given or the nearest surface lies within 2^-20 of the near distance, or too near to it for 46 bits;
 //! - the given triangle is there within [`AMBIGUITY`] of a pixel, and its plane is seen edge-on within that: it may be at any depth.
@@ -32,6 +32,9 @@ use glam::{DVec2, DVec3};
 pub const NEARLY_EQUAL: f64 = 1.0 / (1u64 << 36) as f64;
 /// Share of the near distance within which single precision may take a surface to be nearer or farther.
 const NEAR_ROUNDING: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Share of a distance behind which something else lies: above the `f64` error.
+const BEHIND: f64 = 1e-12;
 
 /// How the samples of a pixel compare with what they see.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -105,10 +108,7 @@ impl<'a> SeenTruth<'a> {
         let is_near = |k: usize| match given(k) {
             Some(t) => {
                 let at = corner + self.offsets[k];
-                let is_behind = || {
-                    let behind = seen.depth[k] + 2.0 * seen.error[k];
-                    self.tracer.closest(self.rays.eye, seen.rays[k], behind).is_some_and(|hit| hit.triangle == t)
-                };
+                let is_behind = || self.is_next(seen.rays[k], seen.depth[k] + 2.0 * seen.error[k], t);
                 let is_seen = seen.seen >> k & 1 != 0;
                 self.is_seen_near(at, t) || (is_seen && self.is_gap_near(at, seen.triangle[k]) && is_behind())
             }
@@ -182,9 +182,19 @@ impl<'a> SeenTruth<'a> {
             let other = self.plane(hit.triangle);
             let apart = |r: DVec3| plane.distance / plane.normal.dot(r) - other.distance / other.normal.dot(r);
             let here = apart(r);
-            hit.triangle == t || here.abs() <= (apart(r + x) - here).abs() + (apart(r + y) - here).abs()
+            if hit.triangle == t || here.abs() <= (apart(r + x) - here).abs() + (apart(r + y) - here).abs() {
+                return true;
+            }
+            // Or what hides it there ends within the square, as it does.
+            let off = [self.rays.step_x, self.rays.step_y].map(|step| (r - ray).dot(step) / step.length_squared());
+            self.is_gap_near(at + DVec2::from(off), hit.triangle) && self.is_next(r, hit.t * (1.0 + BEHIND), t)
         };
         sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
+    }
+
+    /// Whether triangle `t` is the first that a ray meets behind a distance.
+    fn is_next(&self, ray: DVec3, behind: f64, t: u32) -> bool {
+        self.tracer.closest(self.rays.eye, ray, behind).is_some_and(|hit| hit.triangle == t)
     }
 
     /// Whether rounding may open a gap at a place of the image where triangle `t` is seen: within [`AMBIGUITY`] of it, straight across one of
@@ -349,6 +359,34 @@ mod tests {
                 let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(2));
                 let tied = near && !shared;
                 assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at} {shared}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_ends_with_what_hides_it_is_a_tie_at_that_end_alone() {
+        // Two sheets that end at x = 0, as the eye sees them, one behind the other, or the farther one at x = -1.
+        for (end, ties) in [(0.0, true), (-1.0, false)] {
+            let mesh = Mesh {
+                positions: vec![
+                    [0.0, -9.0, 0.0],
+                    [0.0, 9.0, 0.0],
+                    [-9.0, 0.0, 0.0],
+                    [end, -9.0, -1.0],
+                    [end, 9.0, -1.0],
+                    [-9.0, 0.0, -1.0],
+                ],
+                triangles: vec![[0, 1, 2], [3, 4, 5]],
+            };
+            let tracer = Tracer::new(&mesh).unwrap();
+            let samples = Samples::new(Pattern::default(), 1).unwrap();
+            let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
+            for (at, near) in [(-3.0, false), (-0.5, true), (0.5, true), (3.0, false)] {
+                let at: f64 = 16.0 + at * AMBIGUITY;
+                let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
+                let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(1));
+                let tied = near && ties;
+                assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at} {end}");
             }
         }
     }
