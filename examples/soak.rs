@@ -18,10 +18,12 @@ use subpixel_shadows::{Error, Result};
 const LEG: u64 = 20;
 /// Frames between two rows of the table.
 const EVERY: u64 = 500;
-/// Frames after which memory must not grow: every size, number of casters, kind of light and both kinds of casters were there.
+/// Frames after which memory must not grow: all that there is was there.
 const SETTLED: u64 = 1000;
 /// Bytes that an allocator may move to and fro.
 const SLACK: u64 = 4 << 20;
+/// Bytes by which the second half may exceed the first.
+const STILL: u64 = 1 << 18;
 
 fn main() {
     match started() {
@@ -77,6 +79,16 @@ fn verdict(soak: &Soak, frames: u64) -> (bool, Vec<String>) {
         let (early, late) = (most(of, false), most(of, true));
         well &= late <= early + SLACK;
         told.push(format!("Most bytes of {what} up to frame {SETTLED}: {early}; after it: {late}."));
+        // A leak grows to the end.
+        let half = |late: bool| {
+            let rows = soak.rows.iter().filter(|row| row.frame > SETTLED && (row.frame > frames / 2) == late);
+            rows.map(of).max().unwrap_or(0)
+        };
+        if frames >= 4 * SETTLED {
+            let (first, second) = (half(false), half(true));
+            well &= second <= first + STILL;
+            told.push(format!("Of these in the first half of all frames: {first}; in the second: {second}."));
+        }
     }
     let [last, fresh] = &soak.last;
     let differ = last.iter().zip(fresh).filter(|(a, b)| a != b).count() + last.len().abs_diff(fresh.len());
@@ -95,11 +107,12 @@ fn text(gpu: &Gpu, soak: &Soak, facets: FacetMode, frames: u64, told: &[String])
         "`cargo run --release --example soak -- --frames {frames} --facets {name} --page FILE`, {} ({}).\n",
         gpu.adapter.name, gpu.adapter.driver
     );
+    let again = LEG * soak::LEGS;
     let _ = writeln!(
         out,
         "One `ShadowPass`, 8 samples, map 32, `keep_last`: camera and light move every frame, moving casters too; every {LEG} frames there are\n\
          other casters (by turns standing and moving ones, 36 to 72 triangles) and another of five sizes, and every third time the light\n\
-         stands among its casters, with up to six views. Read every {EVERY} frames: what the process has in memory, all resources of the\n\
+         stands among its casters, with up to six views. After {again} frames all comes again. Read every {EVERY} frames: what the process has in memory, all resources of the\n\
          device, and the mean time of a frame on a busy machine, with the changes of casters and size in it.\n"
     );
     for text in told {

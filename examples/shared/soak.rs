@@ -7,6 +7,9 @@ use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
 
+/// Legs after which everything comes again.
+pub const LEGS: u64 = 30;
+
 /// Image sizes that take turns.
 const SIZES: [[u32; 2]; 5] = [[32, 24], [24, 24], [40, 20], [17, 31], [48, 12]];
 
@@ -64,7 +67,8 @@ fn mesh(leg: u64) -> Mesh {
 
 impl Scene {
     fn of(frame: u64, leg: u64) -> Self {
-        let (leg, t) = (frame / leg % 30, frame as f32 * 0.013);
+        // All comes again after 30 legs: what memory has grown by then is a leak, not a longer list.
+        let (leg, t) = (frame / leg % LEGS, (frame % (leg * LEGS)) as f32 * 0.013);
         let camera = Camera {
             eye: [4.0 * t.sin(), 2.0 + (0.7 * t).sin(), 4.0 * t.cos()],
             target: [0.2 * t.cos(), 0.3, 0.0],
@@ -96,18 +100,19 @@ impl Scene {
 struct App<'a> {
     gpu: &'a Gpu,
     facets: FacetMode,
+    leg: u64,
     vertices: wgpu::Buffer,
 }
 
 impl<'a> App<'a> {
-    fn new(gpu: &'a Gpu, facets: FacetMode) -> Self {
+    fn new(gpu: &'a Gpu, facets: FacetMode, leg: u64) -> Self {
         let vertices = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("soak.vertices"),
             size: 12 * 8 * 16,
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        Self { gpu, facets, vertices }
+        Self { gpu, facets, leg, vertices }
     }
 
     fn pass(&self, scene: &Scene) -> Result<ShadowPass> {
@@ -120,7 +125,7 @@ impl<'a> App<'a> {
     /// One frame, and how it came out.
     fn frame(&self, pass: &mut ShadowPass, scene: &Scene, frame: u64) -> Result<FrameStatus> {
         let moved = scene.moving.then(|| {
-            let t = frame as f32 * 0.05;
+            let t = (frame % (self.leg * LEGS)) as f32 * 0.05;
             let place = |p: &[f32; 3]| [p[0] + 0.1 * (t + p[1]).sin(), p[1], p[2]];
             let words: Vec<[f32; 3]> = scene.mesh.positions.iter().map(place).collect();
             self.gpu.queue.write_buffer(&self.vertices, 0, bytemuck::cast_slice(&words));
@@ -169,7 +174,7 @@ pub fn soak(
     every: u64,
     told: &mut dyn FnMut(&Row),
 ) -> Result<Soak> {
-    let app = App::new(gpu, facets);
+    let app = App::new(gpu, facets, leg);
     let mut pass = app.pass(&Scene::of(0, leg))?;
     let mut soak = Soak { rows: Vec::new(), complete: 0, last: Default::default() };
     let mut before = std::time::Instant::now();

@@ -130,8 +130,10 @@ impl Engine {
                     (renderer.render(&scene.camera, &scene.light)?, None)
                 };
                 let setup = start.elapsed();
+                let made = renderer.facets().filter(|_| options.truth);
+                let facets = made.map(|made| FacetSet::read(gpu, made, words)).transpose()?;
                 let (output, timed_frames) = timed(output, frames, || renderer.render(&scene.camera, &scene.light))?;
-                Ok(Rendered { output, facets: None, looks, cpu_stages: None, timed_frames, setup })
+                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
             }
             (Extent::Everything, Self::Gpu(gpu)) => {
                 let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;

@@ -14,6 +14,7 @@ use super::supersampled::Supersampled;
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::scene::{Camera, Light};
+use crate::stages::facet_classify::Facets;
 
 /// The methods by their names, the same in API, program, reports and files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -167,6 +168,16 @@ impl<'a> AnyRenderer<'a> {
             Self::SplitMapping(renderer) => renderer.render(camera, light),
             Self::RayTraced(renderer) => renderer.render(camera, light),
             Self::Supersampled(renderer) => renderer.render(camera, light),
+        }
+    }
+
+    /// The facets of the last frame, of `ray-traced` and `supersampled`: one strip of rows, so all there are. Those of `facet-masks` are
+    /// read strip by strip ([`Renderer::render_and`]); the others have none.
+    pub fn facets(&self) -> Option<&Facets> {
+        match self {
+            Self::RayTraced(renderer) => Some(renderer.method().facets()),
+            Self::Supersampled(renderer) => Some(renderer.method().facets()),
+            _ => None,
         }
     }
 

@@ -14,10 +14,12 @@
 //!   open a gap between the two, in which nothing is seen, or what lies behind; or so does what hides the given one near there;
 //! - an edge within the `f64` error bound decided what is nearest;
 //! - the given or the nearest surface lies within 2^-20 of the near distance, or too near to it for 46 bits;
+//! - or any of these holds for another triangle of the given one's plane: facets of several name one of them;
 //! - the given triangle is there within [`AMBIGUITY`] of a pixel, and its plane is seen edge-on within that: it may be at any depth.
 //!
 //! All other samples that were not given the nearest surface are *wrong*.
 
+use super::beam::Beam;
 use super::packet::{Seen, see};
 use super::predicate::Plane;
 use super::rays::{EDGES, canonical};
@@ -110,7 +112,9 @@ impl<'a> SeenTruth<'a> {
                 let at = corner + self.offsets[k];
                 let is_behind = || self.is_next(seen.rays[k], seen.depth[k] + 2.0 * seen.error[k], t);
                 let is_seen = seen.seen >> k & 1 != 0;
-                self.is_seen_near(at, t) || (is_seen && self.is_gap_near(at, seen.triangle[k]) && is_behind())
+                self.is_seen_near(at, t)
+                    || (is_seen && self.is_gap_near(at, seen.triangle[k]) && is_behind())
+                    || self.is_surface_near(at, t)
             }
             None => self.is_gap_near(corner + self.offsets[k], seen.triangle[k]),
         };
@@ -190,6 +194,19 @@ impl<'a> SeenTruth<'a> {
             self.is_gap_near(at + DVec2::from(off), hit.triangle) && self.is_next(r, hit.t * (1.0 + BEHIND), t)
         };
         sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
+    }
+
+    /// Whether another triangle of the plane of `t` is seen as near: `t` may stand for a surface of several.
+    fn is_surface_near(&self, at: DVec2, t: u32) -> bool {
+        let (plane, ray) = (self.plane(t), self.rays.direction(at.x, at.y));
+        let reach = (self.rays.step_x.abs() + self.rays.step_y.abs()) * AMBIGUITY;
+        let beam = Beam::pencil(self.rays.eye, ray - reach, ray + reach, self.near, f64::INFINITY);
+        let mut found = false;
+        let is_on = |p: DVec3| plane.height(p) == 0.0;
+        self.tracer.visit_beam(&beam, &mut |other| {
+            found |= !found && other != t && self.plane(other).corners.into_iter().all(is_on) && self.is_seen_near(at, other);
+        });
+        found
     }
 
     /// Whether triangle `t` is the first that a ray meets behind a distance.

@@ -194,10 +194,52 @@ fn degenerate() {
     check(gpu(), &case, 0.02);
 }
 
-/// The stage has no list: nothing is written past the last pixel (see `run_all`), whatever the image's size.
+/// Two squares so near to each other that 46 bits alone tell which is nearer, the one to the left, the other to the right, over a floor.
+fn crossing_sheets(half: f64) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (lean, half, y) in [(0.0, half, 0.0), (1e-7, half, 0.0), (0.0, 1.0, -1.0)] {
+        let at = |x: f64, z: f64| DVec3::new(x, y + lean * x, z);
+        let corners = [at(-half, -half), at(-half, half), at(half, half), at(half, -half)];
+        add(&mut mesh, &corners, &[[0, 1, 2], [0, 2, 3]]);
+    }
+    mesh
+}
+
+/// What does not fit the list of what is open is settled through all blocks: either way to the nearest.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn overflow_by_one() {
+    let image = [64, 48];
+    let room = image[0] * image[1] / 4 + 64;
+    let mut noted = Vec::new();
+    for half in [0.05, 0.1, 0.2, 0.3, 0.4, 0.8] {
+        let mut case = Case::new(&crossing_sheets(half), light(0), image, 8);
+        (case.camera.eye, case.camera.target, case.camera.up) = ([0.0, 1.5, 0.0], [0.0; 3], [0.0, 0.0, -1.0]);
+        (case.camera.near, case.camera.vertical_fov_degrees) = (1e-3, 50.0);
+        let ran = run_all(gpu(), &case);
+        let wanted = case.wanted();
+        let seen = nearest(&wanted.view, &wanted.triangles, Doubt { edge: 1e-3, depth: 1e-10 });
+        let (mut open, mut of_each) = (0, [0; 6]);
+        for (pixel, want) in seen.iter().enumerate() {
+            if want.open {
+                open += 1;
+                continue;
+            }
+            let got = (ran.id_keys[pixel] != 0).then_some(!ran.id_keys[pixel]);
+            assert_eq!(got, want.triangle, "{half}: pixel {pixel}");
+            of_each[got.map_or(0, |t| t as usize)] += 1;
+        }
+        assert!(open * 10 < seen.len(), "{half}: {open} pixels are open");
+        assert!(of_each.iter().filter(|&&n| n > 0).count() >= 4, "{half}: {of_each:?}");
+        noted.push(ran.noted);
+    }
+    assert!(noted[0] > 0 && noted[2] < room && noted.iter().any(|&n| n > 2 * room), "{noted:?}, {room}");
+}
+
+/// Nothing is written past the last pixel (see `run_all`), whatever the image's size.
+#[test]
+#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+fn no_pixel_too_many() {
     for image in [[1, 1], [7, 1], [8, 8], [9, 7], [63, 65], [64, 64]] {
         let mut case = Case::new(&mesh("closed balls", 3), light(0), image, 8);
         // So near that the whole image is covered.

@@ -131,6 +131,8 @@ pub struct Ran {
     pub light_items: Vec<u32>,
     pub seen_keys: Vec<[u32; 2]>,
     pub id_keys: Vec<u32>,
+    /// Pixels and triangles that single precision left open.
+    pub noted: u32,
     pub nearest_keys: Vec<u32>,
     pub second_keys: Vec<u32>,
     /// Marked texels after light_layers, silhouette_mask and front_layer.
@@ -317,6 +319,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
         light_items,
         seen_keys,
         id_keys,
+        noted: centres.doubts.read(gpu).expect(all)[0],
         nearest_keys: layers.nearest_keys.read(gpu).expect(all),
         second_keys: layers.second_keys.read(gpu).expect(all),
         marks: [after_layers, after_silhouettes, after_front],
