@@ -26,7 +26,7 @@ const ALL: FacetMode = FacetMode::All;
 const LOW: Pattern = Pattern::LowDiscrepancy;
 
 #[rustfmt::skip]
-const FOUND: [Found; 9] = [
+const FOUND: [Found; 13] = [
     // The view of a light held no caster nearer to it than a ten-thousandth of the farthest.
     Found { name: "caster-near-a-light", method: MethodName::FacetMasks, facets: ALL, size: [2, 35], map: 1, samples: (LOW, 16) },
     // A facet goes on beyond its surface and the view of the light, where what the view leaves out cuts it.
@@ -43,6 +43,14 @@ const FOUND: [Found; 9] = [
     Found { name: "ground-behind-the-light", method: MethodName::Supersampled, facets: ONE, size: [1, 2], map: 1, samples: (LOW, 1) },
     // Rounding opens a gap between two surfaces, and what lies behind shows.
     Found { name: "gap-before-a-wall", method: MethodName::FacetMasks, facets: ALL, size: [9, 31], map: 1, samples: (LOW, 8) },
+    // What hides a surface ends where that does: rounding takes it off both, or off one.
+    Found { name: "end-behind-an-end", method: MethodName::FacetMasks, facets: ALL, size: [18, 4], map: 1, samples: (Pattern::Grid, 8) },
+    // A facet of several triangles in one plane names one of them, not that of the sample.
+    Found { name: "rim-of-a-thin-plate", method: MethodName::FacetMasks, facets: ALL, size: [1, 1], map: 1, samples: (Pattern::Grid, 32) },
+    // The view of the light left a sheet out that is 2^-38 of its size above another.
+    Found { name: "sheet-under-a-sheet", method: MethodName::RayTraced, facets: ONE, size: [2, 6], map: 1, samples: (LOW, 8) },
+    // The eye lies in the plane of a triangle as far as 46 bits tell: whether its lit side is seen is open.
+    Found { name: "sliver-seen-edge-on", method: MethodName::FacetMasks, facets: ALL, size: [1, 6], map: 1, samples: (Pattern::Rotated, 8) },
 ];
 
 fn case(found: &Found) -> Case {

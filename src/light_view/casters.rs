@@ -27,8 +27,9 @@ pub(super) fn of_large_casters(
     receivers: Receivers,
 ) -> Vec<DVec3> {
     let Casters { mesh, tree } = casters;
-    // Corners are exact: above the rounding of their heights over a plane, and below what kernels tell from 0.
-    let slack = 1e-12 * (hi - lo).length();
+    // Corners are exact: above the rounding of their heights over a plane, and below what kernels tell from 0 (2^-40 of the distance over
+    // which they are measured) of all that is not a hundred times smaller than the scene.
+    let slack = 1e-14 * (hi - lo).length();
     let texels = small.map_or(0.0, |view| f64::from(view.map_size));
     let inside = |view: &LightView, p: DVec3| {
         let at = view.project(p);

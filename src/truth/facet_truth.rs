@@ -15,7 +15,7 @@
 //! used rather than probes around each sample: they also notice slivers. A sample that no triangle shadows is ambiguous
 //! if it is within [`AMBIGUITY`] of one's shadow. A shadowed sample is not if it lies in one shadow by more than that;
 //! else eight places around it are probed, so that the edge shared by two casters, whose shadows together leave no gap,
-//! is not counted as an edge. What a triangle does that rises over the facet's plane by no more than 2^-36 of the distance is
+//! is not counted as an edge. A facet that the eye sees edge-on, by the rule for lights (2^-40), is ambiguous, whole. What a triangle does that rises over the facet's plane by no more than 2^-36 of the distance is
 //! ambiguous, too: whether it rises at all is left to rounding.
 
 use super::beam::Beam;
@@ -192,6 +192,9 @@ impl<'a> Judge<'a> {
             judge.doubt_valid |= u128::from(judge.plane.normal.dot(r).abs() <= slope * AMBIGUITY) << k;
         }
         judge.doubt_occluded = judge.doubt_valid;
+        if judge.plane.is_eye_open() {
+            judge.doubt_occluded |= asked;
+        }
         judge.valid = judge.met;
         if !judge.validity {
             let met = || bits(judge.met).map(|k| truth.offsets[k]);
@@ -221,7 +224,7 @@ impl<'a> Judge<'a> {
 
     fn judge_among(mut self, candidates: impl Fn(&Self) -> Vec<(u32, [DVec3; 3])>) -> FacetResult {
         let (eye, light) = (self.plane.side_of_eye(), self.plane.side_of_light(self.truth.local_light));
-        if eye == 0.0 || self.plane.is_light_open(self.truth.local_light) {
+        if self.plane.is_light_open(self.truth.local_light) {
             self.doubt_occluded |= self.met;
         }
         if self.met == 0 || eye * light <= 0.0 {

@@ -75,6 +75,13 @@ impl Plane {
         light_side(b - a, c - a, light.truncate() - a * light.w)
     }
 
+    /// Whether the eye lies in the plane, or so near to it that kernels may take it to: by the rule for lights ([`light_side`]).
+    pub fn is_eye_open(&self) -> bool {
+        let [a, b, c] = self.corners;
+        let side = light_side(b - a, c - a, -a);
+        side.sign == 0.0 || side.open || self.side_of_eye() == 0.0
+    }
+
     /// The side of the eye: 1, -1, or 0 within the error bound.
     pub fn side_of_eye(&self) -> f64 {
         sign(-self.distance, DETERMINANT_ERROR * self.size * self.reach)
