@@ -10,7 +10,7 @@ use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::kernels;
 use subpixel_shadows::gpu::layout::{Field, Shared};
 use subpixel_shadows::scene::Edge;
-use subpixel_shadows::stages::camera_visibility::Pass;
+use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::{
     caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, pixel_receivers, prefix_scan,
@@ -51,6 +51,18 @@ fn candidates() -> Registered {
     Registered { kernel: "shared/candidates", name: "Candidates", size: 4 * TALLY_WORDS + 8, fields: FIELDS }
 }
 
+/// Likewise: counts, the words of the two requests among them, then pixels and triangles.
+fn doubts() -> Registered {
+    const FIELDS: &[Field] = &[
+        Field { name: "needed", offset: 0, size: 4 },
+        Field { name: "listed", offset: 4, size: 4 },
+        Field { name: "blocks", offset: 8, size: 4 },
+        Field { name: "pad", offset: 12, size: 4 },
+        Field { name: "list", offset: 4 * Centres::COUNTS, size: 8 },
+    ];
+    Registered { kernel: "camera_visibility", name: "Doubts", size: 4 * Centres::COUNTS + 8, fields: FIELDS }
+}
+
 /// Every struct that the host shares with a kernel. A struct of `kernels/shared/<name>.wgsl` is registered under
 /// `shared/<name>` and found in every kernel that imports it.
 fn registry() -> Vec<Registered> {
@@ -60,6 +72,7 @@ fn registry() -> Vec<Registered> {
         of::<TreePlace>(),
         edge(),
         candidates(),
+        doubts(),
         of::<caster_positions::Params>(),
         of::<compact::Params>(),
         of::<dispatch_args::Request>(),

@@ -4,6 +4,7 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::report::looks::CLASS_COLOURS;
 
 /// A folder of its own for each test, gone afterwards.
@@ -359,6 +360,47 @@ fn explain_counts_the_ways_of_pixels() {
         let made: u64 = facets.iter().map(|way| count(&format!("facets {way}"))).sum();
         assert!(made >= shown, "{made} facets of {shown} pixels");
     }
+}
+
+/// Every row makes the method that it names, with the arguments that it tells.
+#[test]
+fn methods_are_rows_that_render_takes() {
+    let rows: Vec<Value> = serde_json::from_str(&stdout(&run(&["methods", "--json"]))).expect("JSON");
+    let name = |row: &Value| row["name"].as_str().expect("a name").to_owned();
+    let known: Vec<&str> = MethodName::ALL.iter().map(|method| method.name()).collect();
+    assert_eq!(rows.iter().map(name).collect::<Vec<_>>(), known);
+    let table = stdout(&run(&["methods"]));
+    for row in &rows {
+        let text = |key: &str| row[key].as_str().expect(key).to_owned();
+        assert!(table.contains(&text("paper")) && !text("section").is_empty(), "{row}");
+        let options = row["options"].as_array().expect("a list").iter().map(|o| o.as_str().expect("an argument"));
+        let args: Vec<&str> =
+            ["explain", "plane", "--size", "16x12", "--map", "16"].into_iter().chain(options).collect();
+        let told = run(&args);
+        assert!(told.status.success() && stdout(&told).contains("triangle_setup"), "{args:?}: {}", stdout(&told));
+        for option in row["takes"].as_array().expect("a list") {
+            let option = format!("--{}", option.as_str().expect("an option"));
+            assert!(stdout(&run(&["render", "--help"])).contains(&option), "{option}");
+        }
+    }
+}
+
+#[test]
+fn kernels_are_written_whole() {
+    let folder = Folder::new("kernels");
+    let out = folder.path("wgsl");
+    assert!(run(&["kernels", "--out", &out]).status.success());
+    let files = names(&out);
+    assert_eq!(files.len(), subpixel_shadows::gpu::kernels::ALL.len());
+    for (stem, _, entries) in subpixel_shadows::gpu::kernels::ALL {
+        let text = std::fs::read_to_string(Path::new(&out).join(format!("{stem}.wgsl"))).expect("a kernel");
+        let module = naga::front::wgsl::parse_str(&text).expect("WGSL");
+        assert_eq!(module.entry_points.len(), entries.len(), "{stem}");
+    }
+    std::fs::write(folder.path("taken"), "").expect("a file");
+    let refused = run(&["kernels", "--out", &folder.path("taken")]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("taken"));
 }
 
 #[test]

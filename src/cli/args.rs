@@ -61,6 +61,18 @@ pub enum Command {
         #[command(flatten)]
         options: FuzzOptions,
     },
+    /// List the methods: name, paper, section, and the options that each takes
+    Methods {
+        /// As JSON: a list of objects; `options` holds the arguments of `render` that make it
+        #[arg(long)]
+        json: bool,
+    },
+    /// Write the joined WGSL of every kernel, one file each
+    Kernels {
+        /// Folder for the files
+        #[arg(long, default_value = "out/kernels", value_name = "DIR")]
+        out: PathBuf,
+    },
     /// List what wgpu finds here: adapters, features, limits, and the path each would take
     Adapters {
         /// Only say by the exit status whether an adapter can be used: 0, or 3 if none

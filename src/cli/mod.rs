@@ -1,4 +1,4 @@
-//! The command line: `render`, `explain`, `report`, `stability`, `fuzz`, `adapters`.
+//! The command line: `render`, `explain`, `report`, `stability`, `fuzz`, `methods`, `kernels`, `adapters`.
 
 mod adapters;
 mod args;
@@ -8,6 +8,8 @@ mod explain;
 mod fuzz;
 mod given;
 mod held;
+mod kernels;
+mod methods;
 mod output;
 mod progress;
 mod render;
@@ -37,6 +39,8 @@ pub fn main() -> ExitCode {
         Some(Command::Explain { scene, options }) => with(matches, scene, options, explain::run),
         Some(Command::Report { options }) => report::run(&options),
         Some(Command::Stability { options }) => stability::run(&options),
+        Some(Command::Methods { json }) => methods::run(json),
+        Some(Command::Kernels { out }) => kernels::run(&out),
         Some(Command::Adapters { check }) => adapters::run(check),
         None => with(matches, None, cli.options, render::run),
     };

@@ -14,7 +14,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 pub struct OutFolder {
     part: PathBuf,
-    names: Vec<&'static str>,
+    names: Vec<String>,
     finished: bool,
     held: Held,
 }
@@ -55,8 +55,8 @@ impl OutFolder {
     }
 
     /// Where to write the file `name`.
-    pub fn file(&mut self, name: &'static str) -> PathBuf {
-        self.names.push(name);
+    pub fn file(&mut self, name: &str) -> PathBuf {
+        self.names.push(name.to_owned());
         self.part.join(name)
     }
 
@@ -73,7 +73,7 @@ impl OutFolder {
 
     /// Moves all files to their places; returns these.
     pub fn finish(mut self) -> Result<Vec<PathBuf>> {
-        let place = |name: &&'static str| self.held.folder().join(name);
+        let place = |name: &String| self.held.folder().join(name);
         if let Some(path) = self.names.iter().map(place).find(|p| p.is_dir()) {
             return Err(Error::file(path, "is a folder, no file can be written there"));
         }

@@ -59,7 +59,12 @@ impl Parts {
                 v: view.v - place(y),
                 map_size: self.texels,
                 one_of_several: true,
-                ends: [view.ends[0] && x == 0, view.ends[1] && x == last, view.ends[2] && y == 0, view.ends[3] && y == last],
+                ends: [
+                    view.ends[0] && x == 0,
+                    view.ends[1] && x == last,
+                    view.ends[2] && y == 0,
+                    view.ends[3] && y == last,
+                ],
                 ..view
             };
             (0..self.across).flat_map(move |y| (0..self.across).map(move |x| (x, y))).map(part)

@@ -3,6 +3,7 @@
 use super::facet_masks::FacetMasks;
 use super::fixed::FixedRenderer;
 use super::looks::Looks;
+use super::names::MethodName;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::render::{Budget, Output, Renderer};
@@ -15,82 +16,6 @@ use crate::Result;
 use crate::gpu::Gpu;
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::Facets;
-
-/// The methods by their names, the same in API, program, reports and files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum MethodName {
-    /// `facet-masks`: Pan 2009, and with several facets a pixel beyond it.
-    #[default]
-    FacetMasks,
-    /// `spsm`: Lecocq 2013.
-    Spsm,
-    /// `shadow-map`: Williams 1978.
-    ShadowMap,
-    /// `pcf`: Reeves, Salesin, Cook 1987.
-    Pcf,
-    /// `smsr`: Bondarev 2014.
-    Smsr,
-    /// `variance`: Donnelly and Lauritzen 2006.
-    Variance,
-    /// `trapezoidal`: Martin and Tan 2004.
-    Trapezoidal,
-    /// `lispsm`: Wimmer, Scherzer, Purgathofer 2004.
-    Lispsm,
-    /// `parallel-split`: Zhang, Sun, Xu, Lun 2006.
-    ParallelSplit,
-    /// `remix`: Oliveira 2009.
-    Remix,
-    /// `ray-traced`: Whitted 1980, through the tree of Ylitie, Karras, Laine 2017.
-    RayTraced,
-    /// `supersampled`: Aila and Laine 2004; Johnson et al. 2005; Sintorn et al. 2008.
-    Supersampled,
-}
-
-impl MethodName {
-    /// All of them.
-    pub const ALL: [Self; 12] = [
-        Self::FacetMasks,
-        Self::Spsm,
-        Self::ShadowMap,
-        Self::Pcf,
-        Self::Smsr,
-        Self::Variance,
-        Self::Trapezoidal,
-        Self::Lispsm,
-        Self::ParallelSplit,
-        Self::Remix,
-        Self::RayTraced,
-        Self::Supersampled,
-    ];
-
-    /// The one name of the method.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FacetMasks => "facet-masks",
-            Self::Spsm => "spsm",
-            Self::ShadowMap => "shadow-map",
-            Self::Pcf => "pcf",
-            Self::Smsr => "smsr",
-            Self::Variance => "variance",
-            Self::Trapezoidal => "trapezoidal",
-            Self::Lispsm => "lispsm",
-            Self::ParallelSplit => "parallel-split",
-            Self::Remix => "remix",
-            Self::RayTraced => "ray-traced",
-            Self::Supersampled => "supersampled",
-        }
-    }
-
-    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`Looks`]).
-    pub fn keeps(self) -> [bool; 2] {
-        match self {
-            Self::FacetMasks | Self::Spsm => [true, true],
-            Self::ShadowMap | Self::Pcf | Self::Smsr => [false, true],
-            Self::Variance | Self::Trapezoidal | Self::Lispsm | Self::ParallelSplit | Self::Remix => [false, true],
-            Self::RayTraced | Self::Supersampled => [false, false],
-        }
-    }
-}
 
 /// A method set up for one mesh and one setting, to be rendered again and again.
 pub enum AnyRenderer<'a> {

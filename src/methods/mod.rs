@@ -8,6 +8,7 @@ pub mod fixed;
 pub mod geometry;
 pub mod growth;
 pub mod looks;
+pub mod names;
 pub mod options;
 pub mod prepared;
 pub mod ray_traced;
@@ -21,9 +22,10 @@ pub mod strips;
 pub mod supersampled;
 pub mod unshadowed;
 
-pub use any::{AnyRenderer, MethodName};
+pub use any::AnyRenderer;
 pub use facet_masks::FacetMasks;
 pub use looks::{Looks, MapLook, PixelClass};
+pub use names::{METHODS, MethodName, MethodRow};
 pub use options::{METHOD_OPTIONS, MethodOption};
 pub use prepared::Prepared;
 pub use settings::{

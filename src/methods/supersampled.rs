@@ -10,7 +10,6 @@ use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
 use super::settled::Settled;
-use crate::{Error, Result};
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
@@ -19,6 +18,7 @@ use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::sample_bins::{self, Bins, SampleBins};
 use crate::stages::shadow_rays::{Rays, ShadowRays, Step};
+use crate::{Error, Result};
 
 /// The method for one mesh, image, map and setting.
 #[derive(Debug)]

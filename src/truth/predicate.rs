@@ -75,7 +75,7 @@ impl Plane {
         light_side(b - a, c - a, light.truncate() - a * light.w)
     }
 
-    /// Whether the eye lies in the plane, or so near to it that kernels may take it to: by the rule for lights ([`light_side`]).
+    /// Whether the eye lies in the plane, or so near to it that kernels may take it to: by the rule for lights (2^-40).
     pub fn is_eye_open(&self) -> bool {
         let [a, b, c] = self.corners;
         let side = light_side(b - a, c - a, -a);

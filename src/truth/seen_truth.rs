@@ -87,7 +87,8 @@ impl<'a> SeenTruth<'a> {
         };
         let mut left = bits(asked).filter(|&k| k < offsets.len() && other(k)).fold(0u128, |mask, k| mask | 1 << k);
         let off = left;
-        let stand_in = bits(asked & !off & seen.seen).filter(|&k| k < offsets.len() && given(k) != Some(seen.triangle[k]));
+        let stand_in =
+            bits(asked & !off & seen.seen).filter(|&k| k < offsets.len() && given(k) != Some(seen.triangle[k]));
         let stand_in = stand_in.fold(0, |mask, k| mask | 1 << k);
         if off == 0 {
             return SeenResult { stand_in, ..SeenResult::default() };
@@ -204,7 +205,10 @@ impl<'a> SeenTruth<'a> {
         let mut found = false;
         let is_on = |p: DVec3| plane.height(p) == 0.0;
         self.tracer.visit_beam(&beam, &mut |other| {
-            found |= !found && other != t && self.plane(other).corners.into_iter().all(is_on) && self.is_seen_near(at, other);
+            found |= !found
+                && other != t
+                && self.plane(other).corners.into_iter().all(is_on)
+                && self.is_seen_near(at, other);
         });
         found
     }

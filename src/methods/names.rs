@@ -1,0 +1,178 @@
+//! The methods by name: one row each.
+
+/// The methods by their names, the same in API, program, reports and files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MethodName {
+    /// `facet-masks`: Pan 2009, and with several facets a pixel beyond it.
+    #[default]
+    FacetMasks,
+    /// `spsm`: Lecocq 2013.
+    Spsm,
+    /// `shadow-map`: Williams 1978.
+    ShadowMap,
+    /// `pcf`: Reeves, Salesin, Cook 1987.
+    Pcf,
+    /// `smsr`: Bondarev 2014.
+    Smsr,
+    /// `variance`: Donnelly and Lauritzen 2006.
+    Variance,
+    /// `trapezoidal`: Martin and Tan 2004.
+    Trapezoidal,
+    /// `lispsm`: Wimmer, Scherzer, Purgathofer 2004.
+    Lispsm,
+    /// `parallel-split`: Zhang, Sun, Xu, Lun 2006.
+    ParallelSplit,
+    /// `remix`: Oliveira 2009.
+    Remix,
+    /// `ray-traced`: Whitted 1980, through the tree of Ylitie, Karras, Laine 2017.
+    RayTraced,
+    /// `supersampled`: Aila and Laine 2004; Johnson et al. 2005; Sintorn et al. 2008.
+    Supersampled,
+}
+
+/// What there is to say of a method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MethodRow {
+    /// The method.
+    pub method: MethodName,
+    /// Its one name.
+    pub name: &'static str,
+    /// Where it is from.
+    pub paper: &'static str,
+    /// The section of that, or of a survey that describes it.
+    pub section: &'static str,
+    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`Looks`](super::Looks)).
+    pub keeps: [bool; 2],
+}
+
+/// All methods, in the order of [`MethodName::ALL`].
+pub const METHODS: [MethodRow; 12] = [
+    MethodRow {
+        method: MethodName::FacetMasks,
+        name: "facet-masks",
+        paper: "Pan, Wang, Chen, Zhou, Bao 2009: Fast, Sub-pixel Antialiased Shadow Maps",
+        section: "3",
+        keeps: [true, true],
+    },
+    MethodRow {
+        method: MethodName::Spsm,
+        name: "spsm",
+        paper: "Lecocq, Marvie, Sourimant, Gautron 2013: Sub-Pixel Shadow Mapping",
+        section: "3 and 4",
+        keeps: [true, true],
+    },
+    MethodRow {
+        method: MethodName::ShadowMap,
+        name: "shadow-map",
+        paper: "Williams 1978: Casting Curved Shadows on Curved Surfaces",
+        section: "Scherzer 2011: 2",
+        keeps: [false, true],
+    },
+    MethodRow {
+        method: MethodName::Pcf,
+        name: "pcf",
+        paper: "Reeves, Salesin, Cook 1987: Rendering Antialiased Shadows with Depth Maps",
+        section: "Scherzer 2011: 6",
+        keeps: [false, true],
+    },
+    MethodRow {
+        method: MethodName::Smsr,
+        name: "smsr",
+        paper: "Bondarev 2014: Shadow Map Silhouette Revectorization",
+        section: "2",
+        keeps: [false, true],
+    },
+    MethodRow {
+        method: MethodName::Variance,
+        name: "variance",
+        paper: "Donnelly, Lauritzen 2006: Variance Shadow Maps",
+        section: "Oliveira 2009: 3.4",
+        keeps: [false, true],
+    },
+    MethodRow {
+        method: MethodName::Trapezoidal,
+        name: "trapezoidal",
+        paper: "Martin, Tan 2004: Anti-aliasing and Continuity with Trapezoidal Shadow Maps",
+        section: "Oliveira 2009: 3.2",
+        keeps: [false, true],
+    },
+    MethodRow {
+        method: MethodName::Lispsm,
+        name: "lispsm",
+        paper: "Wimmer, Scherzer, Purgathofer 2004: Light Space Perspective Shadow Maps",
+        section: "Scherzer 2011: 4.2",
+        keeps: [false, true],
+    },
+    MethodRow {
+        method: MethodName::ParallelSplit,
+        name: "parallel-split",
+        paper: "Zhang, Sun, Xu, Lun 2006: Parallel-Split Shadow Maps for Large-scale Virtual Environments",
+        section: "Oliveira 2009: 3.3",
+        keeps: [false, true],
+    },
+    MethodRow {
+        method: MethodName::Remix,
+        name: "remix",
+        paper: "Oliveira 2009: Analysis and Proposal of a Shadow Mapping Remix Approach",
+        section: "4.2",
+        keeps: [false, true],
+    },
+    MethodRow {
+        method: MethodName::RayTraced,
+        name: "ray-traced",
+        paper: "Whitted 1980: An Improved Illumination Model for Shaded Display",
+        section: "Pan 2009: 5",
+        keeps: [false, false],
+    },
+    MethodRow {
+        method: MethodName::Supersampled,
+        name: "supersampled",
+        paper: "Aila, Laine 2004: Alias-Free Shadow Maps",
+        section: "Scherzer 2011: 4.5",
+        keeps: [false, false],
+    },
+];
+
+impl MethodName {
+    /// All of them.
+    pub const ALL: [Self; METHODS.len()] = {
+        let mut all = [Self::FacetMasks; METHODS.len()];
+        let mut k = 0;
+        while k < METHODS.len() {
+            all[k] = METHODS[k].method;
+            k += 1;
+        }
+        all
+    };
+
+    /// What there is to say of it.
+    pub fn row(self) -> &'static MethodRow {
+        // In the order of the enum: a test holds that.
+        &METHODS[self as usize]
+    }
+
+    /// The one name of the method.
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`Looks`](super::Looks)).
+    pub fn keeps(self) -> [bool; 2] {
+        self.row().keeps
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_has_its_row_and_a_name_of_its_own() {
+        for (k, row) in METHODS.iter().enumerate() {
+            assert!(row.method as usize == k && row.method.row() == row, "{}", row.name);
+            assert!(METHODS[..k].iter().all(|other| other.name != row.name), "{} twice", row.name);
+            assert!(row.name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{}", row.name);
+            assert!(row.paper.contains(':') && !row.section.is_empty(), "{}", row.name);
+        }
+    }
+}
