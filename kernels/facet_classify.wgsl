@@ -12,8 +12,7 @@
 // side light or eye are on, and `classify_unsure` classifies them with 46 bits: vector machines pay for code that no lane takes.
 // A facet of what is no caster (FLAG_CULL_BACK) is never settled.
 // There is no depth bias: the split depth was proved (front_layer) to lie between two sheets.
-// A facet whose plane runs off towards the horizon inside the pixel, or that crosses a side of the map beyond which casters were left
-// out (FLAG_ENDS), keeps only the samples inside its own triangle. With
+// A facet whose plane runs off towards the horizon inside the pixel keeps only the samples inside its own triangle. With
 // FLAG_CLAMP all facets have only such samples, but for FLAG_BEYOND: their rectangles are cut to their triangles. A merged facet
 // (STATE_MERGED) has samples of other triangles in its plane, and is followed as far as those reach.
 // Of several views of the light all after the first have FLAG_FURTHER_VIEW: what a facet is in all of them is put together, its

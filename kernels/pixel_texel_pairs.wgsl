@@ -8,7 +8,7 @@
 // Instead of all three, `append` lists the pairs of texels as they come: texels in `keys`, facets in `values`, their number in
 // `appended`, to be sorted (the paper's way); it writes `place_deepest` as counting does.
 // A texel that a facet touches is in no pair where no caster is, nor, without validity masks, where the facet of a caster lies
-// before the split depth.
+// before the split depth; but it is where the facet goes on beyond one of the ends of the map (FLAG_ENDS), and it lies there.
 
 //@import frame
 //@import dispatch
@@ -23,6 +23,7 @@
 //@import block_bits
 //@import places
 //@import append
+//@import map_ends
 
 const WORKGROUP = 64u;
 
@@ -66,12 +67,14 @@ fn texels_of(item: Item) -> vec2<u32> {
         skip_front = false;
     }
     let corner = block.low & vec2(~7u);
+    let beyond = ends_beyond(facet.box_low, facet.box_high) != 0u;
     var texels = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         for (var x = block.low.x; x <= block.high.x; x++) {
             let split = splits[y * frame.map_size + x];
-            if split == UNCOVERED { continue; }
-            if (split != MARKED) & skip_front & (facet.farthest + frame.depth_margin < split) { continue; }
+            let before = (split != MARKED) & skip_front & (facet.farthest + frame.depth_margin < split);
+            let at_end = beyond & (ends_at(vec2(x, y), vec2(x, y), frame.map_size) != 0u);
+            if ((split == UNCOVERED) | before) & !at_end { continue; }
             if !outline_touches(outline, vec2(f32(x) + 0.5, f32(y) + 0.5), reach) { continue; }
             add_texel(&texels, vec2(x, y) - corner);
         }

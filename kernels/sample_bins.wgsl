@@ -10,7 +10,8 @@
 // nothing to do, and how many doubts there are. Whoever reads invalid masks has to make them afterwards. The model and its predicates are those of
 // shadow_rays. The facets of a band are those listed from `frame.first_facet` on; a band without any costs nothing worth naming.
 // Behind the texels in `texel_ends`: doubts; crowded texels; then the facets of the band.
-// A sample whose point is not before the light, or outside its view, has no caster before it.
+// A sample whose point is not before the light, or outside its view, has no caster before it, but for beyond the ends of the map (FLAG_ENDS):
+// there it is sorted into the texels at them, in which casters that go beyond are tested, too.
 
 //@import frame
 //@import dispatch
@@ -24,6 +25,7 @@
 //@import double_float
 //@import vertex
 //@import facing_46
+//@import map_ends
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
@@ -83,7 +85,9 @@ fn bin(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups:
     let r = ray_of_sample(ground_of(f), k);
     let at = in_light_view(r.at);
     let size = f32(frame.map_size);
-    if !r.meets || !(at.w > 0.0) || !all(at.xy > vec2(-1.0)) || !all(at.xy < vec2(size + 1.0)) { return; }
+    let over = select(vec4(0u), vec4(1u, 2u, 4u, 8u), !(vec4(at.x, -at.x, at.y, -at.y) > vec4(-1.0, -size - 1.0, -1.0, -size - 1.0)));
+    let sides = (over.x | over.y | over.z | over.w) * FLAG_ENDS;
+    if !r.meets || !(at.w > 0.0) || (sides & ~frame.flags) != 0u { return; }
     let cell = vec2<u32>(clamp(at.xy, vec2(0.0), vec2(size - 1.0)));
     let texel = cell.y * frame.map_size + cell.x;
     let place = atomicAdd(&texel_ends[texel], 1u);
@@ -113,7 +117,21 @@ fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
     let t = owner_of(item, frame.triangle_count);
     let block = block_of(light_rects[t], item - work_offsets[t]);
     let c = caster_of(t);
-    let shape = cover_triangle(in_light_view(c.at), in_light_view(point_of(c.vertices.y)), in_light_view(point_of(c.vertices.z)));
+    let p = in_light_view(c.at);
+    let q = in_light_view(point_of(c.vertices.y));
+    let r = in_light_view(point_of(c.vertices.z));
+    let shape = cover_triangle(p, q, r);
+    // Few blocks are at an end, and few triangles go beyond: a loop that the others do not enter.
+    let at_ends = ends_at(block.low, block.high, frame.map_size) != 0u;
+    for (var some = at_ends && ends_of_triangle(p, q, r) != 0u; some; some = false) {
+        for (var y = block.low.y; y <= block.high.y; y++) {
+            for (var x = block.low.x; x <= block.high.x; x++) {
+                if ends_at(vec2(x, y), vec2(x, y), frame.map_size) == 0u { continue; }
+                let texel = y * frame.map_size + x;
+                if crowds { test_crowd(texel, t, c, lane, exact); } else { test_texel(texel, t, c, lane, exact); }
+            }
+        }
+    }
     for (var y = block.low.y; y <= block.high.y; y++) {
         let row = f32(y) + 0.5;
         var span = span_of(block.low.x, block.high.x);

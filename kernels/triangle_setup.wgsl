@@ -4,13 +4,15 @@
 // (`camera_items`, `light_items`; 0 where the triangle has no work in that view).
 // With FLAG_CLAMP the pixels whose squares it may touch count, else those whose centres it may cover.
 // Rectangles are conservative; a triangle that crosses the camera's near plane is clipped for its rectangle, one that
-// is not surely in front of the light takes the whole map, one surely behind it nothing.
+// is not surely in front of the light takes the whole map, one surely behind it nothing. One that goes on beyond one of the ends of the map
+// (FLAG_ENDS) takes the whole map, too.
 
 //@import frame
 //@import dispatch
 //@import rect
 //@import facing
 //@import view_sides
+//@import map_ends
 
 const WORKGROUP = 64u;
 
@@ -77,13 +79,14 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
 fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32> {
     if min(a.w, min(b.w, c.w)) <= 0.0 {
         if max(a.w, max(b.w, c.w)) < -2.0 * frame.light_low.w { return EMPTY_RECT; }
-        if (frame.flags & FLAG_PERSPECTIVE) != 0u && beyond != 0u { return EMPTY_RECT; }
+        if (frame.flags & FLAG_PERSPECTIVE) != 0u && beyond != 0u && ends_of_triangle(a, b, c) == 0u { return EMPTY_RECT; }
         return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
     let low = min(min(a.xy, b.xy), c.xy);
     let high = max(max(a.xy, b.xy), c.xy);
     let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
-    return cells_touched(low - slack, high + slack, vec2(frame.map_size));
+    let touched = cells_touched(low - slack, high + slack, vec2(frame.map_size));
+    return select(touched, pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))), ends_beyond(low, high) != 0u);
 }
 
 @compute @workgroup_size(WORKGROUP)

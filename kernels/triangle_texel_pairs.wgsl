@@ -6,7 +6,8 @@
 // found anew.
 // Instead of all three, `append` lists the pairs of texels as they come: texels in `keys`, triangles in `values`, their number in
 // `appended`, to be sorted (the paper's way).
-// A caster that lies behind the farthest facet of the place makes no pair.
+// A caster that lies behind the farthest facet of the place makes no pair. One that goes on beyond one of the ends of the map (FLAG_ENDS)
+// makes one with every place there.
 
 //@import frame
 //@import dispatch
@@ -16,6 +17,7 @@
 //@import places
 //@import tile_cells
 //@import append
+//@import map_ends
 
 const WORKGROUP = 64u;
 
@@ -66,6 +68,23 @@ fn nearest_in(shape: Cover, at: vec2<u32>) -> f32 {
     return select(-3.0e38, depth_range(shape, vec2<f32>(at) + 0.5).x - frame.depth_margin, shape.in_front);
 }
 
+fn goes_beyond(t: u32) -> bool {
+    let i = triangles[t];
+    return ends_of_triangle(map_points[i.x], map_points[i.y], map_points[i.z]) != 0u;
+}
+fn is_at_end(place: vec2<u32>) -> bool { return ends_at(place, place, places_across()) != 0u; }
+
+// The places of a block at the ends of the map, as bits.
+fn places_at_end(places: Rect) -> vec2<u32> {
+    var found = vec2(0u);
+    for (var y = places.low.y; y <= places.high.y; y++) {
+        for (var x = places.low.x; x <= places.high.x; x++) {
+            if is_at_end(vec2(x, y)) { add_texel(&found, vec2(x, y) & vec2(7u)); }
+        }
+    }
+    return found;
+}
+
 // The places of the block that make a pair with triangle `t`, one bit each, row by row of the 8 x 8 places they lie in.
 fn shared_places(t: u32, block: Rect) -> vec2<u32> {
     var found = vec2(0u);
@@ -74,12 +93,14 @@ fn shared_places(t: u32, block: Rect) -> vec2<u32> {
     let places = places_of(block);
     let corner = places.low & vec2(~7u);
     var left = cover_cells(shape, places, 0xffu);
+    let beyond = goes_beyond(t);  // Few do: a loop that the others do not enter.
+    for (var some = beyond && ends_at(places.low, places.high, places_across()) != 0u; some; some = false) { left |= places_at_end(places); }
     while any(left != vec2(0u)) {
         let at = take_texel(&left);
         let place = corner + at;
         let deepest = place_deepest[place_index(place)];
-        if deepest == 0u || !covers(shape, vec2<f32>(place) + 0.5) { continue; }
-        if nearest_in(shape, place) > bitcast<f32>(deepest - 1u) { continue; }
+        let there = covers(shape, vec2<f32>(place) + 0.5) && nearest_in(shape, place) <= bitcast<f32>(deepest - 1u);
+        if deepest == 0u || !(there || (beyond && is_at_end(place))) { continue; }
         add_texel(&found, at);
     }
     return found;
@@ -115,6 +136,7 @@ fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
     let corner = places_of(item.block).low & vec2(~7u);
     var shape: Cover;
     if TILE_SHIFT != 0u { shape = cover_of(item.triangle); }
+    let beyond = goes_beyond(item.triangle);
     while any(left != vec2(0u)) {
         let at = corner + take_texel(&left);
         let k = place_index(at);
@@ -124,7 +146,8 @@ fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
         if TILE_SHIFT == 0u {
             pair_triangles[place] = item.triangle;
         } else {
-            pair_triangles[2u * place] = cells_in(shape, at) | (depth_code(nearest_in(shape, at)) << 16u);
+            let told = cells_in(shape, at) | (depth_code(nearest_in(shape, at)) << 16u);
+            pair_triangles[2u * place] = select(told, 0xffffu, beyond && is_at_end(at));
             pair_triangles[2u * place + 1u] = item.triangle;
         }
     }

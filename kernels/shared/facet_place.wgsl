@@ -97,15 +97,6 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
         found.low, found.high, light_slope(found.plane), select(tilt, -tilt, alone), shares.x | (shares.y << 8u) | (shares.z << 16u), found.span);
 }
 
-// Whether a box touches the map, and goes on beyond a side where casters were left out that shadow no surface there.
-fn crosses_end(low: vec2<f32>, high: vec2<f32>) -> bool {
-    let margin = frame.map_margin;
-    let size = f32(frame.map_size);
-    let beyond = select(vec4(0u), vec4(1u, 2u, 4u, 8u), vec4(low.x, -high.x, low.y, -high.y) < vec4(margin, margin - size, margin, margin - size));
-    let touches = all(high > vec2(-margin)) && all(low < vec2(size + margin));
-    return touches && ((beyond.x | beyond.y | beyond.z | beyond.w) * FLAG_ENDS & frame.flags) != 0u;
-}
-
 fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<function, Found>) -> u32 {
     let away = turns.x * select(1.0, -1.0, is_reversed(shape.given.xyz, shape.i)) < 0.0;
     if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) { return STATE_DARK; }
@@ -133,11 +124,14 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     }
     let limit = max(reached, depth) * select(4.0, 1.0001, near);
     var outline = facet_box(pixel, part_of(span), plane, limit);
-    if near && !merged { cut_to_triangle(&outline, a, b, c); }
+    if near && !merged {
+        cut_to_triangle(&outline, a, b, c);
+    } else if !clamped && !outline.whole {
+        keep_own_triangle(f, shape.given.xyz, pixel_ray(pixel));
+    }
     var rect = EMPTY_RECT;
     let low = select(vec2(-3.0e38), outline.low, outline.in_front);
     let high = select(vec2(3.0e38), outline.high, outline.in_front);
-    if !clamped && (!outline.whole || crosses_end(low, high)) { keep_own_triangle(f, shape.given.xyz, pixel_ray(pixel)); }
     var farthest = select(3.0e38, outline.farthest, outline.in_front & !hidden);
     var margin = frame.map_margin;
     let receives = RECEIVERS != 0u && only_receives(shape.triangle);

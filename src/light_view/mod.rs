@@ -40,9 +40,9 @@ pub struct LightView {
     pub complete: bool,
     /// One of several views: what is proved of a surface counts only where all of it lies in the view.
     pub one_of_several: bool,
-    /// Sides of the map (lowest `x`, highest `x`, lowest `y`, highest `y`) beyond which casters were left out that shadow no surface there. A
-    /// facet that stands for its whole pixel goes on beyond its surface, where they may shadow it: of one that crosses such a side
-    /// only the samples on its own triangle are taken.
+    /// Sides of the map (lowest `x`, highest `x`, lowest `y`, highest `y`) beyond which parts of large casters were left out that shadow no surface
+    /// there. A facet that stands for its whole pixel goes on beyond its surface, where they may shadow or cut it: what crosses such
+    /// a side, facets and casters, meets in all texels at it.
     pub ends: [bool; 4],
     /// Whether triangles that turn away from the light are never lit, whatever side of them is seen: the mesh is closed, and the
     /// light outside.

@@ -44,6 +44,26 @@ pub struct Outline {
     pub open: bool,
 }
 
+impl Outline {
+    /// Whether, grown by `margin` texels, it goes on beyond one of the `ends` of a map of `size` texels a side: see
+    /// [`LightView::ends`](crate::light_view::LightView::ends).
+    pub fn goes_beyond(&self, ends: [bool; 4], size: u32, margin: f64) -> bool {
+        let (low, high) = bounds(&self.corners);
+        ends.contains(&true) && (!self.in_front || beyond_ends(low - margin, high + margin, ends, size))
+    }
+}
+
+/// Whether a box of the light view goes on beyond one of the `ends` of a map.
+pub(super) fn beyond_ends(low: DVec2, high: DVec2, ends: [bool; 4], size: u32) -> bool {
+    let size = f64::from(size);
+    [low.x < 0.0, high.x > size, low.y < 0.0, high.y > size].iter().zip(ends).any(|(over, end)| *over && end)
+}
+
+/// Whether a texel lies at one of the `ends` of a map: what goes on beyond them meets there.
+pub(super) fn is_at_end(x: u32, y: u32, ends: [bool; 4], size: u32) -> bool {
+    [x == 0, x + 1 == size, y == 0, y + 1 == size].iter().zip(ends).any(|(at, end)| *at && end)
+}
+
 /// What stands for a surface inside one pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facet {
@@ -202,16 +222,12 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
     let limit = far_corner.max(depth) * 4.0;
     facet.outline = outline_of(view, pixel, facet.plane, limit, [span.low, span.high]);
     facet.open |= facet.outline.open;
-    let (low, high) = bounds(&facet.outline.corners);
-    if seen_by.is_none() {
-        let (crosses, open) = crosses_end(view, &facet.outline, (low, high), margin.texels);
-        if !facet.outline.whole || crosses || facet.outline.open || open {
-            let keep = !facet.outline.whole || crosses;
-            keep_own_triangle(view, around.samples, corners, keep, facet.outline.open || open, &mut facet);
-        }
+    if seen_by.is_none() && (!facet.outline.whole || facet.outline.open) {
+        keep_own_triangle(view, around.samples, corners, &mut facet);
     }
     let size = view.map.map_size;
     let receives = triangle.is_some_and(|t| t >= around.casters);
+    let (low, high) = bounds(&facet.outline.corners);
     let reach = if receives { reach_beyond(view, pixel, facet.plane, limit) } else { 1.0 };
     let texels = margin.texels * reach;
     if receives {
@@ -330,30 +346,7 @@ fn reach_beyond(view: &View, pixel: u32, plane: DVec4, limit: f64) -> f64 {
     offsets.into_iter().map(reach).fold(1.0, f64::max)
 }
 
-/// Whether an outline touches the map, and goes on beyond a side where casters were left out that shadow no surface there; and whether
-/// rounding may tell another.
-fn crosses_end(view: &View, outline: &Outline, (low, high): (DVec2, DVec2), margin: f64) -> (bool, bool) {
-    let (size, ends) = (f64::from(view.map.map_size), view.map.ends);
-    if !outline.in_front {
-        return (ends.contains(&true), false);
-    }
-    let by = |margin: f64| {
-        let over = [margin - low.x, high.x - size + margin, margin - low.y, high.y - size + margin];
-        let touches = high.min_element() > -margin && low.max_element() < size + margin;
-        touches && over.iter().zip(ends).any(|(over, ends)| ends && *over > 0.0)
-    };
-    (by(margin), by(0.5 * margin - 1e-3) != by(2.0 * margin + 1e-3))
-}
-
-/// Takes samples beyond the triangle from a facet if `keep`; `open`: rounding may tell whether it does.
-fn keep_own_triangle(
-    view: &View,
-    samples: &[[f32; 2]],
-    [a, b, c]: [DVec3; 3],
-    keep: bool,
-    open: bool,
-    facet: &mut Facet,
-) {
+fn keep_own_triangle(view: &View, samples: &[[f32; 2]], [a, b, c]: [DVec3; 3], facet: &mut Facet) {
     let edges = [a.cross(b), b.cross(c), c.cross(a)];
     let slopes = edges.map(|e| e.dot(view.rays.step_x).hypot(e.dot(view.rays.step_y)));
     let (mut own, mut near) = (1u128, 0u128);
@@ -364,8 +357,8 @@ fn keep_own_triangle(
         own |= u128::from(inside) << k;
         near |= u128::from(v.iter().zip(slopes).any(|(v, s)| v.abs() <= s / 256.0)) << k;
     }
-    facet.open_coverage = if open { u128::MAX } else { near };
-    if keep {
+    facet.open_coverage = if facet.outline.open { u128::MAX } else { near };
+    if !facet.outline.whole {
         facet.coverage &= own;
     }
 }

@@ -3,10 +3,14 @@
 use crate::truth::{FacetInput, FacetResult, FacetTruth};
 use glam::DVec2;
 
-/// The texel of each place (texel x, y) of a map of `size` texels a side, held at its rim; `None` more than a texel outside.
-pub fn texels(places: &[DVec2], size: u32) -> Vec<Option<u32>> {
+/// The texel of each place (texel x, y) of a map of `size` texels a side, held at its rim; `None` more than a texel outside, but for beyond
+/// the `ends` of the map.
+pub fn texels(places: &[DVec2], size: u32, ends: [bool; 4]) -> Vec<Option<u32>> {
     let side = f64::from(size);
-    let inside = |p: &DVec2| p.cmpgt(DVec2::splat(-1.0)).all() && p.cmplt(DVec2::splat(side + 1.0)).all();
+    let inside = |p: &DVec2| {
+        let over = [p.x <= -1.0, p.x >= side + 1.0, p.y <= -1.0, p.y >= side + 1.0];
+        !over.iter().zip(ends).any(|(over, end)| *over && !end)
+    };
     let texel = |p: DVec2| {
         let cell = p.clamp(DVec2::ZERO, DVec2::splat(side - 1.0));
         cell.y as u32 * size + cell.x as u32

@@ -1,5 +1,6 @@
 //! What each triangle is to the light, and which pixels and texels it may touch.
 
+use super::facet_classify::beyond_ends;
 use super::vertex_project::Vertex;
 use super::view::{Cut, Flat, View, cells_touched, centres_within};
 use glam::{DVec2, DVec3};
@@ -31,11 +32,14 @@ pub struct Triangle {
     pub map: Reach,
     /// Whether it is of a closed body.
     pub of_body: bool,
+    /// Whether it goes on beyond one of the ends of the map ([`LightView::ends`](crate::light_view::LightView::ends)).
+    pub beyond: bool,
 }
 
 impl Triangle {
     /// No triangle.
-    pub const DROPPED: Self = Self { corners: None, side: 0.0, image: None, map: Reach::Nowhere, of_body: false };
+    pub const DROPPED: Self =
+        Self { corners: None, side: 0.0, image: None, map: Reach::Nowhere, of_body: false, beyond: false };
 
     /// Pixels whose centre the box of its image holds: first and last column and row.
     pub fn pixels(&self, size: [u32; 2]) -> Option<[u32; 4]> {
@@ -47,6 +51,8 @@ impl Triangle {
         match self.map {
             Reach::Nowhere => None,
             Reach::Everywhere | Reach::Cut(_) => Some([0, 0, size - 1, size - 1]),
+            // It is in the texels at the ends.
+            Reach::Flat(_) if self.beyond => Some([0, 0, size - 1, size - 1]),
             Reach::Flat(flat) => {
                 let (lo, hi) = flat.bounds();
                 cells_touched(lo - margin, hi + margin, [size; 2])
@@ -86,13 +92,22 @@ fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3], of_body: bool) -> 
     };
     let corners = [a, b, c];
     let side = view.side(corners);
+    let ends = view.map.ends.contains(&true);
     let map = match all.map(|v| v.map) {
         _ if view.cull_back && of_body && side < 0.0 => Reach::Nowhere,
         [Some(a), Some(b), Some(c)] => Reach::Flat(Flat::new([a, b, c].map(|p| p.truncate()))),
-        _ if all.iter().all(|v| v.behind) || view.beyond(&corners) => Reach::Nowhere,
+        _ if all.iter().all(|v| v.behind) || (!ends && view.beyond(&corners)) => Reach::Nowhere,
         _ => Cut::new(view, corners).map_or(Reach::Everywhere, Reach::Cut),
     };
-    Triangle { corners: Some(corners), side, image: image_box(view, corners), map, of_body }
+    let beyond = match map {
+        Reach::Nowhere => false,
+        Reach::Everywhere | Reach::Cut(_) => ends,
+        Reach::Flat(flat) => {
+            let (low, high) = flat.bounds();
+            beyond_ends(low, high, view.map.ends, view.map.map_size)
+        }
+    };
+    Triangle { corners: Some(corners), side, image: image_box(view, corners), map, of_body, beyond }
 }
 
 /// Box in the image of the part of a triangle beyond the near plane.

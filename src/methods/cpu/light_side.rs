@@ -82,7 +82,8 @@ impl LightSide {
             facets.iter_mut().filter(|f| f.state == State::Undecided).for_each(|f| f.state = State::Lit);
         }
         let (skip_front, size) = (settings.settle && !validity, self.view.map.map_size);
-        let results = pairs.masks(clock, &self.known, truth, &facets, &self.triangles, size, skip_front, progress);
+        let map = (size, self.view.map.ends);
+        let results = pairs.masks(clock, &self.known, truth, &facets, &self.triangles, map, skip_front, progress);
         let masks = facets.iter().zip(results).map(|(facet, result)| {
             let (occluded, invalid) = result
                 .as_ref()

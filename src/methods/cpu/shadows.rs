@@ -85,7 +85,7 @@ impl Pairs {
         truth: &FacetTruth,
         facets: &[Facet],
         triangles: &[Triangle],
-        size: u32,
+        (size, ends): (u32, [bool; 4]),
         skip_front: bool,
         progress: Progress,
     ) -> Vec<Option<FacetResult>> {
@@ -97,11 +97,12 @@ impl Pairs {
                 results.resize(done + part.len(), None);
                 continue;
             }
-            let pixel_pairs = clock
-                .time("pixel_texel_pairs", || pixel_texel_pairs::pairs(part, &known.splits, size, MARGIN, skip_front));
+            let pixel_pairs = clock.time("pixel_texel_pairs", || {
+                pixel_texel_pairs::pairs(part, &known.splits, size, MARGIN, skip_front, ends)
+            });
             let triangle_pairs = clock.time("triangle_texel_pairs", || {
                 let deepest = pixel_texel_pairs::deepest(part, &pixel_pairs);
-                triangle_texel_pairs::pairs(triangles, &deepest, size, MARGIN)
+                triangle_texel_pairs::pairs(triangles, &deepest, size, MARGIN, ends)
             });
             let listed =
                 clock.time("candidate_pairs", || candidates(part, triangles, &pixel_pairs, &triangle_pairs, MARGIN));
