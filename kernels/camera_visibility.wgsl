@@ -79,17 +79,6 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     }
 }
 
-// How much nearer the triangle's plane is along the ray than `depth`, as a key that grows with that; not 0. Steps of 2^-40 of the
-// depth: what 46 bits make of planes that meet there is within one.
-fn key_46(i: vec3<u32>, ray: vec3<f32>, depth: f32) -> u32 {
-    let n = full_normal(i);
-    let over = df_scale(df3_along(n, ray), depth);
-    let rest = df_add_fast(over, -df3_dot(n, full_point_of(i.x)));
-    let nearer = select(-3.0e38, round(rest.x / over.x * 1.0995116e12), over.x != 0.0);
-    let bits = bitcast<u32>(nearer);
-    return bits ^ select(0x80000000u, 0xffffffffu, (bits >> 31u) != 0u);
-}
-
 // Takes a triangle in at a pixel that is in doubt.
 fn settle_at(seen: Seen, at: vec2<u32>) {
     let pixel = at.y * frame.image_size.x + at.x;

@@ -1,4 +1,4 @@
-// Which of two planes is nearer to the eye along a ray, with 46 bits. Needs `frame` and facing_46.
+// Which of planes is nearer to the eye along a ray, with 46 bits. Needs `frame`, vertex and facing_46.
 
 // Below 0 if the plane of `i` is nearer along the ray than that of `j`, above 0 if it is farther, 0 if that is not certain.
 fn order_46(i: vec3<u32>, j: vec3<u32>, ray: vec3<f32>) -> f32 {
@@ -28,4 +28,17 @@ fn is_beyond_near_46(i: vec3<u32>, ray: vec3<f32>) -> bool {
     let over = df3_along(n, ray);
     let s = df_add_fast(df3_dot(n, full_point_of(i.x)), -df_scale(over, frame.forward.w));
     return s.x * sign(over.x) >= 0.0 && over.x != 0.0;
+}
+
+// How much nearer the triangle's plane is along the ray than `depth`, as a key that grows with that; not 0. Steps of 2^-40 of the
+// depth: what 46 bits make of planes that meet there is within one.
+fn key_46(given: vec3<u32>, ray: vec3<f32>, depth: f32) -> u32 {
+    // Triangles of the same corners have the same key.
+    let i = rising(given);
+    let n = full_normal(i);
+    let over = df_scale(df3_along(n, ray), depth);
+    let rest = df_add_fast(over, -df3_dot(n, full_point_of(i.x)));
+    let nearer = select(-3.0e38, round(rest.x / over.x * 1.0995116e12), over.x != 0.0);
+    let bits = bitcast<u32>(nearer);
+    return bits ^ select(0x80000000u, 0xffffffffu, (bits >> 31u) != 0u);
 }

@@ -26,13 +26,18 @@ fn settle_rivals_of(slot: u32) {
     }
 }
 
-// Of the triangles of a round that cover a ray, none sure to lie behind `known` (NO_TRIANGLE: nothing is), the nearest.
+// Of the triangles of a round that cover a ray, none sure to lie behind `known` (NO_TRIANGLE: nothing is), the nearest. By a number for each: of
+// three the first may be as good as the second and that as the third, a sliver whose depth is poorly known, but the third not as the first.
 fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
     var best = known;
+    var best_key = 0u;
+    var around = 0.0;
     var most = 3.0e38;
     if known != NO_TRIANGLE {
         let nearest = eye_depth(corners_at(corners_of(known)), ray);
         most = (nearest.x + nearest.y) * (1.0 + 2.0 * TOUCHING);
+        around = nearest.x;
+        best_key = key_46(corners_of(known), ray, around);
     }
     for (var n = first; n < end; n++) {
         let t = pixel_list[n];
@@ -42,12 +47,12 @@ fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
         var is_there = depth.x >= frame.forward.w;
         if is_near_open(depth) { is_there = is_beyond_near_46(u.i, ray); }
         if !is_there { continue; }
-        if best == NO_TRIANGLE {
+        if best == NO_TRIANGLE { around = depth.x; }
+        let key = key_46(u.i, ray, around);
+        if best == NO_TRIANGLE || key > best_key || (key == best_key && t < best) {
             best = t;
-            continue;
+            best_key = key;
         }
-        let order = order_46(u.i, corners_of(best), ray);
-        if order < 0.0 || (order == 0.0 && t < best) { best = t; }
     }
     return best;
 }
