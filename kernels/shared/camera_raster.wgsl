@@ -42,12 +42,14 @@ fn seen_of(t: u32, block: Rect) -> Seen {
     let c = points[i.z].xyz;
     let normal = cross(b - a, c - a);
     s.distance = dot(normal, a);
-    s.lean = 3e-6 * largest(b - a) * largest(c - a) * max(largest(a), max(largest(b), largest(c))) * largest(frame.ray_corner.xyz);
+    // A sliver's normal is mostly rounding, and then on which side of its plane the eye is.
+    let doubt = 3e-6 * largest(b - a) * largest(c - a) * max(largest(a), max(largest(b), largest(c)));
+    s.lean = doubt * largest(frame.ray_corner.xyz);
     s.normal = vec3(dot(normal, frame.ray_corner.xyz), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
     s.nearest = max(min(depths.x, min(depths.y, depths.z)), frame.forward.w);
     s.farthest = max(depths.x, max(depths.y, depths.z));
-    s.known = abs(s.distance) > 1e-5 * length(normal) * s.farthest;
+    s.known = abs(s.distance) > max(doubt, 1e-5 * length(normal) * s.farthest);
     return s;
 }
 
@@ -70,12 +72,14 @@ fn keys_at(s: Seen, x: u32, y: u32) -> vec3<u32> {
     if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { return vec3(0u); }
     let over = dot(s.normal, at);
     let depth = s.distance / over;
+    let lean = s.lean / abs(over);
+    // Only what has a corner before it may lie nearer than the near distance.
+    let beyond = s.nearest > frame.forward.w;
+    if !(abs(over) > 0.0) || !(beyond || depth + lean >= frame.forward.w) { return vec3(0u); }
     // A sliver's plane is poorly known; its depth lies between its corners'.
-    let lean = min(s.lean / abs(over), s.farthest - s.nearest);
-    if !(depth + lean >= frame.forward.w) { return vec3(0u); }
     let held = clamp(depth, s.nearest, s.farthest);
-    let doubt = 1e-6 * held + lean;
+    let doubt = 1e-6 * held + min(lean, s.farthest - s.nearest);
     let keys = ~bitcast<vec2<u32>>(vec2(max(held - doubt, 0.0), held + doubt));
-    if depth - lean < frame.forward.w && lean > 1e-6 * frame.forward.w { return vec3(keys, 1u); }
-    return select(vec3(0u), vec3(keys, 0u), depth >= frame.forward.w);
+    if !beyond && depth - lean < frame.forward.w && lean > 1e-6 * frame.forward.w { return vec3(keys, 1u); }
+    return select(vec3(0u), vec3(keys, 0u), beyond || depth >= frame.forward.w);
 }
