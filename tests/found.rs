@@ -26,10 +26,10 @@ const ALL: FacetMode = FacetMode::All;
 const LOW: Pattern = Pattern::LowDiscrepancy;
 
 #[rustfmt::skip]
-const FOUND: [Found; 13] = [
+const FOUND: [Found; 16] = [
     // The view of a light held no caster nearer to it than a ten-thousandth of the farthest.
     Found { name: "caster-near-a-light", method: MethodName::FacetMasks, facets: ALL, size: [2, 35], map: 1, samples: (LOW, 16) },
-    // A facet goes on beyond its surface and the view of the light, where what the view leaves out cuts it.
+    // A facet goes on beyond its surface and the view of the light, where what the view leaves out shadows or cuts it.
     Found { name: "valley-at-an-end", method: MethodName::FacetMasks, facets: ONE, size: [1, 5], map: 1, samples: (LOW, 8) },
     Found { name: "end-of-a-view", method: MethodName::FacetMasks, facets: ONE, size: [1, 2], map: 8, samples: (LOW, 8) },
     Found { name: "plane-beyond-the-view", method: MethodName::Supersampled, facets: ONE, size: [15, 3], map: 16, samples: (LOW, 8) },
@@ -51,6 +51,12 @@ const FOUND: [Found; 13] = [
     Found { name: "sheet-under-a-sheet", method: MethodName::RayTraced, facets: ONE, size: [2, 6], map: 1, samples: (LOW, 8) },
     // The eye lies in the plane of a triangle as far as 46 bits tell: whether its lit side is seen is open.
     Found { name: "sliver-seen-edge-on", method: MethodName::FacetMasks, facets: ALL, size: [1, 6], map: 1, samples: (Pattern::Rotated, 8) },
+    // Of three surfaces the first was as good as the second, a sliver, and that as the third, but the third not as the first.
+    Found { name: "four-in-one-plane", method: MethodName::FacetMasks, facets: ALL, size: [8, 18], map: 1, samples: (LOW, 8) },
+    // Single precision does not know on which side of a sliver's plane the eye is.
+    Found { name: "sliver-through-the-eye", method: MethodName::FacetMasks, facets: ONE, size: [9, 6], map: 1, samples: (LOW, 1) },
+    // Rounding takes a sample off the edge of what hides another surface, to that.
+    Found { name: "edge-on-between-two", method: MethodName::FacetMasks, facets: ONE, size: [13, 5], map: 1, samples: (LOW, 1) },
 ];
 
 fn case(found: &Found) -> Case {

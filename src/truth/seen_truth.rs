@@ -10,10 +10,8 @@
 //! - a ray within [`AMBIGUITY`] of a pixel sees the given surface (or nothing, if nothing was given): at one of eight places around the
 //!   sample, straight across an edge of what is seen (for nothing), or where the given triangle comes into the square of these; or does not see it there because the plane of another crosses
 //!   its own within the square;
-//! - the surface that is seen ends within [`AMBIGUITY`], and beyond its edge begins another that does not share that, so that rounding may
-//!   open a gap between the two, in which nothing is seen, or what lies behind; or so does what hides the given one near there;
-//! - an edge within the `f64` error bound decided what is nearest;
-//! - the given or the nearest surface lies within 2^-20 of the near distance, or too near to it for 46 bits;
+//! - the surface that is seen, or that hides the given one as near, ends within [`AMBIGUITY`], and what is seen beyond does not share its edge:
+//!   rounding may take the sample off it, to what lies behind; to nothing, if what is seen beyond ends there, too;
 //! - or any of these holds for another triangle of the given one's plane: facets of several name one of them;
 //! - the given triangle is there within [`AMBIGUITY`] of a pixel, and its plane is seen edge-on within that: it may be at any depth.
 //!
@@ -114,10 +112,10 @@ impl<'a> SeenTruth<'a> {
                 let is_behind = || self.is_next(seen.rays[k], seen.depth[k] + 2.0 * seen.error[k], t);
                 let is_seen = seen.seen >> k & 1 != 0;
                 self.is_seen_near(at, t)
-                    || (is_seen && self.is_gap_near(at, seen.triangle[k]) && is_behind())
+                    || (is_seen && self.ends_near(at, seen.triangle[k], false) && is_behind())
                     || self.is_surface_near(at, t)
             }
-            None => self.is_gap_near(corner + self.offsets[k], seen.triangle[k]),
+            None => self.ends_near(corner + self.offsets[k], seen.triangle[k], true),
         };
         left = bits(left).filter(|&k| !is_near(k)).fold(0, |mask, k| mask | 1 << k);
         SeenResult { wrong: left, tied: off & !left, stand_in }
@@ -192,7 +190,7 @@ impl<'a> SeenTruth<'a> {
             }
             // Or what hides it there ends within the square, as it does.
             let off = [self.rays.step_x, self.rays.step_y].map(|step| (r - ray).dot(step) / step.length_squared());
-            self.is_gap_near(at + DVec2::from(off), hit.triangle) && self.is_next(r, hit.t * (1.0 + BEHIND), t)
+            self.ends_near(at + DVec2::from(off), hit.triangle, false) && self.is_next(r, hit.t * (1.0 + BEHIND), t)
         };
         sees(middle) || polygon.iter().any(|&p| sees(middle + (p - middle) * 0.999))
     }
@@ -218,9 +216,10 @@ impl<'a> SeenTruth<'a> {
         self.tracer.closest(self.rays.eye, ray, behind).is_some_and(|hit| hit.triangle == t)
     }
 
-    /// Whether rounding may open a gap at a place of the image where triangle `t` is seen: within [`AMBIGUITY`] of it, straight across one of
-    /// the triangle's edges, nothing is seen, or a triangle that does not share the edge and ends within that, too.
-    fn is_gap_near(&self, at: DVec2, t: u32) -> bool {
+    /// Whether rounding may take a place of the image where triangle `t` is seen off that: within [`AMBIGUITY`] of it, straight across one
+    /// of the triangle's edges, nothing is seen, or a triangle that does not share the edge; with `gap` one that ends within that, too, so that
+    /// rounding may take the place off both.
+    fn ends_near(&self, at: DVec2, t: u32, gap: bool) -> bool {
         let corners = self.plane(t).corners;
         EDGES.into_iter().any(|(i, j)| {
             let across = self.to_line(at, corners[i], corners[j]) * 1.01;
@@ -231,7 +230,8 @@ impl<'a> SeenTruth<'a> {
             let Some(hit) = self.tracer.closest(self.rays.eye, beyond, self.near) else { return true };
             let other = self.plane(hit.triangle).corners;
             let is_shared = other.contains(&corners[i]) && other.contains(&corners[j]);
-            !is_shared && EDGES.into_iter().any(|(i, j)| self.to_line(at, other[i], other[j]).length() <= AMBIGUITY)
+            let ends = |(i, j): (usize, usize)| self.to_line(at, other[i], other[j]).length() <= AMBIGUITY;
+            !is_shared && (!gap || EDGES.into_iter().any(ends))
         })
     }
 
