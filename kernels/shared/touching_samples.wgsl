@@ -26,29 +26,36 @@ fn settle_rivals_of(slot: u32) {
     }
 }
 
-// Of the triangles of a round that cover a ray, none sure to lie behind `known` (NO_TRIANGLE: nothing is), the nearest. By a number for each: of
-// three the first may be as good as the second and that as the third, a sliver whose depth is poorly known, but the third not as the first.
+// Whether a triangle covers a ray beyond the near distance. `depth`: of its plane, with its doubt.
+fn is_there(u: Corners, ray: vec3<f32>, depth: vec2<f32>) -> bool {
+    if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w { return false; }
+    if is_near_open(depth) { return is_beyond_near_46(u.i, ray); }
+    return depth.x >= frame.forward.w;
+}
+
+// Of the triangles of a round that cover a ray, and `known` (NO_TRIANGLE: none), the nearest. By a number for each, how near it is to a bound of
+// the nearest: of three the first may be as good as the second and that as the third, a sliver whose depth is poorly known, but the third not as
+// the first.
 fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
+    var bound = 3.0e38;
+    if known != NO_TRIANGLE {
+        let depth = eye_depth(corners_at(corners_of(known)), ray);
+        bound = depth.x + depth.y;
+    }
+    for (var n = first; n < end; n++) {
+        let u = corners_at(corners_of(pixel_list[n]));
+        let depth = eye_depth(u, ray);
+        if depth.x + depth.y < bound && is_there(u, ray, depth) { bound = depth.x + depth.y; }
+    }
     var best = known;
     var best_key = 0u;
-    var around = 0.0;
-    var most = 3.0e38;
-    if known != NO_TRIANGLE {
-        let nearest = eye_depth(corners_at(corners_of(known)), ray);
-        most = (nearest.x + nearest.y) * (1.0 + 2.0 * TOUCHING);
-        around = nearest.x;
-        best_key = key_46(corners_of(known), ray, around);
-    }
+    if known != NO_TRIANGLE { best_key = key_46(corners_of(known), ray, bound); }
     for (var n = first; n < end; n++) {
         let t = pixel_list[n];
         let u = corners_at(corners_of(t));
         let depth = eye_depth(u, ray);
-        if t == best || !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w || depth.x - depth.y > most { continue; }
-        var is_there = depth.x >= frame.forward.w;
-        if is_near_open(depth) { is_there = is_beyond_near_46(u.i, ray); }
-        if !is_there { continue; }
-        if best == NO_TRIANGLE { around = depth.x; }
-        let key = key_46(u.i, ray, around);
+        if t == known || depth.x - depth.y > bound * (1.0 + 2.0 * TOUCHING) || !is_there(u, ray, depth) { continue; }
+        let key = key_46(u.i, ray, bound);
         if best == NO_TRIANGLE || key > best_key || (key == best_key && t < best) {
             best = t;
             best_key = key;
