@@ -349,6 +349,11 @@ impl<'a> Judge<'a> {
             let r = self.ray(offset);
             return self.shadows.iter().any(|s| s.comes_near(r, &self.truth.rays));
         }
+        // The error of a line may be more than the band.
+        let here = self.ray(offset);
+        if !self.shadows.iter().any(|s| s.surely_covers(here)) {
+            return true;
+        }
         [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&x| {
             [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&y| {
                 let r = self.ray(offset + DVec2::new(x, y));

@@ -187,6 +187,12 @@ impl Shadow {
         [a, b, c].iter().all(|l| l.line.dot(r) >= -l.error * length) && own.line.dot(r) > own.error * length
     }
 
+    /// Whether it is shadowed whatever the error.
+    pub fn surely_covers(&self, r: DVec3) -> bool {
+        let length = r.length();
+        !self.edge_on && self.lines.iter().all(|l| l.line.dot(r) > l.error * length)
+    }
+
     /// As [`Shadow::covers`], and how far from the lines.
     pub fn cover(&self, r: DVec3) -> Cover {
         let length = r.length();
