@@ -82,7 +82,7 @@ fn shade(@builtin(global_invocation_id) at: vec3<u32>) {
 struct Drawn {
     ids: wgpu::Texture,
     depth: wgpu::Texture,
-    /// What stands for no triangle.
+    /// Stands for no triangle.
     nothing: wgpu::Color,
     draw: wgpu::RenderPipeline,
     mesh: wgpu::BindGroup,

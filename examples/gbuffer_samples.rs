@@ -1,4 +1,4 @@
-//! What a G-buffer of several samples a pixel misses, as a table: `facet-masks` in a `ShadowPass` that is given triangle numbers
+//! Surfaces that a G-buffer of several samples a pixel misses, as a table: `facet-masks` in a `ShadowPass` that is given triangle numbers
 //! at 4, 8 and 32 places of each pixel, beside one facet a pixel and beside the search for every surface.
 //! `cargo run --release --example gbuffer_samples -- [--size WxH] [--map N] [SCENE …] > table.md`
 //!

@@ -21,7 +21,7 @@ use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 
-/// What every box is grown by.
+/// Length by which every box is grown.
 const PAD: f32 = 1.0 / (1u32 << 20) as f32;
 /// Triangles a leaf may hold.
 const LEAF: u32 = 1;

@@ -11,7 +11,7 @@ pub enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong, with line, byte or object and the numbers.
+        /// Fault, with line, byte or object and the numbers.
         message: String,
     },
     /// A mesh holds something that is not geometry (a vertex that is not finite, an index out of range, …).
@@ -19,7 +19,7 @@ pub enum Error {
     Mesh {
         /// Name of the mesh.
         name: String,
-        /// What is wrong, with the numbers.
+        /// Fault, with the numbers.
         message: String,
     },
     /// A camera, light or ground that cannot be used.

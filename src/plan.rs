@@ -1,4 +1,4 @@
-//! What this scene needs: which stages run, which are left out, and why.
+//! Plan of a scene: which stages run, which are left out, and why.
 //!
 //! Each rule is a proof that the stage could change nothing, so the picture is the same with it and without
 //! (`--force-all` runs everything, and a test compares). Rules look at the mesh, the camera, the light and the settings

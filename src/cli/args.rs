@@ -1,4 +1,4 @@
-//! What can be asked for.
+//! Options of the program.
 
 use super::choices::{
     Encoding, EngineName, FacetsPerPixel, Masks, PairsBy, PatternName, Projection, Rays, Search, Shape, Switch, WarpBy,
@@ -371,7 +371,7 @@ fn size(text: &str) -> std::result::Result<[u32; 2], String> {
 }
 
 impl Options {
-    /// What is asked of the frame; the plan may leave out more.
+    /// Settings that are asked for; the plan may leave out more.
     pub fn settings(&self) -> Result<Settings> {
         let samples = Samples::new(self.pattern.into(), self.samples)?;
         let encoding = match self.encoding {

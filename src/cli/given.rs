@@ -1,4 +1,4 @@
-//! What was asked for on the command line, with what a frame.json says behind it.
+//! Options of the command line, with those of a frame.json behind them.
 
 use super::args::{Cli, Options};
 use super::engine::Engine;
@@ -19,7 +19,7 @@ const LARGEST: u64 = 1 << 26;
 /// Options that say where files and lines go, and nothing of a frame.
 const NOT_OF_A_FRAME: [&str; 5] = ["from", "out", "quiet", "help", "version"];
 
-/// What `render` and `explain` take.
+/// Arguments of `render` and `explain`.
 #[derive(Debug, Parser)]
 #[command(name = "subpixel-shadows")]
 struct Given {

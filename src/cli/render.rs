@@ -199,7 +199,7 @@ fn stages(report: &mut Report, frame: &FrameReport, plan: &Plan, rendered: &Rend
     });
 }
 
-/// What a stage that ran had nothing to do on.
+/// Items of a stage that ran and had none.
 fn idle(stage: &str, rendered: &Rendered) -> String {
     let c = &rendered.output.counts;
     let items = match stage {

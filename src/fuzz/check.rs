@@ -25,7 +25,7 @@ pub struct Shot {
     pub scene: Scene,
     /// Its mesh, prepared.
     pub prepared: Prepared,
-    /// What was planned for it.
+    /// Its plan.
     pub plan: Plan,
     /// The picture.
     pub output: Output,

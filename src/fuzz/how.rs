@@ -10,7 +10,7 @@ use crate::samples::{Pattern, Samples};
 /// Cases that follow each other with the same pipelines.
 pub const BLOCK: u64 = 10;
 
-/// What a frame is asked for.
+/// Settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct How {
     /// The method: one whose answer is exact at its samples.

@@ -75,7 +75,7 @@ impl Fault {
     }
 }
 
-/// What was counted.
+/// Counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Figures {
     /// Samples held against truth, those of both engines and both truths.
@@ -95,9 +95,9 @@ pub struct Figures {
 /// The judgement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// What was counted.
+    /// Counts.
     pub figures: Figures,
-    /// What is wrong, how much of it, and where it is found first.
+    /// Faults, how often each occurs, and where it is found first.
     pub faults: Vec<(Fault, u64, String)>,
 }
 

@@ -68,9 +68,9 @@ pub struct Case {
     pub seed: u64,
     /// Its number.
     pub number: u64,
-    /// What kind of mesh it has.
+    /// Kind of its mesh.
     pub kind: Kind,
-    /// What is seen.
+    /// World that is seen.
     pub world: World,
     /// How it is rendered.
     pub how: How,

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::time::{Duration, Instant};
 
-/// What to run.
+/// Cases to run.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The seed.
@@ -31,7 +31,7 @@ impl Run {
     pub const WRITTEN: usize = 5;
 }
 
-/// What is told along the way.
+/// Messages along the way.
 pub enum Progress<'a> {
     /// So many cases of so many are judged.
     Done(u64, u64),

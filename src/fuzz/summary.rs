@@ -39,7 +39,7 @@ pub struct Failure {
     pub case: [u64; 2],
     /// Its kind.
     pub kind: Kind,
-    /// What is wrong with it.
+    /// Its faults.
     pub faults: Vec<(Fault, u64, String)>,
     /// The command that repeats it, and its triangles and pixels once shrunk, where it was written.
     pub repeat: Option<(String, [u64; 2])>,
@@ -56,7 +56,7 @@ pub struct Summary {
     pub forced: u64,
     /// Why cases were refused, numbers left out, and how often.
     pub refusals: BTreeMap<String, u64>,
-    /// What failed, in order.
+    /// Failures, in order.
     pub failures: Vec<Failure>,
     /// Seconds, shrinking left out.
     pub seconds: f64,

@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// What is said of an adapter in tables and files.
+/// Summary of an adapter in tables and files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AdapterSummary {
     /// Name the driver gives.
@@ -46,7 +46,7 @@ impl Gpu {
     /// Longest wait for a submission, after which the GPU counts as hung.
     pub const PATIENCE: Duration = Duration::from_secs(300);
 
-    /// What atomic operations on 64 bits need.
+    /// Features that atomic operations on 64 bits need.
     pub const WIDE_ATOMICS: wgpu::Features =
         wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
 

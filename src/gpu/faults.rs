@@ -52,7 +52,7 @@ pub(super) fn ask(what: &str, bytes: u64) -> Result<()> {
     }
 }
 
-/// What is said where the device has no memory.
+/// Message where the device has no memory.
 pub(super) fn out_of_memory(what: &str, bytes: u64) -> Error {
     Error::Gpu(format!("out of memory allocating '{what}' ({bytes} bytes)"))
 }

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// What a program is made from: the device, the entry point, and the values of its constants.
+/// Key of a program: the device, the entry point, and the values of its constants.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
     device: wgpu::Device,

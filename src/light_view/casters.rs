@@ -1,4 +1,4 @@
-//! What of a mesh casts on something that can be lit: what the light's view has to hold.
+//! Parts of a mesh that cast on something that can be lit: the light's view has to hold them.
 
 use super::fit::axes;
 use super::points::Casters;

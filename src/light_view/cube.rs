@@ -65,7 +65,7 @@ fn position(light: &Light) -> Result<DVec3> {
     Ok(light.homogeneous().truncate())
 }
 
-/// What casters take of a side: across and along its axis.
+/// Extent of casters in a side: across and along its axis.
 #[derive(Clone, Copy)]
 struct Reach {
     low: [f64; 2],

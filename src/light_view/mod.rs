@@ -54,7 +54,7 @@ pub struct LightView {
     pub outside: bool,
 }
 
-/// What a view of a light at a point looks through: across at distance 1, and along its axis.
+/// Window of a view of a light at a point: across at distance 1, and along its axis.
 struct Window {
     low: DVec3,
     high: DVec3,
@@ -64,7 +64,7 @@ struct Window {
     clear: f64,
 }
 
-/// What may be in shadow: what lies outside the view is lit.
+/// Receivers that may be in shadow: all outside the view is lit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Receivers {
     /// The outsides of a closed mesh, with the light outside all of its bodies. See [`LightView::closed`].

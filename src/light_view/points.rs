@@ -1,4 +1,4 @@
-//! What a light view has to hold: the vertices of many triangles, of which a tree knows the outermost, and a few points.
+//! Points that a light view has to hold: the vertices of many triangles, of which a tree knows the outermost, and a few more.
 
 use super::LightView;
 use crate::scene::Mesh;

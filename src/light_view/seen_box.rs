@@ -1,4 +1,4 @@
-//! What the camera sees of the box that the scene lies in: convex parts of it, and points all over them.
+//! Parts of the scene's box that the camera sees, convex, and points all over them.
 
 use super::LightView;
 use super::casters::clip;

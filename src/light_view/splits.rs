@@ -25,7 +25,7 @@ pub enum Warp {
     Fitted,
 }
 
-/// What is cut, and how.
+/// View that is cut, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SplitPlan {
     /// Slices of the view, 1 to [`SplitPlan::MOST`].

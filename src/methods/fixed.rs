@@ -14,7 +14,7 @@ use crate::scene::{Camera, Light};
 use glam::DVec3;
 use std::time::Instant;
 
-/// What a stage of such a method may read.
+/// Inputs of a stage of such a method.
 #[derive(Clone, Copy)]
 pub struct Inputs<'a> {
     /// The frame uniform.
@@ -182,7 +182,7 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
         })
     }
 
-    /// What there is to look at of the last frame, see [`FixedMethod::looks`].
+    /// Looks of the last frame, see [`FixedMethod::looks`].
     ///
     /// # Errors
     /// [`crate::Error::Gpu`].

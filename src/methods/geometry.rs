@@ -1,4 +1,4 @@
-//! What every method begins with: vertices in both views, where each triangle lies in them, and the nearest triangle at
+//! Beginning of every method: vertices in both views, where each triangle lies in them, and the nearest triangle at
 //! every pixel centre.
 
 use super::prepared::CasterBuffers;

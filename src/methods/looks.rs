@@ -1,4 +1,4 @@
-//! What a method knew of each pixel and of each texel of its light view, read back to be looked at.
+//! Classes of pixels and maps of texels that a method kept, read back to be looked at.
 
 use super::facet_masks::FacetMasks;
 use super::shadow_map::ShadowMapping;
@@ -58,7 +58,7 @@ pub struct MapLook {
     pub marks: Vec<bool>,
 }
 
-/// What a frame leaves to be looked at.
+/// Pictures of a frame's inside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Looks {
     /// Class of each pixel, row by row from the top; empty where the method has no classes.

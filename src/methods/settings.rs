@@ -1,4 +1,4 @@
-//! What a frame is computed with.
+//! Uniform of a frame.
 
 use super::prepared::Prepared;
 use crate::light_view::{LightView, Parts, Receivers, SplitPlan, Warp};
@@ -257,7 +257,7 @@ pub struct RayTracedSettings {
     pub silhouettes: bool,
 }
 
-/// What a frame is computed with.
+/// Uniform of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Image width and height, pixels.

@@ -112,7 +112,7 @@ impl Settled {
         self.frame.raw()
     }
 
-    /// What rays through the tree read.
+    /// Inputs of rays through the tree.
     pub fn scene<'a>(&'a self, inputs: Inputs<'a>) -> Scene<'a> {
         Scene {
             samples: inputs.samples,

@@ -69,7 +69,7 @@ impl Spsm {
         &self.texels
     }
 
-    /// What is known of the pixels.
+    /// State of the pixels.
     pub fn pixels(&self) -> &SpsmPixels {
         &self.pixels
     }

@@ -1,4 +1,4 @@
-//! What an application knows of the surfaces that its pixels show, and the checks of it.
+//! Surfaces that an application's pixels show, as its textures tell, and the checks of them.
 
 use super::textures::{check_sampled, check_texture};
 use crate::scene::Camera;
@@ -63,7 +63,7 @@ pub struct SampleTexture<'a> {
     pub places: &'a [[f32; 2]],
     /// The number of the first triangle; the others follow in the order in which they were given to the pass.
     pub first: u32,
-    /// What stands for no triangle.
+    /// Stands for no triangle.
     pub none: u32,
 }
 

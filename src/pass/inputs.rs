@@ -1,4 +1,4 @@
-//! What an application hands to the pass, and the checks of it.
+//! Inputs that an application hands to the pass, and the checks of them.
 
 use super::GBuffer;
 use super::textures::check_texture;
@@ -55,7 +55,7 @@ pub struct Inputs<'a> {
     pub light: &'a Light,
     /// Where moving casters are; `None` for static ones.
     pub moved: Option<Moved<'a>>,
-    /// What is known of the surfaces seen.
+    /// State of the surfaces seen.
     pub gbuffer: GBuffer<'a>,
 }
 

@@ -69,7 +69,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use views::Views;
 
-/// What a pass is made for.
+/// Configuration of a pass.
 #[derive(Clone, Debug)]
 pub struct PassConfig<'a> {
     /// Image size, samples, map and facets. Not looked at are `cull_back` (casters of closed bodies that turn away from the light are

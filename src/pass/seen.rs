@@ -23,7 +23,7 @@ pub struct Seen {
     samples: Option<GbufferTriangles>,
 }
 
-/// What a strip of rows is computed with.
+/// Inputs of a strip of rows.
 #[derive(Clone, Copy)]
 pub struct With<'a> {
     pub method: &'a FacetMasks,

@@ -1,4 +1,4 @@
-//! What is known of recorded frames once the GPU is done with them: counters are copied to a buffer that maps itself when
+//! Status of recorded frames once the GPU is done with them: counters are copied to a buffer that maps itself when
 //! the application's submission has run, and are read when they are asked for. Nothing waits.
 
 use crate::gpu::buffer::{allocate, not_mapped};
@@ -106,7 +106,7 @@ pub(super) struct InFlight {
     free: Vec<wgpu::Buffer>,
 }
 
-/// What a frame is known by.
+/// Key of a frame.
 #[derive(Clone, Copy)]
 pub(super) struct Label {
     pub(super) frame: u64,

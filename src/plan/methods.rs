@@ -1,4 +1,4 @@
-//! What methods other than `facet-masks` need: their stages, and what of those a scene or setting makes needless.
+//! Stages of methods other than `facet-masks`, and which of those a scene or setting makes needless.
 
 use super::{Extent, Plan, Step};
 use crate::Result;

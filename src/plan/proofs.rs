@@ -1,4 +1,4 @@
-//! What is certain of a scene, from its mesh, camera and light: the proofs behind the [plan](super).
+//! Proofs behind the [plan](super): certain facts of a scene, from its mesh, camera and light.
 //!
 //! They are made in `f64` with margins far above the rounding of the kernels: what is not certain is not claimed.
 

@@ -5,7 +5,7 @@ use super::triangle_setup::Triangle;
 use super::view::View;
 use glam::{DVec2, DVec3};
 
-/// What is seen at a pixel centre.
+/// Surface at a pixel centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// The nearest triangle, of equally near ones the lowest; `None` where nothing is seen.

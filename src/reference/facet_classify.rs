@@ -8,7 +8,7 @@ use crate::truth::full_mask;
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::*;
 
-/// What is known of a facet.
+/// State of a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// No surface.
@@ -64,7 +64,7 @@ pub(super) fn is_at_end(x: u32, y: u32, ends: [bool; 4], size: u32) -> bool {
     [x == 0, x + 1 == size, y == 0, y + 1 == size].iter().zip(ends).any(|(at, end)| *at && end)
 }
 
-/// What stands for a surface inside one pixel.
+/// Stands for a surface inside one pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facet {
     /// The pixel.
@@ -73,7 +73,7 @@ pub struct Facet {
     pub triangle: Option<u32>,
     /// `xyz · point = w` on it, more on the side of the light and the eye.
     pub plane: DVec4,
-    /// What is known.
+    /// State.
     pub state: State,
     /// Lit or shadowed by what is known of the texels around it, not because nothing is there.
     pub settled: bool,
@@ -101,7 +101,7 @@ const TINY: f64 = 1.0 / (1u64 << 24) as f64;
 /// product of their largest components.
 const EDGE_ON: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// What facets are classified by.
+/// Inputs of classification around the facets.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
     /// Triangles.

@@ -20,7 +20,7 @@ impl Margin {
     }
 }
 
-/// What is known of a texel.
+/// State of a texel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Split {
     /// Silhouettes or uncertain layers.

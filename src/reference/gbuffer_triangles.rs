@@ -16,7 +16,7 @@ impl Pixel {
     }
 }
 
-/// What a texel says.
+/// Meaning of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
     /// No triangle.
@@ -27,7 +27,7 @@ pub enum Shown {
     Triangle(u32),
 }
 
-/// What a texel says, of an application that counts from `first` and writes `none` for no triangle.
+/// Meaning of a texel, of an application that counts from `first` and writes `none` for no triangle.
 pub fn shown(id: u32, first: u32, none: u32, numbers: &[u32]) -> Shown {
     if id == none {
         return Shown::Nothing;

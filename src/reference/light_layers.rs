@@ -3,7 +3,7 @@
 use super::triangle_setup::{Reach, Triangle};
 use super::view::{Flat, by_rows, centre, columns};
 
-/// What lies over a texel centre.
+/// Layers over a texel centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Layer {
     /// Depth and triangle of the nearest caster.

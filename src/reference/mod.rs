@@ -1,4 +1,4 @@
-//! What each stage computes, said as plainly as Rust allows: pure functions over slices, built on the standard library.
+//! Definition of each stage, as plain as Rust allows: pure functions over slices, built on the standard library.
 //! Nothing here knows of GPUs, kernels or how a stage splits its work; a test that compares with these compares with
 //! the definition.
 

@@ -57,7 +57,7 @@ pub enum Shown {
     },
 }
 
-/// What is known of a pixel.
+/// State of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
     /// What it shows.

@@ -6,7 +6,7 @@ use super::triangle_setup::Triangle;
 use super::view::View;
 use glam::DVec2;
 
-/// What must be listed at a pixel, seen at some places of its square.
+/// Triangles that must be listed at a pixel, seen at some places of its square.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pixel {
     /// Triangles that some place surely sees, rising.

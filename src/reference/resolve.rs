@@ -5,7 +5,7 @@ use super::facet_classify::State;
 /// A facet's part in its pixel: samples as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Masks {
-    /// What is known of it.
+    /// Its state.
     pub state: State,
     /// Samples it stands for.
     pub coverage: u128,

@@ -1,4 +1,4 @@
-//! What each triangle is to the light, and which pixels and texels it may touch.
+//! Side of the light of each triangle, and which pixels and texels it may touch.
 
 use super::facet_classify::beyond_ends;
 use super::vertex_project::Vertex;

@@ -183,7 +183,7 @@ impl FacetErrors {
     }
 }
 
-/// What comparing needs to know of the view.
+/// Inputs of the comparison that the view tells.
 struct View<'a> {
     tracer: &'a Tracer,
     rays: PixelRays,

@@ -47,7 +47,7 @@ pub fn mean_flip(width: u32, height: u32, truth: &[f32], ours: &[f32]) -> Result
     Ok(map.iter().map(|&v| f64::from(v)).sum::<f64>() / map.len() as f64)
 }
 
-/// What is compared of one picture.
+/// Features of one picture that are compared.
 struct View {
     lightness: Vec<f64>,
     edges: Vec<f64>,

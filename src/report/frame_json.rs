@@ -53,13 +53,13 @@ pub struct FrameReport<'a> {
     /// From the mesh to the begin of the first frame that is timed: preparing it, opening the device, compiling, making memory, and one
     /// frame. In no other time.
     pub setup_ms: f64,
-    /// What was counted.
+    /// Counts.
     pub counts: &'a Counts,
     /// How the lists fared.
     pub lists: &'a [ListUse],
     /// Error against both truths.
     pub error: Option<ErrorReport>,
-    /// What was asked for, under the names of the program's options: those that the method takes.
+    /// Settings under the names of the program's options: those that the method takes.
     pub settings: &'a Map<String, Value>,
 }
 
@@ -122,7 +122,7 @@ pub struct ErrorReport {
     pub converged: Option<ConvergedErrors>,
 }
 
-/// What a report is made of.
+/// Inputs of a report.
 #[derive(Clone, Copy, Debug)]
 pub struct Sources<'a> {
     /// Where it was computed.
@@ -145,11 +145,11 @@ pub struct Sources<'a> {
     pub cpu_stages: Option<&'a [CpuTime]>,
     /// Frames whose median time each time is; 0 where nothing ran.
     pub timed_frames: u32,
-    /// What was done before these, milliseconds.
+    /// Time before these, milliseconds.
     pub setup_ms: f64,
     /// Its error, where truth was computed.
     pub error: Option<ErrorReport>,
-    /// What was asked for, under the names of the program's options.
+    /// Settings under the names of the program's options.
     pub asked: &'a Map<String, Value>,
 }
 

@@ -14,9 +14,9 @@ pub const CLASS_COLOURS: [(PixelClass, &str, [u8; 3]); 5] = [
     (PixelClass::Undecided, "red", [213, 50, 30]),
 ];
 
-/// What a texel without a caster has.
+/// Colour of a texel without a caster.
 pub const NO_CASTER: [u8; 3] = [20, 24, 48];
-/// What a marked texel has, darker where its caster is farther.
+/// Colour of a marked texel, darker where its caster is farther.
 const MARKED: [f32; 3] = [1.0, 0.45, 0.1];
 
 /// Writes the class of each pixel as an RGB picture in [`CLASS_COLOURS`], row 0 at the top.

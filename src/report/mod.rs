@@ -1,4 +1,4 @@
-//! What is reported about a picture: error metrics and files.
+//! Error metrics of a picture, tables and files.
 
 pub mod comparison;
 pub mod facet_errors;

@@ -4,7 +4,7 @@ use crate::scene::{Camera, Light, Mesh, PixelRays};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// What shading looks at.
+/// Inputs of shading.
 #[derive(Clone, Copy, Debug)]
 pub struct Shading<'a> {
     /// The mesh that `triangles` are indices of.

@@ -1,4 +1,4 @@
-//! What is rendered: mesh, camera, light and ground; loaders and built-in scenes.
+//! Mesh, camera, light and ground; loaders and built-in scenes.
 
 pub mod adjacency;
 pub mod builtin;

@@ -1,4 +1,4 @@
-//! What a caller may change about a scene, and the text forms of cameras and lights.
+//! Changes that a caller may make to a scene, and the text forms of cameras and lights.
 
 use super::{Camera, Light, Mesh};
 use crate::{Error, Result};
@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use serde::Deserialize;
 use std::str::FromStr;
 
-/// What to change about a scene when it is opened.
+/// Changes to a scene when it is opened.
 #[derive(Clone, Debug, Default)]
 pub struct SceneOptions {
     /// Add a ground plane under the scene, also where its file does not ask for one.

@@ -68,7 +68,7 @@ impl Centres {
     }
 }
 
-/// What the stage reads.
+/// Inputs of the stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Blocks<'a> {
     /// Vertex indices, three a triangle, and 1 for one of a closed body.
@@ -77,7 +77,7 @@ pub struct Blocks<'a> {
     pub points: &'a Buffer<[f32; 4]>,
     /// Rectangle of each triangle.
     pub rects: &'a Buffer<[u32; 2]>,
-    /// What each triangle is to the light.
+    /// Side of the light that each triangle turns to.
     pub facing: &'a Buffer<u32>,
     /// Exclusive scan of the blocks of each rectangle, and their number after the last.
     pub offsets: &'a Buffer<u32>,

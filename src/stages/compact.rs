@@ -36,7 +36,7 @@ shared_struct! {
     }
 }
 
-/// What marks the items to keep.
+/// Marks of the items to keep.
 #[derive(Clone, Copy, Debug)]
 pub enum Flags<'a> {
     /// One word an item; not 0 marks it.

@@ -17,7 +17,7 @@ use crate::gpu::{Buffer, Groups, Program, Stage};
 use crate::{Error, Result, shared_struct};
 
 shared_struct! {
-    /// What one dispatch is to cover.
+    /// Items that one dispatch is to cover.
     "dispatch_args" => pub struct Request {
         /// Index into the counts.
         pub count_word: u32,

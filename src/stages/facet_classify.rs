@@ -14,7 +14,7 @@ use crate::gpu::{Buffer, Groups, Program, Stage};
 use crate::shared_struct;
 
 shared_struct! {
-    /// What stands for a surface inside one pixel.
+    /// Stands for a surface inside one pixel.
     "shared/facet" => pub struct Facet {
         /// The pixel.
         pub pixel: u32,
@@ -30,7 +30,7 @@ shared_struct! {
 }
 
 shared_struct! {
-    /// What evaluation asks of a facet.
+    /// Inputs of evaluation, of one facet.
     "shared/facet" => pub struct Undecided {
         /// Plane: `dot(xyz, point) = w` on it, more on the side of the light and the eye.
         pub plane: [f32; 4],
@@ -67,7 +67,7 @@ shared_struct! {
     }
 }
 
-/// What is known of a facet.
+/// State of a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum State {
@@ -102,7 +102,7 @@ pub struct FacetClassify {
 pub struct Facets {
     /// The facets.
     pub list: Buffer<Facet>,
-    /// What evaluation asks of those that are undecided; of others, nothing that counts.
+    /// Inputs of evaluation for those that are undecided; of others, nothing that counts.
     pub undecided: Buffer<Undecided>,
     /// Coverage, occluded and invalid mask of each facet, `words` words each.
     pub masks: Buffer<u32>,
@@ -128,7 +128,7 @@ impl Facets {
     }
 }
 
-/// What classification reads besides the facets.
+/// Inputs of classification besides the facets.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
     /// Vertex indices, 16 bytes a triangle: three, and 1 for one of a closed body.

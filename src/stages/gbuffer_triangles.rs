@@ -27,7 +27,7 @@ shared_struct! {
         pub count: u32,
         /// The number of its first triangle.
         pub first: u32,
-        /// What stands for no triangle.
+        /// Stands for no triangle.
         pub none: u32,
         /// First complex pixel of a band.
         pub first_slot: u32,

@@ -19,7 +19,7 @@ pub struct LightLayers {
     raster: Program,
 }
 
-/// What is known of every texel.
+/// State of every texel.
 #[derive(Debug)]
 pub struct Layers {
     /// Key of the nearest depth.

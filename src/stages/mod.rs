@@ -81,7 +81,7 @@ impl<'a> Seen<'a> {
         stage.run(program, &buffers, Groups::Items(visibility.len() as u64))
     }
 
-    /// What such a stage binds before the map's own.
+    /// Bindings of such a stage before the map's own.
     fn buffers(self, frame: &'a wgpu::Buffer) -> Vec<(&'static str, &'a wgpu::Buffer)> {
         vec![
             ("frame", frame),

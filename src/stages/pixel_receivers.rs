@@ -1,4 +1,4 @@
-//! What each pixel shows, from an application's depth or position texture: casters, and surfaces that cast nothing.
+//! Surface of each pixel, from an application's depth or position texture: casters, and surfaces that cast nothing.
 //!
 //! - **Reads** a texture of depths or world positions, if given world normals and triangle numbers, and the casters' triangle at
 //!   each pixel centre (`camera_visibility`; not looked at where numbers are given).
@@ -24,7 +24,7 @@ use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
-    /// What an application's textures hold.
+    /// Contents of an application's textures.
     "pixel_receivers" => pub struct Params {
         /// At view depth `z`, world units, the texture holds `([0] * z + [1]) / ([2] * z + [3])`.
         pub depth: [f32; 4],

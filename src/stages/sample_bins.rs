@@ -122,7 +122,7 @@ impl Bins {
     }
 }
 
-/// What the stage reads besides its bins.
+/// Inputs of the stage besides its bins.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// Sample offsets.

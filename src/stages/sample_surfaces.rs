@@ -27,7 +27,7 @@ pub use complex_pixels::ComplexPixels;
 pub use kernel::{ROUND_LENGTH, SEVERAL, WORKGROUP};
 
 shared_struct! {
-    /// What a dispatch takes of the complex pixels.
+    /// Complex pixels that a dispatch takes.
     "sample_surfaces" => pub struct Step {
         /// Which [`ROUND_LENGTH`] triangles of each list.
         pub round: u32,
@@ -66,7 +66,7 @@ pub struct SampleSurfaces {
     uniforms: Uniforms,
 }
 
-/// What the stage reads besides the lists.
+/// Inputs of the stage besides the lists.
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh<'a> {
     /// Sample offsets.
@@ -81,7 +81,7 @@ pub struct Mesh<'a> {
     pub surfaces: Option<&'a Buffer<u32>>,
 }
 
-/// What the kernels that look for the nearest surface read and write, of one band.
+/// Buffers of the kernels that look for the nearest surface, of one band.
 struct Seen<'a> {
     frame: &'a wgpu::Buffer,
     mesh: Mesh<'a>,

@@ -11,7 +11,7 @@ use crate::Result;
 use crate::gpu::kernels::shadow_map as kernel;
 use crate::gpu::{Buffer, Program, Stage};
 
-/// What the pipeline is made for.
+/// Settings that the pipeline is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Texels a side of the filter: 1 for none.

@@ -127,7 +127,7 @@ impl Rays {
     }
 }
 
-/// What the stage reads besides the facets.
+/// Inputs of the stage besides the facets.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// Sample offsets.
@@ -140,7 +140,7 @@ pub struct Scene<'a> {
     pub positions: &'a wgpu::Buffer,
 }
 
-/// What can be done for the listed facets.
+/// Work on the listed facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Their rays in single precision.

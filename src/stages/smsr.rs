@@ -12,7 +12,7 @@ use crate::Result;
 use crate::gpu::kernels::smsr as kernel;
 use crate::gpu::{Buffer, Program, Stage};
 
-/// What the pipeline is made for.
+/// Settings that the pipeline is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Texels to either side that a border is followed (the paper's largest search distance, section 2.2): up to 64, beyond

@@ -35,7 +35,7 @@ pub struct SpsmMap {
     uniforms: Uniforms,
 }
 
-/// What finds the triangles at the depths, on devices whose atomics have 32 bits.
+/// Finds the triangles at the depths, on devices whose atomics have 32 bits.
 #[derive(Debug)]
 struct Second {
     divide: Program,
@@ -138,7 +138,7 @@ impl SpsmTexels {
         self.records[0].len() < self.keys.len()
     }
 
-    /// What the queries bind of it.
+    /// Buffers that the queries bind of it.
     pub(super) fn read_buffers(&self) -> [(&'static str, &wgpu::Buffer); 4] {
         [
             ("slopes", self.slopes.raw()),

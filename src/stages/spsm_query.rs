@@ -18,7 +18,7 @@ use crate::gpu::kernels::spsm_query as kernel;
 use crate::gpu::{Buffer, Gpu, Groups, Program, Stage};
 use crate::spsm_code::Pattern;
 
-/// What is known of a pixel.
+/// State of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Class {
@@ -34,7 +34,7 @@ pub enum Class {
     Uncertain = kernel::CLASS_UNCERTAIN,
 }
 
-/// What the pipelines are made for.
+/// Settings that the pipelines are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// 0 for the paper's records, 1 for edge lines.
@@ -69,7 +69,7 @@ pub struct SpsmQuery {
     fold: DispatchArgs,
 }
 
-/// What the stage writes.
+/// Outputs of the stage.
 #[derive(Debug)]
 pub struct SpsmPixels {
     /// Lit share of each pixel.

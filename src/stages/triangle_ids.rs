@@ -18,7 +18,7 @@ shared_struct! {
     "triangle_ids" => pub struct Params {
         /// The number of its first.
         pub first: u32,
-        /// What stands for no triangle.
+        /// Stands for no triangle.
         pub none: u32,
     }
 }

@@ -1,4 +1,4 @@
-//! What each triangle is to the light, and where it lies in the camera view and the light view.
+//! Side of the light, and places in the camera view and the light view, of each triangle.
 //!
 //! - **Reads** triangles (three vertex indices each, and 1 for one of a closed body), projected vertices.
 //! - **Writes** per triangle: facing ([`FRONT`] …), the rectangle of pixels and of texels it may touch (packed corners, both
@@ -19,7 +19,7 @@ pub struct TriangleSetup {
     setup: Program,
 }
 
-/// What the stage writes: one element a triangle.
+/// Outputs of the stage: one element a triangle.
 #[derive(Debug)]
 pub struct TriangleFacts {
     /// [`FRONT`], [`BACK`], [`UNSURE`] or [`DROPPED`].

@@ -23,7 +23,7 @@ pub struct VisibilityMasks {
     refine: Program,
 }
 
-/// What evaluation reads besides facets and lists.
+/// Inputs of evaluation besides facets and lists.
 #[derive(Clone, Copy, Debug)]
 pub struct Casters<'a> {
     /// Sample offsets.

@@ -65,7 +65,7 @@ impl WorkOwners {
     }
 }
 
-/// What brings a list of counts to a dispatch over all that they count: scan, table of owners, arguments.
+/// Brings a list of counts to a dispatch over all that they count: scan, table of owners, arguments.
 #[derive(Debug)]
 pub struct ListWork {
     scan: PrefixScan,

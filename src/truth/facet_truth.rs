@@ -42,7 +42,7 @@ pub struct FacetInput {
     pub coverage: [u32; 4],
 }
 
-/// What is true of a facet. Masks hold only samples of its coverage.
+/// Truth of a facet. Masks hold only samples of its coverage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FacetResult {
     /// Samples in shadow. All valid ones of a facet that faces away from the light.

@@ -15,7 +15,7 @@ pub(super) const PACKET: usize = 128;
 /// No triangle.
 const NONE: u32 = u32::MAX;
 
-/// What the samples of a packet see.
+/// Surfaces that the samples of a packet see.
 pub(super) struct Seen {
     /// Ray directions.
     pub rays: [DVec3; PACKET],
@@ -31,7 +31,7 @@ pub(super) struct Seen {
     pub touching: u128,
 }
 
-/// What the light does to them.
+/// Light on them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Lit {
     pub seen: u128,

@@ -1,4 +1,4 @@
-//! What one view of the light finds of facets, and how several views are put together.
+//! Facets in one view of the light, and how several views are put together.
 
 use super::shadows::{Known, Pairs};
 use super::{Clock, MARGIN, Request};
@@ -50,7 +50,7 @@ impl LightSide {
         Self { view, triangles, known, sat }
     }
 
-    /// What is counted of the view itself.
+    /// Counts of the view itself.
     pub fn add_counts(&self, counts: &mut Counts) {
         // The same in every view.
         counts.silhouette_edges = self.known.silhouette_edges;

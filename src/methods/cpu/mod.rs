@@ -28,7 +28,7 @@ const MARGIN: Margin = Margin { texels: 1.0 / 1024.0, depth: 1e-7 };
 /// Pixels of a band of rows; a row may have more.
 const BAND: u32 = 1 << 19;
 
-/// What is asked of a frame.
+/// Request of a frame.
 #[derive(Clone, Copy, Default)]
 pub struct Request<'a> {
     /// Nothing casts a shadow: facets that face the light are lit, and no caster is looked at.
@@ -70,7 +70,7 @@ pub struct Frame {
     pub stages: Vec<CpuTime>,
     /// The facets of pixels that see something, if they were asked for.
     pub facets: Vec<CpuFacet>,
-    /// What there is to look at, if it was asked for.
+    /// Looks, if they were asked for.
     pub looks: Option<Looks>,
 }
 

@@ -1,4 +1,4 @@
-//! What each pixel of a band of rows sees, and the facets of that.
+//! Surfaces of the pixels of a band of rows, and their facets.
 
 use super::Clock;
 use crate::methods::facet_masks::{FacetMode, Settings};

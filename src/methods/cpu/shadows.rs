@@ -1,4 +1,4 @@
-//! What the light sees, and the masks of the facets that this leaves undecided.
+//! Layers that the light sees, and the masks of the facets that they leave undecided.
 
 use super::{Clock, MARGIN, list};
 use crate::methods::render::{Counts, ListUse};
@@ -17,7 +17,7 @@ use crate::truth::{FacetResult, FacetTruth, Progress};
 /// Pairs of a part of the facets that are listed together, counted by rectangles; a facet may have more.
 const PAIRS: u64 = 1 << 25;
 
-/// What is known of the light's side.
+/// State of the light's side.
 pub(super) struct Known {
     /// The mask.
     pub marked: Vec<bool>,

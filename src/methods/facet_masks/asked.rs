@@ -1,4 +1,4 @@
-//! What may differ from frame to frame besides camera and light: the part of the image, and what is known already.
+//! Differences from frame to frame besides camera and light: the part of the image, and what is known already.
 
 use crate::Result;
 use crate::gpu::Recorder;

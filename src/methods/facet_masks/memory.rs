@@ -172,7 +172,7 @@ pub fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>
     (0..c.views * c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
 }
 
-/// What depends on the lengths of the lists of pairs and candidates.
+/// Buffers whose length is that of the lists of pairs and candidates.
 pub struct PairMemory {
     pub lists: PairLists,
     pub unsorted: Option<[sorted_pairs::Scratch; 2]>,
@@ -194,7 +194,7 @@ impl PairMemory {
     }
 }
 
-/// What depends on the number of facets.
+/// Buffers whose length is the number of facets.
 pub struct FacetMemory {
     pub facets: Facets,
     pub offsets: Buffer<u32>,

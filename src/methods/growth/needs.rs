@@ -1,4 +1,4 @@
-//! What a frame needed, by its counters.
+//! Needs of a frame, by its counters.
 
 use crate::methods::facet_masks::{Capacities, status};
 
@@ -42,7 +42,7 @@ impl Needs {
         })
     }
 
-    /// What holds both.
+    /// Needs that hold both.
     pub fn or(self, other: Self) -> Self {
         let [a, b] = [self.camera, other.camera];
         Self {

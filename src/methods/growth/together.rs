@@ -1,4 +1,4 @@
-//! What frames want together of the lists that they use one after the other.
+//! Needs of frames together, of the lists that they use one after the other.
 
 use super::{
     Capacities, FacetMode, MAX_CAMERA_ROUNDS, MAX_ROUNDS, Needs, ROUND_LENGTH, Settings, Undecided, ahead, bound,

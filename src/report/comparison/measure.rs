@@ -75,7 +75,7 @@ impl SceneCase {
         Ok(self.converged.insert(pixels))
     }
 
-    /// What is known of a row before it is measured.
+    /// Key of a row, known before it is measured.
     pub fn row(&self, variant: &Variant) -> Row {
         Row {
             scene: self.scene.name.clone(),

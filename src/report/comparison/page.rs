@@ -6,7 +6,7 @@ use super::row::{Machine, Row};
 use crate::report::{or_dash, percent_or_dash};
 use std::fmt::Write;
 
-/// What a page says beside its rows.
+/// Text of a page beside its rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Page {
     /// The command that made it.

@@ -11,7 +11,7 @@ use std::path::Path;
 /// An axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
-    /// What it shows, with its unit.
+    /// Quantity and unit.
     pub label: String,
     /// Whether it is logarithmic.
     pub log: bool,
@@ -51,7 +51,7 @@ pub struct Plot {
     pub x: Axis,
     /// The axis from the bottom up.
     pub y: Axis,
-    /// What is shown.
+    /// Series that are drawn.
     pub series: Vec<Series>,
 }
 

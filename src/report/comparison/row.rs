@@ -1,4 +1,4 @@
-//! What is known of one method with one setting on one scene.
+//! Results of one method with one setting on one scene.
 
 use crate::gpu::{AdapterSummary, StageTime};
 use crate::methods::render::{Counts, ListUse};
@@ -113,7 +113,7 @@ pub struct Row {
     pub map: u32,
     /// Name of the method.
     pub method: String,
-    /// What is set of the method beyond samples and map, such as `facets=all`.
+    /// Settings of the method beyond samples and map, such as `facets=all`.
     pub setting: String,
     /// Samples a pixel.
     pub samples: u32,
@@ -133,7 +133,7 @@ pub struct Row {
     pub stages: Vec<StageRow>,
     /// Bytes of GPU memory that making the row took, mesh included; `None` where the driver does not say.
     pub memory: Option<u64>,
-    /// What was counted.
+    /// Counts.
     pub counts: Counts,
     /// The lists.
     pub lists: Vec<ListRow>,
@@ -147,7 +147,7 @@ pub struct Row {
 const CAMERA_STAGES: [&str; 4] = ["triangle_setup", "camera_visibility", "pixel_triangles", "sample_surfaces"];
 
 impl Row {
-    /// What tells rows apart.
+    /// Key that tells rows apart.
     pub fn key(&self) -> String {
         let [w, h] = self.size;
         format!(

@@ -29,7 +29,7 @@ pub struct Scope {
 pub struct Variant {
     /// The method.
     pub method: MethodName,
-    /// What is set beyond samples and map, such as `facets=all`.
+    /// Settings beyond samples and map, such as `facets=all`.
     pub setting: String,
     /// Everything that is set. The plan of a scene may leave out more.
     pub settings: Settings,

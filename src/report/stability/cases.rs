@@ -10,7 +10,7 @@ use glam::{DQuat, DVec3};
 pub struct Case {
     /// Its name.
     pub name: &'static str,
-    /// What is pushed, and what it could break.
+    /// Quantity that is pushed, and the fault that it could cause.
     pub about: &'static str,
     /// Its steps.
     pub steps: Vec<Step>,
@@ -21,7 +21,7 @@ pub struct Case {
 /// One frame of a case.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// What was pushed how far.
+    /// Quantity and how far it was pushed.
     pub label: String,
     /// The scene.
     pub mesh: Mesh,

@@ -13,7 +13,7 @@ use super::{Camera, Light, Mesh};
 use crate::{Error, Result};
 use std::path::{Component, Path, PathBuf};
 
-/// What a file holds.
+/// Contents of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Loaded {
     /// All its triangles, in world space.
@@ -24,7 +24,7 @@ pub struct Loaded {
     pub light: Option<Light>,
     /// Whether it asks for a ground plane.
     pub ground: bool,
-    /// What it holds that is not read, each kind with its number, such as `2 skins`.
+    /// Parts that are not read, each kind with its number, such as `2 skins`.
     pub ignored: Vec<String>,
 }
 
@@ -34,7 +34,7 @@ pub const EXTENSIONS: [&str; 5] = ["glb", "gltf", "obj", "ply", "toml"];
 /// The largest file that is read, in bytes.
 const MAX_FILE_BYTES: u64 = 1 << 32;
 
-/// What the readers return: the line without the file's name, which [`load`] adds.
+/// Error of the readers: the line without the file's name, which [`load`] adds.
 type Parsed<T> = std::result::Result<T, String>;
 
 /// Reads a `.glb`, `.gltf`, `.obj`, `.ply` or `.toml` file; the extension says which.

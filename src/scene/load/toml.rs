@@ -69,7 +69,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
     Ok(loaded)
 }
 
-/// What the scene file builds on.
+/// Base of the scene file.
 fn base(path: &Path, file: &SceneFile) -> Parsed<Loaded> {
     match (&file.mesh, &file.builtin) {
         (Some(mesh), None) => {

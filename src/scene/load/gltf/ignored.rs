@@ -1,4 +1,4 @@
-//! What a glTF document holds that is not read.
+//! Parts of a glTF document that are not read.
 
 use super::super::{numbered, quoted};
 use super::is_understood;

@@ -5,7 +5,7 @@ use super::accessor::Source;
 use super::json::Primitive;
 use crate::scene::Mesh;
 
-/// What decoding may cost in all, so that many primitives that name the same data cannot multiply it without end.
+/// Limit of decoding in all, so that many primitives that name the same data cannot multiply it without end.
 pub(super) struct Budget {
     vertices: u64,
 }

@@ -40,7 +40,7 @@ pub(super) struct Element {
     pub(super) properties: Vec<Property>,
 }
 
-/// What the body holds, in order.
+/// Elements of the body, in order.
 pub(super) struct Header {
     pub(super) format: Format,
     pub(super) elements: Vec<Element>,
