@@ -24,6 +24,7 @@ pub mod error;
 pub mod frame;
 pub mod fuzz;
 pub mod gpu;
+pub mod guide;
 pub mod light_view;
 pub mod mask_table;
 pub mod methods;
@@ -42,7 +43,7 @@ pub use glam;
 pub use pass::ShadowPass;
 pub use wgpu;
 
-/// The library example of the README, compiled.
+/// The example of the README, compiled.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,0 +1,16 @@
+//! Guides: the program, use in an application, what was measured, limits, the other methods.
+
+#[doc = include_str!("application.md")]
+pub mod application {}
+
+#[doc = include_str!("limits.md")]
+pub mod limits {}
+
+#[doc = include_str!("measured.md")]
+pub mod measured {}
+
+#[doc = include_str!("methods.md")]
+pub mod methods {}
+
+#[doc = include_str!("program.md")]
+pub mod program {}
