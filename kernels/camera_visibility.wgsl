@@ -35,7 +35,7 @@ const SETTLED = 0x80000000u;
 
 //@import frame_copy
 
-// What single precision leaves open: pixel and triangle.
+// Pixels and triangles that single precision leaves open.
 struct Doubts {
     needed: atomic<u32>,
     listed: u32,  // to settle by the list, or

@@ -43,7 +43,7 @@ const FOUND: [Found; 18] = [
     Found { name: "ground-behind-the-light", method: MethodName::Supersampled, facets: ONE, size: [1, 2], map: 1, samples: (LOW, 1) },
     // Rounding opens a gap between two surfaces, and what lies behind shows.
     Found { name: "gap-before-a-wall", method: MethodName::FacetMasks, facets: ALL, size: [9, 31], map: 1, samples: (LOW, 8) },
-    // What hides a surface ends where that does: rounding takes it off both, or off one.
+    // Two surfaces, one behind the other, end at one line of the image: rounding takes a sample off both, or off one.
     Found { name: "end-behind-an-end", method: MethodName::FacetMasks, facets: ALL, size: [18, 4], map: 1, samples: (Pattern::Grid, 8) },
     // A facet of several triangles in one plane names one of them, not that of the sample.
     Found { name: "rim-of-a-thin-plate", method: MethodName::FacetMasks, facets: ALL, size: [1, 1], map: 1, samples: (Pattern::Grid, 32) },

@@ -91,7 +91,7 @@ fn run() -> Result<bool> {
     Ok(failures == 0)
 }
 
-/// What else the machine had to do, where the system tells: times are longer for it.
+/// Other work of the machine, where the system tells: times are longer for it.
 fn load() -> String {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -33,7 +33,7 @@ fn shape_of(t: u32) -> Shape {
     return s;
 }
 
-// What makes the largest component of a vector at least 1 and less than 2.
+// Power of two by which the largest component of a vector is at least 1 and less than 2.
 fn power_of_two(v: vec3<f32>) -> f32 {
     return bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(v)) & 0x7f800000u));
 }
@@ -85,7 +85,7 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     let over = dot(normal, found.ray);
     let raw = found.ray * found.depth;
     let at = raw - found.ray * (dot(normal, raw - a) / over);
-    // What products each component of the normal is the difference of. Of two million normals of random triangles none was farther off, along
+    // Products that each component of the normal is the difference of. Of two million normals of random triangles none was farther off, along
     // any direction, than 3.3 times the rounding of these.
     let products = abs(shape.ab.yzx * shape.ac.zxy) + abs(shape.ab.zxy * shape.ac.yzx);
     let tilts = (4.0 * power_of_two(cross(shape.ab, shape.ac))) * products;

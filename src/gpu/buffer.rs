@@ -26,7 +26,7 @@ pub fn allocate(
     }
 }
 
-/// What is said of a buffer that is not mapped when it should be.
+/// Error of a buffer that is not mapped when it should be.
 pub(crate) fn not_mapped(doing: &str, error: &dyn std::error::Error) -> Error {
     let text = error.to_string();
     let words: Vec<_> = text.split_whitespace().collect();

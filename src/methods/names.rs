@@ -30,7 +30,7 @@ pub enum MethodName {
     Supersampled,
 }
 
-/// What there is to say of a method.
+/// Description of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MethodRow {
     /// The method.
@@ -145,7 +145,7 @@ impl MethodName {
         all
     };
 
-    /// What there is to say of it.
+    /// Its description.
     pub fn row(self) -> &'static MethodRow {
         // In the order of the enum: a test holds that.
         &METHODS[self as usize]

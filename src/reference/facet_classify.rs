@@ -3,7 +3,7 @@
 use super::front_layer::{Margin, Split};
 use super::summed_area::{rect_sum, table};
 use super::triangle_setup::Triangle;
-use super::view::{View, cells_touched};
+use super::view::{MapEnds, View, cells_touched};
 use crate::truth::full_mask;
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::*;
@@ -45,23 +45,11 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Whether, grown by `margin` texels, it goes on beyond one of the `ends` of a map of `size` texels a side: see
-    /// [`LightView::ends`](crate::light_view::LightView::ends).
-    pub fn goes_beyond(&self, ends: [bool; 4], size: u32, margin: f64) -> bool {
+    /// Whether, grown by `margin` texels, it goes on beyond one of the ends of the map.
+    pub fn goes_beyond(&self, map: MapEnds, margin: f64) -> bool {
         let (low, high) = bounds(&self.corners);
-        ends.contains(&true) && (!self.in_front || beyond_ends(low - margin, high + margin, ends, size))
+        map.any() && (!self.in_front || map.are_passed(low - margin, high + margin))
     }
-}
-
-/// Whether a box of the light view goes on beyond one of the `ends` of a map.
-pub(super) fn beyond_ends(low: DVec2, high: DVec2, ends: [bool; 4], size: u32) -> bool {
-    let size = f64::from(size);
-    [low.x < 0.0, high.x > size, low.y < 0.0, high.y > size].iter().zip(ends).any(|(over, end)| *over && end)
-}
-
-/// Whether a texel lies at one of the `ends` of a map: what goes on beyond them meets there.
-pub(super) fn is_at_end(x: u32, y: u32, ends: [bool; 4], size: u32) -> bool {
-    [x == 0, x + 1 == size, y == 0, y + 1 == size].iter().zip(ends).any(|(at, end)| *at && end)
 }
 
 /// Stands for a surface inside one pixel.

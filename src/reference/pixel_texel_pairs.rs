@@ -1,35 +1,28 @@
 //! Which undecided facets touch which texel.
 
-use super::facet_classify::{Facet, Outline, State, bounds, is_at_end};
+use super::facet_classify::{Facet, Outline, State, bounds};
 use super::front_layer::{Margin, Split};
-use super::view::centre;
+use super::view::{MapEnds, centre};
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// The facets (by their place in the list, rising) that touch each texel of a map of `size` texels a side. A texel without
+/// The facets (by their place in the list, rising) that touch each texel of a map. A texel without
 /// casters has none; with `skip_front` nor has one whose split depth lies behind the facet by more than the margin. A facet that goes on beyond
-/// one of the `ends` of the map is in every texel there that it touches.
-pub fn pairs(
-    facets: &[Facet],
-    splits: &[Split],
-    size: u32,
-    margin: Margin,
-    skip_front: bool,
-    ends: [bool; 4],
-) -> Vec<Vec<u32>> {
+/// one of the ends of the map is in every texel there that it touches.
+pub fn pairs(facets: &[Facet], splits: &[Split], map: MapEnds, margin: Margin, skip_front: bool) -> Vec<Vec<u32>> {
     let pairs = facets.par_iter().enumerate().flat_map_iter(|(f, facet)| {
         let rect = facet.rect.filter(|_| facet.state == State::Undecided).unwrap_or([1, 1, 0, 0]);
         let [x0, y0, x1, y1] = rect;
-        let beyond = facet.outline.goes_beyond(ends, size, margin.texels);
+        let beyond = facet.outline.goes_beyond(map, margin.texels);
         let texels = (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| (x, y)));
         texels.filter_map(move |(x, y)| {
-            let texel = y * size + x;
+            let texel = y * map.size + x;
             let listed = match splits[texel as usize] {
                 Split::Uncovered => false,
                 Split::Marked => true,
                 Split::At(split) => !skip_front || facet.outline.farthest + margin.depth >= split,
             };
-            let listed = listed || (beyond && is_at_end(x, y, ends, size));
+            let listed = listed || (beyond && map.are_at(x, y, map.size));
             let listed = listed && touches(&facet.outline, centre(x, y), 0.5 + margin.texels);
             listed.then_some((texel, f as u32))
         })

@@ -1,11 +1,12 @@
 //! Samples by the texel of the light view they project to, and what becomes of them.
 
+use super::view::MapEnds;
 use crate::truth::{FacetInput, FacetResult, FacetTruth};
 use glam::DVec2;
 
-/// The texel of each place (texel x, y) of a map of `size` texels a side, held at its rim; `None` more than a texel outside, but for beyond
-/// the `ends` of the map.
-pub fn texels(places: &[DVec2], size: u32, ends: [bool; 4]) -> Vec<Option<u32>> {
+/// The texel of each place (texel x, y) of a map, held at its rim; `None` more than a texel outside, but for beyond
+/// its ends.
+pub fn texels(places: &[DVec2], MapEnds { size, ends }: MapEnds) -> Vec<Option<u32>> {
     let side = f64::from(size);
     let inside = |p: &DVec2| {
         let over = [p.x <= -1.0, p.x >= side + 1.0, p.y <= -1.0, p.y >= side + 1.0];

@@ -1,8 +1,7 @@
 //! Side of the light of each triangle, and which pixels and texels it may touch.
 
-use super::facet_classify::beyond_ends;
 use super::vertex_project::Vertex;
-use super::view::{Cut, Flat, View, cells_touched, centres_within};
+use super::view::{Cut, Flat, MapEnds, View, cells_touched, centres_within};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -92,19 +91,19 @@ fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3], of_body: bool) -> 
     };
     let corners = [a, b, c];
     let side = view.side(corners);
-    let ends = view.map.ends.contains(&true);
+    let ends = MapEnds::of(&view.map);
     let map = match all.map(|v| v.map) {
         _ if view.cull_back && of_body && side < 0.0 => Reach::Nowhere,
         [Some(a), Some(b), Some(c)] => Reach::Flat(Flat::new([a, b, c].map(|p| p.truncate()))),
-        _ if all.iter().all(|v| v.behind) || (!ends && view.beyond(&corners)) => Reach::Nowhere,
+        _ if all.iter().all(|v| v.behind) || (!ends.any() && view.beyond(&corners)) => Reach::Nowhere,
         _ => Cut::new(view, corners).map_or(Reach::Everywhere, Reach::Cut),
     };
     let beyond = match map {
         Reach::Nowhere => false,
-        Reach::Everywhere | Reach::Cut(_) => ends,
+        Reach::Everywhere | Reach::Cut(_) => ends.any(),
         Reach::Flat(flat) => {
             let (low, high) = flat.bounds();
-            beyond_ends(low, high, view.map.ends, view.map.map_size)
+            ends.are_passed(low, high)
         }
     };
     Triangle { corners: Some(corners), side, image: image_box(view, corners), map, of_body, beyond }

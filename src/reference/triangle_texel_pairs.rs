@@ -1,21 +1,15 @@
 //! Which casters touch which texel that has facets.
 
-use super::facet_classify::is_at_end;
 use super::front_layer::Margin;
 use super::triangle_setup::{Reach, Triangle};
-use super::view::centre;
+use super::view::{MapEnds, centre};
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// The triangles (rising) that touch each texel of a map of `size` texels a side where `deepest` is some depth, and do not
-/// lie behind that depth by more than the margin. One that goes on beyond one of the `ends` of the map is in every texel there.
-pub fn pairs(
-    triangles: &[Triangle],
-    deepest: &[Option<f64>],
-    size: u32,
-    margin: Margin,
-    ends: [bool; 4],
-) -> Vec<Vec<u32>> {
+/// The triangles (rising) that touch each texel of a map where `deepest` is some depth, and do not
+/// lie behind that depth by more than the margin. One that goes on beyond one of the ends of the map is in every texel there.
+pub fn pairs(triangles: &[Triangle], deepest: &[Option<f64>], map: MapEnds, margin: Margin) -> Vec<Vec<u32>> {
+    let size = map.size;
     let reach = 0.5 + margin.texels;
     let mut rows: Vec<Vec<u32>> = vec![Vec::new(); size as usize];
     for (t, triangle) in triangles.iter().enumerate() {
@@ -34,7 +28,7 @@ pub fn pairs(
                 let listed = match triangle.map {
                     Reach::Nowhere => false,
                     Reach::Everywhere => true,
-                    _ if triangle.beyond && is_at_end(x, y as u32, ends, size) => true,
+                    _ if triangle.beyond && map.are_at(x, y as u32, size) => true,
                     Reach::Cut(cut) => cut.touches(at, reach),
                     Reach::Flat(flat) => {
                         flat.touches(at, reach) && flat.depth_range(at, reach, margin.depth).0 <= deepest + margin.depth
@@ -62,16 +56,10 @@ pub struct TilePair {
 }
 
 /// The triangles (rising) that touch each tile where `deepest` is some depth, and do not lie behind that depth by more than the
-/// margin. Tiles row by row, as many as it takes to hold a map of `size` texels a side. One that goes on beyond one of the `ends` of the map is
+/// margin. Tiles row by row, as many as it takes to hold the map. One that goes on beyond one of the ends of the map is
 /// in all cells of every tile there.
-pub fn tile_pairs(
-    triangles: &[Triangle],
-    deepest: &[Option<f64>],
-    size: u32,
-    margin: Margin,
-    ends: [bool; 4],
-) -> Vec<Vec<TilePair>> {
-    let across = size.div_ceil(2);
+pub fn tile_pairs(triangles: &[Triangle], deepest: &[Option<f64>], map: MapEnds, margin: Margin) -> Vec<Vec<TilePair>> {
+    let (size, across) = (map.size, map.size.div_ceil(2));
     let mut tiles = vec![Vec::new(); deepest.len()];
     for (t, triangle) in triangles.iter().enumerate() {
         let Some([x0, y0, x1, y1]) = triangle.texels(size, margin.texels) else { continue };
@@ -87,7 +75,7 @@ pub fn tile_pairs(
             let (cells, nearest) = match triangle.map {
                 Reach::Nowhere => (0, 0.0),
                 Reach::Everywhere => (0xffff, f64::NEG_INFINITY),
-                _ if triangle.beyond && is_at_end(x, y, ends, across) => (0xffff, f64::NEG_INFINITY),
+                _ if triangle.beyond && map.are_at(x, y, across) => (0xffff, f64::NEG_INFINITY),
                 Reach::Cut(cut) => (cells_of(&|at, reach| cut.touches(at, reach)), f64::NEG_INFINITY),
                 Reach::Flat(flat) => {
                     let nearest = flat.depth_range(corner + 1.0, 1.0 + margin.texels, margin.depth).0;
@@ -112,9 +100,9 @@ mod tests {
     fn a_tile_is_its_texels() {
         let corners = [[0.2, 0.3, 1.0], [4.9, 1.1, 2.0], [1.7, 4.6, 3.0]].map(glam::DVec3::from);
         let triangle = Triangle { map: Reach::Flat(Flat::new(corners)), ..Triangle::DROPPED };
-        let margin = Margin::default();
-        let texels = pairs(&[triangle], &[Some(9.0); 25], 5, margin, [false; 4]);
-        let tiles = tile_pairs(&[triangle], &[Some(9.0); 9], 5, margin, [false; 4]);
+        let (map, margin) = (MapEnds { size: 5, ..MapEnds::default() }, Margin::default());
+        let texels = pairs(&[triangle], &[Some(9.0); 25], map, margin);
+        let tiles = tile_pairs(&[triangle], &[Some(9.0); 9], map, margin);
         for (texel, set) in texels.iter().enumerate() {
             let (x, y) = (texel % 5, texel / 5);
             let block = 0x33 << (8 * (y % 2) + 2 * (x % 2));

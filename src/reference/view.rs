@@ -218,6 +218,40 @@ pub fn segment_touches(a: DVec2, b: DVec2, centre: DVec2, reach: f64) -> bool {
         && d.perp_dot(centre - a).abs() <= reach * (d.x.abs() + d.y.abs())
 }
 
+/// A map and its ends: see [`LightView::ends`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MapEnds {
+    /// Texels a side.
+    pub size: u32,
+    /// Sides that are ends: lowest x, highest x, lowest y, highest y.
+    pub ends: [bool; 4],
+}
+
+impl MapEnds {
+    /// Those of a view.
+    pub fn of(view: &LightView) -> Self {
+        Self { size: view.map_size, ends: view.ends }
+    }
+
+    /// Whether it has any.
+    pub fn any(self) -> bool {
+        self.ends.contains(&true)
+    }
+
+    /// Whether a box, in texels, goes on beyond one of them.
+    pub fn are_passed(self, low: DVec2, high: DVec2) -> bool {
+        let size = f64::from(self.size);
+        let over = [low.x < 0.0, high.x > size, low.y < 0.0, high.y > size];
+        over.iter().zip(self.ends).any(|(over, end)| *over && end)
+    }
+
+    /// Whether one of `across` cells a side lies at one of them: what goes on beyond meets there.
+    pub fn are_at(self, x: u32, y: u32, across: u32) -> bool {
+        let at = [x == 0, x + 1 == across, y == 0, y + 1 == across];
+        at.iter().zip(self.ends).any(|(at, end)| *at && end)
+    }
+}
+
 /// First and last cell of `size` whose closed interval touches the interval, if any does.
 pub fn cells_touched(low: DVec2, high: DVec2, size: [u32; 2]) -> Option<[u32; 4]> {
     let limit = DVec2::new(f64::from(size[0]), f64::from(size[1]));

@@ -327,6 +327,18 @@ mod tests {
         assert_eq!(given(&sheets(0.0, 0.0), Some(1)), (0, 0));
     }
 
+    /// Whether a sample so many bands right of the image's middle, which sees another surface than it was given, is tied; else it is wrong.
+    fn is_tied(mesh: &Mesh, given: Option<u32>, bands: f64) -> bool {
+        let tracer = Tracer::new(mesh).unwrap();
+        let samples = Samples::new(Pattern::default(), 1).unwrap();
+        let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
+        let at = 16.0 + bands * AMBIGUITY;
+        let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth };
+        let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| given);
+        assert_eq!(result.wrong + result.tied, 1, "{bands} bands");
+        result.tied == 1
+    }
+
     #[test]
     fn a_gap_narrower_than_the_band_is_a_tie() {
         // Two sheets, 0.00005 apart at x = 0: a ninth of the band of 0.00044.
@@ -341,15 +353,7 @@ mod tests {
             ],
             triangles: vec![[0, 2, 1], [3, 5, 4]],
         };
-        let tracer = Tracer::new(&mesh).unwrap();
-        let samples = Samples::new(Pattern::default(), 1).unwrap();
-        let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
-        for (at, tied) in [(-3.0, false), (-0.5, true), (0.5, true), (3.0, false)] {
-            let at: f64 = 16.0 + at * AMBIGUITY;
-            let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
-            let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| None);
-            assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at}");
-        }
+        assert_eq!([-3.0, -0.5, 0.5, 3.0].map(|bands| is_tied(&mesh, None, bands)), [false, true, true, false]);
     }
 
     #[test]
@@ -369,47 +373,26 @@ mod tests {
             ],
             triangles: vec![[0, 2, 1], if shared { [1, 5, 0] } else { [3, 5, 4] }, [6, 7, 8]],
         };
-        for shared in [false, true] {
-            let mesh = mesh(shared);
-            let tracer = Tracer::new(&mesh).unwrap();
-            let samples = Samples::new(Pattern::default(), 1).unwrap();
-            let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
-            for (at, near) in [(-3.0, false), (-0.5, true), (0.5, true), (3.0, false)] {
-                let at: f64 = 16.0 + at * AMBIGUITY;
-                let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
-                let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(2));
-                let tied = near && !shared;
-                assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at} {shared}");
-            }
-        }
+        let tied = |shared| [-3.0, -0.5, 0.5, 3.0].map(|bands| is_tied(&mesh(shared), Some(2), bands));
+        assert_eq!((tied(false), tied(true)), ([false, true, true, false], [false; 4]));
     }
 
     #[test]
     fn what_ends_with_what_hides_it_is_a_tie_at_that_end_alone() {
         // Two sheets that end at x = 0, as the eye sees them, one behind the other, or the farther one at x = -1.
-        for (end, ties) in [(0.0, true), (-1.0, false)] {
-            let mesh = Mesh {
-                positions: vec![
-                    [0.0, -9.0, 0.0],
-                    [0.0, 9.0, 0.0],
-                    [-9.0, 0.0, 0.0],
-                    [end, -9.0, -1.0],
-                    [end, 9.0, -1.0],
-                    [-9.0, 0.0, -1.0],
-                ],
-                triangles: vec![[0, 1, 2], [3, 4, 5]],
-            };
-            let tracer = Tracer::new(&mesh).unwrap();
-            let samples = Samples::new(Pattern::default(), 1).unwrap();
-            let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
-            for (at, near) in [(-3.0, false), (-0.5, true), (0.5, true), (3.0, false)] {
-                let at: f64 = 16.0 + at * AMBIGUITY;
-                let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
-                let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(1));
-                let tied = near && ties;
-                assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at} {end}");
-            }
-        }
+        let mesh = |end: f32| Mesh {
+            positions: vec![
+                [0.0, -9.0, 0.0],
+                [0.0, 9.0, 0.0],
+                [-9.0, 0.0, 0.0],
+                [end, -9.0, -1.0],
+                [end, 9.0, -1.0],
+                [-9.0, 0.0, -1.0],
+            ],
+            triangles: vec![[0, 1, 2], [3, 4, 5]],
+        };
+        let tied = |end| [-3.0, -0.5, 0.5, 3.0].map(|bands| is_tied(&mesh(end), Some(1), bands));
+        assert_eq!((tied(0.0), tied(-1.0)), ([false, true, true, false], [false; 4]));
     }
 
     #[test]
@@ -419,15 +402,7 @@ mod tests {
             positions: vec![[0.0, -9.0, 0.0], [0.0, 9.0, 0.0], [9.0, 0.0, 0.0], [9.0, 0.0, -1.0]],
             triangles: vec![[0, 2, 1], [0, 3, 1]],
         };
-        let tracer = Tracer::new(&mesh).unwrap();
-        let samples = Samples::new(Pattern::default(), 1).unwrap();
-        let truth = SeenTruth::new(&tracer, &CAMERA, &samples, 32, 32).unwrap();
-        for (at, tied) in [(-2.0, false), (-0.5, true), (0.5, true), (3.0, false)] {
-            let at: f64 = 16.0 + at * AMBIGUITY;
-            let moved = SeenTruth { offsets: vec![DVec2::new(at - at.floor(), 0.5)], ..truth.clone() };
-            let result = moved.judge(16 * 32 + at.floor() as u32, 1, |_| Some(1));
-            assert_eq!((result.wrong, result.tied), if tied { (0, 1) } else { (1, 0) }, "{at}");
-        }
+        assert_eq!([-2.0, -0.5, 0.5, 3.0].map(|bands| is_tied(&mesh, Some(1), bands)), [false, true, true, false]);
     }
 
     #[test]

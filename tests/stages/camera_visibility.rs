@@ -205,7 +205,7 @@ fn crossing_sheets(half: f64) -> Mesh {
     mesh
 }
 
-/// What does not fit the list of what is open is settled through all blocks: either way to the nearest.
+/// Pixels that are open are settled to the nearest triangle by the list and, where that has not the room, through all blocks.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn overflow_by_one() {

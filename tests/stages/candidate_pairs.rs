@@ -15,6 +15,7 @@ use subpixel_shadows::reference::facet_classify::{Facet, Surroundings, classify}
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::pixel_texel_pairs::pairs;
 use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, tile_pairs};
+use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::Mesh;
 use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
 use subpixel_shadows::stages::facet_classify::State;
@@ -127,7 +128,7 @@ fn in_tiles(world: &World, listed: &[(u32, Option<u32>)], undecided: &[u32]) -> 
         use subpixel_shadows::reference::facet_classify::State as Reference;
         facet.state = if undecided.contains(&(f as u32)) { Reference::Undecided } else { Reference::Empty };
     }
-    let texels = pairs(&facets, &[Split::Marked; MAP * MAP], MAP as u32, margin, false, world.view.map.ends);
+    let texels = pairs(&facets, &[Split::Marked; MAP * MAP], MapEnds::of(&world.view.map), margin, false);
     let mut parts = std::collections::BTreeMap::<(u32, usize), u32>::new();
     for (texel, set) in texels.iter().enumerate() {
         let (x, y) = (texel % MAP, texel / MAP);
@@ -137,7 +138,7 @@ fn in_tiles(world: &World, listed: &[(u32, Option<u32>)], undecided: &[u32]) -> 
     }
     let list = parts.into_iter().map(|((f, tile), bits)| [f, (tile as u32) << 4 | bits]).collect();
     let everywhere = vec![Some(f64::INFINITY); MAP * MAP / 4];
-    let tiles = tile_pairs(&world.triangles, &everywhere, MAP as u32, margin, world.view.map.ends);
+    let tiles = tile_pairs(&world.triangles, &everywhere, MapEnds::of(&world.view.map), margin);
     let counts: Vec<u32> = tiles.iter().map(|t| t.len() as u32).collect();
     let code = |p: &TilePair| (p.nearest.max(0.0) as f32).to_bits() >> 16 << 16;
     let words = tiles.iter().flatten().flat_map(|p| [p.cells | code(p), p.triangle]).collect();

@@ -10,6 +10,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::facet_classify::{Facet, State, Surroundings, classify, outline};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::pixel_texel_pairs::pairs;
+use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{self, Facets};
 use subpixel_shadows::stages::pixel_texel_pairs::{PixelTexelPairs, Places};
@@ -85,8 +86,9 @@ fn check(world: &World, stage: &PixelTexelPairs, listed: &[(u32, Option<u32>)], 
         let same = |x: &Facet| (x.state == State::Undecided) == undecided;
         same(&exact[f]) && same(&wide[f]) && !exact[f].open
     };
-    let mut least = pairs(&exact, splits, size, Margin::default(), skip, world.view.map.ends);
-    let mut most = pairs(&wide, splits, size, world.margin().times(2.0), skip, world.view.map.ends);
+    let map = MapEnds::of(&world.view.map);
+    let mut least = pairs(&exact, splits, map, Margin::default(), skip);
+    let mut most = pairs(&wide, splits, map, world.margin().times(2.0), skip);
     let total: usize = 1 << 21;
     let listed_pairs = world.pixel_pairs(stage, &on_gpu, splits, total);
     let mut got = listed_pairs.texel_sets(stage.places(), size as usize);
@@ -258,9 +260,7 @@ fn detects_corruption() {
         let world = world(gpu(), kind, &mut random);
         let (_, facets) = facets(&world, &world.seen(), Margin { texels: 0.5, depth: 0.0 });
         let splits = vec![Split::Marked; (world.view.map.map_size as usize).pow(2)];
-        let by = |texels| {
-            pairs(&facets, &splits, world.view.map.map_size, Margin { texels, depth: 0.0 }, false, world.view.map.ends)
-        };
+        let by = |texels| pairs(&facets, &splits, MapEnds::of(&world.view.map), Margin { texels, depth: 0.0 }, false);
         let (least, most) = (by(0.0), by(0.5));
         changed += faults(&most, &least, &most).0;
         let f = facets.iter().find(|f| f.state == State::Undecided);

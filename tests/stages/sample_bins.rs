@@ -12,6 +12,7 @@ use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
 use subpixel_shadows::reference::facet_classify::pixel_ray;
 use subpixel_shadows::reference::sample_bins;
+use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
@@ -104,7 +105,7 @@ fn fault_in_bins(world: &World, listed: &List, ran: &Ran) -> Option<String> {
                 let doubt = 2.0 * f64::from(world.frame.map_margin) + 1e-5 * at.truncate().length();
                 let around = [[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
                 let places = around.map(|d| DVec2::new(at.x, at.y) + DVec2::from(d) * doubt);
-                let texels = sample_bins::texels(&places, size, world.view.map.ends);
+                let texels = sample_bins::texels(&places, MapEnds::of(&world.view.map));
                 if let Some(t) = texels[0].filter(|_| texels.iter().all(|t| *t == texels[0])) {
                     *sure.entry(t).or_insert(0) += 1;
                 }
@@ -301,7 +302,7 @@ fn detects_corruption() {
     assert_defined(&world, &listed, got, sample_bins::masks);
     // Places on and beside the map.
     let places = [[0.0, 0.0], [-0.5, 3.2], [-1.5, 3.2], [23.9, 24.5], [25.5, 1.0], [7.5, 11.5]].map(DVec2::from);
-    let texels = |ends| sample_bins::texels(&places, map, ends);
+    let texels = |ends| sample_bins::texels(&places, MapEnds { size: map, ends });
     let whole = [Some(0), Some(3 * map), None, Some(map * map - 1), None, Some(11 * map + 7)];
     assert_eq!(texels([false; 4]), whole);
     let at_end = [Some(0), Some(3 * map), Some(3 * map), Some(map * map - 1), None, Some(11 * map + 7)];

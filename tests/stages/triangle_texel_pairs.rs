@@ -10,6 +10,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::front_layer::Margin;
 use subpixel_shadows::reference::triangle_setup::Reach;
 use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, pairs, tile_pairs};
+use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::pixel_texel_pairs::Places;
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
@@ -75,9 +76,8 @@ fn thin(world: &World, t: u32) -> bool {
 
 #[track_caller]
 fn check_texels(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> usize {
-    let size = world.view.map.map_size;
     let exact: Vec<Option<f64>> = deepest.iter().map(|d| d.map(f64::from)).collect();
-    let by = |margin: Margin| pairs(&world.triangles, &exact, size, margin, world.view.map.ends);
+    let by = |margin: Margin| pairs(&world.triangles, &exact, MapEnds::of(&world.view.map), margin);
     let (least, mut most) = (by(Margin::default()), by(world.margin().times(2.0)));
     let needed: usize = world.triangle_pairs(stage, deepest, 0).counts.iter().map(|&c| c as usize).sum();
     let got = world.triangle_pairs(stage, deepest, needed).sets();
@@ -95,7 +95,7 @@ fn check_tiles(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>
     let size = world.view.map.map_size;
     let exact: Vec<Option<f64>> = deepest.iter().map(|d| d.map(f64::from)).collect();
     let exact = deepest_of(Places::Tiles, size as usize, &exact);
-    let by = |margin: Margin| tile_pairs(&world.triangles, &exact, size, margin, world.view.map.ends);
+    let by = |margin: Margin| tile_pairs(&world.triangles, &exact, MapEnds::of(&world.view.map), margin);
     let (least, most) = (by(Margin::default()), by(world.margin().times(2.0)));
     let needed: usize = world.triangle_pairs(stage, deepest, 0).counts.iter().map(|&c| c as usize).sum();
     let listed = world.triangle_pairs(stage, deepest, needed);
@@ -248,7 +248,7 @@ fn behind_the_light_lines_tell() {
         let stage = &stages()[0];
         let needed = check(&world, stage, &deepest);
         listed += count(&world.triangle_pairs(stage, &deepest, needed).sets());
-        held += count(&pairs(&world.triangles, &exact, map, world.margin().times(2.0), world.view.map.ends));
+        held += count(&pairs(&world.triangles, &exact, MapEnds::of(&world.view.map), world.margin().times(2.0)));
         all += (0..world.triangles.len() as u32).filter(is_cut).count() * exact.len();
     }
     println!("{listed} pairs listed, {held} held by lines, {all} texels");
@@ -312,8 +312,6 @@ fn detects_corruption() {
     let world = world(gpu(), 1, &mut random);
     let depths = vec![Some(2.0); (world.view.map.map_size as usize).pow(2)];
     let exact: Vec<_> = depths.iter().map(|d| d.map(f64::from)).collect();
-    let by = |texels| {
-        pairs(&world.triangles, &exact, world.view.map.map_size, Margin { texels, depth: 0.0 }, world.view.map.ends)
-    };
+    let by = |texels| pairs(&world.triangles, &exact, MapEnds::of(&world.view.map), Margin { texels, depth: 0.0 });
     assert!(faults(&by(1.0), &by(0.0), &by(1.0)).0 > 0, "a margin makes pairs");
 }

@@ -10,7 +10,7 @@ use crate::reference::facet_classify::{Part, State, Surroundings, classify_parts
 use crate::reference::resolve::Masks;
 use crate::reference::triangle_setup::{Triangle, setup};
 use crate::reference::vertex_project::project;
-use crate::reference::view::View;
+use crate::reference::view::{MapEnds, View};
 use crate::scene::{Camera, Light};
 use crate::truth::{FacetTruth, Progress, join_mask};
 use glam::DVec3;
@@ -81,8 +81,8 @@ impl LightSide {
         if unshadowed {
             facets.iter_mut().filter(|f| f.state == State::Undecided).for_each(|f| f.state = State::Lit);
         }
-        let (skip_front, size) = (settings.settle && !validity, self.view.map.map_size);
-        let map = (size, self.view.map.ends);
+        let skip_front = settings.settle && !validity;
+        let map = MapEnds::of(&self.view.map);
         let results = pairs.masks(clock, &self.known, truth, &facets, &self.triangles, map, skip_front, progress);
         let masks = facets.iter().zip(results).map(|(facet, result)| {
             let (occluded, invalid) = result

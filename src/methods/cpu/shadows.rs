@@ -9,7 +9,7 @@ use crate::reference::light_layers::{Layer, any_everywhere, layers};
 use crate::reference::silhouette_mask::{self, silhouettes};
 use crate::reference::triangle_setup::Triangle;
 use crate::reference::vertex_project::Vertex;
-use crate::reference::view::View;
+use crate::reference::view::{MapEnds, View};
 use crate::reference::{pixel_texel_pairs, triangle_texel_pairs, visibility_masks};
 use crate::scene::adjacency::Edge;
 use crate::truth::{FacetResult, FacetTruth, Progress};
@@ -85,7 +85,7 @@ impl Pairs {
         truth: &FacetTruth,
         facets: &[Facet],
         triangles: &[Triangle],
-        (size, ends): (u32, [bool; 4]),
+        map: MapEnds,
         skip_front: bool,
         progress: Progress,
     ) -> Vec<Option<FacetResult>> {
@@ -97,12 +97,11 @@ impl Pairs {
                 results.resize(done + part.len(), None);
                 continue;
             }
-            let pixel_pairs = clock.time("pixel_texel_pairs", || {
-                pixel_texel_pairs::pairs(part, &known.splits, size, MARGIN, skip_front, ends)
-            });
+            let pixel_pairs = clock
+                .time("pixel_texel_pairs", || pixel_texel_pairs::pairs(part, &known.splits, map, MARGIN, skip_front));
             let triangle_pairs = clock.time("triangle_texel_pairs", || {
                 let deepest = pixel_texel_pairs::deepest(part, &pixel_pairs);
-                triangle_texel_pairs::pairs(triangles, &deepest, size, MARGIN, ends)
+                triangle_texel_pairs::pairs(triangles, &deepest, map, MARGIN)
             });
             let listed =
                 clock.time("candidate_pairs", || candidates(part, triangles, &pixel_pairs, &triangle_pairs, MARGIN));
