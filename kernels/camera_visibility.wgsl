@@ -62,7 +62,9 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
         let cells = pixels_of_row(seen, y);
         for (var x = cells.x; x <= cells.y; x++) {
             let pixel = y * frame.image_size.x + x;
-            let key = keys_at(seen, x, y);
+            let at = centre_at(x, y);
+            if !covers_centre(seen, at) { continue; }
+            let key = keys_at(seen, at);
             if key.x == 0u || atomicLoad(&keys[2u * pixel + 1u]) > key.x { continue; }
             if step.index == 0u {
                 if key.z == 0u { atomicMax(&keys[2u * pixel + 1u], key.y); }
@@ -79,11 +81,10 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     }
 }
 
-// Takes a triangle in at a pixel that is in doubt.
+// Takes a triangle in at a pixel that it covers and that is in doubt.
 fn settle_at(seen: Seen, at: vec2<u32>) {
     let pixel = at.y * frame.image_size.x + at.x;
-    if step.index == 0u { atomicStore(&keys[2u * pixel], 0u); }
-    let key = keys_at(seen, at.x, at.y);
+    let key = keys_at(seen, centre_at(at.x, at.y));
     let least = atomicLoad(&keys[2u * pixel + 1u]);
     if key.x == 0u || least > key.x { return; }
     let i = triangles[seen.t];
@@ -129,7 +130,8 @@ fn settle_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
     for (var y = seen.block.low.y; y <= seen.block.high.y; y++) {
         let cells = pixels_of_row(seen, y);
         for (var x = cells.x; x <= cells.y; x++) {
-            if atomicLoad(&id_keys[y * frame.image_size.x + x]) != 0u { settle_at(seen, vec2(x, y)); }
+            let doubted = atomicLoad(&id_keys[y * frame.image_size.x + x]) != 0u;
+            if doubted && covers_centre(seen, centre_at(x, y)) { settle_at(seen, vec2(x, y)); }
         }
     }
 }
@@ -140,5 +142,8 @@ fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let key = atomicLoad(&keys[2u * pixel]);
-    atomicStore(&id_keys[pixel], select(key | SETTLED, 0u, key == 0u));
+    // Of what may lie nearer than the near distance nothing lies beyond it, and there is nothing else.
+    let nothing = key == 0u || ((key & SETTLED) == 0u && atomicLoad(&keys[2u * pixel + 1u]) == 0u);
+    if nothing { atomicStore(&keys[2u * pixel], 0u); }
+    atomicStore(&id_keys[pixel], select(key | SETTLED, 0u, nothing));
 }

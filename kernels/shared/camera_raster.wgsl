@@ -24,6 +24,7 @@ struct Seen {
     nearest: f32,
     farthest: f32,
     known: bool,            // which sign is inside; a triangle edge-on to the eye is looked at cell by cell
+    beyond: bool,           // all corners surely lie beyond the near distance
 }
 
 fn seen_in(item: u32) -> Seen {
@@ -43,11 +44,14 @@ fn seen_of(t: u32, block: Rect) -> Seen {
     let normal = cross(b - a, c - a);
     s.distance = dot(normal, a);
     // A sliver's normal is mostly rounding, and then on which side of its plane the eye is.
-    let doubt = 3e-6 * largest(b - a) * largest(c - a) * max(largest(a), max(largest(b), largest(c)));
+    let reach = max(largest(a), max(largest(b), largest(c)));
+    let doubt = 3e-6 * largest(b - a) * largest(c - a) * reach;
     s.lean = doubt * largest(frame.ray_corner.xyz);
     s.normal = vec3(dot(normal, frame.ray_corner.xyz), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
-    s.nearest = max(min(depths.x, min(depths.y, depths.z)), frame.forward.w);
+    let nearest = min(depths.x, min(depths.y, depths.z));
+    s.nearest = max(nearest, frame.forward.w);
+    s.beyond = nearest > frame.forward.w + 1e-6 * reach;
     s.farthest = max(depths.x, max(depths.y, depths.z));
     s.known = abs(s.distance) > max(doubt, 1e-5 * length(normal) * s.farthest);
     return s;
@@ -64,22 +68,27 @@ fn pixels_of_row(s: Seen, y: u32) -> vec2<u32> {
     return cells_of(cut, s.block.low.x, s.block.high.x);
 }
 
-// How near the triangle may be at a pixel's centre, and how far: keys that fall with depth, 0 where it is not seen there. The third is 1
-// where it may lie nearer than the near distance, else 0.
-fn keys_at(s: Seen, x: u32, y: u32) -> vec3<u32> {
-    let at = vec3(1.0, f32(x) + 0.5, f32(frame.first_row + y) + 0.5);
+// A pixel's centre as (1, x, y) from the corner of the image.
+fn centre_at(x: u32, y: u32) -> vec3<f32> {
+    return vec3(1.0, f32(x) + 0.5, f32(frame.first_row + y) + 0.5);
+}
+
+fn covers_centre(s: Seen, at: vec3<f32>) -> bool {
     let v = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at));
-    if !(all(v >= vec3(0.0)) || all(v <= vec3(0.0))) { return vec3(0u); }
+    return all(v >= vec3(0.0)) || all(v <= vec3(0.0));
+}
+
+// How near the triangle may be at a pixel's centre that it covers, and how far: keys that fall with depth, 0 where it is not seen there. The
+// third is 1 where it may lie nearer than the near distance, else 0.
+fn keys_at(s: Seen, at: vec3<f32>) -> vec3<u32> {
     let over = dot(s.normal, at);
     let depth = s.distance / over;
     let lean = s.lean / abs(over);
-    // Only what has a corner before it may lie nearer than the near distance.
-    let beyond = s.nearest > frame.forward.w;
-    if !(abs(over) > 0.0) || !(beyond || depth + lean >= frame.forward.w) { return vec3(0u); }
+    if !(abs(over) > 0.0) || !(s.beyond || depth + lean >= frame.forward.w) { return vec3(0u); }
     // A sliver's plane is poorly known; its depth lies between its corners'.
     let held = clamp(depth, s.nearest, s.farthest);
     let doubt = 1e-6 * held + min(lean, s.farthest - s.nearest);
     let keys = ~bitcast<vec2<u32>>(vec2(max(held - doubt, 0.0), held + doubt));
-    if !beyond && depth - lean < frame.forward.w && lean > 1e-6 * frame.forward.w { return vec3(keys, 1u); }
-    return select(vec3(0u), vec3(keys, 0u), beyond || depth >= frame.forward.w);
+    if !s.beyond && depth - lean < frame.forward.w && lean > 1e-6 * frame.forward.w { return vec3(keys, 1u); }
+    return select(vec3(0u), vec3(keys, 0u), s.beyond || depth >= frame.forward.w);
 }
