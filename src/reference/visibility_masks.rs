@@ -94,7 +94,7 @@ mod tests {
     use crate::reference::triangle_setup::setup;
     use crate::reference::vertex_project::project;
     use crate::scene::{Camera, Light, Mesh};
-    use crate::truth::predicate::{Cover, Plane, Shadow};
+    use crate::truth::predicate::{Cover, Ground, Plane, Shadow};
 
     /// The paper's two projections and planes through the eye bound the same shadow, also of casters that reach beneath the
     /// facet, behind the eye and beyond the light.
@@ -142,7 +142,7 @@ mod tests {
                 continue;
             }
             let plane = Plane::new(own);
-            let exact = Shadow::new(&plane, caster, view.light, &view.rays);
+            let exact = Shadow::new(Ground { plane: &plane, around: f64::INFINITY }, caster, view.light, &view.rays);
             let lines = two_step(&view, facet, own, caster);
             for k in 0..64 {
                 let (x, y) = (f64::from(k % 8) / 8.0 - 0.5, f64::from(k / 8) / 8.0 - 0.5);

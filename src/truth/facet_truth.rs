@@ -19,7 +19,7 @@
 //! ambiguous, too: whether it rises at all is left to rounding.
 
 use super::beam::Beam;
-use super::predicate::{Cover, Line, Plane, Shadow};
+use super::predicate::{Cover, Ground, Line, Plane, Shadow};
 use super::{AMBIGUITY, Progress, Tracer, bits, full_mask, join_mask, split_mask};
 use crate::samples::Samples;
 use crate::scene::{Camera, Light, PixelRays};
@@ -163,6 +163,8 @@ struct Judge<'a> {
     /// The part of the pixel within which candidates matter.
     low: DVec2,
     high: DVec2,
+    /// Distance from the plane's first corner within which its points in the pixel lie.
+    around: f64,
     shadows: Vec<Shadow>,
 }
 
@@ -183,6 +185,7 @@ impl<'a> Judge<'a> {
             validity: truth.validity && asked == full_mask(truth.offsets.len() as u32),
             low: DVec2::ZERO,
             high: DVec2::ONE,
+            around: f64::INFINITY,
             shadows: Vec::new(),
         };
         let slope = judge.slope(judge.plane.normal);
@@ -200,6 +203,9 @@ impl<'a> Judge<'a> {
             let met = || bits(judge.met).map(|k| truth.offsets[k]);
             (judge.low, judge.high) = (met().fold(DVec2::ONE, DVec2::min), met().fold(DVec2::ZERO, DVec2::max));
         }
+        let first = judge.plane.corners[0];
+        let reach = |(low, high): (DVec3, DVec3)| (low - first).abs().max((high - first).abs()).length();
+        judge.around = judge.patch().map_or(f64::INFINITY, reach);
         judge
     }
 
@@ -275,6 +281,10 @@ impl<'a> Judge<'a> {
         out
     }
 
+    fn ground(&self) -> Ground<'_> {
+        Ground { plane: &self.plane, around: self.around }
+    }
+
     /// The box of the facet over its part of the pixel, widened; `None` if it reaches the horizon of its plane.
     fn patch(&self) -> Option<(DVec3, DVec3)> {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -294,7 +304,7 @@ impl<'a> Judge<'a> {
 
     fn add_shadow(&mut self, corners: [DVec3; 3]) {
         let truth = self.truth;
-        let shadow = Shadow::new(&self.plane, corners, truth.local_light, &truth.rays);
+        let shadow = Shadow::new(self.ground(), corners, truth.local_light, &truth.rays);
         let (centre, half) = ((self.low + self.high) * 0.5, (self.high - self.low) * 0.5);
         if shadow.may_reach(self.ray(centre), truth.rays.step_x * half.x, truth.rays.step_y * half.y) {
             self.shadows.push(shadow);
@@ -304,7 +314,7 @@ impl<'a> Judge<'a> {
     /// Leaves open what a triangle does that may or may not rise over the facet's plane.
     fn add_doubt(&mut self, corners: [DVec3; 3], heights: [f64; 3]) {
         let truth = self.truth;
-        let shadow = Shadow::new(&self.plane, corners, truth.local_light, &truth.rays);
+        let shadow = Shadow::new(self.ground(), corners, truth.local_light, &truth.rays);
         let near = |&k: &usize| shadow.comes_near(self.ray(truth.offsets[k]), &truth.rays);
         self.doubt_occluded |= bits(self.met).filter(near).fold(0, |mask, k| mask | 1 << k);
         if self.validity {
@@ -369,7 +379,7 @@ impl<'a> Judge<'a> {
         if !maybe {
             return;
         }
-        let line = Line::of_plane(&self.plane, &Plane::new(corners), &self.truth.rays);
+        let line = Line::of_plane(self.ground(), &Plane::new(corners), &self.truth.rays);
         let value = |r: DVec3| (line.line.dot(r), line.error * r.length());
         let (centre, centre_error) = value(self.ray(DVec2::splat(0.5)));
         let cuts = self.crosses_pixel(segment, 0.0) && centre.abs() > centre_error;

@@ -109,27 +109,42 @@ pub struct Line {
     pub margin: f64,
 }
 
+/// A facet's plane, and how far from its first corner points of it are asked for: lines are as exact as that is near, however far the eye is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground<'a> {
+    /// The plane.
+    pub plane: &'a Plane,
+    /// The distance; may be infinite.
+    pub around: f64,
+}
+
 impl Line {
-    /// The line where the plane `normal·p = distance` (errors relative to `size` and `size·reach`) cuts the facet's
-    /// plane, `orientation` towards the side where `normal·p` is larger.
-    fn new(
-        facet: &Plane,
-        normal: DVec3,
-        distance: f64,
-        size: f64,
-        reach: f64,
-        orientation: f64,
-        rays: &PixelRays,
-    ) -> Self {
-        let line = (normal * facet.distance - facet.normal * distance) * (orientation * sign(facet.distance, 0.0));
-        let error = 2.0 * DETERMINANT_ERROR * size * facet.size * (facet.reach + reach);
+    /// The line where the plane through `point` with a normal `N` (its error relative to `size`) cuts the facet's plane, `orientation` towards
+    /// the side where `N·p` is larger.
+    ///
+    /// With the facet's `n·p = d`, `N = k·n + t` and the height `h = n·(point − corner)` it is `d·t − (t·point + k·h)·n`: where the two planes
+    /// nearly coincide `t` is small, and with it what is lost to their distance from the eye.
+    fn new(ground: Ground, normal: DVec3, point: DVec3, size: f64, orientation: f64, rays: &PixelRays) -> Self {
+        let facet = ground.plane;
+        let along = normal.dot(facet.normal) / facet.normal.length_squared();
+        // A facet of no area has no lines.
+        let along = if along.is_finite() { along } else { 0.0 };
+        let rest = normal - facet.normal * along;
+        let from = point - facet.corners[0];
+        let height = facet.normal.dot(from);
+        let line = rest * facet.distance - facet.normal * (rest.dot(point) + along * height);
+        let line = line * (orientation * sign(facet.distance, 0.0));
+        let reach = facet.reach + point.length();
+        // By the points that are asked for, each error turns about a corner; by the eye, about the eye.
+        let nearby = 2.0 * size * (ground.around + from.length()) + rest.length() * reach;
+        let error = 2.0 * DETERMINANT_ERROR * facet.size * nearby.min(size * reach);
         let slope = line.dot(rays.step_x).hypot(line.dot(rays.step_y));
         Self { line, error, margin: AMBIGUITY * slope }
     }
 
     /// The line where the plane of another triangle cuts the facet's, positive where that plane's normal points.
-    pub fn of_plane(facet: &Plane, plane: &Plane, rays: &PixelRays) -> Self {
-        Self::new(facet, plane.normal, plane.distance, plane.size, plane.reach, 1.0, rays)
+    pub fn of_plane(ground: Ground, plane: &Plane, rays: &PixelRays) -> Self {
+        Self::new(ground, plane.normal, plane.corners[0], plane.size, 1.0, rays)
     }
 }
 
@@ -155,16 +170,16 @@ pub struct Shadow {
 }
 
 impl Shadow {
-    /// The shadow of the triangle `corners` on `facet` from `light`, all relative to the eye.
-    pub fn new(facet: &Plane, corners: [DVec3; 3], light: DVec4, rays: &PixelRays) -> Self {
+    /// The shadow of the triangle `corners` on a facet from `light`, all relative to the eye.
+    pub fn new(ground: Ground, corners: [DVec3; 3], light: DVec4, rays: &PixelRays) -> Self {
         let caster = Plane::new(corners);
         let side = caster.side_of_light(light);
         // The light is on the side `side` of the triangle's plane; shadowed points on the other. The edge planes'
         // normals (b − a) × (L − w·a) are opposite to the triangle's: their inner side has the sign −side as well.
         let inner = -side;
-        let own = Line::new(facet, caster.normal, caster.distance, caster.size, caster.reach, inner, rays);
+        let own = Line::new(ground, caster.normal, caster.corners[0], caster.size, inner, rays);
         if side == 0.0 {
-            let own = Line::of_plane(facet, &caster, rays);
+            let own = Line::of_plane(ground, &caster, rays);
             return Self { lines: [own; 4], edge_on: true };
         }
         let edge = |(i, j): (usize, usize)| {
@@ -172,7 +187,7 @@ impl Shadow {
             let (along, to_light) = (hi - lo, light.truncate() - lo * light.w);
             let normal = along.cross(to_light);
             let size = along.length() * to_light.length();
-            Line::new(facet, normal, normal.dot(lo), size, lo.length(), inner * flip, rays)
+            Line::new(ground, normal, lo, size, inner * flip, rays)
         };
         Self { lines: [edge(EDGES[0]), edge(EDGES[1]), edge(EDGES[2]), own], edge_on: false }
     }
@@ -274,6 +289,11 @@ mod tests {
         }
     }
 
+    /// Points of it are asked for wherever they are.
+    fn far(plane: &Plane) -> Ground<'_> {
+        Ground { plane, around: f64::INFINITY }
+    }
+
     fn rays() -> PixelRays {
         let camera = Camera {
             eye: [0.0; 3],
@@ -324,12 +344,57 @@ mod tests {
             }
             let caster = [at + random.vector(3.0), at + random.vector(3.0), at + random.vector(3.0)];
             let Some(truth) = brute(r * t, light, caster) else { continue };
-            let shadow = Shadow::new(&facet, caster, light, &rays);
+            let shadow = Shadow::new(far(&facet), caster, light, &rays);
             assert_eq!(shadow.covers(r), truth, "case {case}");
             tried += 1;
             shadowed += u32::from(truth);
         }
         assert!(shadowed > 20_000, "{shadowed} shadowed");
+    }
+
+    /// Triangles whose planes differ by 1e-8, four hundred times their size from the eye, and a light along them.
+    #[test]
+    fn nearly_one_plane_is_told_far_from_the_eye() {
+        let mut random = Random(11);
+        let eye = DVec3::new(2936.0, -7605.0, 6029.0);
+        let rays = Camera {
+            eye: [0.0; 3],
+            target: eye.as_vec3().into(),
+            up: [0.0, 1.0, 0.0],
+            vertical_fov_degrees: 0.2,
+            near: 1.0,
+            far: 1e6,
+        }
+        .rays(64, 64);
+        let flat = |random: &mut Random, tilt: f64| {
+            let at = random.vector(20.0);
+            eye + DVec3::new(at.x, tilt * (at.x - at.z), at.z)
+        };
+        let (mut told, mut shadowed, mut by_eye) = (0, 0, 0);
+        for case in 0..4000 {
+            let facet = Plane::new([0.0; 3].map(|_| flat(&mut random, 0.0)));
+            let caster = [0.0; 3].map(|_| flat(&mut random, 1e-8));
+            let light = DVec3::new(1.0, 1e-9 * f64::from(case % 7 + 1), random.unit()).extend(0.0);
+            let p = flat(&mut random, 0.0);
+            // Both by numbers about the place, of which all are small.
+            let [near, from] = [caster.map(|c| c - eye), [p - eye; 3]];
+            let Some(truth) = brute(from[0], light, near) else { continue };
+            let ground = Ground { plane: &facet, around: 60.0 };
+            let r = p / p.dot(rays.forward);
+            let shadow = Shadow::new(ground, caster, light, &rays);
+            let length = r.length();
+            if shadow.lines.iter().any(|l| l.line.dot(r).abs() <= l.margin + l.error * length) {
+                continue;
+            }
+            assert_eq!(shadow.covers(r), truth, "case {case}");
+            let far = Shadow::new(far(&facet), caster, light, &rays);
+            by_eye += u32::from(far.lines.iter().any(|l| l.line.dot(r).abs() <= l.error * length));
+            (told, shadowed) = (told + 1, shadowed + u32::from(truth));
+        }
+        assert!(
+            told > 500 && shadowed > 50 && by_eye > 50,
+            "{told} told, {shadowed} in shadow, {by_eye} not by the eye"
+        );
     }
 
     #[test]
@@ -339,7 +404,7 @@ mod tests {
         let caster = [DVec3::new(-1.0, 0.0, -3.0), DVec3::new(1.0, 0.0, -3.0), DVec3::new(0.0, 0.0, -5.0)];
         let light = DVec4::new(0.0, 1.0, 0.0, 0.0);
         let r = DVec3::new(0.0, -1.0, -4.0);
-        let mut shadow = Shadow::new(&facet, caster, light, &rays);
+        let mut shadow = Shadow::new(far(&facet), caster, light, &rays);
         assert!(shadow.covers(r));
         shadow.lines[3].line = -shadow.lines[3].line;
         assert!(!shadow.covers(r));
@@ -351,8 +416,8 @@ mod tests {
         let facet = Plane::new([DVec3::new(-5.0, -1.0, 0.0), DVec3::new(5.0, -1.0, 0.0), DVec3::new(0.0, -1.0, -9.0)]);
         let [a, b, c, d] = [[-1.0, -3.0], [1.1, -3.3], [0.9, -5.7], [-1.3, -5.2]].map(|p| DVec3::new(p[0], 0.3, p[1]));
         for light in [DVec4::new(0.1, 1.0, 0.2, 0.0), DVec4::new(0.4, 3.0, -4.0, 1.0)] {
-            let left = Shadow::new(&facet, [a, b, c], light, &rays);
-            let right = Shadow::new(&facet, [a, c, d], light, &rays);
+            let left = Shadow::new(far(&facet), [a, b, c], light, &rays);
+            let right = Shadow::new(far(&facet), [a, c, d], light, &rays);
             assert_eq!(left.lines[2].line, -right.lines[0].line, "exact opposites");
             let across = left.lines[2].line;
             let (x, y) = (across.dot(rays.step_x), across.dot(rays.step_y));
@@ -387,7 +452,7 @@ mod tests {
         let rays = rays();
         let facet = Plane::new([DVec3::new(-5.0, -1.0, 0.0), DVec3::new(5.0, -1.0, 0.0), DVec3::new(0.0, -1.0, -9.0)]);
         let needle = [DVec3::new(-1.0, 0.0, -4.0), DVec3::new(1.0, 0.0, -4.0), DVec3::new(-1.0, 0.0, -4.0001)];
-        let shadow = Shadow::new(&facet, needle, DVec4::new(0.0, 1.0, 0.0, 0.0), &rays);
+        let shadow = Shadow::new(far(&facet), needle, DVec4::new(0.0, 1.0, 0.0, 0.0), &rays);
         let at = |x: f64, z: f64| DVec3::new(x, -1.0, z) / -z;
         let pixel = 4.0 * rays.step_x.length();
         assert!(shadow.comes_near(at(0.0, -4.0001), &rays) && shadow.comes_near(at(0.99, -4.0), &rays));
@@ -402,7 +467,7 @@ mod tests {
         let rays = rays();
         let facet = Plane::new([DVec3::new(-5.0, -1.0, 0.0), DVec3::new(5.0, -1.0, 0.0), DVec3::new(0.0, -1.0, -9.0)]);
         let wall = [DVec3::new(0.0, 0.0, -3.0), DVec3::new(0.0, 2.0, -3.0), DVec3::new(0.0, 0.0, -5.0)];
-        let shadow = Shadow::new(&facet, wall, DVec4::new(0.0, 1.0, 0.3, 0.0), &rays);
+        let shadow = Shadow::new(far(&facet), wall, DVec4::new(0.0, 1.0, 0.3, 0.0), &rays);
         assert!(shadow.edge_on);
         for k in 0..100 {
             assert!(!shadow.covers(rays.direction(32.0, 24.0 + f64::from(k) * 0.2)));
