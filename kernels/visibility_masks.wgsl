@@ -167,10 +167,9 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let n = full_normal(g.own);
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
     if all(h <= vec3(0.0)) { return; }
-    let p = full_point_of(i.x);
     let crosses = !all(h > vec3(0.0));
     var own = vec3(0.0);
-    if crosses { own = full_line(g, n, full_normal(i), p); }
+    if crosses { own = full_line(g, n, full_normal(i), i.x); }
     let a = point_of(i.x);
     let b = point_of(i.y);
     let c = point_of(i.z);

@@ -14,7 +14,7 @@ fn cut_by(f: u32, g: Ground, k: u32) {
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
     if all(h <= vec3(0.0)) || all(h > vec3(0.0)) { return; }
     let turn = full_turn_of(i);
-    let turned = select(turn, 1.0, turn == 0.0) * full_line(g, n, full_normal(i), full_point_of(i.x));
+    let turned = select(turn, 1.0, turn == 0.0) * full_line(g, n, full_normal(i), i.x);
     let line = beyond_centre(turned, (turn != 0.0) & is_beside(g, i, owned_by(i, g.own), turn));
     if line.x == 0.0 || !meets_pixel(line, point_of(i.x), point_of(i.y), point_of(i.z), h, g.pixel) { return; }
     let far = -sign(line.x) * line;

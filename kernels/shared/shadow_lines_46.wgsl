@@ -16,19 +16,22 @@ fn full_height_of(g: Ground, n: Df3, v: u32) -> f32 {
     return h * full_sense(g, n);
 }
 
-// The line of the plane through `a` with normal `m` on the facet of normal `n`.
-fn full_line(g: Ground, n: Df3, m: Df3, a: Df3) -> vec3<f32> {
+// The line of the plane through vertex `v` with normal `m` on the facet of normal `n`. With m = k n + t, and h the height of the vertex, it is
+// d t - (t . v + k h) n: where the two planes nearly coincide t is small, and with it what is lost to their distance from the eye.
+fn full_line(g: Ground, n: Df3, m: Df3, v: u32) -> vec3<f32> {
+    let along = vec3(n.x.x, n.y.x, n.z.x);
+    let k = dot(vec3(m.x.x, m.y.x, m.z.x), along) / dot(along, along);
+    let t = Df3(df_add_fast(m.x, -df_scale(n.x, k)), df_add_fast(m.y, -df_scale(n.y, k)), df_add_fast(m.z, -df_scale(n.z, k)));
     let d = df3_dot(n, full_point_of(g.own.x));
-    let e = df3_dot(m, a);
+    let e = df_add_fast(df3_dot(t, full_point_of(v)), df_scale(df3_dot(n, full_edge_of(g.own.x, v)), k));
     let w = Df3(
-        df_add_fast(df_mul(d, m.x), -df_mul(e, n.x)),
-        df_add_fast(df_mul(d, m.y), -df_mul(e, n.y)),
-        df_add_fast(df_mul(d, m.z), -df_mul(e, n.z)));
+        df_add_fast(df_mul(d, t.x), -df_mul(e, n.x)),
+        df_add_fast(df_mul(d, t.y), -df_mul(e, n.y)),
+        df_add_fast(df_mul(d, t.z), -df_mul(e, n.z)));
     return full_sense(g, n)
         * vec3(df3_along(w, pixel_ray(g.pixel)).x, df3_along(w, frame.ray_x.xyz).x, df3_along(w, frame.ray_y.xyz).x);
 }
 
 fn full_edge_line(g: Ground, n: Df3, i: vec2<u32>) -> vec3<f32> {
-    let p = full_point_of(i.x);
-    return full_line(g, n, df3_cross(full_edge_of(i.x, i.y), full_to_light(p)), p);
+    return full_line(g, n, df3_cross(full_edge_of(i.x, i.y), full_to_light(full_point_of(i.x))), i.x);
 }

@@ -139,7 +139,7 @@ fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
     let ca = dot(at, beyond_centre(-turn * full_edge_line(g, n, i.xz), beside & !owned.y));
     var least = min(ab, min(bc, ca));
     if !all(h > vec3(0.0)) {
-        let own = turn * full_line(g, n, full_normal(i), full_point_of(i.x));
+        let own = turn * full_line(g, n, full_normal(i), i.x);
         least = min(least, dot(at, beyond_centre(own, beside)));
     }
     return select(BLOCKED, FREE, (bitcast<u32>(least) >> 31u) == 1u);
