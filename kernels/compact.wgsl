@@ -4,6 +4,7 @@
 // past `capacity`. `count` notes each 32 items as one word of `marks` and its number of bits in `mark_counts`; the
 // prefix_scan of those gives `offsets`; `emit` writes each marked item to its place.
 // Bounds: an invocation loops 32 times.
+//@bindings Lists: count, emit
 
 //@import dispatch
 

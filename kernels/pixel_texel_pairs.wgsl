@@ -9,6 +9,7 @@
 // `appended`, to be sorted (the paper's way); it writes `place_deepest` as counting does.
 // A texel that a facet touches is in no pair where no caster is, nor, without validity masks, where the facet of a caster lies
 // before the split depth; but it is where the facet goes on beyond one of the ends of the map (FLAG_ENDS), and it lies there.
+//@bindings Pairs: count, emit, emit_rest
 
 //@import frame
 //@import dispatch

@@ -8,6 +8,7 @@
 // empty; the others are marked in `complex_flags`. It writes `facet_counts` (1 for single pixels, else 0) and keeps the
 // longest list in `status`.
 // All tests are conservative: margins are far above the rounding of what they are made of.
+//@bindings Raster: cover, count, emit, emit_rest
 
 //@import frame
 //@import dispatch

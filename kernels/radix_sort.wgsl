@@ -5,6 +5,7 @@
 // An invocation owns 64 consecutive pairs and a column of 16-bit counters, two bins to a word: the order of the pairs
 // needs neither atomics nor subgroups. A counter is at most 4,096 in a block, so halves never carry into each other.
 // Bounds: an invocation loops at most 64 times in each of three loops.
+//@bindings Digits: count, scatter
 
 //@import dispatch
 

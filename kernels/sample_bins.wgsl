@@ -12,6 +12,7 @@
 // Behind the texels in `texel_ends`: doubts; crowded texels; then the facets of the band.
 // A sample whose point is not before the light, or outside its view, has no caster before it, but for beyond the ends of the map (FLAG_ENDS):
 // there it is sorted into the texels at them, in which casters that go beyond are tested, too.
+//@bindings Bins: bin, ask, occlude, occlude_crowds, refine, refine_all, refine_crowds
 
 //@import frame
 //@import dispatch

@@ -12,6 +12,7 @@
 // capacities. `id_keys` takes the complement of the triangle at the pixel centre, which is sample 0; it must be 0 before.
 // What all samples see may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_keys` and
 // `rivals_found` are those of a band, sample by sample: neighbouring invocations find theirs side by side.
+//@bindings Search: nearest, settle_rivals, settle_crowds
 
 //@import frame
 //@import dispatch

@@ -6,6 +6,7 @@
 // receiver's plane at the very place that is looked up. Where the receiver turns less than GRAZING (sine of its elevation) to the light,
 // half of it is lit (Oliveira 2009, section 4.2.2).
 // Writes `visibility`.
+//@bindings Ask: compare, filter_moments
 
 //@import frame
 //@import split_views

@@ -7,6 +7,7 @@
 // no triangle: the list was too short, or `choose`, which is compiled for itself, rounds otherwise than `raster`. Then `again` has
 // `raster` run once more over all blocks, and `encode` over all texels.
 // A triangle that is not wholly in front of the light is left out.
+//@bindings Map: raster, encode, divide, choose, again
 
 //@import frame
 //@import dispatch
@@ -30,9 +31,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(8) var<storage, read_write> upper_records: array<vec4<u32>>;
 @group(0) @binding(9) var<storage, read_write> lower_records: array<vec4<u32>>;
 @group(0) @binding(10) var<storage, read_write> seen: array<atomic<u32>>;
-//@narrow
 @group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;  // triangle, block, texels of it
-//@end
 
 @compute @workgroup_size(WORKGROUP)
 fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -46,7 +45,6 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
         let at = task.corner + take_texel(&left);
         raise(at.y * frame.map_size + at.x, key_of(least_at(task.shape, vec2<f32>(at) + 0.5)), task.t, second);
     }
-//@narrow
     if !second && any(bits != vec2(0u)) {
         let slot = atomicAdd(&seen[SEEN_WON], 1u);
         if slot < arrayLength(&won) {
@@ -54,10 +52,8 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             won[slot] = vec4(task.t, block.x | (block.y << 16u), bits);
         }
     }
-//@end
 }
 
-//@narrow
 // The blocks won in this run, if all are listed.
 @compute @workgroup_size(1)
 fn divide() {
@@ -102,4 +98,3 @@ fn choose(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
         raise(texel, held_depth(texel), t, true);
     }
 }
-//@end

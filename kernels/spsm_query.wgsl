@@ -8,6 +8,7 @@
 // (figures 7, 8), and what the triangles do not cover is judged by the piecewise linear border that links their outer edges
 // (figure 10), all samples from one reconstruction. Writes `visibility` and `lit` (WORDS words a pixel).
 // Several dispatches, not one with early ends: lanes of a vector that are done wait for those that are not.
+//@bindings Texels: classify, settle, paint, recover
 
 //@import frame
 //@import dispatch

@@ -4,6 +4,7 @@
 // `clear` zeroes the counters; `count` counts each key and keeps the rank its pair drew; the prefix_scan of the counters
 // gives `offsets`; `scatter` puts each value at its group's offset plus its rank. The order inside a group is the order
 // in which the adapter ran the atomics: the set of values is defined, their order is not.
+//@bindings Group: count, scatter
 
 //@import dispatch
 

@@ -8,6 +8,7 @@
 // `appended`, to be sorted (the paper's way).
 // A caster that lies behind the farthest facet of the place makes no pair. One that goes on beyond one of the ends of the map (FLAG_ENDS)
 // makes one with every place there.
+//@bindings Pairs: count, emit, emit_rest
 
 //@import frame
 //@import dispatch

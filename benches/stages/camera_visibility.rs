@@ -18,8 +18,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: 2 * setup.cells_seen * 6,
         record: Box::new(move |s| {
-            let positions = setup.casters.positions.raw();
-            stage.record(s, setup.frame.raw(), setup.seen(), positions, &setup.centres, &setup.id_keys)
+            let positions = &setup.casters.positions;
+            stage.record(s, &setup.frame, setup.seen(), positions, &setup.centres, &setup.id_keys)
         }),
     }])
 }

@@ -20,19 +20,20 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         record: Box::new(move |s| {
             let around = Surroundings {
                 triangles: shadow.triangles(),
-                positions: shadow.setup.casters.positions.raw(),
+                positions: &shadow.setup.casters.positions,
                 sat: &shadow.sat,
                 splits: &shadow.splits,
             };
             let count = shadow.facets.list.len();
             stage.record_classify(
                 s,
-                shadow.frame.raw(),
-                shadow.samples.raw(),
+                &shadow.frame,
+                &shadow.samples,
                 around,
                 &shadow.facets,
                 Groups::Items(count as u64),
-            )
+            );
+            Ok(())
         }),
     }])
 }

@@ -17,8 +17,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: setup.cells_lit * 6,
         record: Box::new(move |s| {
-            stage.record_check(s, setup.frame.raw(), setup.lit(), &setup.layers)?;
-            stage.record_settle(s, setup.frame.raw(), &setup.layers)
+            stage.record_check(s, &setup.frame, setup.lit(), &setup.layers);
+            stage.record_settle(s, &setup.frame, &setup.layers);
+            Ok(())
         }),
     }])
 }

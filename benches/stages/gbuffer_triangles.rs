@@ -54,7 +54,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: 0,
         record: Box::new(move |s| {
             let given = Given { texture: Texture::Layers(&view), params, numbers: &numbers };
-            stage.record(s, frame.raw(), &given, &lists, &scratch, &status, &faults)
+            stage.record(s, &frame, &given, &lists, &scratch, &status, &faults)
         }),
     }])
 }

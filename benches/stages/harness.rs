@@ -6,8 +6,9 @@ pub mod splits;
 
 use serde::Serialize;
 use std::fmt;
-use subpixel_shadows::gpu::program::{Access, Binding};
-use subpixel_shadows::gpu::{AdapterSummary, Buffer, Entry, Gpu, Groups, Program, Recorder, Stage, Timer};
+use subpixel_shadows::entry_point;
+use subpixel_shadows::gpu::bindings::{Read, Write};
+use subpixel_shadows::gpu::{AdapterSummary, Buffer, Gpu, Groups, Recorder, Stage, Timer};
 use subpixel_shadows::{Error, Result, wgpu};
 
 /// What the command line asks for.
@@ -160,38 +161,58 @@ const PROBES: &str = "
 @compute @workgroup_size(1) fn step() { atomicAdd(&words[0], 1u); }
 ";
 
-fn probe(name: &'static str, bindings: &'static [Binding]) -> Entry {
-    let size = if name == "step" { 1 } else { 64 };
-    Entry { kernel: "probe", name, source: PROBES, workgroup: [size, 1, 1], bindings }
-}
+entry_point! { "probe", "copy", [64, 1, 1], PROBES, () => Copying, CopyingProgram {
+    0 source: Read<'a, [u32; 4]>,
+    1 target_quads: Write<'a, [u32; 4]>,
+} }
+
+entry_point! { "probe", "scatter", [64, 1, 1], PROBES, () => Scatter, ScatterProgram {
+    2 words: Write<'a, u32>,
+} }
+
+entry_point! { "probe", "multiply", [64, 1, 1], PROBES, () => Multiply, MultiplyProgram {
+    2 words: Write<'a, u32>,
+} }
+
+entry_point! { "probe", "step", [1, 1, 1], PROBES, () => Step, StepProgram {
+    2 words: Write<'a, u32>,
+} }
 
 impl Ceilings {
     /// Measures them, best of several.
     pub fn measure(gpu: &Gpu) -> Result<Self> {
-        const WORDS: &[Binding] = &[Binding { index: 2, name: "words", access: Access::ReadWrite }];
-        const COPY: &[Binding] = &[
-            Binding { index: 0, name: "source", access: Access::Read },
-            Binding { index: 1, name: "target_quads", access: Access::ReadWrite },
-        ];
         const STEPS: usize = 64;
         let quads = 1usize << 22;
         let device = &gpu.device;
         let source = Buffer::<[u32; 4]>::storage(device, "probe.source", quads)?;
         let target = Buffer::<[u32; 4]>::storage(device, "probe.target", quads)?;
         let words = Buffer::<u32>::storage(device, "probe.words", 1 << 20)?;
-        let copy = Program::new(device, probe("copy", COPY), &[]);
-        let scatter = Program::new(device, probe("scatter", WORDS), &[]);
-        let multiply = Program::new(device, probe("multiply", WORDS), &[]);
-        let step = Program::new(device, probe("step", WORDS), &[]);
+        let copy = CopyingProgram::new(device, ());
+        let scatter = ScatterProgram::new(device, ());
+        let multiply = MultiplyProgram::new(device, ());
+        let step = StepProgram::new(device, ());
         let best = |record: &Record| -> Result<f64> {
             let times = (0..7).map(|_| time(gpu, record)).collect::<Result<Vec<_>>>()?;
             Ok(times.into_iter().fold(f64::MAX, f64::min))
         };
-        let buffers = [("source", source.raw()), ("target_quads", target.raw()), ("words", words.raw())];
-        let copy_ms = best(&|s| s.run(&copy, &buffers, Groups::Items(quads as u64)))?;
-        let scatter_ms = best(&|s| s.run(&scatter, &buffers, Groups::Items(1 << 20)))?;
-        let multiply_ms = best(&|s| s.run(&multiply, &buffers, Groups::Items(1 << 16)))?;
-        let step_ms = best(&|s| (0..STEPS).try_for_each(|_| s.run(&step, &buffers, Groups::Workgroups(1))))?;
+        let copied = Copying { source: source.as_read(), target_quads: target.as_write() };
+        let words = words.as_write();
+        let copy_ms = best(&|s| {
+            s.run(&copy, copied, Groups::Items(quads as u64));
+            Ok(())
+        })?;
+        let scatter_ms = best(&|s| {
+            s.run(&scatter, Scatter { words }, Groups::Items(1 << 20));
+            Ok(())
+        })?;
+        let multiply_ms = best(&|s| {
+            s.run(&multiply, Multiply { words }, Groups::Items(1 << 16));
+            Ok(())
+        })?;
+        let step_ms = best(&|s| {
+            (0..STEPS).for_each(|_| s.run(&step, Step { words }, Groups::Workgroups(1)));
+            Ok(())
+        })?;
         Ok(Self {
             bytes_per_ms: (quads * 32) as f64 / copy_ms,
             atomics_per_ms: (1 << 20) as f64 / scatter_ms,

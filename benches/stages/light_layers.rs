@@ -16,6 +16,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         bytes: setup.in_light.items * 96 + texels * 8,
         atomics: 0,
         flops: setup.cells_lit * 6,
-        record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.lit(), &setup.layers)),
+        record: Box::new(move |s| {
+            stage.record(s, &setup.frame, setup.lit(), &setup.layers);
+            Ok(())
+        }),
     }])
 }

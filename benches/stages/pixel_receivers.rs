@@ -45,7 +45,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         record: Box::new(move |s| {
             let textures = Textures { place: &place, normals: &place, ids: &ids };
             let surfaces = Surfaces { numbers: &numbers, triangles: &triangles, positions: &positions };
-            stage.record(s, frame.raw(), params, textures, surfaces, &id_keys, &keys, &faults)
+            stage.record(s, &frame, params, textures, surfaces, &id_keys, &keys, &faults)
         }),
     }])
 }

@@ -31,7 +31,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: 3 * setup.cells_seen * 6,
         record: Box::new(move |s| {
             let blocks = setup.seen();
-            stage.record(s, setup.frame.raw(), blocks, blocks.args, &lists, &scratch, &status)
+            stage.record(s, &setup.frame, blocks, blocks.args, &lists, &scratch, &status)
         }),
     }])
 }

@@ -29,7 +29,10 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             bytes: size * (4 + 8 + 4 + 16 * width),
             atomics: size.div_ceil(64) * 5,
             flops: 0,
-            record: Box::new(move |s| stage.record(s, frame.raw(), &facets, &visibility, &lit, &status)),
+            record: Box::new(move |s| {
+                stage.record(s, &frame, &facets, &visibility, &lit, &status);
+                Ok(())
+            }),
         });
     }
     Ok(cases)

@@ -21,8 +21,8 @@ struct Setting {
 impl Setting {
     fn scene(&self) -> Scene<'_> {
         let blocks = Blocks { args: (self.args.raw(), 0), ..self.shadow.setup.lit() };
-        let positions = self.shadow.setup.casters.positions.raw();
-        Scene { samples: self.shadow.samples.raw(), blocks, positions, facets: &self.shadow.facets }
+        let positions = &self.shadow.setup.casters.positions;
+        Scene { samples: &self.shadow.samples, blocks, positions, facets: &self.shadow.facets }
     }
 }
 

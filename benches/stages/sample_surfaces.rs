@@ -39,7 +39,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         let mut recorder = Recorder::new(device, &mut encoder, None);
         let stage = &mut recorder.stage("setup");
         let (find, blocks) = (PixelTriangles::new(device, &scan), setup.seen());
-        find.record(stage, setup.frame.raw(), blocks, blocks.args, &lists, &scratch, &status)?;
+        find.record(stage, &setup.frame, blocks, blocks.args, &lists, &scratch, &status)?;
         let (flags, compact) = (Flags::Words(&lists.complex_flags), Compact::new(device, &scan));
         let own = Compact::scratch(device, pixels)?;
         let total = (&complex.total, 0);
@@ -59,11 +59,11 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: listed * (32 * 45 + 250),
         record: Box::new(move |s| {
-            let (triangles, points) = (setup.casters.triangles.raw(), &setup.points);
-            let positions = setup.casters.positions.raw();
-            let mesh = Mesh { samples: samples.raw(), triangles, points, positions, surfaces: None };
+            let (triangles, points) = (&setup.casters.triangles, &setup.points);
+            let positions = &setup.casters.positions;
+            let mesh = Mesh { samples: &samples, triangles, points, positions, surfaces: None };
             let per_pixel = (args.raw(), 0);
-            stage.record(s, setup.frame.raw(), mesh, &lists, &complex, per_pixel, 1, &scratch, &facets, &id_keys, None)
+            stage.record(s, &setup.frame, mesh, &lists, &complex, per_pixel, 1, &scratch, &facets, &id_keys, None)
         }),
     }])
 }

@@ -23,6 +23,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         bytes: count * (4 + 12 + 48),
         atomics: count,
         flops: 0,
-        record: Box::new(move |s| stage.record(s, setup.frame.raw(), setup.seen_with(&samples), &texels)),
+        record: Box::new(move |s| {
+            stage.record(s, &setup.frame, setup.seen_with(&samples), &texels);
+            Ok(())
+        }),
     }])
 }

@@ -23,7 +23,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // Two products and sums for each texel of the filter, and the sample's place and depth.
             flops: count * 32 * (12 + (kernel * kernel) as usize),
             record: Box::new(move |s| {
-                stage.record(s, setup.frame.raw(), setup.seen_with(&samples), &setup.layers.nearest_keys, &visibility)
+                stage.record(s, &setup.frame, setup.seen_with(&samples), &setup.layers.nearest_keys, &visibility);
+                Ok(())
             }),
         });
     }

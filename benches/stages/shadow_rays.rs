@@ -30,12 +30,12 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: traced * 32 * (8 * 12 + 24),
         record: Box::new(move |s| {
             let scene = Scene {
-                samples: shadow.samples.raw(),
+                samples: &shadow.samples,
                 tree: &buffers,
                 triangles: shadow.triangles(),
-                positions: shadow.setup.casters.positions.raw(),
+                positions: &shadow.setup.casters.positions,
             };
-            stage.record(s, Step::Trace, shadow.frame.raw(), scene, &shadow.facets, &rays)
+            stage.record(s, Step::Trace, &shadow.frame, scene, &shadow.facets, &rays)
         }),
     }])
 }

@@ -22,7 +22,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // The place of each sample, and four lines of which most are none.
             flops: count * 32 * 20,
             record: Box::new(move |s| {
-                stage.record(s, setup.frame.raw(), setup.seen_with(&samples), &setup.layers.nearest_keys, &visibility)
+                stage.record(s, &setup.frame, setup.seen_with(&samples), &setup.layers.nearest_keys, &visibility);
+                Ok(())
             }),
         });
     }

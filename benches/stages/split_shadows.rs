@@ -25,9 +25,10 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             // The place of each sample, or that of the pixel and eight cells.
             flops: count * if ask == depths { 32 * 60 } else { 300 },
             record: Box::new(move |s| {
-                let (frame, seen) = (splits.setup.frame.raw(), splits.setup.seen_with(&samples));
+                let (frame, seen) = (&splits.setup.frame, splits.setup.seen_with(&samples));
                 let maps = OfMaps { splits: &splits.views, keys: &splits.maps.keys, moments: &splits.moments };
-                stage.record(s, frame, seen, maps, &visibility)
+                stage.record(s, frame, seen, maps, &visibility);
+                Ok(())
             }),
         });
     }

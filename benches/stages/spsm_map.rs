@@ -23,8 +23,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             atomics: side * side * 2,
             flops: setup.cells_lit * 6,
             record: Box::new(move |s| {
-                marks.record_all(s, setup.frame.raw(), &texels.marks)?;
-                stage.record(s, setup.frame.raw(), setup.lit(), &texels)
+                marks.record_all(s, &setup.frame, &texels.marks);
+                stage.record(s, &setup.frame, setup.lit(), &texels)
             }),
         });
     }

@@ -19,13 +19,13 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let pixels = SpsmPixels::new(device, queue, count, 1)?;
     let options = Options { many: true, ..Options::default() };
     let stage = SpsmQuery::new(device, &PrefixScan::new(device), options, &texels);
-    let frame = setup.frame.raw().clone();
+    let frame = &setup.frame.clone();
     // The list of the uncertain pixels lies beside the marks, as a frame leaves it.
     let mut encoder = gpu.encoder();
     let mut rec = Recorder::new(device, &mut encoder, None);
     let seen = setup.seen_with(&samples);
     let mut all = rec.stage("setup");
-    SeenTexels::new(device, options, &texels).record_all(&mut all, &frame, &texels.marks)?;
+    SeenTexels::new(device, options, &texels).record_all(&mut all, &frame, &texels.marks);
     SpsmMap::new(device, 1, &texels).record(&mut all, &frame, setup.lit(), &texels)?;
     stage.record_classify(&mut all, &frame, seen, &texels, &pixels)?;
     stage.record_settle(&mut all, &frame, seen, &texels, &pixels)?;
@@ -39,9 +39,10 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: 0,
         record: Box::new(move |s| {
-            stage.record_classify(s, setup.frame.raw(), setup.seen_with(&samples), &texels, &pixels)?;
-            stage.record_settle(s, setup.frame.raw(), setup.seen_with(&samples), &texels, &pixels)?;
-            stage.record_recover(s, setup.frame.raw(), setup.seen_with(&samples), &texels, &pixels)
+            stage.record_classify(s, &setup.frame, setup.seen_with(&samples), &texels, &pixels)?;
+            stage.record_settle(s, &setup.frame, setup.seen_with(&samples), &texels, &pixels)?;
+            stage.record_recover(s, &setup.frame, setup.seen_with(&samples), &texels, &pixels);
+            Ok(())
         }),
     }])
 }

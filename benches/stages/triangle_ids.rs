@@ -26,7 +26,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: 0,
         record: Box::new(move |s| {
             let counted = Params { first: 0, none: u32::MAX };
-            stage.record(s, frame.raw(), &view, counted, &numbers, &keys, &faults)
+            stage.record(s, &frame, &view, counted, &numbers, &keys, &faults)
         }),
     }])
 }

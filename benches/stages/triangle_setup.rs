@@ -17,8 +17,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: count * 60,
         record: Box::new(move |s| {
-            let (triangles, map) = (setup.casters.triangles.raw(), &setup.map_points);
-            stage.record(s, setup.frame.raw(), triangles, &setup.points, map, &setup.facts, count)
+            let (triangles, map) = (&setup.casters.triangles, &setup.map_points);
+            stage.record(s, &setup.frame, triangles, &setup.points, map, &setup.facts, count);
+            Ok(())
         }),
     }])
 }

@@ -17,7 +17,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: count * 42,
         record: Box::new(move |s| {
-            stage.record(s, setup.frame.raw(), setup.casters.positions.raw(), &setup.points, &setup.map_points, count)
+            stage.record(s, &setup.frame, &setup.casters.positions, &setup.points, &setup.map_points, count);
+            Ok(())
         }),
     }])
 }

@@ -19,13 +19,14 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: shadow.counts[2] * 32 * 16,
         record: Box::new(move |s| {
             let casters = Casters {
-                samples: shadow.samples.raw(),
-                table: shadow.triangles(),
+                samples: &shadow.samples,
+                table: &shadow.facets.items,
                 triangles: shadow.triangles(),
-                positions: shadow.setup.casters.positions.raw(),
+                positions: &shadow.setup.casters.positions,
             };
             let args = (shadow.candidate_args.raw(), 0);
-            stage.record_evaluate(s, shadow.frame.raw(), casters, &shadow.facets, &shadow.lists, args)
+            stage.record_evaluate(s, &shadow.frame, casters, &shadow.facets, &shadow.lists, args);
+            Ok(())
         }),
     }])
 }

@@ -22,6 +22,9 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         bytes: pixels * 8,
         atomics: 0,
         flops: 0,
-        record: Box::new(move |s| stage.record(s, frame.raw(), &visibility, &view)),
+        record: Box::new(move |s| {
+            stage.record(s, &frame, &visibility, &view);
+            Ok(())
+        }),
     }])
 }

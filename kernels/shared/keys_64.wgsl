@@ -1,4 +1,4 @@
-// As keys, in one run: both words of a cell are one key of 64 bits, the depth above the triangle.
+// The nearest triangle of each cell, as in keys, for 64-bit atomics: one key in one run, the depth above the triangle's complement.
 
 alias Key = u64;
 
@@ -6,6 +6,6 @@ fn held_depth(cell: u32) -> u32 { return u32(atomicLoad(&keys[cell]) >> 32u); }
 
 fn held_triangle(cell: u32) -> u32 { return u32(atomicLoad(&keys[cell])); }
 
-fn raise(cell: u32, depth_key: u32, triangle: u32, second: bool) {
+fn raise(cell: u32, depth_key: u32, triangle: u32) {
     atomicMax(&keys[cell], (u64(depth_key) << 32u) | u64(~triangle));
 }

@@ -80,7 +80,7 @@ impl<T: Pod> Buffer<T> {
     }
 
     /// A storage buffer that may be above the device's limit for one binding; it is bound in ranges
-    /// ([`super::program::range`]).
+    /// ([`Buffer::read_range`]).
     ///
     /// # Errors
     /// As [`Buffer::storage`], with the limit for a buffer alone.
@@ -118,6 +118,11 @@ impl<T: Pod> Buffer<T> {
         let buffer = Self { len: data.len(), ..Self::storage(device, label, data.len() + room)? };
         buffer.write(queue, data);
         Ok(buffer)
+    }
+
+    /// A handle of a buffer that holds `len` elements.
+    pub(super) fn of(raw: wgpu::Buffer, len: usize, label: &str) -> Self {
+        Self { raw, len, label: label.to_owned(), element: PhantomData }
     }
 
     fn with_usage(device: &wgpu::Device, label: &str, len: usize, usage: wgpu::BufferUsages) -> Result<Self> {

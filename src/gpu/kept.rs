@@ -1,6 +1,6 @@
 //! Programs that are made once and used again, for work that makes many short-lived methods.
 
-use super::program::{Entry, Program};
+use super::program::{Compiled, Entry};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -18,7 +18,7 @@ struct Key {
 /// made anew is the one that was compiled the first time. There are as many as there are entry points and values of their constants, so
 /// the store is bounded by the settings it meets. A clone is the same store.
 #[derive(Clone, Debug, Default)]
-pub struct KeptPrograms(Arc<Mutex<HashMap<Key, Program>>>);
+pub struct KeptPrograms(Arc<Mutex<HashMap<Key, Compiled>>>);
 
 thread_local! {
     static IN_USE: RefCell<Option<KeptPrograms>> = const { RefCell::new(None) };
@@ -34,7 +34,7 @@ impl Drop for Restore {
 }
 
 impl KeptPrograms {
-    /// Runs `work`, in which every [`Program::new`] of this thread takes what is kept, and keeps what it has to make.
+    /// Runs `work`, in which every [`Compiled::new`](super::program::Compiled::new) of this thread takes what is kept, and keeps what it has to make.
     pub fn within<T>(&self, work: impl FnOnce() -> T) -> T {
         let before = IN_USE.with_borrow_mut(|slot| slot.replace(self.clone()));
         let _restore = Restore(before);
@@ -56,8 +56,8 @@ impl KeptPrograms {
         device: &wgpu::Device,
         entry: Entry,
         constants: &[(&str, f64)],
-        make: impl FnOnce() -> Program,
-    ) -> Program {
+        make: impl FnOnce() -> Compiled,
+    ) -> Compiled {
         let Some(store) = IN_USE.with_borrow(Clone::clone) else { return make() };
         let constants = constants.iter().map(|(name, value)| ((*name).to_owned(), value.to_bits())).collect();
         let key = Key { device: device.clone(), kernel: entry.kernel, entry: entry.name, constants };

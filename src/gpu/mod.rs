@@ -1,8 +1,12 @@
 //! Mechanism that knows nothing of shadows: device, buffers, programs, recording, timing, readback.
 
+pub mod bindings;
 pub mod buffer;
 pub mod device;
 pub mod faults;
+#[rustfmt::skip]
+#[allow(clippy::all, clippy::pedantic, reason = "written by a program")]
+pub mod kernels;
 pub mod kept;
 pub mod layout;
 pub mod program;
@@ -17,8 +21,3 @@ pub use program::{Entry, Program};
 pub use recorder::{Groups, Recorder, Stage};
 pub use timer::{StageTime, Timer};
 pub use uniforms::Uniforms;
-
-/// The table that `build.rs` writes: every kernel's source, entry points, workgroup sizes, bindings and constants.
-pub mod kernels {
-    include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
-}

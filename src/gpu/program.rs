@@ -1,8 +1,9 @@
-//! A compute pipeline whose bindings are known by name.
+//! Compute pipelines that know their bindings.
 
+use super::bindings::{EntryPoint, Overrides};
 use super::kept::KeptPrograms;
-use crate::{Error, Result};
 use std::cell::Cell;
+use std::marker::PhantomData;
 
 /// What messages of the pipelines that are made have as their target, at the level of debugging: a JSON array of the kernel, the
 /// entry point and the constants.
@@ -80,7 +81,7 @@ pub struct Binding {
     pub access: Access,
 }
 
-/// An entry point of a kernel, as `build.rs` found it with naga.
+/// An entry point of a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
     /// The kernel's stem.
@@ -95,15 +96,34 @@ pub struct Entry {
     pub bindings: &'static [Binding],
 }
 
+/// The compute pipeline of an entry point. A clone is the same pipeline.
+#[derive(Clone, Debug)]
+pub struct Program<E> {
+    compiled: Compiled,
+    entry: PhantomData<fn() -> E>,
+}
+
+impl<E: EntryPoint> Program<E> {
+    /// Builds the pipeline, or takes one that is kept ([`KeptPrograms`]).
+    pub fn new(device: &wgpu::Device, constants: E::Constants) -> Self {
+        Self { compiled: Compiled::new(device, E::ENTRY, &constants.list()), entry: PhantomData }
+    }
+
+    /// The pipeline without its type.
+    pub fn compiled(&self) -> &Compiled {
+        &self.compiled
+    }
+}
+
 /// A compute pipeline made from an [`Entry`]. A clone is the same pipeline.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub struct Compiled {
     entry: Entry,
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
 }
 
-impl Program {
+impl Compiled {
     /// Builds the pipeline, or takes one that is kept ([`KeptPrograms`]); `constants` are values for the kernel's `override`s.
     pub fn new(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
         KeptPrograms::get_or_make(device, entry, constants, || Self::build(device, entry, constants))
@@ -160,50 +180,13 @@ impl Program {
         &self.pipeline
     }
 
-    /// A bind group of the named buffers; names that the entry point does not use are left out.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if a binding of the kernel is not among the names.
-    pub fn bind(&self, device: &wgpu::Device, buffers: &[(&str, &wgpu::Buffer)]) -> Result<wgpu::BindGroup> {
-        let ranges: Vec<_> = buffers.iter().map(|(name, buffer)| (*name, whole(buffer))).collect();
-        self.bind_ranges(device, &ranges)
-    }
-
-    /// As [`Program::bind`], of ranges of buffers (for buffers above the binding limit).
-    ///
-    /// # Errors
-    /// As [`Program::bind`].
-    pub fn bind_ranges(
-        &self,
-        device: &wgpu::Device,
-        ranges: &[(&str, wgpu::BufferBinding)],
-    ) -> Result<wgpu::BindGroup> {
-        let all: Vec<_> =
-            ranges.iter().map(|(name, range)| (*name, wgpu::BindingResource::Buffer(range.clone()))).collect();
-        self.bind_resources(device, &all)
-    }
-
-    /// As [`Program::bind`], of anything that can be bound.
-    ///
-    /// # Errors
-    /// As [`Program::bind`].
-    pub fn bind_resources(
-        &self,
-        device: &wgpu::Device,
-        resources: &[(&str, wgpu::BindingResource)],
-    ) -> Result<wgpu::BindGroup> {
-        let mut entries = Vec::with_capacity(self.entry.bindings.len());
-        for binding in self.entry.bindings {
-            let (_, resource) = resources.iter().find(|(name, _)| *name == binding.name).ok_or_else(|| {
-                Error::Gpu(format!("{}.{} needs a binding '{}'", self.entry.kernel, self.entry.name, binding.name))
-            })?;
-            entries.push(wgpu::BindGroupEntry { binding: binding.index, resource: resource.clone() });
-        }
-        Ok(device.create_bind_group(&wgpu::BindGroupDescriptor {
+    /// A bind group.
+    pub fn bind(&self, device: &wgpu::Device, entries: &[wgpu::BindGroupEntry]) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(self.entry.kernel),
             layout: &self.layout,
-            entries: &entries,
-        }))
+            entries,
+        })
     }
 }
 
@@ -211,20 +194,4 @@ impl Program {
 fn described(entry: Entry, constants: &[(&str, f64)]) -> String {
     let constants: Vec<_> = constants.iter().map(|(name, value)| format!("{name:?}: {value:?}")).collect();
     format!("[{:?}, {:?}, {{{}}}]", entry.kernel, entry.name, constants.join(", "))
-}
-
-/// The whole of a buffer, for [`Program::bind_ranges`].
-pub fn whole(buffer: &wgpu::Buffer) -> wgpu::BufferBinding<'_> {
-    wgpu::BufferBinding { buffer, offset: 0, size: None }
-}
-
-/// `len` elements of `T` from element `first` of a buffer, rounded up to 16 bytes (which every
-/// [`Buffer`](super::Buffer) has).
-pub fn range<T: bytemuck::Pod>(buffer: &super::Buffer<T>, first: usize, len: usize) -> wgpu::BufferBinding<'_> {
-    let bytes = ((len.max(1) * size_of::<T>()) as u64).next_multiple_of(16);
-    wgpu::BufferBinding {
-        buffer: buffer.raw(),
-        offset: (first * size_of::<T>()) as u64,
-        size: std::num::NonZeroU64::new(bytes),
-    }
 }

@@ -1,8 +1,8 @@
 //! Recording stages into an encoder: the only place that begins compute passes.
 
-use super::program::whole;
+use super::bindings::{Bindings as _, EntryPoint};
+use super::program::Compiled;
 use super::{Program, Timer};
-use crate::Result;
 
 /// How many workgroups a dispatch runs.
 #[derive(Clone, Copy, Debug)]
@@ -102,49 +102,27 @@ pub struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// Runs `program` over the named buffers. A direct dispatch of nothing is left out.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if a binding of the kernel is not among the names.
-    pub fn run(&mut self, program: &Program, buffers: &[(&str, &wgpu::Buffer)], groups: Groups) -> Result<()> {
-        let ranges: Vec<_> = buffers.iter().map(|(name, buffer)| (*name, whole(buffer))).collect();
-        self.run_ranges(program, &ranges, groups)
+    /// Runs `program` over its bindings. A direct dispatch of nothing is left out.
+    pub fn run<'b, E: EntryPoint>(
+        &mut self,
+        program: &Program<E>,
+        bindings: impl Into<E::Bindings<'b>>,
+        groups: Groups,
+    ) {
+        self.run_entries(program.compiled(), &bindings.into().entries(), groups);
     }
 
-    /// As [`Stage::run`], over ranges of buffers.
-    ///
-    /// # Errors
-    /// As [`Stage::run`].
-    pub fn run_ranges(
-        &mut self,
-        program: &Program,
-        ranges: &[(&str, wgpu::BufferBinding)],
-        groups: Groups,
-    ) -> Result<()> {
-        let all: Vec<_> =
-            ranges.iter().map(|(name, range)| (*name, wgpu::BindingResource::Buffer(range.clone()))).collect();
-        self.run_resources(program, &all, groups)
-    }
-
-    /// As [`Stage::run`], over anything that can be bound.
-    ///
-    /// # Errors
-    /// As [`Stage::run`].
-    pub fn run_resources(
-        &mut self,
-        program: &Program,
-        resources: &[(&str, wgpu::BindingResource)],
-        groups: Groups,
-    ) -> Result<()> {
+    /// As [`Stage::run`], with bindings that no type holds together.
+    pub fn run_entries(&mut self, program: &Compiled, entries: &[wgpu::BindGroupEntry], groups: Groups) {
         let fold = |groups| Some(fold_within(groups, self.max_groups));
         let direct = match groups {
-            Groups::Items(0) | Groups::Workgroups(0) | Groups::Strides(0) => return Ok(()),
+            Groups::Items(0) | Groups::Workgroups(0) | Groups::Strides(0) => return,
             Groups::Items(n) => fold(n.div_ceil(u64::from(program.workgroup_invocations()))),
             Groups::Workgroups(n) => fold(n),
             Groups::Strides(n) => fold(n.min(u64::from(self.max_groups) * u64::from(self.max_groups))),
             Groups::Indirect(..) => None,
         };
-        let bind_group = program.bind_resources(self.device, resources)?;
+        let bind_group = program.bind(self.device, entries);
         self.pass.set_pipeline(program.pipeline());
         self.pass.set_bind_group(0, &bind_group, &[]);
         match (direct, groups) {
@@ -153,6 +131,5 @@ impl Stage<'_> {
             (None, _) => {}
         }
         *self.dispatches += 1;
-        Ok(())
     }
 }

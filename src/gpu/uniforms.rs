@@ -1,6 +1,7 @@
 //! Small constant buffers, made once per content.
 
 use crate::Result;
+use crate::gpu::Buffer;
 use crate::gpu::buffer::filled;
 use crate::gpu::layout::Shared;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -26,11 +27,11 @@ impl Uniforms {
     ///
     /// # Errors
     /// As [`filled`].
-    pub fn get<T: Shared>(&self, device: &wgpu::Device, params: &T) -> Result<wgpu::Buffer> {
+    pub fn get<T: Shared>(&self, device: &wgpu::Device, params: &T) -> Result<Buffer<T>> {
         let bytes = bytemuck::bytes_of(params);
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, buffer)) = made.iter().find(|(content, _)| content == bytes) {
-            return Ok(buffer.clone());
+            return Ok(Buffer::of(buffer.clone(), 1, T::KERNEL));
         }
         if made.len() >= Self::KEPT {
             made.drain(..Self::KEPT / 2);
@@ -40,6 +41,6 @@ impl Uniforms {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
         let buffer = filled(device, T::KERNEL, &content, usage)?;
         made.push((bytes.to_vec(), buffer.clone()));
-        Ok(buffer)
+        Ok(Buffer::of(buffer, 1, T::KERNEL))
     }
 }

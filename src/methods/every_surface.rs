@@ -3,6 +3,7 @@
 
 use super::facet_masks::{Capacities, Settings, status};
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::pixel_triangles;
 use crate::gpu::{Buffer, Groups, Recorder, Stage};
 use crate::stages::camera_visibility::Blocks;
@@ -113,18 +114,15 @@ impl EverySurface {
 
     /// Records the facets of all pixels: of the surfaces found among the triangles, or of those of a G-buffer. Where `merged_by` tells
     /// the surface of each triangle, the triangles of one make one facet.
-    ///
-    /// # Errors
-    /// None that input can cause.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record(
         &self,
         rec: &mut Recorder,
         with: &SurfacePipelines,
-        frame: &wgpu::Buffer,
-        samples: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
+        samples: &Buffer<[f32; 4]>,
         in_camera: Blocks,
-        positions: &wgpu::Buffer,
+        positions: &Buffer<[f32; 4]>,
         merged_by: Option<&Buffer<u32>>,
         facets: &Facets,
         id_keys: &Buffer<u32>,

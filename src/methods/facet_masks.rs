@@ -189,7 +189,7 @@ impl FacetMasks {
     /// Records the frame. The whole method, in order.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
         self.record_seen(rec, casters, Seen::Found, LightMaps::Made)
     }
@@ -200,7 +200,7 @@ impl FacetMasks {
     /// As [`FacetMasks::record`], and those of `seen`.
     pub fn record_seen(&self, rec: &mut Recorder, casters: &CasterBuffers, seen: Seen, maps: LightMaps) -> Result<()> {
         let m = &self.memory;
-        let frame = m.frames[0].raw();
+        let frame = &m.frames[0];
         rec.clear(m.status.raw());
         rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
@@ -213,12 +213,12 @@ impl FacetMasks {
             (Some((camera, with)), seen) => {
                 let given = if let Seen::Samples(given) = seen { Some(given) } else { None };
                 rec.clear(geometry.id_keys.raw());
-                let positions = casters.positions.raw();
+                let positions = &casters.positions;
                 camera.record(
                     rec,
                     with,
                     frame,
-                    m.samples.raw(),
+                    &m.samples,
                     in_camera,
                     positions,
                     casters.surfaces.as_ref(),
@@ -236,13 +236,14 @@ impl FacetMasks {
             }
             self.record_view(rec, casters, view)?;
         }
-        self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status)
+        self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status);
+        Ok(())
     }
 
     /// What one view of the light sees: layers, silhouettes and their table.
     fn record_maps(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
-        let frame = m.frames[self.frame_at(view, 0, 0)].raw();
+        let frame = &m.frames[self.frame_at(view, 0, 0)];
         if view > 0 {
             // A facet and a triangle that had nothing in common in the view before may have in this one.
             rec.clear_words(m.lists.candidates.raw(), TALLY_COUNTERS as u64, (TALLY_WORDS - TALLY_COUNTERS) as u64);
@@ -253,10 +254,10 @@ impl FacetMasks {
         }
         rec.clear(m.layers.mask.raw());
         let in_light = geometry.in_light(casters);
-        self.with.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers)?;
+        self.with.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers);
         {
             let stage = &mut rec.stage("silhouette_mask");
-            let edges = casters.edges.raw();
+            let edges = &casters.edges;
             self.with.silhouettes.record_classify(
                 stage,
                 frame,
@@ -267,7 +268,7 @@ impl FacetMasks {
                 &m.edge_items,
                 &m.status,
                 casters.edges.len(),
-            )?;
+            );
             self.list(stage, Arg::Edges, (&m.edge_items, m.edge_items.len()), &m.edge_offsets)?;
             let args = (m.args.raw(), Arg::Edges.word());
             self.with.silhouettes.record_raster(
@@ -279,12 +280,12 @@ impl FacetMasks {
                 &m.edge_offsets,
                 args,
                 &m.layers,
-            )?;
+            );
         }
         {
             let stage = &mut rec.stage("front_layer");
-            self.with.front.record_check(stage, frame, in_light, &m.layers)?;
-            self.with.front.record_settle(stage, frame, &m.layers)?;
+            self.with.front.record_check(stage, frame, in_light, &m.layers);
+            self.with.front.record_settle(stage, frame, &m.layers);
         }
         self.with.summed_area.record(&mut rec.stage("summed_area"), &m.layers.mask, &m.sat, &m.sat_scratch)?;
         let texels = status::band(view, 0, self.capacities.bands) + status::BAND_TEXELS;
@@ -295,8 +296,8 @@ impl FacetMasks {
     /// What one view of the light adds to the facets and their masks.
     fn record_view(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
-        let frame = m.frames[self.frame_at(view, 0, 0)].raw();
-        let (triangles, in_light) = (casters.triangles.raw(), geometry.in_light(casters));
+        let frame = &m.frames[self.frame_at(view, 0, 0)];
+        let (triangles, in_light) = (&casters.triangles, geometry.in_light(casters));
         let count = m.facets.list.len();
         if self.every_surface.is_some() {
             // Those beyond the last are not classified.
@@ -305,13 +306,13 @@ impl FacetMasks {
         {
             let stage = &mut rec.stage("facet_classify");
             let around =
-                Surroundings { triangles, positions: casters.positions.raw(), sat: &m.sat, splits: &m.layers.splits };
+                Surroundings { triangles, positions: &casters.positions, sat: &m.sat, splits: &m.layers.splits };
             if view == 0 && self.every_surface.is_none() {
-                self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets)?;
+                self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets);
             }
             self.args(stage, Arg::Listed, &m.facets.pixel_facets)?;
             let groups = Groups::Indirect(m.args.raw(), Arg::Listed.word());
-            self.with.classify.record_classify(stage, frame, m.samples.raw(), around, &m.facets, groups)?;
+            self.with.classify.record_classify(stage, frame, &m.samples, around, &m.facets, groups);
             self.list(stage, Arg::Facets, (&m.facets.items, count), &m.facet_offsets)?;
         }
         for band in 0..self.capacities.bands {
@@ -329,9 +330,9 @@ impl FacetMasks {
     /// [`FacetMasks::record_seen`] is given.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_camera(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
-        self.memory.geometry.record_camera(rec, &self.with.geometry, self.memory.frames[0].raw(), casters)
+        self.memory.geometry.record_camera(rec, &self.with.geometry, &self.memory.frames[0], casters)
     }
 
     /// Lists the work that the first of `items`, so many, count, into `offsets`.

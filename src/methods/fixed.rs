@@ -18,9 +18,9 @@ use std::time::Instant;
 #[derive(Clone, Copy)]
 pub struct Inputs<'a> {
     /// The frame uniform.
-    pub frame: &'a wgpu::Buffer,
+    pub frame: &'a Buffer<Frame>,
     /// Sample offsets, see [`sample_words`].
-    pub samples: &'a wgpu::Buffer,
+    pub samples: &'a Buffer<[f32; 4]>,
     /// The mesh.
     pub casters: &'a CasterBuffers,
     /// Projected vertices, rectangles, and the triangle at each pixel centre.
@@ -41,7 +41,7 @@ pub trait FixedMethod {
     /// Records its stages.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()>;
 
     /// Whether the frame has to be recorded once more, as the method is set now: what it left out was needed.
@@ -149,14 +149,10 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
                 timer.reset();
             }
             let mut rec = Recorder::new(&gpu.device, &mut encoder, self.timer.as_mut());
-            self.geometry.record_setup(&mut rec, &self.with, self.frame.raw(), &self.casters)?;
-            self.geometry.record_camera(&mut rec, &self.with, self.frame.raw(), &self.casters)?;
-            let inputs = Inputs {
-                frame: self.frame.raw(),
-                samples: self.samples.raw(),
-                casters: &self.casters,
-                geometry: &self.geometry,
-            };
+            self.geometry.record_setup(&mut rec, &self.with, &self.frame, &self.casters)?;
+            self.geometry.record_camera(&mut rec, &self.with, &self.frame, &self.casters)?;
+            let inputs =
+                Inputs { frame: &self.frame, samples: &self.samples, casters: &self.casters, geometry: &self.geometry };
             self.method.record(&mut rec, inputs)?;
             dispatches += rec.dispatches();
             if let Some(timer) = &self.timer {

@@ -3,6 +3,7 @@
 
 use super::prepared::CasterBuffers;
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::{camera_visibility, light_layers};
 use crate::gpu::{Buffer, Recorder};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
@@ -94,19 +95,19 @@ impl Geometry {
     /// Records the stage `triangle_setup`: vertices, rectangles, and the lists of their blocks.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_setup(
         &self,
         rec: &mut Recorder,
         with: &GeometryPipelines,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         casters: &CasterBuffers,
     ) -> Result<()> {
         let stage = &mut rec.stage("triangle_setup");
         let (positions, triangles) = (&casters.positions, &casters.triangles);
-        with.project.record(stage, frame, positions.raw(), &self.points, &self.map_points, positions.len())?;
+        with.project.record(stage, frame, &positions, &self.points, &self.map_points, positions.len());
         let count = triangles.len();
-        with.setup.record(stage, frame, triangles.raw(), &self.points, &self.map_points, &self.facts, count)?;
+        with.setup.record(stage, frame, &triangles, &self.points, &self.map_points, &self.facts, count);
         for (items, offsets, requests) in [
             (&self.facts.camera_items, &self.camera_offsets, &self.requests[0]),
             (&self.facts.light_items, &self.light_offsets, &self.requests[1]),
@@ -119,26 +120,26 @@ impl Geometry {
     /// Records the stage `camera_visibility`, after [`Geometry::record_setup`].
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_camera(
         &self,
         rec: &mut Recorder,
         with: &GeometryPipelines,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         casters: &CasterBuffers,
     ) -> Result<()> {
         rec.clear(self.centres.keys.raw());
         rec.clear(self.id_keys.raw());
         rec.clear_words(self.centres.doubts.raw(), 0, Centres::COUNTS as u64);
         let stage = &mut rec.stage("camera_visibility");
-        let positions = casters.positions.raw();
+        let positions = &casters.positions;
         with.visibility.record(stage, frame, self.in_camera(casters), positions, &self.centres, &self.id_keys)
     }
 
     /// The triangles' blocks of pixels.
     pub fn in_camera<'a>(&'a self, casters: &'a CasterBuffers) -> Blocks<'a> {
         Blocks {
-            triangles: casters.triangles.raw(),
+            triangles: &casters.triangles,
             points: &self.points,
             rects: &self.facts.camera_rects,
             facing: &self.facts.facing,
@@ -150,7 +151,7 @@ impl Geometry {
     /// The triangles' blocks of texels.
     pub fn in_light<'a>(&'a self, casters: &'a CasterBuffers) -> Blocks<'a> {
         Blocks {
-            triangles: casters.triangles.raw(),
+            triangles: &casters.triangles,
             points: &self.map_points,
             rects: &self.facts.light_rects,
             facing: &self.facts.facing,

@@ -72,7 +72,8 @@ impl FixedMethod for RayTraced {
         if self.settled.validity() {
             record(&mut rec.stage("shadow_rays_cut"), Step::Cut)?;
         }
-        self.settled.record_resolve(rec)
+        self.settled.record_resolve(rec);
+        Ok(())
     }
 
     fn visibility(&self) -> &Buffer<f32> {

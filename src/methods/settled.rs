@@ -108,8 +108,8 @@ impl Settled {
     }
 
     /// The frame uniform with those changes.
-    pub fn frame(&self) -> &wgpu::Buffer {
-        self.frame.raw()
+    pub fn frame(&self) -> &Buffer<Frame> {
+        &self.frame
     }
 
     /// Inputs of rays through the tree.
@@ -117,8 +117,8 @@ impl Settled {
         Scene {
             samples: inputs.samples,
             tree: &self.tree_buffers,
-            triangles: inputs.casters.triangles.raw(),
-            positions: inputs.casters.positions.raw(),
+            triangles: &inputs.casters.triangles,
+            positions: &inputs.casters.positions,
         }
     }
 
@@ -145,21 +145,21 @@ impl Settled {
     /// Records the facets and their states.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_facets(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
-        let frame = self.frame.raw();
+        let frame = &self.frame;
         rec.clear(self.status.raw());
         if let Some(proof) = &self.proof {
             proof.record(rec, frame, inputs, &self.layers, &self.sat, &self.status)?;
         }
         let around = Surroundings {
-            triangles: inputs.casters.triangles.raw(),
-            positions: inputs.casters.positions.raw(),
+            triangles: &inputs.casters.triangles,
+            positions: &inputs.casters.positions,
             sat: &self.sat,
             splits: &self.layers.splits,
         };
         let stage = &mut rec.stage("facet_classify");
-        self.classify.record_one(stage, frame, &inputs.geometry.id_keys, &self.facets)?;
+        self.classify.record_one(stage, frame, &inputs.geometry.id_keys, &self.facets);
         self.classify.record_classify(
             stage,
             frame,
@@ -167,16 +167,14 @@ impl Settled {
             around,
             &self.facets,
             Groups::Items(self.facets.list.len() as u64),
-        )
+        );
+        Ok(())
     }
 
     /// Records the picture.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record_resolve(&self, rec: &mut Recorder) -> Result<()> {
+    pub fn record_resolve(&self, rec: &mut Recorder) {
         let stage = &mut rec.stage("resolve");
-        self.resolve.record(stage, self.frame.raw(), &self.facets, &self.visibility, &self.lit, &self.status)
+        self.resolve.record(stage, &self.frame, &self.facets, &self.visibility, &self.lit, &self.status);
     }
 
     /// How many facets have each state.
@@ -223,7 +221,7 @@ impl Proof {
     fn record(
         &self,
         rec: &mut Recorder,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         inputs: Inputs,
         layers: &Layers,
         sat: &Buffer<u32>,
@@ -234,21 +232,21 @@ impl Proof {
         }
         let (casters, geometry) = (inputs.casters, inputs.geometry);
         let (in_light, count) = (geometry.in_light(casters), casters.edges.len());
-        self.layers.record(&mut rec.stage("light_layers"), frame, in_light, layers)?;
+        self.layers.record(&mut rec.stage("light_layers"), frame, in_light, layers);
         {
             let stage = &mut rec.stage("silhouette_mask");
-            let (edges, points) = (casters.edges.raw(), &geometry.map_points);
+            let (edges, points) = (&casters.edges, &geometry.map_points);
             let (rects, items, offsets) = (&self.edge_rects, &self.edge_items, &self.edge_offsets);
             let facing = &geometry.facts.facing;
-            self.silhouettes.record_classify(stage, frame, edges, facing, points, rects, items, status, count)?;
+            self.silhouettes.record_classify(stage, frame, edges, facing, points, rects, items, status, count);
             self.work.record(stage, (items, items.len()), offsets, &self.scan_scratch, (&self.requests, &self.args))?;
             let args = (self.args.raw(), 0);
-            self.silhouettes.record_raster(stage, frame, edges, points, rects, offsets, args, layers)?;
+            self.silhouettes.record_raster(stage, frame, edges, points, rects, offsets, args, layers);
         }
         {
             let stage = &mut rec.stage("front_layer");
-            self.front.record_check(stage, frame, in_light, layers)?;
-            self.front.record_settle(stage, frame, layers)?;
+            self.front.record_check(stage, frame, in_light, layers);
+            self.front.record_settle(stage, frame, layers);
         }
         self.summed_area.record(&mut rec.stage("summed_area"), &layers.mask, sat, &self.sat_scratch)
     }

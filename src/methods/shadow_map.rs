@@ -89,11 +89,11 @@ impl FixedMethod for ShadowMapping {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.map.nearest_keys.raw());
         let blocks = geometry.in_light(inputs.casters);
-        self.layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map)?;
+        self.layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map);
         let seen = Seen {
             samples: inputs.samples,
             id_keys: &geometry.id_keys,
-            triangles: inputs.casters.triangles.raw(),
+            triangles: &inputs.casters.triangles,
             points: &geometry.points,
         };
         let (depths, visibility) = (&self.map.nearest_keys, &self.visibility);
@@ -101,6 +101,7 @@ impl FixedMethod for ShadowMapping {
             Compare::Depths(stage) => stage.record(&mut rec.stage("shadow_map"), frame, seen, depths, visibility),
             Compare::Borders(stage) => stage.record(&mut rec.stage("smsr"), frame, seen, depths, visibility),
         }
+        Ok(())
     }
 
     fn visibility(&self) -> &Buffer<f32> {

@@ -130,18 +130,19 @@ impl FixedMethod for SplitMapping {
 
     fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
-        let (triangles, points) = (inputs.casters.triangles.raw(), &geometry.points);
+        let (triangles, points) = (&inputs.casters.triangles, &geometry.points);
         let keys = &self.maps.keys;
         rec.clear(keys.raw());
         let mesh = Mesh { triangles, points, light_rects: &geometry.facts.light_rects };
         self.make.record(&mut rec.stage("split_maps"), frame, &self.splits, mesh, &self.maps)?;
         if let Some(reduce) = &self.reduce {
             let (stage, views) = (&mut rec.stage("map_moments"), self.plan.splits as usize);
-            reduce.record(stage, frame, &self.splits, keys, &self.moments, views, self.map)?;
+            reduce.record(stage, frame, &self.splits, keys, &self.moments, views, self.map);
         }
         let seen = Seen { samples: inputs.samples, id_keys: &geometry.id_keys, triangles, points };
         let maps = OfMaps { splits: &self.splits, keys, moments: &self.moments };
-        self.ask.record(&mut rec.stage("split_shadows"), frame, seen, maps, &self.visibility)
+        self.ask.record(&mut rec.stage("split_shadows"), frame, seen, maps, &self.visibility);
+        Ok(())
     }
 
     fn visibility(&self) -> &Buffer<f32> {

@@ -88,28 +88,29 @@ impl FixedMethod for Spsm {
         let seen = Seen {
             samples: inputs.samples,
             id_keys: &geometry.id_keys,
-            triangles: inputs.casters.triangles.raw(),
+            triangles: &inputs.casters.triangles,
             points: &geometry.points,
         };
         let Self { seen_texels, map, query, texels, pixels, .. } = self;
         let blocks = geometry.in_light(inputs.casters);
         if self.all {
             let mut stage = rec.stage("spsm_map");
-            seen_texels.record_all(&mut stage, frame, &texels.marks)?;
+            seen_texels.record_all(&mut stage, frame, &texels.marks);
             map.record(&mut stage, frame, blocks, texels)?;
         } else {
-            seen_texels.record(&mut rec.stage("seen_texels"), frame, seen, texels)?;
+            seen_texels.record(&mut rec.stage("seen_texels"), frame, seen, texels);
             map.record(&mut rec.stage("spsm_map"), frame, blocks, texels)?;
         }
         query.record_classify(&mut rec.stage("spsm_classify"), frame, seen, texels, pixels)?;
         if !self.all {
             let mut stage = rec.stage("spsm_map_around");
-            seen_texels.record_around(&mut stage, frame, seen, texels, pixels)?;
+            seen_texels.record_around(&mut stage, frame, seen, texels, pixels);
             map.record_last(&mut stage, frame, blocks, texels)?;
         }
         query.record_settle(&mut rec.stage("spsm_settle"), frame, seen, texels, pixels)?;
         texels.marks.take_list(rec, pixels);
-        query.record_recover(&mut rec.stage("spsm_recover"), frame, seen, texels, pixels)
+        query.record_recover(&mut rec.stage("spsm_recover"), frame, seen, texels, pixels);
+        Ok(())
     }
 
     fn runs_again(&mut self, gpu: &Gpu) -> Result<bool> {

@@ -73,7 +73,7 @@ impl FixedMethod for Supersampled {
 
     fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
         let (casters, facets, samples) = (inputs.casters, self.settled.facets(), inputs.samples);
-        let positions = casters.positions.raw();
+        let positions = &casters.positions;
         let blocks = inputs.geometry.in_light(casters);
         rec.clear_words(self.cut_work.work.raw(), 0, 4);
         self.settled.record_facets(rec, inputs)?;
@@ -95,7 +95,8 @@ impl FixedMethod for Supersampled {
             let scene = self.settled.scene(inputs);
             self.cut.record(stage, Step::Cut, self.settled.frame(), scene, facets, &self.cut_work)?;
         }
-        self.settled.record_resolve(rec)
+        self.settled.record_resolve(rec);
+        Ok(())
     }
 
     fn visibility(&self) -> &Buffer<f32> {

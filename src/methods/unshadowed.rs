@@ -248,19 +248,20 @@ impl Memory {
     }
 
     fn record(&self, rec: &mut Recorder, with: &Pipelines, casters: &CasterBuffers, pixels: usize) -> Result<()> {
-        let (frame, triangles) = (self.frame.raw(), casters.triangles.raw());
+        let (frame, triangles) = (&self.frame, &casters.triangles);
         rec.clear(self.status.raw());
         self.geometry.record_setup(rec, &with.geometry, frame, casters)?;
         self.geometry.record_camera(rec, &with.geometry, frame, casters)?;
         {
             let stage = &mut rec.stage("facet_classify");
-            let positions = casters.positions.raw();
+            let positions = &casters.positions;
             let around = Surroundings { triangles, positions, sat: &self.sat, splits: &self.splits };
-            with.classify.record_one(stage, frame, &self.geometry.id_keys, &self.facets)?;
+            with.classify.record_one(stage, frame, &self.geometry.id_keys, &self.facets);
             let groups = Groups::Items(pixels as u64);
-            with.classify.record_classify(stage, frame, self.samples.raw(), around, &self.facets, groups)?;
+            with.classify.record_classify(stage, frame, &self.samples, around, &self.facets, groups);
         }
         let resolve = &mut rec.stage("resolve");
-        with.resolve.record(resolve, frame, &self.facets, &self.visibility, &self.lit, &self.status)
+        with.resolve.record(resolve, frame, &self.facets, &self.visibility, &self.lit, &self.status);
+        Ok(())
     }
 }

@@ -139,7 +139,8 @@ impl CutImage {
     pub fn record_store(&self, rec: &mut Recorder, store: &VisibilityTexture, target: &Target) -> Result<()> {
         let Some(texture) = target.visibility else { return Ok(()) };
         let (method, view) = (&self.method, first_level(texture));
-        store.record(&mut rec.stage("visibility_texture"), method.frames()[0].raw(), method.visibility(), &view)
+        store.record(&mut rec.stage("visibility_texture"), &method.frames()[0], method.visibility(), &view);
+        Ok(())
     }
 
     /// Copies a strip's own rows to where they belong, here and in the application's buffer.

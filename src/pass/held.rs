@@ -45,16 +45,16 @@ impl Held {
         faults: &Buffer<u32>,
     ) -> Result<()> {
         let (method, c) = (&image.method, image.method.capacities());
-        let frame = method.frames()[0].raw();
+        let frame = &method.frames()[0];
         let stage = &mut rec.stage("visibility_texture");
         with.record_judge(stage, frame, &lists(c), method.status(), faults, &self.verdict)
     }
 
     /// Takes over the picture of all strips, if nothing is missing in it.
-    pub fn record_hold(&self, rec: &mut Recorder, with: &LastPicture, image: &CutImage) -> Result<()> {
+    pub fn record_hold(&self, rec: &mut Recorder, with: &LastPicture, image: &CutImage) {
         let stage = &mut rec.stage("visibility_texture");
-        with.record_hold(stage, &self.verdict, image.visibility(), &self.visibility)?;
-        with.record_hold(stage, &self.verdict, image.lit(), &self.lit)
+        with.record_hold(stage, &self.verdict, image.visibility(), &self.visibility);
+        with.record_hold(stage, &self.verdict, image.lit(), &self.lit);
     }
 }
 

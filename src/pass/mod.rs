@@ -351,7 +351,7 @@ impl ShadowPass {
             staging.record(rec, method.status(), k);
         }
         let Some((with, held)) = &self.last else { return Ok(()) };
-        held.record_hold(rec, with, image)?;
+        held.record_hold(rec, with, image);
         for (k, rows) in (0..).zip(image.strips.rows()) {
             rec.copy_words(&staged, k * each * words, method.frames()[0].raw(), 0, words);
             let (width, pixels) = (u64::from(self.settings.size[0]), method.visibility().len() as u64);

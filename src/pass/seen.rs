@@ -4,6 +4,7 @@ use super::casters::CasterSet;
 use super::gbuffer::{GBuffer, Place, SampleTexture, SurfaceTextures, TriangleTexture};
 use super::textures::{all_layers, first_level};
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::every_surface::SampleIds;
 use crate::methods::facet_masks::{self, FacetMasks, LightMaps};
@@ -69,11 +70,11 @@ impl Seen {
         let buffers = &casters.buffers;
         match (gbuffer, &self.receivers) {
             (GBuffer::TriangleIds(given), _) => {
-                let ids = |rec: &mut Recorder, frame: &wgpu::Buffer| self.record_ids(rec, frame, *given, with);
+                let ids = |rec: &mut Recorder, frame: &Buffer<Frame>| self.record_ids(rec, frame, *given, with);
                 method.record_seen(rec, buffers, facet_masks::Seen::Centres(&ids), maps)
             }
             (GBuffer::Surfaces(given), Some(receivers)) => {
-                let surfaces = |rec: &mut Recorder, frame: &wgpu::Buffer| {
+                let surfaces = |rec: &mut Recorder, frame: &Buffer<Frame>| {
                     if given.ids.is_none() {
                         method.record_camera(rec, buffers)?;
                     }
@@ -99,7 +100,7 @@ impl Seen {
         method.record_seen(rec, &casters.buffers, facet_masks::Seen::Samples(&samples), maps)
     }
 
-    fn record_ids(&self, rec: &mut Recorder, frame: &wgpu::Buffer, given: TriangleTexture, with: With) -> Result<()> {
+    fn record_ids(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: TriangleTexture, with: With) -> Result<()> {
         let view = first_level(given.texture);
         let counted = triangle_ids::Params { first: given.first, none: given.none };
         let With { method, casters, faults, .. } = with;
@@ -123,7 +124,7 @@ impl Receivers {
         Self { stage: PixelReceivers::new(device), keys, no_ids: first_level(&no_ids) }
     }
 
-    fn record(&self, rec: &mut Recorder, frame: &wgpu::Buffer, given: &SurfaceTextures, with: With) -> Result<()> {
+    fn record(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: &SurfaceTextures, with: With) -> Result<()> {
         let With { method, casters, faults, .. } = with;
         let (place, mut params) = match given.place {
             Place::Depth { texture, terms, nothing } => {

@@ -13,8 +13,9 @@
 
 use super::dispatch_args::{DispatchArgs, Request, Requests};
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::camera_visibility as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
@@ -28,11 +29,11 @@ shared_struct! {
 /// The pipelines.
 #[derive(Debug)]
 pub struct CameraVisibility {
-    raster: Program,
-    ask: Program,
-    settle: Program,
-    settle_all: Program,
-    take: Program,
+    raster: kernel::RasterProgram,
+    ask: kernel::AskProgram,
+    settle: kernel::SettleProgram,
+    settle_all: kernel::SettleAllProgram,
+    take: kernel::TakeProgram,
     fold: DispatchArgs,
     uniforms: Uniforms,
 }
@@ -72,7 +73,7 @@ impl Centres {
 #[derive(Clone, Copy, Debug)]
 pub struct Blocks<'a> {
     /// Vertex indices, three a triangle, and 1 for one of a closed body.
-    pub triangles: &'a wgpu::Buffer,
+    pub triangles: &'a Buffer<[u32; 4]>,
     /// Projected vertices of the view.
     pub points: &'a Buffer<[f32; 4]>,
     /// Rectangle of each triangle.
@@ -89,55 +90,52 @@ impl CameraVisibility {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
-            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
-            ask: Program::new(device, kernel::ENTRY_ASK, &[]),
-            settle: Program::new(device, kernel::ENTRY_SETTLE, &[]),
-            settle_all: Program::new(device, kernel::ENTRY_SETTLE_ALL, &[]),
-            take: Program::new(device, kernel::ENTRY_TAKE, &[]),
+            raster: kernel::RasterProgram::new(device, ()),
+            ask: kernel::AskProgram::new(device, ()),
+            settle: kernel::SettleProgram::new(device, ()),
+            settle_all: kernel::SettleAllProgram::new(device, ()),
+            take: kernel::TakeProgram::new(device, ()),
             fold: DispatchArgs::new(device),
             uniforms: Uniforms::default(),
         }
     }
 
     /// Records all runs. Keys of `centres` must be 0 before, and so must the first [`Centres::COUNTS`] words of its doubts, and `id_keys`.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         blocks: Blocks,
-        positions: &wgpu::Buffer,
+        positions: &Buffer<[f32; 4]>,
         centres: &Centres,
         id_keys: &Buffer<u32>,
     ) -> Result<()> {
-        let buffers = |pass| {
-            [
-                ("frame", frame),
-                ("step", pass),
-                ("triangles", blocks.triangles),
-                ("points", blocks.points.raw()),
-                ("camera_rects", blocks.rects.raw()),
-                ("work_offsets", blocks.offsets.raw()),
-                ("keys", centres.keys.raw()),
-                ("id_keys", id_keys.raw()),
-                ("doubts", centres.doubts.raw()),
-                ("positions", positions),
-            ]
+        let bindings = |step| kernel::SettleAll {
+            frame: frame.as_uniform(),
+            step,
+            triangles: blocks.triangles.as_read(),
+            points: blocks.points.as_read(),
+            camera_rects: blocks.rects.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            keys: centres.keys.as_write().cast(),
+            id_keys: id_keys.as_write(),
+            doubts: centres.doubts.as_write(),
+            positions: positions.as_read(),
         };
         let pass = |index| self.uniforms.get(stage.device, &Pass { index });
         let passes = [pass(0)?, pass(1)?, pass(2)?];
         for pass in &passes[..2] {
-            stage.run(&self.raster, &buffers(pass), Groups::Indirect(blocks.args.0, blocks.args.1))?;
+            stage.run(&self.raster, bindings(pass.as_uniform()), Groups::Indirect(blocks.args.0, blocks.args.1));
         }
-        stage.run(&self.ask, &buffers(&passes[0]), Groups::Items(1))?;
+        stage.run(&self.ask, bindings(passes[0].as_uniform()), Groups::Items(1));
         self.fold.record(stage, &centres.doubts, &centres.requests, &centres.args)?;
-        for (program, args) in [(&self.settle, 0), (&self.settle_all, 3)] {
-            for pass in &passes {
-                stage.run(program, &buffers(pass), Groups::Indirect(centres.args.raw(), args))?;
-            }
+        for pass in &passes {
+            stage.run(&self.settle, bindings(pass.as_uniform()), Groups::Indirect(centres.args.raw(), 0));
         }
-        stage.run(&self.take, &buffers(&passes[0]), Groups::Items(id_keys.len() as u64))
+        for pass in &passes {
+            stage.run(&self.settle_all, bindings(pass.as_uniform()), Groups::Indirect(centres.args.raw(), 3));
+        }
+        stage.run(&self.take, bindings(passes[0].as_uniform()), Groups::Items(id_keys.len() as u64));
+        Ok(())
     }
 }

@@ -14,8 +14,9 @@
 use super::facet_classify::Facets;
 use super::pixel_texel_pairs::{PairLists, Places};
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::candidate_pairs as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 pub use kernel::ROUND_LENGTH;
 
@@ -29,7 +30,7 @@ pub mod tally {
 /// The pipeline.
 #[derive(Debug)]
 pub struct CandidatePairs {
-    cull: Program,
+    cull: kernel::CullProgram,
     places: Places,
 }
 
@@ -37,8 +38,8 @@ impl CandidatePairs {
     /// Builds the pipeline for masks of `words` words and pairs that meet at `places`. `alone`: there may be facets whose samples all lie
     /// on their own triangle ([`Frame::CLAMP`](crate::frame::Frame::CLAMP)), on which neighbours that face the light alike cast nothing.
     pub fn new(device: &wgpu::Device, words: u32, places: Places, alone: bool) -> Self {
-        let constants = [("WORDS", f64::from(words)), places.constant(), ("ALONE", f64::from(u8::from(alone)))];
-        Self { cull: Program::new(device, kernel::ENTRY_CULL, &constants), places }
+        let constants = kernel::Constants { words, tile_shift: places.shift(), alone: u32::from(alone) };
+        Self { cull: kernel::CullProgram::new(device, constants), places }
     }
 
     /// Where pairs meet.
@@ -54,25 +55,26 @@ impl CandidatePairs {
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        triangles: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
+        triangles: &Buffer<[u32; 4]>,
         map_points: &Buffer<[f32; 4]>,
         facets: &Facets,
         args: (&wgpu::Buffer, u64),
         lists: &PairLists,
     ) -> Result<()> {
         lists.check(self.places)?;
-        let buffers = [
-            ("frame", frame),
-            ("undecided", facets.undecided.raw()),
-            ("pairs", lists.pixel_pairs.raw()),
-            ("triangle_offsets", lists.triangle_offsets.raw()),
-            ("pair_triangles", lists.triangle_pairs.raw()),
-            ("triangles", triangles),
-            ("map_points", map_points.raw()),
-            ("candidates", lists.candidates.raw()),
-            ("masks", facets.masks.raw()),
-        ];
-        stage.run(&self.cull, &buffers, Groups::Indirect(args.0, args.1))
+        let bindings = kernel::Cull {
+            frame: frame.as_uniform(),
+            undecided: facets.undecided.as_read(),
+            pairs: lists.pixel_pairs.as_read(),
+            triangle_offsets: lists.triangle_offsets.as_read(),
+            pair_triangles: lists.triangle_pairs.as_read(),
+            triangles: triangles.as_read(),
+            map_points: map_points.as_read(),
+            candidates: lists.candidates.as_write(),
+            masks: facets.masks.as_write(),
+        };
+        stage.run(&self.cull, bindings, Groups::Indirect(args.0, args.1));
+        Ok(())
     }
 }

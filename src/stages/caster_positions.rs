@@ -8,9 +8,10 @@
 //! - **Guarantee.** Bits are copied (−0 as +0); no place outside the box is ever written.
 //! - **Cost.** One dispatch; two positions read and one written a vertex.
 
+use crate::gpu::bindings::Read;
 use crate::gpu::kernels::caster_positions as kernel;
 pub use crate::gpu::kernels::caster_positions::{FAULT_OUTSIDE, FAULT_PARTED, NO_PLACE};
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::shared_struct;
 use crate::{Error, Result};
 
@@ -95,14 +96,14 @@ impl<'a> Vertices<'a> {
 /// The pipeline.
 #[derive(Debug)]
 pub struct CasterPositions {
-    gather: Program,
+    gather: kernel::GatherProgram,
     uniforms: Uniforms,
 }
 
 impl CasterPositions {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { gather: Program::new(device, kernel::ENTRY_GATHER, &[]), uniforms: Uniforms::default() }
+        Self { gather: kernel::GatherProgram::new(device, ()), uniforms: Uniforms::default() }
     }
 
     /// Records the copy of all vertices that `places` names (place and source vertex of each). `bounds` are the lowest and
@@ -135,15 +136,14 @@ impl CasterPositions {
             ..Params::default()
         };
         let params = self.uniforms.get(stage.device, &params)?;
-        let source = wgpu::BufferBinding { buffer: vertices.buffer, offset: first, size: None };
-        let whole = crate::gpu::program::whole;
-        let ranges = [
-            ("params", whole(&params)),
-            ("vertices", source),
-            ("places", whole(places.raw())),
-            ("positions", whole(positions.raw())),
-            ("faults", whole(faults.raw())),
-        ];
-        stage.run_ranges(&self.gather, &ranges, Groups::Items(places.len() as u64))
+        let bindings = kernel::Gather {
+            params: params.as_uniform(),
+            vertices: Read::from(vertices.buffer, first),
+            places: places.as_read(),
+            positions: positions.as_write(),
+            faults: faults.as_write(),
+        };
+        stage.run(&self.gather, bindings, Groups::Items(places.len() as u64));
+        Ok(())
     }
 }

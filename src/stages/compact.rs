@@ -10,8 +10,9 @@
 //! - **Source.** Blelloch, *Prefix sums and their applications*, 1990; one scanned count per 32 items.
 
 use super::{Count, PrefixScan, holds, prefix_scan};
+use crate::gpu::bindings::Read;
 use crate::gpu::kernels::compact as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Result, shared_struct};
 
 shared_struct! {
@@ -48,8 +49,8 @@ pub enum Flags<'a> {
 /// The pipelines of the compaction.
 #[derive(Debug)]
 pub struct Compact {
-    count: Program,
-    emit: Program,
+    count: kernel::CountProgram,
+    emit: kernel::EmitProgram,
     scan: PrefixScan,
     uniforms: Uniforms,
 }
@@ -68,8 +69,8 @@ impl Compact {
     /// Builds the pipelines; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
         Self {
-            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
-            emit: Program::new(device, kernel::ENTRY_EMIT, &[]),
+            count: kernel::CountProgram::new(device, ()),
+            emit: kernel::EmitProgram::new(device, ()),
             scan: scan.clone(),
             uniforms: Uniforms::default(),
         }
@@ -127,20 +128,21 @@ impl Compact {
                 ..Params::default()
             },
         )?;
-        let buffers = [
-            ("params", &params),
-            ("counts", count.buffer(&params)),
-            ("flags", flags.raw()),
-            ("marks", scratch.marks.raw()),
-            ("mark_counts", scratch.mark_counts.raw()),
-            ("offsets", scratch.offsets.raw()),
-            ("kept_from", values.map_or(&params, Buffer::raw)),
-            ("kept", kept.raw()),
-        ];
+        let bindings = kernel::Lists {
+            params: params.as_uniform(),
+            counts: count.words(&params),
+            flags: flags.as_read(),
+            marks: scratch.marks.as_write(),
+            mark_counts: scratch.mark_counts.as_write(),
+            offsets: scratch.offsets.as_read(),
+            kept_from: values.map_or_else(|| Read::of(params.raw()), Buffer::as_read),
+            kept: kept.as_write(),
+        };
         let groups = || Groups::Items(marks as u64);
-        stage.run(&self.count, &buffers, groups())?;
+        stage.run(&self.count, bindings, groups());
         let (counts, offsets) = (&scratch.mark_counts, &scratch.offsets);
         self.scan.record(stage, counts, offsets, total, &scratch.scan, Count::Exactly(marks))?;
-        stage.run(&self.emit, &buffers, groups())
+        stage.run(&self.emit, bindings, groups());
+        Ok(())
     }
 }

@@ -13,7 +13,7 @@
 use super::holds;
 use crate::gpu::kernels::dispatch_args as kernel;
 use crate::gpu::recorder::MAX_GROUPS;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 use crate::{Error, Result, shared_struct};
 
 shared_struct! {
@@ -73,14 +73,14 @@ pub struct Requests {
 /// The pipeline that folds counts into arguments.
 #[derive(Debug)]
 pub struct DispatchArgs {
-    fold: Program,
+    fold: kernel::FoldProgram,
 }
 
 impl DispatchArgs {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         let most = device.limits().max_compute_workgroups_per_dimension.min(MAX_GROUPS);
-        Self { fold: Program::new(device, kernel::ENTRY_FOLD, &[("MAX_GROUPS", f64::from(most))]) }
+        Self { fold: kernel::FoldProgram::new(device, kernel::Constants { max_groups: most, ..Default::default() }) }
     }
 
     /// The requests as the GPU reads them, uploaded once.
@@ -110,7 +110,9 @@ impl DispatchArgs {
     ) -> Result<()> {
         holds("dispatch_args", "counts", counts.len(), requests.counts)?;
         holds("dispatch_args", "args", args.len(), requests.args)?;
-        let buffers = [("counts", counts.raw()), ("requests", requests.list.raw()), ("args", args.raw())];
-        stage.run(&self.fold, &buffers, Groups::Items(requests.list.len() as u64))
+        let bindings =
+            kernel::Fold { counts: counts.as_read(), requests: requests.list.as_read(), args: args.as_write() };
+        stage.run(&self.fold, bindings, Groups::Items(requests.list.len() as u64));
+        Ok(())
     }
 }

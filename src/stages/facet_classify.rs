@@ -9,8 +9,9 @@
 //! - **Cost.** Three dispatches; 24 bytes a facet, 112 more if it is undecided.
 
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::facet_classify as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 use crate::shared_struct;
 
 shared_struct! {
@@ -91,10 +92,10 @@ impl State {
 /// The pipelines for one number of mask words.
 #[derive(Debug)]
 pub struct FacetClassify {
-    one: Program,
-    begin: Program,
-    classify: Program,
-    unsure: Program,
+    one: kernel::OneProgram,
+    begin: kernel::BeginProgram,
+    classify: kernel::ClassifyProgram,
+    unsure: kernel::ClassifyUnsureProgram,
 }
 
 /// Buffers of the facets.
@@ -132,9 +133,9 @@ impl Facets {
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
     /// Vertex indices, 16 bytes a triangle: three, and 1 for one of a closed body.
-    pub triangles: &'a wgpu::Buffer,
+    pub triangles: &'a Buffer<[u32; 4]>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
-    pub positions: &'a wgpu::Buffer,
+    pub positions: &'a Buffer<[f32; 4]>,
     /// Summed-area table of the mask.
     pub sat: &'a Buffer<u32>,
     /// Split depths.
@@ -154,72 +155,60 @@ impl FacetClassify {
     }
 
     fn build(device: &wgpu::Device, words: u32, clamped: u32, receivers: bool) -> Self {
-        let constants = [
-            ("WORDS", f64::from(words)),
-            ("CLAMPED", f64::from(clamped)),
-            ("RECEIVERS", f64::from(u8::from(receivers))),
-        ];
+        let constants = kernel::Constants { words, clamped, receivers: u32::from(receivers), ..Default::default() };
         Self {
-            one: Program::new(device, kernel::ENTRY_ONE, &constants),
-            begin: Program::new(device, kernel::ENTRY_BEGIN, &constants),
-            classify: Program::new(device, kernel::ENTRY_CLASSIFY, &constants),
-            unsure: Program::new(device, kernel::ENTRY_CLASSIFY_UNSURE, &constants),
+            one: kernel::OneProgram::new(device, constants),
+            begin: kernel::BeginProgram::new(device, constants),
+            classify: kernel::ClassifyProgram::new(device, constants),
+            unsure: kernel::ClassifyUnsureProgram::new(device, constants),
         }
     }
 
     /// Records the list of one facet a pixel.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record_one(
-        &self,
-        stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        id_keys: &Buffer<u32>,
-        facets: &Facets,
-    ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("id_keys", id_keys.raw()),
-            ("facets", facets.list.raw()),
-            ("masks", facets.masks.raw()),
-            ("pixel_facets", facets.pixel_facets.raw()),
-        ];
-        stage.run(&self.one, &buffers, Groups::Items(facets.pixel_facets.len() as u64))
+    pub fn record_one(&self, stage: &mut Stage, frame: &Buffer<Frame>, id_keys: &Buffer<u32>, facets: &Facets) {
+        let bindings = kernel::One {
+            frame: frame.as_uniform(),
+            id_keys: id_keys.as_read(),
+            facets: facets.list.as_write(),
+            masks: facets.masks.as_write(),
+            pixel_facets: facets.pixel_facets.as_write(),
+        };
+        stage.run(&self.one, bindings, Groups::Items(facets.pixel_facets.len() as u64));
     }
 
     /// Records the classification of the listed facets, which take `groups`, one invocation each. What is beyond them must have
     /// no triangle, and its `items` be 0.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record_classify(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        samples: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
+        samples: &Buffer<[f32; 4]>,
         around: Surroundings,
         facets: &Facets,
         groups: Groups,
-    ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("samples", samples),
-            ("triangles", around.triangles),
-            ("positions", around.positions),
-            ("sat", around.sat.raw()),
-            ("splits", around.splits.raw()),
-            ("facets", facets.list.raw()),
-            ("masks", facets.masks.raw()),
-            ("facet_items", facets.items.raw()),
-            ("undecided", facets.undecided.raw()),
-        ];
-        stage.run(&self.begin, &[("frame", frame), ("facet_items", facets.items.raw())], Groups::Workgroups(1))?;
-        stage.run(&self.classify, &buffers, groups)?;
+    ) {
+        let bindings = kernel::Classify {
+            frame: frame.as_uniform(),
+            samples: samples.as_uniform(),
+            triangles: around.triangles.as_read(),
+            positions: around.positions.as_read(),
+            sat: around.sat.as_read(),
+            splits: around.splits.as_read(),
+            facets: facets.list.as_write(),
+            masks: facets.masks.as_write(),
+            facet_items: facets.items.as_write(),
+            undecided: facets.undecided.as_write(),
+        };
+        stage.run(
+            &self.begin,
+            kernel::Begin { frame: frame.as_uniform(), facet_items: facets.items.as_write() },
+            Groups::Workgroups(1),
+        );
+        stage.run(&self.classify, bindings, groups);
         // At most 64 an invocation: a device may cut loops off after 65,535 turns.
         let groups = (facets.list.len() as u64)
             .div_ceil(64 * u64::from(kernel::WORKGROUP))
             .max(u64::from(kernel::UNSURE_GROUPS));
-        stage.run(&self.unsure, &buffers, Groups::Strides(groups))
+        stage.run(&self.unsure, bindings, Groups::Strides(groups));
     }
 }

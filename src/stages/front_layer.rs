@@ -10,9 +10,9 @@
 
 use super::camera_visibility::Blocks;
 use super::light_layers::Layers;
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::front_layer as kernel;
-use crate::gpu::{Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 /// Value of a texel that holds silhouettes or uncertain layers.
 pub const MARKED: f32 = -2.0;
@@ -22,50 +22,41 @@ pub const UNCOVERED: f32 = -1.0;
 /// The pipelines.
 #[derive(Debug)]
 pub struct FrontLayer {
-    check: Program,
-    settle: Program,
+    check: kernel::CheckProgram,
+    settle: kernel::SettleProgram,
 }
 
 impl FrontLayer {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self {
-            check: Program::new(device, kernel::ENTRY_CHECK, &[]),
-            settle: Program::new(device, kernel::ENTRY_SETTLE, &[]),
-        }
+        Self { check: kernel::CheckProgram::new(device, ()), settle: kernel::SettleProgram::new(device, ()) }
     }
 
     /// Records the check of every caster against the layers.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record_check(&self, stage: &mut Stage, frame: &wgpu::Buffer, blocks: Blocks, layers: &Layers) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("triangles", blocks.triangles),
-            ("map_points", blocks.points.raw()),
-            ("light_rects", blocks.rects.raw()),
-            ("facing", blocks.facing.raw()),
-            ("work_offsets", blocks.offsets.raw()),
-            ("nearest_keys", layers.nearest_keys.raw()),
-            ("second_keys", layers.second_keys.raw()),
-            ("mask", layers.mask.raw()),
-        ];
-        stage.run(&self.check, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
+    pub fn record_check(&self, stage: &mut Stage, frame: &Buffer<Frame>, blocks: Blocks, layers: &Layers) {
+        let bindings = kernel::Check {
+            frame: frame.as_uniform(),
+            triangles: blocks.triangles.as_read(),
+            map_points: blocks.points.as_read(),
+            light_rects: blocks.rects.as_read(),
+            facing: blocks.facing.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            nearest_keys: layers.nearest_keys.as_read(),
+            second_keys: layers.second_keys.as_read(),
+            mask: layers.mask.as_write(),
+        };
+        stage.run(&self.check, bindings, Groups::Indirect(blocks.args.0, blocks.args.1));
     }
 
     /// Records the writing of `splits`, after `silhouette_mask` has marked its edges.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record_settle(&self, stage: &mut Stage, frame: &wgpu::Buffer, layers: &Layers) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("nearest_keys", layers.nearest_keys.raw()),
-            ("second_keys", layers.second_keys.raw()),
-            ("mask", layers.mask.raw()),
-            ("splits", layers.splits.raw()),
-        ];
-        stage.run(&self.settle, &buffers, Groups::Items(layers.splits.len() as u64))
+    pub fn record_settle(&self, stage: &mut Stage, frame: &Buffer<Frame>, layers: &Layers) {
+        let bindings = kernel::Settle {
+            frame: frame.as_uniform(),
+            nearest_keys: layers.nearest_keys.as_read(),
+            second_keys: layers.second_keys.as_read(),
+            mask: layers.mask.as_write(),
+            splits: layers.splits.as_write(),
+        };
+        stage.run(&self.settle, bindings, Groups::Items(layers.splits.len() as u64));
     }
 }

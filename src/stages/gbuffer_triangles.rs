@@ -15,9 +15,11 @@
 
 use super::pixel_triangles::PixelLists;
 use super::{Count, PrefixScan, prefix_scan};
+use crate::frame::Frame;
+use crate::gpu::bindings::{TextureUintLayers, TextureUintSamples};
 use crate::gpu::kernels::gbuffer_triangles as kernel;
 pub use crate::gpu::kernels::gbuffer_triangles::{FAULT_UNKNOWN, MOST, WORKGROUP};
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Error, Result, shared_struct};
 
 shared_struct! {
@@ -99,39 +101,28 @@ pub struct Given<'a> {
 /// The pipelines.
 #[derive(Debug)]
 pub struct GbufferTriangles {
-    layers: Programs,
-    samples: Programs,
+    count_layers: kernel::CountLayersProgram,
+    emit_layers: kernel::EmitLayersProgram,
+    fill_layers: kernel::FillLayersProgram,
+    count_samples: kernel::CountSamplesProgram,
+    emit_samples: kernel::EmitSamplesProgram,
+    fill_samples: kernel::FillSamplesProgram,
     scan: PrefixScan,
     uniforms: Uniforms,
-}
-
-#[derive(Debug)]
-struct Programs {
-    count: Program,
-    emit: Program,
-    fill: Program,
 }
 
 impl GbufferTriangles {
     /// Builds the pipelines; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
-        let programs = |count, emit, fill| Programs {
-            count: Program::new(device, count, &[]),
-            emit: Program::new(device, emit, &[]),
-            fill: Program::new(device, fill, &[]),
-        };
         Self {
-            layers: programs(kernel::ENTRY_COUNT_LAYERS, kernel::ENTRY_EMIT_LAYERS, kernel::ENTRY_FILL_LAYERS),
-            samples: programs(kernel::ENTRY_COUNT_SAMPLES, kernel::ENTRY_EMIT_SAMPLES, kernel::ENTRY_FILL_SAMPLES),
+            count_layers: kernel::CountLayersProgram::new(device, ()),
+            emit_layers: kernel::EmitLayersProgram::new(device, ()),
+            fill_layers: kernel::FillLayersProgram::new(device, ()),
+            count_samples: kernel::CountSamplesProgram::new(device, ()),
+            emit_samples: kernel::EmitSamplesProgram::new(device, ()),
+            fill_samples: kernel::FillSamplesProgram::new(device, ()),
             scan: scan.clone(),
             uniforms: Uniforms::default(),
-        }
-    }
-
-    fn with<'a>(&self, texture: Texture<'a>) -> (&Programs, &'static str, wgpu::BindingResource<'a>) {
-        match texture {
-            Texture::Layers(view) => (&self.layers, "layers", wgpu::BindingResource::TextureView(view)),
-            Texture::Samples(view) => (&self.samples, "multisampled", wgpu::BindingResource::TextureView(view)),
         }
     }
 
@@ -143,7 +134,7 @@ impl GbufferTriangles {
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         given: &Given,
         lists: &PixelLists,
         scratch: &prefix_scan::Scratch,
@@ -152,38 +143,69 @@ impl GbufferTriangles {
     ) -> Result<()> {
         super::holds("gbuffer_triangles", "faults", faults.len(), FAULT_UNKNOWN as usize + 1)?;
         let pixels = lists.counts.len();
-        let (programs, name, texture) = self.with(given.texture);
         let params = self.uniforms.get(stage.device, &given.params)?;
-        let resources = [
-            ("frame", frame.as_entire_binding()),
-            ("params", params.as_entire_binding()),
-            (name, texture),
-            ("numbers", given.numbers.raw().as_entire_binding()),
-            ("pixel_counts", lists.counts.raw().as_entire_binding()),
-            ("complex_flags", lists.complex_flags.raw().as_entire_binding()),
-            ("facet_counts", lists.facet_counts.raw().as_entire_binding()),
-            ("status", status.raw().as_entire_binding()),
-            ("faults", faults.raw().as_entire_binding()),
-            ("pixel_offsets", lists.offsets.raw().as_entire_binding()),
-            ("pixel_list", lists.list.raw().as_entire_binding()),
-        ];
-        stage.run_resources(&programs.count, &resources, Groups::Items(pixels as u64))?;
+        let (frame, params, numbers) = (frame.as_uniform(), params.as_uniform(), given.numbers.as_read());
+        let (pixel_counts, complex_flags) = (lists.counts.as_write(), lists.complex_flags.as_write());
+        let (facet_counts, status, faults) = (lists.facet_counts.as_write(), status.as_write(), faults.as_write());
+        let groups = || Groups::Items(pixels as u64);
+        match given.texture {
+            Texture::Layers(view) => {
+                let layers = TextureUintLayers(view);
+                let bindings = kernel::CountLayers {
+                    frame,
+                    params,
+                    layers,
+                    numbers,
+                    pixel_counts,
+                    complex_flags,
+                    facet_counts,
+                    status,
+                    faults,
+                };
+                stage.run(&self.count_layers, bindings, groups());
+            }
+            Texture::Samples(view) => {
+                let multisampled = TextureUintSamples(view);
+                let bindings = kernel::CountSamples {
+                    frame,
+                    params,
+                    multisampled,
+                    numbers,
+                    pixel_counts,
+                    complex_flags,
+                    facet_counts,
+                    status,
+                    faults,
+                };
+                stage.run(&self.count_samples, bindings, groups());
+            }
+        }
         let total = (&lists.offsets, pixels);
         self.scan.record(stage, &lists.counts, &lists.offsets, total, scratch, Count::Exactly(pixels))?;
-        stage.run_resources(&programs.emit, &resources, Groups::Items(pixels as u64))
+        let (pixel_offsets, pixel_list) = (lists.offsets.as_read(), lists.list.as_write());
+        match given.texture {
+            Texture::Layers(view) => {
+                let layers = TextureUintLayers(view);
+                let bindings = kernel::EmitLayers { frame, params, layers, numbers, pixel_offsets, pixel_list };
+                stage.run(&self.emit_layers, bindings, groups());
+            }
+            Texture::Samples(view) => {
+                let multisampled = TextureUintSamples(view);
+                let bindings = kernel::EmitSamples { frame, params, multisampled, numbers, pixel_offsets, pixel_list };
+                stage.run(&self.emit_samples, bindings, groups());
+            }
+        }
+        Ok(())
     }
 
     /// Records, for `slots` complex pixels from `first_slot` on, what samples see that lie in none of their triangles. `total`:
     /// how many complex pixels there are; `groups`: a workgroup for each
     /// [`WORKGROUP`] of the band.
-    ///
-    /// # Errors
-    /// None that input can cause.
     #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
     pub fn record_fill(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         given: &Given,
         [first_slot, slots]: [u32; 2],
         pixels: &Buffer<u32>,
@@ -191,17 +213,30 @@ impl GbufferTriangles {
         keys: &Buffer<u32>,
         groups: Groups,
     ) -> Result<()> {
-        let (programs, name, texture) = self.with(given.texture);
         let params = self.uniforms.get(stage.device, &Params { first_slot, slots, ..given.params })?;
-        let resources = [
-            ("frame", frame.as_entire_binding()),
-            ("params", params.as_entire_binding()),
-            (name, texture),
-            ("numbers", given.numbers.raw().as_entire_binding()),
-            ("complex_pixels", pixels.raw().as_entire_binding()),
-            ("complex_total", total.raw().as_entire_binding()),
-            ("sample_keys", keys.raw().as_entire_binding()),
-        ];
-        stage.run_resources(&programs.fill, &resources, groups)
+        let (frame, params, numbers) = (frame.as_uniform(), params.as_uniform(), given.numbers.as_read());
+        let (complex_pixels, complex_total, sample_keys) = (pixels.as_read(), total.as_read(), keys.as_write());
+        match given.texture {
+            Texture::Layers(view) => {
+                let layers = TextureUintLayers(view);
+                let bindings =
+                    kernel::FillLayers { frame, params, layers, numbers, complex_pixels, complex_total, sample_keys };
+                stage.run(&self.fill_layers, bindings, groups);
+            }
+            Texture::Samples(view) => {
+                let multisampled = TextureUintSamples(view);
+                let bindings = kernel::FillSamples {
+                    frame,
+                    params,
+                    multisampled,
+                    numbers,
+                    complex_pixels,
+                    complex_total,
+                    sample_keys,
+                };
+                stage.run(&self.fill_samples, bindings, groups);
+            }
+        }
+        Ok(())
     }
 }

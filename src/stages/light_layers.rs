@@ -10,13 +10,14 @@
 
 use super::camera_visibility::Blocks;
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::light_layers as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct LightLayers {
-    raster: Program,
+    raster: kernel::RasterProgram,
 }
 
 /// State of every texel.
@@ -72,25 +73,27 @@ impl LightLayers {
     }
 
     fn with(device: &wgpu::Device, both: bool) -> Self {
-        Self { raster: Program::new(device, kernel::ENTRY_RASTER, &[("BOTH", f64::from(u8::from(both)))]) }
+        Self {
+            raster: kernel::RasterProgram::new(
+                device,
+                kernel::Constants { both: u32::from(both), ..Default::default() },
+            ),
+        }
     }
 
     /// Records it.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record(&self, stage: &mut Stage, frame: &wgpu::Buffer, blocks: Blocks, layers: &Layers) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("triangles", blocks.triangles),
-            ("map_points", blocks.points.raw()),
-            ("light_rects", blocks.rects.raw()),
-            ("facing", blocks.facing.raw()),
-            ("work_offsets", blocks.offsets.raw()),
-            ("nearest_keys", layers.nearest_keys.raw()),
-            ("second_keys", layers.second_keys.raw()),
-            ("mask", layers.mask.raw()),
-        ];
-        stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
+    pub fn record(&self, stage: &mut Stage, frame: &Buffer<Frame>, blocks: Blocks, layers: &Layers) {
+        let bindings = kernel::Raster {
+            frame: frame.as_uniform(),
+            triangles: blocks.triangles.as_read(),
+            map_points: blocks.points.as_read(),
+            light_rects: blocks.rects.as_read(),
+            facing: blocks.facing.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            nearest_keys: layers.nearest_keys.as_write(),
+            second_keys: layers.second_keys.as_write(),
+            mask: layers.mask.as_write(),
+        };
+        stage.run(&self.raster, bindings, Groups::Indirect(blocks.args.0, blocks.args.1));
     }
 }

@@ -10,19 +10,21 @@
 
 use super::split_maps::SplitViews;
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::map_moments as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct MapMoments {
-    reduce: [Program; 3],
+    reduce: [kernel::ReduceProgram; 3],
 }
 
 impl MapMoments {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        let from = |first: u32| Program::new(device, kernel::ENTRY_REDUCE, &[("FIRST", f64::from(first))]);
+        let from =
+            |first: u32| kernel::ReduceProgram::new(device, kernel::Constants { first: first, ..Default::default() });
         Self { reduce: [0, 1, 2].map(|k| from(k * kernel::LEVELS)) }
     }
 
@@ -35,27 +37,27 @@ impl MapMoments {
     }
 
     /// Records it, for `views` maps of `size` texels a side.
-    ///
-    /// # Errors
-    /// None that input can cause.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         splits: &Buffer<SplitViews>,
         keys: &Buffer<u32>,
         moments: &Buffer<[f32; 2]>,
         views: usize,
         size: u32,
-    ) -> Result<()> {
+    ) {
         let levels = SplitViews::levels_of(size);
-        let buffers =
-            [("frame", frame), ("splits", splits.raw()), ("map_keys", keys.raw()), ("moments", moments.raw())];
+        let bindings = kernel::Reduce {
+            frame: frame.as_uniform(),
+            splits: splits.as_uniform(),
+            map_keys: keys.as_read(),
+            moments: moments.as_write(),
+        };
         for (program, first) in self.reduce.iter().zip((0..levels).step_by(kernel::LEVELS as usize)) {
             let tiles = SplitViews::side_of(size, first).div_ceil(kernel::TILE);
-            stage.run(program, &buffers, Groups::Workgroups(views as u64 * u64::from(tiles).pow(2)))?;
+            stage.run(program, bindings, Groups::Workgroups(views as u64 * u64::from(tiles).pow(2)));
         }
-        Ok(())
     }
 }

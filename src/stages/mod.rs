@@ -50,47 +50,22 @@ pub use summed_area::SummedArea;
 pub use texel_group::TexelGroup;
 pub use work_owners::WorkOwners;
 
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::Buffer;
+use crate::gpu::bindings::Read;
 use crate::{Error, Result};
+use bytemuck::Pod;
 
 /// What stages that ask a map for shadows read of the pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
     /// Sample offsets.
-    pub samples: &'a wgpu::Buffer,
+    pub samples: &'a Buffer<[f32; 4]>,
     /// Complement of the triangle at each pixel centre.
     pub id_keys: &'a Buffer<u32>,
     /// Vertex indices.
-    pub triangles: &'a wgpu::Buffer,
+    pub triangles: &'a Buffer<[u32; 4]>,
     /// Vertices relative to the eye, scaled.
     pub points: &'a Buffer<[f32; 4]>,
-}
-
-impl<'a> Seen<'a> {
-    /// Runs over all pixels what takes the nearest depth at each texel and writes visibility.
-    fn on_depths(
-        self,
-        program: &Program,
-        stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        nearest_keys: &Buffer<u32>,
-        visibility: &Buffer<f32>,
-    ) -> Result<()> {
-        let mut buffers = self.buffers(frame);
-        buffers.extend([("nearest_keys", nearest_keys.raw()), ("visibility", visibility.raw())]);
-        stage.run(program, &buffers, Groups::Items(visibility.len() as u64))
-    }
-
-    /// Bindings of such a stage before the map's own.
-    fn buffers(self, frame: &'a wgpu::Buffer) -> Vec<(&'static str, &'a wgpu::Buffer)> {
-        vec![
-            ("frame", frame),
-            ("samples", self.samples),
-            ("id_keys", self.id_keys.raw()),
-            ("triangles", self.triangles),
-            ("points", self.points.raw()),
-        ]
-    }
 }
 
 /// How many items of a list count.
@@ -131,11 +106,11 @@ impl<'a> Count<'a> {
         }
     }
 
-    /// The buffer that holds the count: the caller's, or the parameters themselves.
-    pub(crate) fn buffer(&self, params: &'a wgpu::Buffer) -> &'a wgpu::Buffer {
+    /// The words that hold the count: the caller's, or the parameters themselves.
+    pub(crate) fn words<T: Pod>(&self, params: &'a Buffer<T>) -> Read<'a, u32> {
         match *self {
-            Self::Exactly(_) => params,
-            Self::At(buffer, _) => buffer.raw(),
+            Self::Exactly(_) => params.as_read().cast(),
+            Self::At(buffer, _) => buffer.as_read(),
         }
     }
 }

@@ -16,11 +16,13 @@
 //!   bytes a pixel are written.
 
 use crate::Result;
+use crate::frame::Frame;
+use crate::gpu::bindings::{TextureFloat, TextureUint};
 use crate::gpu::kernels::pixel_receivers as kernel;
 pub use crate::gpu::kernels::pixel_receivers::{
     FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS,
 };
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
@@ -72,14 +74,14 @@ pub struct Surfaces<'a> {
 /// The pipeline.
 #[derive(Debug)]
 pub struct PixelReceivers {
-    take: Program,
+    take: kernel::TakeProgram,
     uniforms: Uniforms,
 }
 
 impl PixelReceivers {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { take: Program::new(device, kernel::ENTRY_TAKE, &[]), uniforms: Uniforms::default() }
+        Self { take: kernel::TakeProgram::new(device, ()), uniforms: Uniforms::default() }
     }
 
     /// Records the stage for as many pixels as `keys` holds.
@@ -90,7 +92,7 @@ impl PixelReceivers {
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         params: Params,
         textures: Textures,
         surfaces: Surfaces,
@@ -106,19 +108,20 @@ impl PixelReceivers {
         super::holds("pixel_receivers", "triangles", room(triangles.bytes(), 16, triangles.len()), pixels)?;
         super::holds("pixel_receivers", "positions", room(positions.bytes(), 16, positions.len()), 3 * pixels)?;
         let params = self.uniforms.get(stage.device, &params)?;
-        let resources = [
-            ("frame", frame.as_entire_binding()),
-            ("params", params.as_entire_binding()),
-            ("place", wgpu::BindingResource::TextureView(textures.place)),
-            ("normals", wgpu::BindingResource::TextureView(textures.normals)),
-            ("ids", wgpu::BindingResource::TextureView(textures.ids)),
-            ("numbers", surfaces.numbers.raw().as_entire_binding()),
-            ("id_keys", id_keys.raw().as_entire_binding()),
-            ("triangles", triangles.raw().as_entire_binding()),
-            ("positions", positions.raw().as_entire_binding()),
-            ("keys", keys.raw().as_entire_binding()),
-            ("faults", faults.raw().as_entire_binding()),
-        ];
-        stage.run_resources(&self.take, &resources, Groups::Items(pixels as u64))
+        let bindings = kernel::Take {
+            frame: frame.as_uniform(),
+            params: params.as_uniform(),
+            place: TextureFloat(textures.place),
+            normals: TextureFloat(textures.normals),
+            ids: TextureUint(textures.ids),
+            numbers: surfaces.numbers.as_read(),
+            id_keys: id_keys.as_read(),
+            triangles: triangles.as_write(),
+            positions: positions.as_write(),
+            keys: keys.as_write(),
+            faults: faults.as_write(),
+        };
+        stage.run(&self.take, bindings, Groups::Items(pixels as u64));
+        Ok(())
     }
 }

@@ -12,17 +12,18 @@
 use super::camera_visibility::Pass;
 use super::facet_classify::Facets;
 use super::sorted_pairs;
+use crate::frame::Frame;
 use crate::gpu::kernels::{candidate_pairs::SEEN, pixel_texel_pairs as kernel};
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Error, Result};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct PixelTexelPairs {
-    count: Program,
-    emit: Program,
-    emit_rest: Program,
-    append: Program,
+    count: kernel::CountProgram,
+    emit: kernel::EmitProgram,
+    emit_rest: kernel::EmitRestProgram,
+    append: kernel::AppendProgram,
     uniforms: Uniforms,
     places: Places,
 }
@@ -52,12 +53,8 @@ impl Places {
         }
     }
 
-    /// The constant of the kernels that says so.
-    pub(super) fn constant(self) -> (&'static str, f64) {
-        ("TILE_SHIFT", f64::from(self.shift()))
-    }
-
-    fn shift(self) -> u32 {
+    /// Texels a side of one, as a power of two.
+    pub(super) fn shift(self) -> u32 {
         match self {
             Self::Texels => 0,
             Self::Tiles => 1,
@@ -143,12 +140,12 @@ impl PairLists {
 impl PixelTexelPairs {
     /// Builds the pipeline for pairs that meet at `places`.
     pub fn new(device: &wgpu::Device, places: Places) -> Self {
-        let program = |entry| Program::new(device, entry, &[places.constant()]);
+        let constants = kernel::Constants { tile_shift: places.shift() };
         Self {
-            count: program(kernel::ENTRY_COUNT),
-            emit: program(kernel::ENTRY_EMIT),
-            emit_rest: program(kernel::ENTRY_EMIT_REST),
-            append: Program::new(device, kernel::ENTRY_APPEND, &[]),
+            count: kernel::CountProgram::new(device, constants),
+            emit: kernel::EmitProgram::new(device, constants),
+            emit_rest: kernel::EmitRestProgram::new(device, constants),
+            append: kernel::AppendProgram::new(device, kernel::Constants::default()),
             uniforms: Uniforms::default(),
             places,
         }
@@ -169,7 +166,7 @@ impl PixelTexelPairs {
         &self,
         stage: &mut Stage,
         index: u32,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         facets: &Facets,
         offsets: &Buffer<u32>,
         [args, rest]: [(&wgpu::Buffer, u64); 2],
@@ -178,23 +175,25 @@ impl PixelTexelPairs {
     ) -> Result<()> {
         lists.check(self.places)?;
         let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 })?;
-        let buffers = [
-            ("frame", frame),
-            ("step", &kept),
-            ("undecided", facets.undecided.raw()),
-            ("work_offsets", offsets.raw()),
-            ("splits", splits.raw()),
-            ("place_counts", lists.place_counts.raw()),
-            ("place_deepest", lists.place_deepest.raw()),
-            ("pair_offsets", lists.pixel_offsets.raw()),
-            ("pairs", lists.pixel_pairs.raw()),
-            ("touched", lists.touched.raw()),
-        ];
+        let bindings = kernel::Pairs {
+            frame: frame.as_uniform(),
+            step: kept.as_uniform(),
+            undecided: facets.undecided.as_read(),
+            work_offsets: offsets.as_read(),
+            splits: splits.as_read(),
+            place_counts: lists.place_counts.as_write(),
+            place_deepest: lists.place_deepest.as_write(),
+            pair_offsets: lists.pixel_offsets.as_read(),
+            pairs: lists.pixel_pairs.as_write(),
+            touched: lists.touched.as_write(),
+        };
         if index == 0 {
-            return stage.run(&self.count, &buffers, Groups::Indirect(args.0, args.1));
+            stage.run(&self.count, bindings, Groups::Indirect(args.0, args.1));
+            return Ok(());
         }
-        stage.run(&self.emit, &buffers, Groups::Indirect(args.0, args.1))?;
-        stage.run(&self.emit_rest, &buffers, Groups::Indirect(rest.0, rest.1))
+        stage.run(&self.emit, bindings, Groups::Indirect(args.0, args.1));
+        stage.run(&self.emit_rest, bindings, Groups::Indirect(rest.0, rest.1));
+        Ok(())
     }
 
     /// Records the listing of pairs as they come, texel by texel, to be sorted; the capacity of `frame` may not be above that
@@ -206,7 +205,7 @@ impl PixelTexelPairs {
     pub fn record_append(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         facets: &Facets,
         offsets: &Buffer<u32>,
         args: (&wgpu::Buffer, u64),
@@ -215,16 +214,17 @@ impl PixelTexelPairs {
         to: &sorted_pairs::Scratch,
     ) -> Result<()> {
         lists.check(Places::Texels)?;
-        let buffers = [
-            ("frame", frame),
-            ("undecided", facets.undecided.raw()),
-            ("work_offsets", offsets.raw()),
-            ("splits", splits.raw()),
-            ("place_deepest", lists.place_deepest.raw()),
-            ("appended", to.appended.raw()),
-            ("keys", to.keys.raw()),
-            ("values", to.values.raw()),
-        ];
-        stage.run(&self.append, &buffers, Groups::Indirect(args.0, args.1))
+        let bindings = kernel::Append {
+            frame: frame.as_uniform(),
+            undecided: facets.undecided.as_read(),
+            work_offsets: offsets.as_read(),
+            splits: splits.as_read(),
+            place_deepest: lists.place_deepest.as_write(),
+            appended: to.appended.as_write(),
+            keys: to.keys.as_write(),
+            values: to.values.as_write(),
+        };
+        stage.run(&self.append, bindings, Groups::Indirect(args.0, args.1));
+        Ok(())
     }
 }

@@ -14,17 +14,18 @@
 use super::camera_visibility::{Blocks, Pass};
 use super::{Count, PrefixScan, prefix_scan};
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::pixel_triangles as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct PixelTriangles {
-    cover: Program,
-    count: Program,
-    emit: Program,
-    emit_rest: Program,
-    judge: Program,
+    cover: kernel::CoverProgram,
+    count: kernel::CountProgram,
+    emit: kernel::EmitProgram,
+    emit_rest: kernel::EmitRestProgram,
+    judge: kernel::JudgeProgram,
     scan: PrefixScan,
     uniforms: Uniforms,
 }
@@ -74,11 +75,11 @@ impl PixelTriangles {
     /// Builds the pipelines; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
         Self {
-            cover: Program::new(device, kernel::ENTRY_COVER, &[]),
-            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
-            emit: Program::new(device, kernel::ENTRY_EMIT, &[]),
-            emit_rest: Program::new(device, kernel::ENTRY_EMIT_REST, &[]),
-            judge: Program::new(device, kernel::ENTRY_JUDGE, &[]),
+            cover: kernel::CoverProgram::new(device, ()),
+            count: kernel::CountProgram::new(device, ()),
+            emit: kernel::EmitProgram::new(device, ()),
+            emit_rest: kernel::EmitRestProgram::new(device, ()),
+            judge: kernel::JudgeProgram::new(device, ()),
             scan: scan.clone(),
             uniforms: Uniforms::default(),
         }
@@ -92,7 +93,7 @@ impl PixelTriangles {
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         blocks: Blocks,
         rest: (&wgpu::Buffer, u64),
         lists: &PixelLists,
@@ -100,43 +101,35 @@ impl PixelTriangles {
         status: &Buffer<u32>,
     ) -> Result<()> {
         let (pixels, all) = (lists.counts.len(), blocks.args);
-        self.raster(stage, &[(&self.cover, all), (&self.count, all)], frame, blocks, lists)?;
-        let buffers = [
-            ("frame", frame),
-            ("cover_keys", lists.cover_keys.raw()),
-            ("pixel_counts", lists.counts.raw()),
-            ("complex_flags", lists.complex_flags.raw()),
-            ("facet_counts", lists.facet_counts.raw()),
-            ("status", status.raw()),
-        ];
-        stage.run(&self.judge, &buffers, Groups::Items(pixels as u64))?;
+        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 })?;
+        let raster = kernel::Raster {
+            frame: frame.as_uniform(),
+            step: kept.as_uniform(),
+            triangles: blocks.triangles.as_read(),
+            points: blocks.points.as_read(),
+            camera_rects: blocks.rects.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            cover_keys: lists.cover_keys.as_write(),
+            pixel_counts: lists.counts.as_write(),
+            pixel_offsets: lists.offsets.as_read(),
+            pixel_list: lists.list.as_write(),
+            touched: lists.touched.as_write(),
+        };
+        stage.run(&self.cover, raster, Groups::Indirect(all.0, all.1));
+        stage.run(&self.count, raster, Groups::Indirect(all.0, all.1));
+        let bindings = kernel::Judge {
+            frame: frame.as_uniform(),
+            cover_keys: lists.cover_keys.as_write(),
+            pixel_counts: lists.counts.as_write(),
+            complex_flags: lists.complex_flags.as_write(),
+            facet_counts: lists.facet_counts.as_write(),
+            status: status.as_write(),
+        };
+        stage.run(&self.judge, bindings, Groups::Items(pixels as u64));
         let total = (&lists.offsets, pixels);
         self.scan.record(stage, &lists.counts, &lists.offsets, total, scratch, Count::Exactly(pixels))?;
-        self.raster(stage, &[(&self.emit, all), (&self.emit_rest, rest)], frame, blocks, lists)
-    }
-
-    fn raster(
-        &self,
-        stage: &mut Stage,
-        programs: &[(&Program, (&wgpu::Buffer, u64))],
-        frame: &wgpu::Buffer,
-        blocks: Blocks,
-        lists: &PixelLists,
-    ) -> Result<()> {
-        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 })?;
-        let buffers = [
-            ("frame", frame),
-            ("step", &kept),
-            ("triangles", blocks.triangles),
-            ("points", blocks.points.raw()),
-            ("camera_rects", blocks.rects.raw()),
-            ("work_offsets", blocks.offsets.raw()),
-            ("cover_keys", lists.cover_keys.raw()),
-            ("pixel_counts", lists.counts.raw()),
-            ("pixel_offsets", lists.offsets.raw()),
-            ("pixel_list", lists.list.raw()),
-            ("touched", lists.touched.raw()),
-        ];
-        programs.iter().try_for_each(|(program, args)| stage.run(program, &buffers, Groups::Indirect(args.0, args.1)))
+        stage.run(&self.emit, raster, Groups::Indirect(all.0, all.1));
+        stage.run(&self.emit_rest, raster, Groups::Indirect(rest.0, rest.1));
+        Ok(())
     }
 }

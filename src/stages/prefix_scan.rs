@@ -13,8 +13,7 @@
 
 use super::{Count, holds};
 use crate::gpu::kernels::prefix_scan as kernel;
-use crate::gpu::program::{range, whole};
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Error, Result, shared_struct};
 
 shared_struct! {
@@ -42,9 +41,9 @@ shared_struct! {
 /// The pipelines of the scan. A clone shares them, so that stages built on the scan compile it once.
 #[derive(Clone, Debug)]
 pub struct PrefixScan {
-    reduce: Program,
-    spine: Program,
-    downsweep: Program,
+    reduce: kernel::ReduceProgram,
+    spine: kernel::SpineProgram,
+    downsweep: kernel::DownsweepProgram,
     uniforms: Uniforms,
 }
 
@@ -70,9 +69,9 @@ impl PrefixScan {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
-            reduce: Program::new(device, kernel::ENTRY_REDUCE, &[]),
-            spine: Program::new(device, kernel::ENTRY_SPINE, &[]),
-            downsweep: Program::new(device, kernel::ENTRY_DOWNSWEEP, &[]),
+            reduce: kernel::ReduceProgram::new(device, ()),
+            spine: kernel::SpineProgram::new(device, ()),
+            downsweep: kernel::DownsweepProgram::new(device, ()),
             uniforms: Uniforms::default(),
         }
     }
@@ -114,7 +113,7 @@ impl PrefixScan {
         let block = kernel::BLOCK as usize;
         let binding = stage.device.limits().max_storage_buffer_binding_size as usize / size_of::<u32>();
         let segment = (binding / block).max(1) * block;
-        let segments = |stage: &mut Stage, program: &Program| -> Result<()> {
+        let segments = |stage: &mut Stage, down: bool| -> Result<()> {
             for first in (0..limit).step_by(segment) {
                 let length = segment.min(limit - first);
                 let params = self.uniforms.get(
@@ -128,24 +127,30 @@ impl PrefixScan {
                         ..Params::default()
                     },
                 )?;
-                let buffers = [
-                    ("params", whole(&params)),
-                    ("counts", whole(count.buffer(&params))),
-                    ("input", range(input, first, length)),
-                    ("sums", whole(scratch.sums.raw())),
-                    ("output", range(output, first, length)),
-                ];
-                stage.run_ranges(program, &buffers, Groups::Workgroups(length.div_ceil(block) as u64))?;
+                let bindings = kernel::Downsweep {
+                    params: params.as_uniform(),
+                    counts: count.words(&params),
+                    input: input.read_range(first, length).cast(),
+                    sums: scratch.sums.as_write(),
+                    output: output.write_range(first, length).cast(),
+                };
+                let blocks = Groups::Workgroups(length.div_ceil(block) as u64);
+                if down {
+                    stage.run(&self.downsweep, bindings, blocks);
+                } else {
+                    stage.run(&self.reduce, bindings, blocks);
+                }
             }
             Ok(())
         };
-        segments(stage, &self.reduce)?;
+        segments(stage, false)?;
         let params = self.uniforms.get(
             stage.device,
             &Params { blocks: limit.div_ceil(block) as u32, total_word: total.1 as u32, ..Params::default() },
         )?;
-        let buffers = [("params", &params), ("sums", scratch.sums.raw()), ("total", total.0.raw())];
-        stage.run(&self.spine, &buffers, Groups::Workgroups(1))?;
-        segments(stage, &self.downsweep)
+        let bindings =
+            kernel::Spine { params: params.as_uniform(), sums: scratch.sums.as_write(), total: total.0.as_write() };
+        stage.run(&self.spine, bindings, Groups::Workgroups(1));
+        segments(stage, true)
     }
 }

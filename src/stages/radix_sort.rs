@@ -13,7 +13,7 @@
 
 use super::{Count, PrefixScan, holds, prefix_scan};
 use crate::gpu::kernels::radix_sort as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Error, Result, shared_struct};
 
 shared_struct! {
@@ -50,8 +50,8 @@ pub struct Pairs<'a> {
 /// The pipelines of the sort.
 #[derive(Debug)]
 pub struct RadixSort {
-    count: Program,
-    scatter: Program,
+    count: kernel::CountProgram,
+    scatter: kernel::ScatterProgram,
     scan: PrefixScan,
     uniforms: Uniforms,
 }
@@ -79,8 +79,8 @@ impl RadixSort {
     /// Builds the pipelines; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
         Self {
-            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
-            scatter: Program::new(device, kernel::ENTRY_SCATTER, &[]),
+            count: kernel::CountProgram::new(device, ()),
+            scatter: kernel::ScatterProgram::new(device, ()),
             scan: scan.clone(),
             uniforms: Uniforms::default(),
         }
@@ -162,21 +162,22 @@ impl RadixSort {
                 ..Params::default()
             },
         )?;
-        let buffers = [
-            ("params", &params),
-            ("counts", count.buffer(&params)),
-            ("keys_in", from.keys.raw()),
-            ("values_in", from.values.raw()),
-            ("histogram", scratch.histogram.raw()),
-            ("offsets", scratch.offsets.raw()),
-            ("keys_out", to.keys.raw()),
-            ("values_out", to.values.raw()),
-        ];
+        let bindings = kernel::Digits {
+            params: params.as_uniform(),
+            counts: count.words(&params),
+            keys_in: from.keys.as_read().cast(),
+            values_in: from.values.as_read().cast(),
+            histogram: scratch.histogram.as_write(),
+            offsets: scratch.offsets.as_read(),
+            keys_out: to.keys.as_write(),
+            values_out: to.values.as_write(),
+        };
         let groups = || Groups::Workgroups(blocks as u64);
-        stage.run(&self.count, &buffers, groups())?;
+        stage.run(&self.count, bindings, groups());
         let (histogram, offsets) = (&scratch.histogram, &scratch.offsets);
         let counters = Count::Exactly(blocks << bits);
         self.scan.record(stage, histogram, offsets, (&scratch.total, 0), &scratch.scan, counters)?;
-        stage.run(&self.scatter, &buffers, groups())
+        stage.run(&self.scatter, bindings, groups());
+        Ok(())
     }
 }

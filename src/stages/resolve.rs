@@ -8,46 +8,43 @@
 //! - **Cost.** One dispatch over pixels.
 
 use super::facet_classify::Facets;
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::resolve as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 pub use kernel::STATUS_FINISHED;
 
 /// The pipeline for one number of mask words.
 #[derive(Debug)]
 pub struct Resolve {
-    resolve: Program,
+    resolve: kernel::ResolveProgram,
 }
 
 impl Resolve {
     /// Builds the pipeline for masks of `words` words.
     pub fn new(device: &wgpu::Device, words: u32) -> Self {
-        Self { resolve: Program::new(device, kernel::ENTRY_RESOLVE, &[("WORDS", f64::from(words))]) }
+        Self { resolve: kernel::ResolveProgram::new(device, kernel::Constants { words: words, ..Default::default() }) }
     }
 
     /// Records the visibility of every pixel.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         facets: &Facets,
         visibility: &Buffer<f32>,
         lit: &Buffer<u32>,
         status: &Buffer<u32>,
-    ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("facets", facets.list.raw()),
-            ("masks", facets.masks.raw()),
-            ("pixel_facets", facets.pixel_facets.raw()),
-            ("visibility", visibility.raw()),
-            ("lit", lit.raw()),
-            ("status", status.raw()),
-        ];
-        stage.run(&self.resolve, &buffers, Groups::Items(visibility.len() as u64))
+    ) {
+        let bindings = kernel::Resolve {
+            frame: frame.as_uniform(),
+            facets: facets.list.as_read(),
+            masks: facets.masks.as_read(),
+            pixel_facets: facets.pixel_facets.as_read(),
+            visibility: visibility.as_write(),
+            lit: lit.as_write(),
+            status: status.as_write(),
+        };
+        stage.run(&self.resolve, bindings, Groups::Items(visibility.len() as u64));
     }
 }

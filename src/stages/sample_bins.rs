@@ -21,18 +21,18 @@ use super::{Count, PrefixScan, holds, prefix_scan};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::sample_bins as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 
 /// The pipelines for one number of mask words.
 #[derive(Debug)]
 pub struct SampleBins {
-    bin: Program,
-    occlude: Program,
-    refine: Program,
-    refine_all: Program,
-    occlude_crowds: Program,
-    refine_crowds: Program,
-    ask: Program,
+    bin: kernel::BinProgram,
+    occlude: kernel::OccludeProgram,
+    refine: kernel::RefineProgram,
+    refine_all: kernel::RefineAllProgram,
+    occlude_crowds: kernel::OccludeCrowdsProgram,
+    refine_crowds: kernel::RefineCrowdsProgram,
+    ask: kernel::AskProgram,
     fold: DispatchArgs,
     compact: Compact,
     scan: PrefixScan,
@@ -126,11 +126,11 @@ impl Bins {
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// Sample offsets.
-    pub samples: &'a wgpu::Buffer,
+    pub samples: &'a Buffer<[f32; 4]>,
     /// The casters' blocks of texels.
     pub blocks: Blocks<'a>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
-    pub positions: &'a wgpu::Buffer,
+    pub positions: &'a Buffer<[f32; 4]>,
     /// Facets and masks.
     pub facets: &'a Facets,
 }
@@ -138,15 +138,15 @@ pub struct Scene<'a> {
 impl SampleBins {
     /// Builds the pipelines for masks of `words` words; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
-        let program = |entry| Program::new(device, entry, &[("WORDS", f64::from(words))]);
+        let constants = kernel::Constants { words };
         Self {
-            bin: program(kernel::ENTRY_BIN),
-            occlude: program(kernel::ENTRY_OCCLUDE),
-            refine: program(kernel::ENTRY_REFINE),
-            refine_all: program(kernel::ENTRY_REFINE_ALL),
-            occlude_crowds: program(kernel::ENTRY_OCCLUDE_CROWDS),
-            refine_crowds: program(kernel::ENTRY_REFINE_CROWDS),
-            ask: program(kernel::ENTRY_ASK),
+            bin: kernel::BinProgram::new(device, constants),
+            occlude: kernel::OccludeProgram::new(device, constants),
+            refine: kernel::RefineProgram::new(device, constants),
+            refine_all: kernel::RefineAllProgram::new(device, constants),
+            occlude_crowds: kernel::OccludeCrowdsProgram::new(device, constants),
+            refine_crowds: kernel::RefineCrowdsProgram::new(device, constants),
+            ask: kernel::AskProgram::new(device, constants),
             fold: DispatchArgs::new(device),
             compact: Compact::new(device, scan),
             scan: scan.clone(),
@@ -170,7 +170,9 @@ impl SampleBins {
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_bin(&self, stage: &mut Stage, run: u32, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        self.run(stage, &self.bin, run, band, scene, bins, Groups::Items(bins.list.len() as u64 / 5 * 4))?;
+        let pass = self.pass(stage.device, run)?;
+        let bindings = Self::bindings(&pass, band, scene, bins)?;
+        stage.run(&self.bin, bindings, Groups::Items(bins.list.len() as u64 / 5 * 4));
         if run == 1 {
             return Ok(());
         }
@@ -184,9 +186,12 @@ impl SampleBins {
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_occlude(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        self.record_args(stage, band, scene, bins)?;
-        self.run(stage, &self.occlude, 0, band, scene, bins, bins.groups(0))?;
-        self.run(stage, &self.occlude_crowds, 0, band, scene, bins, bins.groups(1))
+        let pass = self.pass(stage.device, 0)?;
+        let bindings = Self::bindings(&pass, band, scene, bins)?;
+        self.record_args(stage, bindings, bins)?;
+        stage.run(&self.occlude, bindings, bins.groups(0));
+        stage.run(&self.occlude_crowds, bindings, bins.groups(1));
+        Ok(())
     }
 
     /// Records the tests that single precision left open.
@@ -194,48 +199,43 @@ impl SampleBins {
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
     pub fn record_refine(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        self.record_args(stage, band, scene, bins)?;
-        self.run(stage, &self.refine, 0, band, scene, bins, bins.groups(2))?;
-        self.run(stage, &self.refine_all, 0, band, scene, bins, bins.groups(3))?;
-        self.run(stage, &self.refine_crowds, 0, band, scene, bins, bins.groups(4))
+        let pass = self.pass(stage.device, 0)?;
+        let bindings = Self::bindings(&pass, band, scene, bins)?;
+        self.record_args(stage, bindings, bins)?;
+        stage.run(&self.refine, bindings, bins.groups(2));
+        stage.run(&self.refine_all, bindings, bins.groups(3));
+        stage.run(&self.refine_crowds, bindings, bins.groups(4));
+        Ok(())
     }
 
     /// Records how many workgroups the runs over the casters' blocks have, and over the doubts.
-    fn record_args(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
-        self.run(stage, &self.ask, 0, band, scene, bins, Groups::Workgroups(1))?;
+    fn record_args(&self, stage: &mut Stage, bindings: kernel::Bins, bins: &Bins) -> Result<()> {
+        stage.run(&self.ask, bindings, Groups::Workgroups(1));
         self.fold.record(stage, &bins.wanted, &bins.requests, &bins.args)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
-    fn run(
-        &self,
-        stage: &mut Stage,
-        program: &Program,
-        run: u32,
-        band: usize,
-        scene: Scene,
-        bins: &Bins,
-        groups: Groups,
-    ) -> Result<()> {
+    fn pass(&self, device: &wgpu::Device, run: u32) -> Result<Buffer<Pass>> {
+        self.uniforms.get(device, &Pass { index: run })
+    }
+
+    fn bindings<'a>(pass: &'a Buffer<Pass>, band: usize, scene: Scene<'a>, bins: &'a Bins) -> Result<kernel::Bins<'a>> {
         holds("sample_bins", "bands", bins.frames.len(), band + 1)?;
         let Scene { samples, blocks, positions, facets } = scene;
-        let pass = self.uniforms.get(stage.device, &Pass { index: run })?;
-        let buffers = [
-            ("frame", bins.frames[band].raw()),
-            ("samples", samples),
-            ("step", &pass),
-            ("undecided", facets.undecided.raw()),
-            ("triangles", blocks.triangles),
-            ("positions", positions),
-            ("masks", facets.masks.raw()),
-            ("texel_ends", bins.texel_ends.raw()),
-            ("bins", bins.list.raw()),
-            ("light_rects", blocks.rects.raw()),
-            ("work_offsets", blocks.offsets.raw()),
-            ("listed", bins.listed.raw()),
-            ("listed_total", bins.total.raw()),
-            ("wanted", bins.wanted.raw()),
-        ];
-        stage.run(program, &buffers, groups)
+        Ok(kernel::Bins {
+            frame: bins.frames[band].as_uniform(),
+            samples: samples.as_uniform(),
+            step: pass.as_uniform(),
+            undecided: facets.undecided.as_read(),
+            triangles: blocks.triangles.as_read(),
+            positions: positions.as_read(),
+            masks: facets.masks.as_write(),
+            texel_ends: bins.texel_ends.as_write(),
+            bins: bins.list.as_write(),
+            light_rects: blocks.rects.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            listed: bins.listed.as_read(),
+            listed_total: bins.total.as_read(),
+            wanted: bins.wanted.as_write(),
+        })
     }
 }

@@ -19,8 +19,9 @@ mod complex_pixels;
 use super::facet_classify::Facets;
 use super::pixel_triangles::PixelLists;
 use super::{Count, DispatchArgs, PrefixScan, prefix_scan};
+use crate::frame::Frame;
 use crate::gpu::kernels::sample_surfaces as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Error, Result, shared_struct};
 
 pub use complex_pixels::ComplexPixels;
@@ -51,15 +52,15 @@ enum Merging {
 /// The pipelines for one number of samples.
 #[derive(Debug)]
 pub struct SampleSurfaces {
-    nearest: Program,
-    begin: Program,
-    rivals: Program,
-    crowds: Program,
-    name: Option<Program>,
-    group: Program,
+    nearest: kernel::NearestProgram,
+    begin: kernel::BeginProgram,
+    rivals: kernel::SettleRivalsProgram,
+    crowds: kernel::SettleCrowdsProgram,
+    name: Option<kernel::NameSurfacesProgram>,
+    group: kernel::GroupSamplesProgram,
     /// Of triangles by themselves, and of surfaces.
-    emit: [Option<Program>; 2],
-    emit_single: Program,
+    emit: [Option<kernel::EmitProgram>; 2],
+    emit_single: kernel::EmitSingleProgram,
     fold: DispatchArgs,
     scan: PrefixScan,
     words: u32,
@@ -70,45 +71,48 @@ pub struct SampleSurfaces {
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh<'a> {
     /// Sample offsets.
-    pub samples: &'a wgpu::Buffer,
+    pub samples: &'a Buffer<[f32; 4]>,
     /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
-    pub triangles: &'a wgpu::Buffer,
+    pub triangles: &'a Buffer<[u32; 4]>,
     /// Projected vertices.
     pub points: &'a Buffer<[f32; 4]>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
-    pub positions: &'a wgpu::Buffer,
+    pub positions: &'a Buffer<[f32; 4]>,
     /// Of each triangle the lowest of its surface, with [`SEVERAL`] where that has more than one; read if surfaces merge.
     pub surfaces: Option<&'a Buffer<u32>>,
 }
 
 /// Buffers of the kernels that look for the nearest surface, of one band.
+#[derive(Clone, Copy)]
 struct Seen<'a> {
-    frame: &'a wgpu::Buffer,
+    frame: &'a Buffer<Frame>,
     mesh: Mesh<'a>,
     lists: &'a PixelLists,
     complex: &'a ComplexPixels,
     keys: &'a Buffer<u32>,
 }
 
-impl Seen<'_> {
-    /// By the kernels' names, with the uniform `step`; each binds those it declares.
-    fn buffers<'a>(&'a self, step: &'a wgpu::Buffer) -> [(&'static str, &'a wgpu::Buffer); 13] {
-        let Self { frame, mesh, lists, complex, keys } = *self;
-        [
-            ("frame", frame),
-            ("samples", mesh.samples),
-            ("step", step),
-            ("triangles", mesh.triangles),
-            ("points", mesh.points.raw()),
-            ("positions", mesh.positions),
-            ("pixel_offsets", lists.offsets.raw()),
-            ("pixel_list", lists.list.raw()),
-            ("complex_pixels", complex.pixels.raw()),
-            ("complex_total", complex.total.raw()),
-            ("sample_keys", keys.raw()),
-            ("rivals_found", complex.rivals.raw()),
-            ("crowds", complex.crowds.raw()),
-        ]
+impl<'s> Seen<'s> {
+    fn bindings<'a>(self, step: &'a Buffer<Step>) -> kernel::Search<'a>
+    where
+        's: 'a,
+    {
+        let Self { frame, mesh, lists, complex, keys } = self;
+        kernel::Search {
+            frame: frame.as_uniform(),
+            samples: mesh.samples.as_uniform(),
+            step: step.as_uniform(),
+            triangles: mesh.triangles.as_read(),
+            points: mesh.points.as_read(),
+            positions: mesh.positions.as_read(),
+            pixel_offsets: lists.offsets.as_read(),
+            pixel_list: lists.list.as_read(),
+            complex_pixels: complex.pixels.as_read(),
+            complex_total: complex.total.as_read(),
+            sample_keys: keys.as_write(),
+            rivals_found: complex.rivals.as_write(),
+            crowds: complex.crowds.as_write(),
+        }
     }
 }
 
@@ -134,21 +138,18 @@ impl SampleSurfaces {
 
     fn with(device: &wgpu::Device, scan: &PrefixScan, samples: u32, merge: Merging) -> Self {
         let words = samples.div_ceil(32);
-        let of = |merge: u32| {
-            [("WORDS", words), ("MERGE", merge), ("SAMPLES", samples.min(32))]
-                .map(|(name, value)| (name, f64::from(value)))
-        };
+        let of = |merge: u32| kernel::Constants { words, merge, samples: samples.min(32) };
         let constants = of(0);
-        let emit = |with: bool, merge| with.then(|| Program::new(device, kernel::ENTRY_EMIT, &of(merge)));
+        let emit = |with: bool, merge| with.then(|| kernel::EmitProgram::new(device, of(merge)));
         Self {
-            nearest: Program::new(device, kernel::ENTRY_NEAREST, &constants),
-            begin: Program::new(device, kernel::ENTRY_BEGIN, &[]),
-            rivals: Program::new(device, kernel::ENTRY_SETTLE_RIVALS, &constants),
-            crowds: Program::new(device, kernel::ENTRY_SETTLE_CROWDS, &constants),
-            name: (merge != Merging::Never).then(|| Program::new(device, kernel::ENTRY_NAME_SURFACES, &constants)),
-            group: Program::new(device, kernel::ENTRY_GROUP_SAMPLES, &constants),
+            nearest: kernel::NearestProgram::new(device, constants),
+            begin: kernel::BeginProgram::new(device, constants),
+            rivals: kernel::SettleRivalsProgram::new(device, constants),
+            crowds: kernel::SettleCrowdsProgram::new(device, constants),
+            name: (merge != Merging::Never).then(|| kernel::NameSurfacesProgram::new(device, constants)),
+            group: kernel::GroupSamplesProgram::new(device, constants),
             emit: [emit(merge != Merging::Always, 0), emit(merge != Merging::Never, 1)],
-            emit_single: Program::new(device, kernel::ENTRY_EMIT_SINGLE, &constants),
+            emit_single: kernel::EmitSingleProgram::new(device, constants),
             fold: DispatchArgs::new(device),
             scan: scan.clone(),
             words,
@@ -165,7 +166,7 @@ impl SampleSurfaces {
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         mesh: Mesh,
         lists: &PixelLists,
         complex: &ComplexPixels,
@@ -192,91 +193,93 @@ impl SampleSurfaces {
             let seen = Seen { frame, mesh, lists, complex, keys };
             for (round, word) in turns() {
                 let step = self.uniforms.get(stage.device, &Step { round, word, ..band })?;
-                stage.run(&self.nearest, &seen.buffers(&step), groups())?;
+                stage.run(&self.nearest, seen.bindings(&step), groups());
             }
-            stage.run(&self.begin, &[("crowds", complex.crowds.raw())], Groups::Workgroups(1))?;
+            stage.run(&self.begin, kernel::Begin { crowds: complex.crowds.as_write() }, Groups::Workgroups(1));
             if let Some(fill) = fill {
                 fill(stage, [band.first_slot, band.slots], keys, groups())?;
             }
             let step = self.uniforms.get(stage.device, &band)?;
-            stage.run(&self.rivals, &seen.buffers(&step), groups())?;
+            stage.run(&self.rivals, seen.bindings(&step), groups());
             self.fold.record(stage, &complex.crowds, &complex.crowd_requests, &complex.crowd_args)?;
             for (round, word) in turns() {
                 let step = self.uniforms.get(stage.device, &Step { round, word, ..band })?;
-                stage.run(&self.crowds, &seen.buffers(&step), Groups::Indirect(complex.crowd_args.raw(), 0))?;
+                stage.run(&self.crowds, seen.bindings(&step), Groups::Indirect(complex.crowd_args.raw(), 0));
             }
             self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
-            let group_keys = if name.is_some() { complex.rivals.raw() } else { keys.raw() };
-            let buffers = [
-                ("frame", frame),
-                ("step", &step),
-                ("complex_pixels", complex.pixels.raw()),
-                ("complex_total", complex.total.raw()),
-                ("group_keys", group_keys),
-                ("facet_counts", lists.facet_counts.raw()),
-            ];
-            stage.run(&self.group, &buffers, groups())?;
+            let group_keys = if name.is_some() { &complex.rivals } else { keys };
+            let bindings = kernel::GroupSamples {
+                frame: frame.as_uniform(),
+                step: step.as_uniform(),
+                complex_pixels: complex.pixels.as_read(),
+                complex_total: complex.total.as_read(),
+                group_keys: group_keys.as_read(),
+                facet_counts: lists.facet_counts.as_write(),
+            };
+            stage.run(&self.group, bindings, groups());
         }
         let (counts, offsets) = (&lists.facet_counts, &facets.pixel_facets);
         self.scan.record(stage, counts, offsets, (offsets, pixels), scratch, Count::Exactly(pixels))?;
-        let buffers = [
-            ("frame", frame),
-            ("pixel_offsets", lists.offsets.raw()),
-            ("pixel_list", lists.list.raw()),
-            ("complex_flags", lists.complex_flags.raw()),
-            ("pixel_facets", facets.pixel_facets.raw()),
-            ("facets", facets.list.raw()),
-            ("masks", facets.masks.raw()),
-            ("id_keys", id_keys.raw()),
-        ];
-        stage.run(&self.emit_single, &buffers, Groups::Items(pixels.max(facets.list.len()) as u64))?;
+        let bindings = kernel::EmitSingle {
+            frame: frame.as_uniform(),
+            pixel_offsets: lists.offsets.as_read(),
+            pixel_list: lists.list.as_read(),
+            complex_flags: lists.complex_flags.as_read(),
+            pixel_facets: facets.pixel_facets.as_read(),
+            facets: facets.list.as_write(),
+            masks: facets.masks.as_write(),
+            id_keys: id_keys.as_write(),
+        };
+        stage.run(&self.emit_single, bindings, Groups::Items(pixels.max(facets.list.len()) as u64));
         for (band, keys) in complex.bands() {
             let step = self.uniforms.get(stage.device, &band)?;
             if complex.keys.len() > 1 {
                 // Those of other bands were written over.
                 self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
             }
-            let group_keys = if name.is_some() { complex.rivals.raw() } else { keys.raw() };
-            let buffers = [
-                ("frame", frame),
-                ("samples", mesh.samples),
-                ("step", &step),
-                ("complex_pixels", complex.pixels.raw()),
-                ("complex_total", complex.total.raw()),
-                ("seen_keys", keys.raw()),
-                ("group_keys", group_keys),
-                ("pixel_facets", facets.pixel_facets.raw()),
-                ("facets", facets.list.raw()),
-                ("masks", facets.masks.raw()),
-                ("id_keys", id_keys.raw()),
-            ];
-            stage.run(emit, &buffers, groups())?;
+            let group_keys = if name.is_some() { &complex.rivals } else { keys };
+            let bindings = kernel::Emit {
+                frame: frame.as_uniform(),
+                samples: mesh.samples.as_uniform(),
+                step: step.as_uniform(),
+                complex_pixels: complex.pixels.as_read(),
+                complex_total: complex.total.as_read(),
+                seen_keys: keys.as_read(),
+                group_keys: group_keys.as_read(),
+                pixel_facets: facets.pixel_facets.as_read(),
+                facets: facets.list.as_write(),
+                masks: facets.masks.as_write(),
+                id_keys: id_keys.as_write(),
+            };
+            stage.run(emit, bindings, groups());
         }
         Ok(())
     }
+
     /// Records what the surfaces of a band's samples are, where they are merged.
     #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
     fn record_names(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        step: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
+        step: &Buffer<Step>,
         mesh: Mesh,
         complex: &ComplexPixels,
         keys: &Buffer<u32>,
         groups: Groups,
     ) -> Result<()> {
         let Some((name, surfaces)) = self.name.as_ref().zip(mesh.surfaces) else { return Ok(()) };
-        let buffers = [
-            ("frame", frame),
-            ("step", step),
-            ("triangles", mesh.triangles),
-            ("points", mesh.points.raw()),
-            ("complex_total", complex.total.raw()),
-            ("sample_keys", keys.raw()),
-            ("surfaces", surfaces.raw()),
-            ("named_keys", complex.rivals.raw()),
-        ];
-        stage.run(name, &buffers, groups)
+        let bindings = kernel::NameSurfaces {
+            frame: frame.as_uniform(),
+            step: step.as_uniform(),
+            triangles: mesh.triangles.as_read(),
+            points: mesh.points.as_read(),
+            complex_total: complex.total.as_read(),
+            sample_keys: keys.as_write(),
+            surfaces: surfaces.as_read(),
+            named_keys: complex.rivals.as_write(),
+        };
+        stage.run(name, bindings, groups);
+        Ok(())
     }
 }

@@ -13,15 +13,16 @@ use super::Seen;
 use super::spsm_map::SpsmTexels;
 use super::spsm_query::{Options, SpsmPixels};
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::seen_texels as kernel;
-use crate::gpu::{Buffer, Gpu, Groups, Program, Recorder, Stage};
+use crate::gpu::{Buffer, Gpu, Groups, Recorder, Stage};
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct SeenTexels {
-    mark: Program,
-    around: Program,
-    all: Program,
+    mark: kernel::MarkProgram,
+    around: kernel::AroundProgram,
+    all: kernel::AllTexelsProgram,
 }
 
 /// Bits of the texels, what is counted with them, and a list of pixels.
@@ -81,65 +82,62 @@ impl TexelMarks {
 impl SeenTexels {
     /// Builds the pipelines for what `options` ask of `texels`.
     pub fn new(device: &wgpu::Device, options: Options, texels: &SpsmTexels) -> Self {
-        let many = ("MANY", f64::from(u32::from(options.many)));
-        let around = [
-            many,
-            ("REACH", f64::from(options.radius + options.stretch)),
-            ("ENCODING", f64::from(options.encoding)),
-            ("SPLIT", f64::from(u32::from(texels.is_split()))),
-            ("BIAS", f64::from(options.bias)),
-        ];
+        let constants = kernel::Constants {
+            many: u32::from(options.many),
+            reach: (options.radius + options.stretch) as i32,
+            encoding: options.encoding,
+            split: u32::from(texels.is_split()),
+            bias: options.bias,
+            ..Default::default()
+        };
         Self {
-            mark: Program::new(device, kernel::ENTRY_MARK, &[many]),
-            around: Program::new(device, kernel::ENTRY_AROUND, &around),
-            all: Program::new(device, kernel::ENTRY_ALL_TEXELS, &[]),
+            mark: kernel::MarkProgram::new(device, constants),
+            around: kernel::AroundProgram::new(device, constants),
+            all: kernel::AllTexelsProgram::new(device, constants),
         }
     }
 
     /// Marks the texels that all pixels fall into. The words must be 0 before.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record(&self, stage: &mut Stage, frame: &wgpu::Buffer, seen: Seen, texels: &SpsmTexels) -> Result<()> {
-        let buffers = Self::buffers(frame, seen, texels);
-        stage.run(&self.mark, &buffers, Groups::Items(seen.id_keys.len() as u64))
+    pub fn record(&self, stage: &mut Stage, frame: &Buffer<Frame>, seen: Seen, texels: &SpsmTexels) {
+        let bindings = kernel::Mark {
+            frame: frame.as_uniform(),
+            id_keys: seen.id_keys.as_read(),
+            triangles: seen.triangles.as_read(),
+            points: seen.points.as_read(),
+            seen: texels.marks.words.as_write(),
+        };
+        stage.run(&self.mark, bindings, Groups::Items(seen.id_keys.len() as u64));
     }
 
     /// Marks all texels. The words must be 0 before.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record_all(&self, stage: &mut Stage, frame: &wgpu::Buffer, texels: &TexelMarks) -> Result<()> {
-        let buffers = [("frame", frame), ("seen", texels.words.raw())];
-        stage.run(&self.all, &buffers, Groups::Items(texels.bit_words() as u64))
+    pub fn record_all(&self, stage: &mut Stage, frame: &Buffer<Frame>, texels: &TexelMarks) {
+        let bindings = kernel::AllTexels { frame: frame.as_uniform(), seen: texels.words.as_write() };
+        stage.run(&self.all, bindings, Groups::Items(texels.bit_words() as u64));
     }
 
     /// Marks what the pixels ask for that [`super::spsm_query`] lists as not settled by these. The words of those asked for
     /// last must be 0 before.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record_around(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         seen: Seen,
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
-    ) -> Result<()> {
-        let mut buffers = Self::buffers(frame, seen, texels);
+    ) {
         let (kept, groups) = pixels.unsettled();
-        buffers.push(("kept", kept.raw()));
-        stage.run(&self.around, &buffers, groups)
-    }
-
-    fn buffers<'a>(
-        frame: &'a wgpu::Buffer,
-        seen: Seen<'a>,
-        texels: &'a SpsmTexels,
-    ) -> Vec<(&'static str, &'a wgpu::Buffer)> {
-        let mut buffers = seen.buffers(frame);
-        buffers.extend(texels.read_buffers());
-        buffers
+        let bindings = kernel::Around {
+            frame: frame.as_uniform(),
+            samples: seen.samples.as_uniform(),
+            id_keys: seen.id_keys.as_read(),
+            triangles: seen.triangles.as_read(),
+            points: seen.points.as_read(),
+            kept: kept.as_read(),
+            seen: texels.marks.words.as_write(),
+            slopes: texels.slopes.as_uniform(),
+            upper_records: texels.records[0].as_read(),
+            lower_records: texels.records[1].as_read(),
+        };
+        stage.run(&self.around, bindings, groups);
     }
 }

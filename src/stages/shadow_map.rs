@@ -7,9 +7,9 @@
 //! - **Cost.** One dispatch over pixels; per sample one texel read, or as many as the kernel has.
 
 use super::Seen;
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::shadow_map as kernel;
-use crate::gpu::{Buffer, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 /// Settings that the pipeline is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,33 +27,40 @@ pub struct Options {
 /// The pipeline.
 #[derive(Debug)]
 pub struct ShadowMap {
-    compare: Program,
+    compare: kernel::CompareProgram,
 }
 
 impl ShadowMap {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device, options: Options) -> Self {
-        let constants = [
-            ("KERNEL", f64::from(options.kernel)),
-            ("BIAS_CONSTANT", f64::from(options.constant)),
-            ("BIAS_SLOPE", f64::from(options.slope)),
-            ("RECEIVER_PLANE", f64::from(u32::from(options.receiver_plane))),
-        ];
-        Self { compare: Program::new(device, kernel::ENTRY_COMPARE, &constants) }
+        let constants = kernel::Constants {
+            kernel: options.kernel,
+            bias_constant: options.constant,
+            bias_slope: options.slope,
+            receiver_plane: u32::from(options.receiver_plane),
+            ..Default::default()
+        };
+        Self { compare: kernel::CompareProgram::new(device, constants) }
     }
 
     /// Records the comparison of every pixel.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         seen: Seen,
         nearest_keys: &Buffer<u32>,
         visibility: &Buffer<f32>,
-    ) -> Result<()> {
-        seen.on_depths(&self.compare, stage, frame, nearest_keys, visibility)
+    ) {
+        let bindings = kernel::Compare {
+            frame: frame.as_uniform(),
+            samples: seen.samples.as_uniform(),
+            id_keys: seen.id_keys.as_read(),
+            triangles: seen.triangles.as_read(),
+            points: seen.points.as_read(),
+            nearest_keys: nearest_keys.as_read(),
+            visibility: visibility.as_write(),
+        };
+        stage.run(&self.compare, bindings, Groups::Items(visibility.len() as u64));
     }
 }

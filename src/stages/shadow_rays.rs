@@ -14,17 +14,18 @@ use super::facet_classify::Facets;
 use super::{Compact, Count, DispatchArgs, PrefixScan, compact, dispatch_args};
 use crate::Result;
 use crate::caster_tree::{CasterTree, TreePlace};
+use crate::frame::Frame;
 use crate::gpu::kernels::shadow_rays as kernel;
-use crate::gpu::{Buffer, Gpu, Groups, Program, Stage};
+use crate::gpu::{Buffer, Gpu, Groups, Stage};
 use crate::stages::compact::Flags;
 
 /// The pipelines for one number of mask words.
 #[derive(Debug)]
 pub struct ShadowRays {
-    trace: Program,
-    refine: Program,
-    refine_all: Program,
-    cut: Program,
+    trace: kernel::TraceProgram,
+    refine: kernel::RefineProgram,
+    refine_all: kernel::RefineAllProgram,
+    cut: kernel::CutFacetsProgram,
     compact: Compact,
     fold: DispatchArgs,
 }
@@ -131,13 +132,13 @@ impl Rays {
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// Sample offsets.
-    pub samples: &'a wgpu::Buffer,
+    pub samples: &'a Buffer<[f32; 4]>,
     /// The tree.
     pub tree: &'a TreeBuffers,
     /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
-    pub triangles: &'a wgpu::Buffer,
+    pub triangles: &'a Buffer<[u32; 4]>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
-    pub positions: &'a wgpu::Buffer,
+    pub positions: &'a Buffer<[f32; 4]>,
 }
 
 /// Work on the listed facets.
@@ -154,12 +155,12 @@ pub enum Step {
 impl ShadowRays {
     /// Builds the pipelines for masks of `words` words; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
-        let program = |entry| Program::new(device, entry, &[("WORDS", f64::from(words))]);
+        let constants = kernel::Constants { words };
         Self {
-            trace: program(kernel::ENTRY_TRACE),
-            refine: program(kernel::ENTRY_REFINE),
-            refine_all: program(kernel::ENTRY_REFINE_ALL),
-            cut: program(kernel::ENTRY_CUT_FACETS),
+            trace: kernel::TraceProgram::new(device, constants),
+            refine: kernel::RefineProgram::new(device, constants),
+            refine_all: kernel::RefineAllProgram::new(device, constants),
+            cut: kernel::CutFacetsProgram::new(device, constants),
             compact: Compact::new(device, scan),
             fold: DispatchArgs::new(device),
         }
@@ -183,36 +184,35 @@ impl ShadowRays {
         &self,
         stage: &mut Stage,
         step: Step,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         scene: Scene,
         facets: &Facets,
         rays: &Rays,
     ) -> Result<()> {
         super::holds("shadow_rays", "listed", rays.facets, facets.list.len())?;
-        let programs: &[(&Program, usize)] = match step {
-            Step::Trace => &[(&self.trace, TRACE_ARGS)],
+        let bindings = kernel::Trace {
+            frame: frame.as_uniform(),
+            samples: scene.samples.as_uniform(),
+            tree: scene.tree.place.as_uniform(),
+            undecided: facets.undecided.as_read(),
+            listed: rays.listed.as_read(),
+            work: rays.work.as_write(),
+            nodes: scene.tree.nodes.as_read().cast(),
+            casters: scene.tree.casters.as_read().cast(),
+            triangles: scene.triangles.as_read(),
+            positions: scene.positions.as_read(),
+            masks: facets.masks.as_write(),
+        };
+        let groups = |args: usize| Groups::Indirect(rays.args.raw(), args as u64);
+        match step {
+            Step::Trace => stage.run(&self.trace, bindings, groups(TRACE_ARGS)),
             Step::Refine => {
                 self.fold.record(stage, &rays.work, &rays.requests, &rays.args)?;
-                &[(&self.refine, DOUBT_ARGS), (&self.refine_all, AGAIN_ARGS)]
+                stage.run(&self.refine, bindings, groups(DOUBT_ARGS));
+                stage.run(&self.refine_all, bindings, groups(AGAIN_ARGS));
             }
-            Step::Cut => &[(&self.cut, FACET_ARGS)],
-        };
-        let buffers = [
-            ("frame", frame),
-            ("samples", scene.samples),
-            ("tree", scene.tree.place.raw()),
-            ("undecided", facets.undecided.raw()),
-            ("listed", rays.listed.raw()),
-            ("work", rays.work.raw()),
-            ("nodes", scene.tree.nodes.raw()),
-            ("casters", scene.tree.casters.raw()),
-            ("triangles", scene.triangles),
-            ("positions", scene.positions),
-            ("masks", facets.masks.raw()),
-        ];
-        let run = |&(program, args): &(&Program, usize)| {
-            stage.run(program, &buffers, Groups::Indirect(rays.args.raw(), args as u64))
-        };
-        programs.iter().try_for_each(run)
+            Step::Cut => stage.run(&self.cut, bindings, groups(FACET_ARGS)),
+        }
+        Ok(())
     }
 }

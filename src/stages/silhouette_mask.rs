@@ -8,81 +8,73 @@
 //! - **Cost.** One dispatch over edges, one indirect dispatch over blocks.
 
 use super::light_layers::Layers;
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::silhouette_mask as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
+use crate::scene::Edge;
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct SilhouetteMask {
-    classify: Program,
-    raster: Program,
+    classify: kernel::ClassifyProgram,
+    raster: kernel::RasterProgram,
 }
 
 impl SilhouetteMask {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self {
-            classify: Program::new(device, kernel::ENTRY_CLASSIFY, &[]),
-            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
-        }
+        Self { classify: kernel::ClassifyProgram::new(device, ()), raster: kernel::RasterProgram::new(device, ()) }
     }
 
     /// Records which of `count` edges are silhouettes; adds their number to word 8 of `status`.
-    ///
-    /// # Errors
-    /// None that input can cause.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record_classify(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        edges: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
+        edges: &Buffer<Edge>,
         facing: &Buffer<u32>,
         map_points: &Buffer<[f32; 4]>,
         edge_rects: &Buffer<[u32; 2]>,
         edge_items: &Buffer<u32>,
         status: &Buffer<u32>,
         count: usize,
-    ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("edges", edges),
-            ("facing", facing.raw()),
-            ("map_points", map_points.raw()),
-            ("edge_rects", edge_rects.raw()),
-            ("edge_items", edge_items.raw()),
-            ("status", status.raw()),
-        ];
-        stage.run(&self.classify, &buffers, Groups::Items(count as u64))
+    ) {
+        let bindings = kernel::Classify {
+            frame: frame.as_uniform(),
+            edges: edges.as_read(),
+            facing: facing.as_read(),
+            map_points: map_points.as_read(),
+            edge_rects: edge_rects.as_write(),
+            edge_items: edge_items.as_write(),
+            status: status.as_write(),
+        };
+        stage.run(&self.classify, bindings, Groups::Items(count as u64));
     }
 
     /// Records the marking of the texels they touch.
-    ///
-    /// # Errors
-    /// None that input can cause.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record_raster(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        edges: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
+        edges: &Buffer<Edge>,
         map_points: &Buffer<[f32; 4]>,
         edge_rects: &Buffer<[u32; 2]>,
         offsets: &Buffer<u32>,
         args: (&wgpu::Buffer, u64),
         layers: &Layers,
-    ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("edges", edges),
-            ("map_points", map_points.raw()),
-            ("edge_rects", edge_rects.raw()),
-            ("work_offsets", offsets.raw()),
-            ("nearest_keys", layers.nearest_keys.raw()),
-            ("second_keys", layers.second_keys.raw()),
-            ("mask", layers.mask.raw()),
-        ];
-        stage.run(&self.raster, &buffers, Groups::Indirect(args.0, args.1))
+    ) {
+        let bindings = kernel::Raster {
+            frame: frame.as_uniform(),
+            edges: edges.as_read(),
+            map_points: map_points.as_read(),
+            edge_rects: edge_rects.as_write(),
+            work_offsets: offsets.as_read(),
+            nearest_keys: layers.nearest_keys.as_read(),
+            second_keys: layers.second_keys.as_read(),
+            mask: layers.mask.as_write(),
+        };
+        stage.run(&self.raster, bindings, Groups::Indirect(args.0, args.1));
     }
 }

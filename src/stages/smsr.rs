@@ -8,9 +8,9 @@
 //!   each texel that samples fall into, and where it lies at a border two for each texel that this is followed.
 
 use super::Seen;
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::smsr as kernel;
-use crate::gpu::{Buffer, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 /// Settings that the pipeline is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,33 +29,40 @@ pub struct Options {
 /// The pipeline.
 #[derive(Debug)]
 pub struct Smsr {
-    revectorize: Program,
+    revectorize: kernel::RevectorizeProgram,
 }
 
 impl Smsr {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device, options: Options) -> Self {
-        let constants = [
-            ("REACH", f64::from(options.reach)),
-            ("MIDPOINTS", f64::from(u32::from(options.midpoints))),
-            ("BIAS_CONSTANT", f64::from(options.constant)),
-            ("BIAS_SLOPE", f64::from(options.slope)),
-        ];
-        Self { revectorize: Program::new(device, kernel::ENTRY_REVECTORIZE, &constants) }
+        let constants = kernel::Constants {
+            reach: options.reach,
+            midpoints: u32::from(options.midpoints),
+            bias_constant: options.constant,
+            bias_slope: options.slope,
+            ..Default::default()
+        };
+        Self { revectorize: kernel::RevectorizeProgram::new(device, constants) }
     }
 
     /// Records all pixels.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         seen: Seen,
         nearest_keys: &Buffer<u32>,
         visibility: &Buffer<f32>,
-    ) -> Result<()> {
-        seen.on_depths(&self.revectorize, stage, frame, nearest_keys, visibility)
+    ) {
+        let bindings = kernel::Revectorize {
+            frame: frame.as_uniform(),
+            samples: seen.samples.as_uniform(),
+            id_keys: seen.id_keys.as_read(),
+            triangles: seen.triangles.as_read(),
+            points: seen.points.as_read(),
+            nearest_keys: nearest_keys.as_read(),
+            visibility: visibility.as_write(),
+        };
+        stage.run(&self.revectorize, bindings, Groups::Items(visibility.len() as u64));
     }
 }

@@ -13,7 +13,7 @@
 use super::radix_sort::{self, Pairs};
 use super::{Count, PrefixScan, RadixSort, holds};
 use crate::gpu::kernels::sorted_pairs as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Result, shared_struct};
 
 shared_struct! {
@@ -43,8 +43,8 @@ pub enum Sorted<'a> {
 #[derive(Debug)]
 pub struct SortedPairs {
     sort: RadixSort,
-    bounds: Program,
-    join: Program,
+    bounds: kernel::BoundsProgram,
+    join: kernel::JoinProgram,
     uniforms: Uniforms,
 }
 
@@ -71,8 +71,8 @@ impl SortedPairs {
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
         Self {
             sort: RadixSort::new(device, scan),
-            bounds: Program::new(device, kernel::ENTRY_BOUNDS, &[]),
-            join: Program::new(device, kernel::ENTRY_JOIN, &[]),
+            bounds: kernel::BoundsProgram::new(device, ()),
+            join: kernel::JoinProgram::new(device, ()),
             uniforms: Uniforms::default(),
         }
     }
@@ -114,17 +114,12 @@ impl SortedPairs {
         let sorted = Pairs { keys: &scratch.sorted_keys, values };
         self.sort.record(stage, appended, sorted, &scratch.sort, key_bits, count)?;
         let params = self.uniforms.get(stage.device, &Params { limit: limit as u32, ..Params::default() })?;
-        let mut buffers = vec![
-            ("params", &params),
-            ("counts", scratch.appended.raw()),
-            ("keys", scratch.sorted_keys.raw()),
-            ("values", values.raw()),
-            ("texel_counts", texel_counts.raw()),
-        ];
-        stage.run(&self.bounds, &buffers, Groups::Items(limit as u64))?;
+        let (params, counts, keys) = (params.as_uniform(), scratch.appended.as_read(), scratch.sorted_keys.as_read());
+        let bounds = kernel::Bounds { params, counts, keys, texel_counts: texel_counts.as_write() };
+        stage.run(&self.bounds, bounds, Groups::Items(limit as u64));
         if let Sorted::Pairs(pairs) = to {
-            buffers.push(("pairs", pairs.raw()));
-            stage.run(&self.join, &buffers, Groups::Items(limit as u64))?;
+            let join = kernel::Join { params, counts, keys, values: values.as_read(), pairs: pairs.as_write() };
+            stage.run(&self.join, join, Groups::Items(limit as u64));
         }
         Ok(())
     }

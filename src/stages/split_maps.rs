@@ -12,8 +12,9 @@
 use super::dispatch_args::{DispatchArgs, Request, Requests};
 use super::work_owners::{ListWork, WorkOwners};
 use super::{PrefixScan, prefix_scan};
+use crate::frame::Frame;
 use crate::gpu::kernels::split_maps as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 use crate::light_view::{LightView, SeenBox, SplitPlan, SplitView};
 use crate::{Result, shared_struct};
 
@@ -98,8 +99,8 @@ impl SplitViews {
 /// The pipelines.
 #[derive(Debug)]
 pub struct SplitMaps {
-    measure: Program,
-    raster: Program,
+    measure: kernel::MeasureProgram,
+    raster: kernel::RasterProgram,
     work: ListWork,
 }
 
@@ -148,7 +149,7 @@ impl Maps {
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh<'a> {
     /// Vertex indices.
-    pub triangles: &'a wgpu::Buffer,
+    pub triangles: &'a Buffer<[u32; 4]>,
     /// Vertices relative to the eye, scaled.
     pub points: &'a Buffer<[f32; 4]>,
     /// Rectangles in the whole light view, of `triangle_setup`.
@@ -159,49 +160,46 @@ impl SplitMaps {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
-            measure: Program::new(device, kernel::ENTRY_MEASURE, &[]),
-            raster: Program::new(device, kernel::ENTRY_RASTER, &[]),
+            measure: kernel::MeasureProgram::new(device, ()),
+            raster: kernel::RasterProgram::new(device, ()),
             work: ListWork::new(device, &PrefixScan::new(device)),
         }
     }
 
     /// Records the rectangles and block counts alone, which [`SplitMaps::record`] begins with.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn measure(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         splits: &Buffer<SplitViews>,
         mesh: Mesh,
         maps: &Maps,
-    ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("splits", splits.raw()),
-            ("triangles", mesh.triangles),
-            ("points", mesh.points.raw()),
-            ("light_rects", mesh.light_rects.raw()),
-            ("split_rects", maps.rects.raw()),
-            ("split_items", maps.items.raw()),
-        ];
-        stage.run(&self.measure, &buffers, Groups::Items(maps.items.len() as u64))
+    ) {
+        let bindings = kernel::Measure {
+            frame: frame.as_uniform(),
+            splits: splits.as_uniform(),
+            triangles: mesh.triangles.as_read(),
+            points: mesh.points.as_read(),
+            light_rects: mesh.light_rects.as_read(),
+            split_rects: maps.rects.as_write(),
+            split_items: maps.items.as_write(),
+        };
+        stage.run(&self.measure, bindings, Groups::Items(maps.items.len() as u64));
     }
 
     /// Records it, for as many views as the maps are for, of which `splits` tells.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         splits: &Buffer<SplitViews>,
         mesh: Mesh,
         maps: &Maps,
     ) -> Result<()> {
-        self.measure(stage, frame, splits, mesh, maps)?;
+        self.measure(stage, frame, splits, mesh, maps);
         let offsets = &maps.offsets;
         self.work.record(
             stage,
@@ -210,15 +208,16 @@ impl SplitMaps {
             &maps.scratch,
             (&maps.requests, &maps.args),
         )?;
-        let buffers = [
-            ("frame", frame),
-            ("splits", splits.raw()),
-            ("triangles", mesh.triangles),
-            ("points", mesh.points.raw()),
-            ("rects", maps.rects.raw()),
-            ("work_offsets", offsets.raw()),
-            ("map_keys", maps.keys.raw()),
-        ];
-        stage.run(&self.raster, &buffers, Groups::Indirect(maps.args.raw(), 0))
+        let bindings = kernel::Raster {
+            frame: frame.as_uniform(),
+            splits: splits.as_uniform(),
+            triangles: mesh.triangles.as_read(),
+            points: mesh.points.as_read(),
+            rects: maps.rects.as_read(),
+            work_offsets: offsets.as_read(),
+            map_keys: maps.keys.as_write(),
+        };
+        stage.run(&self.raster, bindings, Groups::Indirect(maps.args.raw(), 0));
+        Ok(())
     }
 }

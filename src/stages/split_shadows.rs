@@ -11,9 +11,9 @@
 
 use super::Seen;
 use super::split_maps::SplitViews;
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::split_shadows as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 /// How the maps are asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +38,13 @@ pub enum Ask {
 
 /// The pipeline.
 #[derive(Debug)]
-pub struct SplitShadows {
-    program: Program,
+pub struct SplitShadows(Program);
+
+/// The kernel's entry point for an [`Ask`].
+#[derive(Debug)]
+enum Program {
+    Compare(kernel::CompareProgram),
+    FilterMoments(kernel::FilterMomentsProgram),
 }
 
 /// The maps and what is made of them.
@@ -56,42 +61,35 @@ pub struct OfMaps<'a> {
 impl SplitShadows {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device, ask: Ask) -> Self {
-        let program = match ask {
+        Self(match ask {
             Ask::Depths { constant, slope } => {
-                let constants = [("BIAS_CONSTANT", f64::from(constant)), ("BIAS_SLOPE", f64::from(slope))];
-                Program::new(device, kernel::ENTRY_COMPARE, &constants)
+                let constants = kernel::Constants { bias_constant: constant, bias_slope: slope, ..Default::default() };
+                Program::Compare(kernel::CompareProgram::new(device, constants))
             }
             Ask::Moments { constant, bleeding, grazing } => {
-                let constants = [
-                    ("BIAS_CONSTANT", f64::from(constant)),
-                    ("BLEEDING", f64::from(bleeding)),
-                    ("GRAZING", f64::from(grazing)),
-                ];
-                Program::new(device, kernel::ENTRY_FILTER_MOMENTS, &constants)
+                let constants = kernel::Constants { bias_constant: constant, bleeding, grazing, ..Default::default() };
+                Program::FilterMoments(kernel::FilterMomentsProgram::new(device, constants))
             }
-        };
-        Self { program }
+        })
     }
 
     /// Records all pixels.
-    ///
-    /// # Errors
-    /// None that input can cause.
-    pub fn record(
-        &self,
-        stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        seen: Seen,
-        maps: OfMaps,
-        visibility: &Buffer<f32>,
-    ) -> Result<()> {
-        let mut buffers = seen.buffers(frame);
-        buffers.extend([
-            ("splits", maps.splits.raw()),
-            ("map_keys", maps.keys.raw()),
-            ("moments", maps.moments.raw()),
-            ("visibility", visibility.raw()),
-        ]);
-        stage.run(&self.program, &buffers, Groups::Items(visibility.len() as u64))
+    pub fn record(&self, stage: &mut Stage, frame: &Buffer<Frame>, seen: Seen, maps: OfMaps, visibility: &Buffer<f32>) {
+        let bindings = kernel::Ask {
+            frame: frame.as_uniform(),
+            samples: seen.samples.as_uniform(),
+            splits: maps.splits.as_uniform(),
+            id_keys: seen.id_keys.as_read(),
+            triangles: seen.triangles.as_read(),
+            points: seen.points.as_read(),
+            map_keys: maps.keys.as_read(),
+            moments: maps.moments.as_read(),
+            visibility: visibility.as_write(),
+        };
+        let groups = Groups::Items(visibility.len() as u64);
+        match &self.0 {
+            Program::Compare(compare) => stage.run(compare, bindings, groups),
+            Program::FilterMoments(filter) => stage.run(filter, bindings, groups),
+        }
     }
 }

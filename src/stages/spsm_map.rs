@@ -14,10 +14,11 @@
 use super::camera_visibility::{Blocks, Pass};
 use super::seen_texels::TexelMarks;
 use super::{DispatchArgs, dispatch_args};
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::{spsm_map as kernel, spsm_map_64 as wide};
-use crate::gpu::{Buffer, Gpu, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Gpu, Groups, Stage, Uniforms};
 use crate::spsm_code::SlopeCode;
+use crate::{Error, Result};
 
 pub use kernel::EMPTY_WORD;
 
@@ -29,18 +30,27 @@ pub fn depth_of_key(key: u32) -> f32 {
 /// The pipelines for one encoding.
 #[derive(Debug)]
 pub struct SpsmMap {
-    raster: Program,
-    encode: Program,
-    second: Option<Second>,
+    runs: Runs,
     uniforms: Uniforms,
 }
 
-/// Finds the triangles at the depths, on devices whose atomics have 32 bits.
+/// The pipelines, by what the device's atomics hold.
 #[derive(Debug)]
-struct Second {
-    divide: Program,
-    choose: Program,
-    again: Program,
+enum Runs {
+    /// Depth and triangle in one.
+    Wide { raster: wide::RasterProgram, encode: wide::EncodeProgram },
+    /// One of them.
+    Narrow(Box<Narrow>),
+}
+
+/// Finds the depths, then the triangles at the depths.
+#[derive(Debug)]
+struct Narrow {
+    raster: kernel::RasterProgram,
+    encode: kernel::EncodeProgram,
+    divide: kernel::DivideProgram,
+    choose: kernel::ChooseProgram,
+    again: kernel::AgainProgram,
     fold: DispatchArgs,
 }
 
@@ -59,7 +69,7 @@ pub struct SpsmTexels {
     pub slopes: Buffer<[f32; 4]>,
 }
 
-/// The blocks that [`Second`] goes through.
+/// The blocks that [`Narrow`] goes through.
 #[derive(Debug)]
 struct WonBlocks {
     won: Buffer<[u32; 4]>,
@@ -138,16 +148,6 @@ impl SpsmTexels {
         self.records[0].len() < self.keys.len()
     }
 
-    /// Buffers that the queries bind of it.
-    pub(super) fn read_buffers(&self) -> [(&'static str, &wgpu::Buffer); 4] {
-        [
-            ("slopes", self.slopes.raw()),
-            ("upper_records", self.records[0].raw()),
-            ("lower_records", self.records[1].raw()),
-            ("seen", self.marks.words.raw()),
-        ]
-    }
-
     /// Of each texel triangle and depth; `None` where there is none.
     ///
     /// # Errors
@@ -161,40 +161,46 @@ impl SpsmTexels {
 impl SpsmMap {
     /// Builds the pipelines to fill `texels`; `encoding` is 0 for the paper's, 1 for edge lines.
     pub fn new(device: &wgpu::Device, encoding: u32, texels: &SpsmTexels) -> Self {
-        let constants = [("ENCODING", f64::from(encoding)), ("SPLIT", f64::from(u32::from(texels.is_split())))];
-        let (raster, encode) = match texels.list {
-            None => (wide::ENTRY_RASTER, wide::ENTRY_ENCODE),
-            Some(_) => (kernel::ENTRY_RASTER, kernel::ENTRY_ENCODE),
+        let split = u32::from(texels.is_split());
+        let runs = match texels.list {
+            None => {
+                let constants = wide::Constants { encoding, split };
+                Runs::Wide {
+                    raster: wide::RasterProgram::new(device, constants),
+                    encode: wide::EncodeProgram::new(device, constants),
+                }
+            }
+            Some(_) => {
+                let constants = kernel::Constants { encoding, split };
+                Runs::Narrow(Box::new(Narrow {
+                    raster: kernel::RasterProgram::new(device, constants),
+                    encode: kernel::EncodeProgram::new(device, constants),
+                    divide: kernel::DivideProgram::new(device, constants),
+                    choose: kernel::ChooseProgram::new(device, constants),
+                    again: kernel::AgainProgram::new(device, constants),
+                    fold: DispatchArgs::new(device),
+                }))
+            }
         };
-        Self {
-            raster: Program::new(device, raster, &[]),
-            encode: Program::new(device, encode, &constants),
-            second: texels.list.as_ref().map(|_| Second {
-                divide: Program::new(device, kernel::ENTRY_DIVIDE, &[]),
-                choose: Program::new(device, kernel::ENTRY_CHOOSE, &[]),
-                again: Program::new(device, kernel::ENTRY_AGAIN, &[]),
-                fold: DispatchArgs::new(device),
-            }),
-            uniforms: Uniforms::default(),
-        }
+        Self { runs, uniforms: Uniforms::default() }
     }
 
     /// Records the rasterization and the encoding of the texels that are marked.
     ///
     /// # Errors
-    /// None that input can cause.
-    pub fn record(&self, stage: &mut Stage, frame: &wgpu::Buffer, blocks: Blocks, texels: &SpsmTexels) -> Result<()> {
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
+    pub fn record(&self, stage: &mut Stage, frame: &Buffer<Frame>, blocks: Blocks, texels: &SpsmTexels) -> Result<()> {
         self.run(stage, frame, blocks, texels, 0)
     }
 
     /// Likewise of those that were marked last, after [`SpsmMap::record`].
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_last(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         blocks: Blocks,
         texels: &SpsmTexels,
     ) -> Result<()> {
@@ -204,47 +210,80 @@ impl SpsmMap {
     fn run(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         blocks: Blocks,
         texels: &SpsmTexels,
         which: u32,
     ) -> Result<()> {
         let first = self.uniforms.get(stage.device, &Pass { index: which })?;
-        let buffers = Self::buffers(frame, &first, blocks, texels);
         let words = texels.marks.bit_words() as u64;
-        stage.run(&self.raster, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))?;
-        let (Some(second), Some(list)) = (&self.second, &texels.list) else {
-            return stage.run(&self.encode, &buffers, Groups::Items(words));
+        let all = Groups::Indirect(blocks.args.0, blocks.args.1);
+        let (with, list) = match (&self.runs, &texels.list) {
+            (Runs::Narrow(with), Some(list)) => (with, list),
+            (Runs::Wide { raster, encode }, None) => {
+                let bindings = Self::wide(frame, &first, blocks, texels);
+                stage.run(raster, bindings, all);
+                stage.run(encode, bindings, Groups::Items(words));
+                return Ok(());
+            }
+            _ => return Err(Error::Config("spsm_map: texels made for atomics of another width".to_owned())),
         };
-        stage.run(&second.divide, &buffers, Groups::Workgroups(1))?;
-        second.fold.record(stage, &texels.marks.words, &list.requests, &list.args)?;
-        stage.run(&second.choose, &buffers, Groups::Indirect(list.args.raw(), 0))?;
-        stage.run(&self.encode, &buffers, Groups::Items(words))?;
-        stage.run(&second.again, &buffers, Groups::Workgroups(1))?;
-        second.fold.record(stage, &texels.marks.words, &list.requests, &list.args)?;
+        let bindings = Self::narrow(frame, &first, blocks, texels, list);
+        stage.run(&with.raster, bindings, all);
+        stage.run(&with.divide, bindings, Groups::Workgroups(1));
+        with.fold.record(stage, &texels.marks.words, &list.requests, &list.args)?;
+        stage.run(&with.choose, bindings, Groups::Indirect(list.args.raw(), 0));
+        stage.run(&with.encode, bindings, Groups::Items(words));
+        stage.run(&with.again, bindings, Groups::Workgroups(1));
+        with.fold.record(stage, &texels.marks.words, &list.requests, &list.args)?;
         let again = self.uniforms.get(stage.device, &Pass { index: which | kernel::PASS_AGAIN })?;
-        let rest = Self::buffers(frame, &again, blocks, texels);
-        stage.run(&self.raster, &rest, Groups::Indirect(list.args.raw(), 3))?;
-        stage.run(&self.encode, &rest, Groups::Indirect(list.args.raw(), 0))
+        let rest = Self::narrow(frame, &again, blocks, texels, list);
+        stage.run(&with.raster, rest, Groups::Indirect(list.args.raw(), 3));
+        stage.run(&with.encode, rest, Groups::Indirect(list.args.raw(), 0));
+        Ok(())
     }
 
-    fn buffers<'a>(
-        frame: &'a wgpu::Buffer,
-        step: &'a wgpu::Buffer,
+    fn wide<'a>(
+        frame: &'a Buffer<Frame>,
+        step: &'a Buffer<Pass>,
         blocks: Blocks<'a>,
         texels: &'a SpsmTexels,
-    ) -> Vec<(&'static str, &'a wgpu::Buffer)> {
-        let mut buffers = vec![
-            ("frame", frame),
-            ("step", step),
-            ("triangles", blocks.triangles),
-            ("map_points", blocks.points.raw()),
-            ("light_rects", blocks.rects.raw()),
-            ("work_offsets", blocks.offsets.raw()),
-            ("keys", texels.keys.raw()),
-        ];
-        buffers.extend(texels.read_buffers());
-        buffers.extend(texels.list.as_ref().map(|list| ("won", list.won.raw())));
-        buffers
+    ) -> wide::Map<'a> {
+        wide::Map {
+            frame: frame.as_uniform(),
+            step: step.as_uniform(),
+            slopes: texels.slopes.as_uniform(),
+            triangles: blocks.triangles.as_read(),
+            map_points: blocks.points.as_read(),
+            light_rects: blocks.rects.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            keys: texels.keys.as_write().cast(),
+            upper_records: texels.records[0].as_write(),
+            lower_records: texels.records[1].as_write(),
+            seen: texels.marks.words.as_write(),
+        }
+    }
+
+    fn narrow<'a>(
+        frame: &'a Buffer<Frame>,
+        step: &'a Buffer<Pass>,
+        blocks: Blocks<'a>,
+        texels: &'a SpsmTexels,
+        list: &'a WonBlocks,
+    ) -> kernel::Map<'a> {
+        kernel::Map {
+            frame: frame.as_uniform(),
+            step: step.as_uniform(),
+            slopes: texels.slopes.as_uniform(),
+            triangles: blocks.triangles.as_read(),
+            map_points: blocks.points.as_read(),
+            light_rects: blocks.rects.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            keys: texels.keys.as_write().cast(),
+            upper_records: texels.records[0].as_write(),
+            lower_records: texels.records[1].as_write(),
+            seen: texels.marks.words.as_write(),
+            won: list.won.as_write(),
+        }
     }
 }

@@ -14,8 +14,9 @@ use super::compact::{self, Compact, Flags};
 use super::spsm_map::SpsmTexels;
 use super::{Count, DispatchArgs, PrefixScan, dispatch_args};
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::spsm_query as kernel;
-use crate::gpu::{Buffer, Gpu, Groups, Program, Stage};
+use crate::gpu::{Buffer, Gpu, Groups, Stage};
 use crate::spsm_code::Pattern;
 
 /// State of a pixel.
@@ -61,10 +62,10 @@ impl Default for Options {
 /// The pipelines.
 #[derive(Debug)]
 pub struct SpsmQuery {
-    classify: Program,
-    settle: Program,
-    paint: Program,
-    recover: Program,
+    classify: kernel::ClassifyProgram,
+    settle: kernel::SettleProgram,
+    paint: kernel::PaintProgram,
+    recover: kernel::RecoverProgram,
     compact: Compact,
     fold: DispatchArgs,
 }
@@ -128,20 +129,21 @@ impl SpsmPixels {
 impl SpsmQuery {
     /// Builds the pipelines that ask `texels`; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, options: Options, texels: &SpsmTexels) -> Self {
-        let constants = [
-            ("ENCODING", f64::from(options.encoding)),
-            ("SPLIT", f64::from(u32::from(texels.is_split()))),
-            ("WORDS", f64::from(options.words)),
-            ("MANY", f64::from(u32::from(options.many))),
-            ("RADIUS", f64::from(options.radius)),
-            ("STRETCH", f64::from(options.stretch)),
-            ("BIAS", f64::from(options.bias)),
-        ];
+        let constants = kernel::Constants {
+            encoding: options.encoding,
+            split: u32::from(texels.is_split()),
+            words: options.words,
+            many: u32::from(options.many),
+            radius: options.radius as i32,
+            stretch: options.stretch as i32,
+            bias: options.bias,
+            ..Default::default()
+        };
         Self {
-            classify: Program::new(device, kernel::ENTRY_CLASSIFY, &constants),
-            settle: Program::new(device, kernel::ENTRY_SETTLE, &constants),
-            paint: Program::new(device, kernel::ENTRY_PAINT, &constants),
-            recover: Program::new(device, kernel::ENTRY_RECOVER, &constants),
+            classify: kernel::ClassifyProgram::new(device, constants),
+            settle: kernel::SettleProgram::new(device, constants),
+            paint: kernel::PaintProgram::new(device, constants),
+            recover: kernel::RecoverProgram::new(device, constants),
             compact: Compact::new(device, scan),
             fold: DispatchArgs::new(device),
         }
@@ -150,19 +152,19 @@ impl SpsmQuery {
     /// Records the classes that planes and a pixel's own texel tell, and the list of the other pixels.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_classify(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         seen: Seen,
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) -> Result<()> {
         let SpsmPixels { asked, scratch, .. } = pixels;
         let count = pixels.visibility.len();
-        let buffers = Self::buffers(frame, seen, texels, pixels, asked);
-        stage.run(&self.classify, &buffers, Groups::Items(count as u64))?;
+        let bindings = Self::bindings(frame, seen, texels, pixels, asked);
+        stage.run(&self.classify, bindings, Groups::Items(count as u64));
         let flags = Flags::Words(&pixels.marks);
         self.compact.record(stage, flags, None, asked, (asked, count), scratch, Count::Exactly(count))?;
         self.fold.record(stage, asked, &pixels.requests, &pixels.asked_args)
@@ -171,58 +173,62 @@ impl SpsmQuery {
     /// Records the classes of the pixels so listed, the list of the uncertain ones, and what the classes say.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_settle(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         seen: Seen,
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) -> Result<()> {
         let SpsmPixels { asked, list, scratch, .. } = pixels;
         let count = pixels.visibility.len();
-        let buffers = Self::buffers(frame, seen, texels, pixels, asked);
-        stage.run(&self.settle, &buffers, pixels.unsettled().1)?;
+        let bindings = Self::bindings(frame, seen, texels, pixels, asked);
+        stage.run(&self.settle, bindings, pixels.unsettled().1);
         let flags = Flags::Words(&pixels.marks);
         self.compact.record(stage, flags, Some(asked), list, (list, count), scratch, Count::At(asked, count))?;
         self.fold.record(stage, list, &pixels.requests, &pixels.args)?;
-        stage.run(&self.paint, &buffers, Groups::Items(count as u64))
+        stage.run(&self.paint, bindings, Groups::Items(count as u64));
+        Ok(())
     }
 
     /// Records the recovery of the uncertain pixels, whose list must have been taken
     /// ([`TexelMarks::take_list`](super::seen_texels::TexelMarks::take_list)).
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record_recover(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         seen: Seen,
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
-    ) -> Result<()> {
-        let buffers = Self::buffers(frame, seen, texels, pixels, &pixels.list);
-        stage.run(&self.recover, &buffers, Groups::Indirect(pixels.args.raw(), 0))
+    ) {
+        let bindings = Self::bindings(frame, seen, texels, pixels, &pixels.list);
+        stage.run(&self.recover, bindings, Groups::Indirect(pixels.args.raw(), 0));
     }
 
-    fn buffers<'a>(
-        frame: &'a wgpu::Buffer,
+    fn bindings<'a>(
+        frame: &'a Buffer<Frame>,
         seen: Seen<'a>,
         texels: &'a SpsmTexels,
         pixels: &'a SpsmPixels,
         kept: &'a Buffer<u32>,
-    ) -> Vec<(&'static str, &'a wgpu::Buffer)> {
-        let mut buffers = seen.buffers(frame);
-        buffers.extend(texels.read_buffers());
-        buffers.extend([
-            ("patterns", pixels.patterns.raw()),
-            ("visibility", pixels.visibility.raw()),
-            ("lit", pixels.lit.raw()),
-            ("marks", pixels.marks.raw()),
-            ("kept", kept.raw()),
-        ]);
-        buffers
+    ) -> kernel::Texels<'a> {
+        kernel::Texels {
+            frame: frame.as_uniform(),
+            samples: seen.samples.as_uniform(),
+            slopes: texels.slopes.as_uniform(),
+            patterns: pixels.patterns.as_uniform(),
+            id_keys: seen.id_keys.as_read(),
+            triangles: seen.triangles.as_read(),
+            points: seen.points.as_read(),
+            upper_records: texels.records[0].as_read(),
+            lower_records: texels.records[1].as_read(),
+            visibility: pixels.visibility.as_write(),
+            lit: pixels.lit.as_write(),
+            marks: pixels.marks.as_write(),
+            kept: kept.as_read(),
+            seen: texels.marks.words.as_write(),
+        }
     }
 }

@@ -16,8 +16,7 @@
 
 use super::holds;
 use crate::gpu::kernels::summed_area as kernel;
-use crate::gpu::program::{range, whole};
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Error, Result, shared_struct};
 
 shared_struct! {
@@ -65,11 +64,11 @@ impl Texels {
 #[derive(Debug)]
 pub struct SummedArea {
     texels: Texels,
-    rows: Program,
-    strips: Program,
-    columns: Program,
-    columns_ragged: Program,
-    query: Program,
+    rows: kernel::RowsProgram,
+    strips: kernel::StripsProgram,
+    columns: kernel::ColumnsProgram,
+    columns_ragged: kernel::ColumnsRaggedProgram,
+    query: kernel::QueryProgram,
     uniforms: Uniforms,
 }
 
@@ -87,20 +86,28 @@ pub struct Scratch {
     strip_sums: Buffer<[u32; 4]>,
 }
 
+/// What a table is made in.
+#[derive(Clone, Copy)]
+enum Run {
+    Rows,
+    Strips,
+    Columns,
+}
+
 impl SummedArea {
     /// Longest side of a map: a row of it is 4,096 loop steps of one invocation.
     pub const MAX_SIDE: usize = kernel::MAX_SIDE as usize;
 
     /// Builds the pipelines for maps that lie as `texels` says.
     pub fn new(device: &wgpu::Device, texels: Texels) -> Self {
-        let packed = [("PACKED", f64::from(u8::from(texels == Texels::Bits)))];
+        let packed = kernel::Constants { packed: texels == Texels::Bits };
         Self {
             texels,
-            rows: Program::new(device, kernel::ENTRY_ROWS, &packed),
-            strips: Program::new(device, kernel::ENTRY_STRIPS, &packed),
-            columns: Program::new(device, kernel::ENTRY_COLUMNS, &packed),
-            columns_ragged: Program::new(device, kernel::ENTRY_COLUMNS_RAGGED, &packed),
-            query: Program::new(device, kernel::ENTRY_QUERY, &[]),
+            rows: kernel::RowsProgram::new(device, packed),
+            strips: kernel::StripsProgram::new(device, packed),
+            columns: kernel::ColumnsProgram::new(device, packed),
+            columns_ragged: kernel::ColumnsRaggedProgram::new(device, packed),
+            query: kernel::QueryProgram::new(device, kernel::Constants::default()),
             uniforms: Uniforms::default(),
         }
     }
@@ -188,11 +195,10 @@ impl SummedArea {
         holds("summed_area", "sat", sat.len(), width * height)?;
         let quads = width.div_ceil(4);
         let summed = (height.div_ceil(scratch.strip_rows).max(1) - 1) * scratch.strip_rows;
-        let columns = if width.is_multiple_of(4) { &self.columns } else { &self.columns_ragged };
-        for (program, height) in [(&self.rows, height), (&self.strips, summed), (columns, height)] {
-            if width == 0 {
-                break;
-            }
+        if width == 0 {
+            return Ok(());
+        }
+        for (run, height) in [(Run::Rows, height), (Run::Strips, summed), (Run::Columns, height)] {
             for first in (0..height).step_by(scratch.band_rows) {
                 let rows = scratch.band_rows.min(height - first);
                 let params = self.uniforms.get(
@@ -207,17 +213,25 @@ impl SummedArea {
                         ..Params::default()
                     },
                 )?;
-                let buffers = [
-                    ("params", whole(&params)),
-                    ("texels", range(texels, first * stride, rows * stride)),
-                    ("row_sums", whole(scratch.row_sums.raw())),
-                    ("strip_sums", whole(scratch.strip_sums.raw())),
-                    ("sat", range(sat, first * width, rows * width)),
-                    ("sat_quads", range(sat, first * width, rows * width)),
-                ];
-                let strips = rows.div_ceil(scratch.strip_rows);
-                let items = if std::ptr::eq(program, &self.rows) { rows } else { strips * quads };
-                stage.run_ranges(program, &buffers, Groups::Items(items as u64))?;
+                let bindings = kernel::Columns {
+                    params: params.as_uniform(),
+                    texels: texels.read_range(first * stride, rows * stride),
+                    row_sums: scratch.row_sums.as_write(),
+                    strip_sums: scratch.strip_sums.as_write(),
+                    sat_quads: sat.write_range(first * width, rows * width).cast(),
+                };
+                let strips = Groups::Items((rows.div_ceil(scratch.strip_rows) * quads) as u64);
+                match run {
+                    Run::Rows => stage.run(&self.rows, bindings, Groups::Items(rows as u64)),
+                    Run::Strips => stage.run(&self.strips, bindings, strips),
+                    Run::Columns if width.is_multiple_of(4) => stage.run(&self.columns, bindings, strips),
+                    Run::Columns => {
+                        let kernel::Columns { params, texels, row_sums, strip_sums, sat_quads } = bindings;
+                        let sat = sat_quads.cast();
+                        let ragged = kernel::ColumnsRagged { params, texels, row_sums, strip_sums, sat };
+                        stage.run(&self.columns_ragged, ragged, strips);
+                    }
+                }
             }
         }
         Ok(())
@@ -241,7 +255,13 @@ impl SummedArea {
         let params =
             Params { width: width as u32, height: height as u32, rects: rects.len() as u32, ..Params::default() };
         let params = self.uniforms.get(stage.device, &params)?;
-        let buffers = [("params", &params), ("sat", sat.raw()), ("rects", rects.raw()), ("rect_sums", sums.raw())];
-        stage.run(&self.query, &buffers, Groups::Items(rects.len() as u64))
+        let bindings = kernel::Query {
+            params: params.as_uniform(),
+            sat: sat.as_write(),
+            rects: rects.as_read(),
+            rect_sums: sums.as_write(),
+        };
+        stage.run(&self.query, bindings, Groups::Items(rects.len() as u64));
+        Ok(())
     }
 }

@@ -14,8 +14,9 @@
 //! - **Source.** Counting sort with the rank kept from the counting atomic; Pan et al. 2009 sort instead.
 
 use super::{Count, PrefixScan, holds, prefix_scan};
+use crate::gpu::bindings::Read;
 use crate::gpu::kernels::texel_group as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Result, shared_struct};
 
 shared_struct! {
@@ -54,9 +55,9 @@ pub struct Grouping<'a> {
 /// The pipelines of the grouping.
 #[derive(Debug)]
 pub struct TexelGroup {
-    clear: Program,
-    count: Program,
-    scatter: Program,
+    clear: kernel::ClearProgram,
+    count: kernel::CountProgram,
+    scatter: kernel::ScatterProgram,
     scan: PrefixScan,
     uniforms: Uniforms,
 }
@@ -75,9 +76,9 @@ impl TexelGroup {
     /// Builds the pipelines; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
         Self {
-            clear: Program::new(device, kernel::ENTRY_CLEAR, &[]),
-            count: Program::new(device, kernel::ENTRY_COUNT, &[]),
-            scatter: Program::new(device, kernel::ENTRY_SCATTER, &[]),
+            clear: kernel::ClearProgram::new(device, ()),
+            count: kernel::CountProgram::new(device, ()),
+            scatter: kernel::ScatterProgram::new(device, ()),
             scan: scan.clone(),
             uniforms: Uniforms::default(),
         }
@@ -127,24 +128,25 @@ impl TexelGroup {
                 ..Params::default()
             },
         )?;
-        let buffers = [
-            ("params", &params),
-            ("counts", count.buffer(&params)),
-            ("keys", keys.raw()),
-            ("values", values.map_or(&params, Buffer::raw)),
-            ("ranks", scratch.ranks.raw()),
-            ("key_counts", scratch.key_counts.raw()),
-            ("cleared", scratch.key_counts.raw()),
-            ("offsets", to.offsets.raw()),
-            ("grouped", to.grouped.raw()),
-        ];
+        let bindings = kernel::Group {
+            params: params.as_uniform(),
+            counts: count.words(&params),
+            keys: keys.as_read().cast(),
+            values: values.map_or_else(|| Read::of(params.raw()), |values| values.as_read().cast()),
+            ranks: scratch.ranks.as_write().cast(),
+            key_counts: scratch.key_counts.as_write(),
+            offsets: to.offsets.as_read(),
+            grouped: to.grouped.as_write(),
+        };
         let counters = scratch.groups + 1;
         let cleared = (kernel::WORKGROUP * kernel::CLEARED) as usize;
         let quads = || Groups::Items(limit.div_ceil(kernel::QUAD as usize) as u64);
-        stage.run(&self.clear, &buffers, Groups::Workgroups(counters.div_ceil(cleared) as u64))?;
-        stage.run(&self.count, &buffers, quads())?;
+        let clear = kernel::Clear { cleared: scratch.key_counts.as_write().cast() };
+        stage.run(&self.clear, clear, Groups::Workgroups(counters.div_ceil(cleared) as u64));
+        stage.run(&self.count, bindings, quads());
         let counted = Count::Exactly(counters);
         self.scan.record(stage, &scratch.key_counts, to.offsets, to.total, &scratch.scan, counted)?;
-        stage.run(&self.scatter, &buffers, quads())
+        stage.run(&self.scatter, bindings, quads());
+        Ok(())
     }
 }

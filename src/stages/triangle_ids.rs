@@ -8,9 +8,11 @@
 //! - **Cost.** One dispatch over pixels.
 
 use crate::Result;
+use crate::frame::Frame;
+use crate::gpu::bindings::TextureUint;
 use crate::gpu::kernels::triangle_ids as kernel;
 pub use crate::gpu::kernels::triangle_ids::FAULT_UNKNOWN;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
@@ -26,14 +28,14 @@ shared_struct! {
 /// The pipeline.
 #[derive(Debug)]
 pub struct TriangleIds {
-    take: Program,
+    take: kernel::TakeProgram,
     uniforms: Uniforms,
 }
 
 impl TriangleIds {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { take: Program::new(device, kernel::ENTRY_TAKE, &[]), uniforms: Uniforms::default() }
+        Self { take: kernel::TakeProgram::new(device, ()), uniforms: Uniforms::default() }
     }
 
     /// Records the translation of every pixel of `ids`, a two-dimensional view of a `r32uint` texture of usage
@@ -45,7 +47,7 @@ impl TriangleIds {
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         ids: &wgpu::TextureView,
         counted: Params,
         numbers: &Buffer<u32>,
@@ -54,14 +56,15 @@ impl TriangleIds {
     ) -> Result<()> {
         super::holds("triangle_ids", "faults", faults.len(), FAULT_UNKNOWN as usize + 1)?;
         let params = self.uniforms.get(stage.device, &counted)?;
-        let resources = [
-            ("frame", frame.as_entire_binding()),
-            ("params", params.as_entire_binding()),
-            ("ids", wgpu::BindingResource::TextureView(ids)),
-            ("numbers", numbers.raw().as_entire_binding()),
-            ("id_keys", id_keys.raw().as_entire_binding()),
-            ("faults", faults.raw().as_entire_binding()),
-        ];
-        stage.run_resources(&self.take, &resources, Groups::Items(id_keys.len() as u64))
+        let bindings = kernel::Take {
+            frame: frame.as_uniform(),
+            params: params.as_uniform(),
+            ids: TextureUint(ids),
+            numbers: numbers.as_read(),
+            id_keys: id_keys.as_write(),
+            faults: faults.as_write(),
+        };
+        stage.run(&self.take, bindings, Groups::Items(id_keys.len() as u64));
+        Ok(())
     }
 }

@@ -8,15 +8,16 @@
 //! - **Cost.** One dispatch; about 70 bytes a triangle.
 
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::triangle_setup as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 pub use kernel::{BACK, DROPPED, FRONT, UNSURE};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct TriangleSetup {
-    setup: Program,
+    setup: kernel::SetupProgram,
 }
 
 /// Outputs of the stage: one element a triangle.
@@ -53,35 +54,32 @@ impl TriangleFacts {
 impl TriangleSetup {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { setup: Program::new(device, kernel::ENTRY_SETUP, &[]) }
+        Self { setup: kernel::SetupProgram::new(device, ()) }
     }
 
     /// Records the setup of `count` triangles.
-    ///
-    /// # Errors
-    /// None that input can cause.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        triangles: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
+        triangles: &Buffer<[u32; 4]>,
         points: &Buffer<[f32; 4]>,
         map_points: &Buffer<[f32; 4]>,
         facts: &TriangleFacts,
         count: usize,
-    ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("triangles", triangles),
-            ("points", points.raw()),
-            ("map_points", map_points.raw()),
-            ("facing", facts.facing.raw()),
-            ("camera_rects", facts.camera_rects.raw()),
-            ("light_rects", facts.light_rects.raw()),
-            ("camera_items", facts.camera_items.raw()),
-            ("light_items", facts.light_items.raw()),
-        ];
-        stage.run(&self.setup, &buffers, Groups::Items(count as u64))
+    ) {
+        let bindings = kernel::Setup {
+            frame: frame.as_uniform(),
+            triangles: triangles.as_read(),
+            points: points.as_read(),
+            map_points: map_points.as_read(),
+            facing: facts.facing.as_write(),
+            camera_rects: facts.camera_rects.as_write(),
+            light_rects: facts.light_rects.as_write(),
+            camera_items: facts.camera_items.as_write(),
+            light_items: facts.light_items.as_write(),
+        };
+        stage.run(&self.setup, bindings, Groups::Items(count as u64));
     }
 }

@@ -14,16 +14,17 @@ use super::camera_visibility::{Blocks, Pass};
 use super::pixel_texel_pairs::{PairLists, Places};
 use super::sorted_pairs;
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::triangle_texel_pairs as kernel;
-use crate::gpu::{Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct TriangleTexelPairs {
-    count: Program,
-    emit: Program,
-    emit_rest: Program,
-    append: Program,
+    count: kernel::CountProgram,
+    emit: kernel::EmitProgram,
+    emit_rest: kernel::EmitRestProgram,
+    append: kernel::AppendProgram,
     uniforms: Uniforms,
     places: Places,
 }
@@ -31,12 +32,12 @@ pub struct TriangleTexelPairs {
 impl TriangleTexelPairs {
     /// Builds the pipeline for pairs that meet at `places`.
     pub fn new(device: &wgpu::Device, places: Places) -> Self {
-        let program = |entry| Program::new(device, entry, &[places.constant()]);
+        let constants = kernel::Constants { tile_shift: places.shift() };
         Self {
-            count: program(kernel::ENTRY_COUNT),
-            emit: program(kernel::ENTRY_EMIT),
-            emit_rest: program(kernel::ENTRY_EMIT_REST),
-            append: Program::new(device, kernel::ENTRY_APPEND, &[]),
+            count: kernel::CountProgram::new(device, constants),
+            emit: kernel::EmitProgram::new(device, constants),
+            emit_rest: kernel::EmitRestProgram::new(device, constants),
+            append: kernel::AppendProgram::new(device, kernel::Constants::default()),
             uniforms: Uniforms::default(),
             places,
         }
@@ -55,32 +56,34 @@ impl TriangleTexelPairs {
         &self,
         stage: &mut Stage,
         index: u32,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         blocks: Blocks,
         rest: (&wgpu::Buffer, u64),
         lists: &PairLists,
     ) -> Result<()> {
         lists.check(self.places)?;
         let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 })?;
-        let buffers = [
-            ("frame", frame),
-            ("step", &kept),
-            ("triangles", blocks.triangles),
-            ("map_points", blocks.points.raw()),
-            ("light_rects", blocks.rects.raw()),
-            ("work_offsets", blocks.offsets.raw()),
-            ("place_deepest", lists.place_deepest.raw()),
-            ("place_counts", lists.place_counts.raw()),
-            ("pair_offsets", lists.triangle_offsets.raw()),
-            ("pair_triangles", lists.triangle_pairs.raw()),
-            ("touched", lists.touched.raw()),
-        ];
+        let bindings = kernel::Pairs {
+            frame: frame.as_uniform(),
+            step: kept.as_uniform(),
+            triangles: blocks.triangles.as_read(),
+            map_points: blocks.points.as_read(),
+            light_rects: blocks.rects.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            place_deepest: lists.place_deepest.as_read(),
+            place_counts: lists.place_counts.as_write(),
+            pair_offsets: lists.triangle_offsets.as_read(),
+            pair_triangles: lists.triangle_pairs.as_write(),
+            touched: lists.touched.as_write(),
+        };
         let all = Groups::Indirect(blocks.args.0, blocks.args.1);
         if index == 0 {
-            return stage.run(&self.count, &buffers, all);
+            stage.run(&self.count, bindings, all);
+            return Ok(());
         }
-        stage.run(&self.emit, &buffers, all)?;
-        stage.run(&self.emit_rest, &buffers, Groups::Indirect(rest.0, rest.1))
+        stage.run(&self.emit, bindings, all);
+        stage.run(&self.emit_rest, bindings, Groups::Indirect(rest.0, rest.1));
+        Ok(())
     }
 
     /// Records the listing of pairs as they come, texel by texel, to be sorted; the capacity of `frame` may not be above that
@@ -91,23 +94,24 @@ impl TriangleTexelPairs {
     pub fn record_append(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         blocks: Blocks,
         lists: &PairLists,
         to: &sorted_pairs::Scratch,
     ) -> Result<()> {
         lists.check(Places::Texels)?;
-        let buffers = [
-            ("frame", frame),
-            ("triangles", blocks.triangles),
-            ("map_points", blocks.points.raw()),
-            ("light_rects", blocks.rects.raw()),
-            ("work_offsets", blocks.offsets.raw()),
-            ("place_deepest", lists.place_deepest.raw()),
-            ("appended", to.appended.raw()),
-            ("keys", to.keys.raw()),
-            ("values", to.values.raw()),
-        ];
-        stage.run(&self.append, &buffers, Groups::Indirect(blocks.args.0, blocks.args.1))
+        let bindings = kernel::Append {
+            frame: frame.as_uniform(),
+            triangles: blocks.triangles.as_read(),
+            map_points: blocks.points.as_read(),
+            light_rects: blocks.rects.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            place_deepest: lists.place_deepest.as_read(),
+            appended: to.appended.as_write(),
+            keys: to.keys.as_write(),
+            values: to.values.as_write(),
+        };
+        stage.run(&self.append, bindings, Groups::Indirect(blocks.args.0, blocks.args.1));
+        Ok(())
     }
 }

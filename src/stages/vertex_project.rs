@@ -7,37 +7,38 @@
 //! - **Guarantee.** `points` is the correctly rounded difference to the eye, times a power of two.
 //! - **Cost.** One dispatch; 48 bytes a vertex.
 
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::vertex_project as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct VertexProject {
-    project: Program,
+    project: kernel::ProjectProgram,
 }
 
 impl VertexProject {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { project: Program::new(device, kernel::ENTRY_PROJECT, &[]) }
+        Self { project: kernel::ProjectProgram::new(device, ()) }
     }
 
     /// Records the projection of `count` vertices.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
-        positions: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
+        positions: &Buffer<[f32; 4]>,
         points: &Buffer<[f32; 4]>,
         map_points: &Buffer<[f32; 4]>,
         count: usize,
-    ) -> Result<()> {
-        let buffers =
-            [("frame", frame), ("positions", positions), ("points", points.raw()), ("map_points", map_points.raw())];
-        stage.run(&self.project, &buffers, Groups::Items(count as u64))
+    ) {
+        let bindings = kernel::Project {
+            frame: frame.as_uniform(),
+            positions: positions.as_read(),
+            points: points.as_write(),
+            map_points: map_points.as_write(),
+        };
+        stage.run(&self.project, bindings, Groups::Items(count as u64));
     }
 }

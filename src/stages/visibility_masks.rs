@@ -11,29 +11,29 @@
 
 use super::facet_classify::Facets;
 use super::pixel_texel_pairs::PairLists;
-use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::kernels::visibility_masks as kernel;
-use crate::gpu::{Groups, Program, Stage};
+use crate::gpu::{Buffer, Groups, Stage};
 
 /// The pipelines for one number of samples.
 #[derive(Debug)]
 pub struct VisibilityMasks {
-    evaluate: Program,
-    cut: Option<Program>,
-    refine: Program,
+    evaluate: kernel::EvaluateProgram,
+    cut: Option<kernel::CutFacetsProgram>,
+    refine: kernel::RefineProgram,
 }
 
 /// Inputs of evaluation besides facets and lists.
 #[derive(Clone, Copy, Debug)]
 pub struct Casters<'a> {
     /// Sample offsets.
-    pub samples: &'a wgpu::Buffer,
+    pub samples: &'a Buffer<[f32; 4]>,
     /// Lookup table of masks; not read if its size is 0.
-    pub table: &'a wgpu::Buffer,
+    pub table: &'a Buffer<u32>,
     /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
-    pub triangles: &'a wgpu::Buffer,
+    pub triangles: &'a Buffer<[u32; 4]>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
-    pub positions: &'a wgpu::Buffer,
+    pub positions: &'a Buffer<[f32; 4]>,
 }
 
 impl VisibilityMasks {
@@ -59,78 +59,71 @@ impl VisibilityMasks {
         two_step: bool,
         cuts: bool,
     ) -> Self {
-        let constants = [
-            ("SAMPLES", f64::from(samples)),
-            ("WORDS", f64::from(samples.div_ceil(32))),
-            ("ANGLES", f64::from(angles)),
-            ("OFFSETS", f64::from(offsets)),
-            ("CUTS", f64::from(u8::from(cuts))),
-            ("TWO_STEP", f64::from(u8::from(two_step))),
-        ];
+        let constants = kernel::Constants {
+            samples,
+            words: samples.div_ceil(32),
+            angles,
+            offsets,
+            cuts: u32::from(cuts),
+            two_step: u32::from(two_step),
+            ..Default::default()
+        };
         Self {
-            evaluate: Program::new(device, kernel::ENTRY_EVALUATE, &constants),
-            cut: cuts.then(|| Program::new(device, kernel::ENTRY_CUT_FACETS, &constants[..5])),
-            refine: Program::new(device, kernel::ENTRY_REFINE, &constants[..5]),
+            evaluate: kernel::EvaluateProgram::new(device, constants),
+            cut: cuts.then(|| kernel::CutFacetsProgram::new(device, constants)),
+            refine: kernel::RefineProgram::new(device, constants),
         }
     }
 
     /// Records the evaluation of all candidates in single precision.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record_evaluate(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         casters: Casters,
         facets: &Facets,
         lists: &PairLists,
         args: (&wgpu::Buffer, u64),
-    ) -> Result<()> {
-        Self::run(stage, &self.evaluate, frame, casters, facets, lists, Groups::Indirect(args.0, args.1))?;
-        let Some(cut) = &self.cut else { return Ok(()) };
+    ) {
+        let bindings = Self::bindings(frame, casters, facets, lists);
+        stage.run(&self.evaluate, bindings, Groups::Indirect(args.0, args.1));
+        let Some(cut) = &self.cut else { return };
         // At most 256 an invocation: a device may cut loops off after 65,535 turns.
         let most = (lists.doubts.len() as u64).div_ceil(256 * u64::from(kernel::WORKGROUP));
         let groups = Groups::Strides(most.max(u64::from(kernel::CUT_GROUPS)));
-        Self::run(stage, cut, frame, casters, facets, lists, groups)
+        stage.run(cut, bindings, groups);
     }
 
     /// Records the evaluation of all doubtful candidates with 46 bits.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record_refine(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         casters: Casters,
         facets: &Facets,
         lists: &PairLists,
         args: (&wgpu::Buffer, u64),
-    ) -> Result<()> {
-        Self::run(stage, &self.refine, frame, casters, facets, lists, Groups::Indirect(args.0, args.1))
+    ) {
+        let bindings = Self::bindings(frame, casters, facets, lists);
+        stage.run(&self.refine, bindings, Groups::Indirect(args.0, args.1));
     }
 
-    fn run(
-        stage: &mut Stage,
-        program: &Program,
-        frame: &wgpu::Buffer,
-        casters: Casters,
-        facets: &Facets,
-        lists: &PairLists,
-        groups: Groups,
-    ) -> Result<()> {
-        let buffers = [
-            ("frame", frame),
-            ("samples", casters.samples),
-            ("undecided", facets.undecided.raw()),
-            ("candidates", lists.candidates.raw()),
-            ("table", casters.table),
-            ("triangles", casters.triangles),
-            ("positions", casters.positions),
-            ("masks", facets.masks.raw()),
-            ("doubts", lists.doubts.raw()),
-        ];
-        stage.run(program, &buffers, groups)
+    fn bindings<'a>(
+        frame: &'a Buffer<Frame>,
+        casters: Casters<'a>,
+        facets: &'a Facets,
+        lists: &'a PairLists,
+    ) -> kernel::Evaluate<'a> {
+        kernel::Evaluate {
+            frame: frame.as_uniform(),
+            samples: casters.samples.as_uniform(),
+            undecided: facets.undecided.as_read(),
+            candidates: lists.candidates.as_write(),
+            triangles: casters.triangles.as_read(),
+            positions: casters.positions.as_read(),
+            masks: facets.masks.as_write(),
+            doubts: lists.doubts.as_write(),
+            table: casters.table.as_read(),
+        }
     }
 }

@@ -9,9 +9,10 @@
 //! - **Guarantee.** Bits are copied.
 //! - **Cost.** One dispatch over pixels; to judge, one workgroup; to hold, 8 bytes a word.
 
+use crate::frame::Frame;
+use crate::gpu::bindings::TextureStoreR32Float;
 use crate::gpu::kernels::visibility_texture as kernel;
-use crate::gpu::program::range;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Result, shared_struct};
 
 shared_struct! {
@@ -31,14 +32,14 @@ shared_struct! {
 /// The pipeline that stores.
 #[derive(Debug)]
 pub struct VisibilityTexture {
-    store: Program,
+    store: kernel::StoreProgram,
 }
 
 /// The pipelines that keep the last complete picture.
 #[derive(Debug)]
 pub struct LastPicture {
-    judge: Program,
-    hold: Program,
+    judge: kernel::JudgeProgram,
+    hold: kernel::HoldProgram,
     uniforms: Uniforms,
 }
 
@@ -46,8 +47,8 @@ impl LastPicture {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
-            judge: Program::new(device, kernel::ENTRY_JUDGE, &[]),
-            hold: Program::new(device, kernel::ENTRY_HOLD, &[]),
+            judge: kernel::JudgeProgram::new(device, ()),
+            hold: kernel::HoldProgram::new(device, ()),
             uniforms: Uniforms::default(),
         }
     }
@@ -56,79 +57,73 @@ impl LastPicture {
     /// whose counters `status` holds, or any of `faults` was counted.
     ///
     /// # Errors
-    /// None that input can cause.
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_judge(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         lists: &Lists,
         status: &Buffer<u32>,
         faults: &Buffer<u32>,
         verdict: &Buffer<u32>,
     ) -> Result<()> {
         let lists = self.uniforms.get(stage.device, lists)?;
-        let buffers = [
-            ("frame", frame),
-            ("lists", &lists),
-            ("status", status.raw()),
-            ("faults", faults.raw()),
-            ("verdict", verdict.raw()),
-        ];
-        stage.run(&self.judge, &buffers, Groups::Workgroups(1))
+        let bindings = kernel::Judge {
+            frame: frame.as_uniform(),
+            lists: lists.as_uniform(),
+            status: status.as_read(),
+            faults: faults.as_read(),
+            verdict: verdict.as_write(),
+        };
+        stage.run(&self.judge, bindings, Groups::Workgroups(1));
+        Ok(())
     }
 
     /// Copies `latest` to `held`, word by word, if the first word of `verdict` is 0; in ranges that a binding holds.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record_hold<T: bytemuck::Pod>(
         &self,
         stage: &mut Stage,
         verdict: &Buffer<u32>,
         latest: &Buffer<T>,
         held: &Buffer<T>,
-    ) -> Result<()> {
+    ) {
         let most = stage.device.limits().max_storage_buffer_binding_size / size_of::<T>() as u64;
         // Ranges begin at multiples of 256 bytes.
         let most = (most as usize / 256 * 256).max(256);
         let len = latest.len().min(held.len());
         for first in (0..len).step_by(most) {
             let count = most.min(len - first);
-            let ranges = [
-                ("verdict", crate::gpu::program::whole(verdict.raw())),
-                ("latest", range(latest, first, count)),
-                ("held", range(held, first, count)),
-            ];
+            let bindings = kernel::Hold {
+                verdict: verdict.as_write(),
+                latest: latest.read_range(first, count).cast(),
+                held: held.write_range(first, count).cast(),
+            };
             let words = count * size_of::<T>() / 4;
-            stage.run_ranges(&self.hold, &ranges, Groups::Items(words as u64))?;
+            stage.run(&self.hold, bindings, Groups::Items(words as u64));
         }
-        Ok(())
     }
 }
 
 impl VisibilityTexture {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { store: Program::new(device, kernel::ENTRY_STORE, &[]) }
+        Self { store: kernel::StoreProgram::new(device, ()) }
     }
 
     /// Records the copy into `target`, a two-dimensional view of a `r32float` texture of usage `STORAGE_BINDING`; what of
     /// the image lies beyond it is left out.
-    ///
-    /// # Errors
-    /// None that input can cause.
     pub fn record(
         &self,
         stage: &mut Stage,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         visibility: &Buffer<f32>,
         target: &wgpu::TextureView,
-    ) -> Result<()> {
-        let resources = [
-            ("frame", frame.as_entire_binding()),
-            ("visibility", visibility.raw().as_entire_binding()),
-            ("target_texture", wgpu::BindingResource::TextureView(target)),
-        ];
-        stage.run_resources(&self.store, &resources, Groups::Items(visibility.len() as u64))
+    ) {
+        let bindings = kernel::Store {
+            frame: frame.as_uniform(),
+            visibility: visibility.as_read(),
+            target_texture: TextureStoreR32Float(target),
+        };
+        stage.run(&self.store, bindings, Groups::Items(visibility.len() as u64));
     }
 }

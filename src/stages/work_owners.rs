@@ -12,7 +12,7 @@ use super::dispatch_args::{DispatchArgs, Requests};
 use super::prefix_scan::{PrefixScan, Scratch};
 use super::{Count, holds};
 use crate::gpu::kernels::work_owners as kernel;
-use crate::gpu::{Buffer, Groups, Program, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Result, shared_struct};
 
 pub use kernel::STRIDE;
@@ -34,14 +34,14 @@ shared_struct! {
 /// The pipeline.
 #[derive(Debug)]
 pub struct WorkOwners {
-    list: Program,
+    list: kernel::ListProgram,
     uniforms: Uniforms,
 }
 
 impl WorkOwners {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { list: Program::new(device, kernel::ENTRY_LIST, &[]), uniforms: Uniforms::default() }
+        Self { list: kernel::ListProgram::new(device, ()), uniforms: Uniforms::default() }
     }
 
     /// Words of a buffer for the scan of `owners` counts and a table as long as it takes for owners of small extent on a grid of
@@ -60,8 +60,9 @@ impl WorkOwners {
         let room = offsets.len() - head;
         let params = Params { owners: owners as u32, room: room as u32, ..Params::default() };
         let params = self.uniforms.get(stage.device, &params)?;
-        let buffers = [("params", &params), ("work_offsets", offsets.raw())];
-        stage.run(&self.list, &buffers, Groups::Items(room.max(1) as u64))
+        let bindings = kernel::List { params: params.as_uniform(), work_offsets: offsets.as_write() };
+        stage.run(&self.list, bindings, Groups::Items(room.max(1) as u64));
+        Ok(())
     }
 }
 

@@ -96,8 +96,8 @@ fn cull_lists(
     let frame = uniform(gpu, &frame);
     let args = indirect(gpu, pairs.len() as u32);
     if !pairs.is_empty() {
-        let indices = world.casters.triangles.raw();
-        run(gpu, |s| stage.record(s, frame.raw(), indices, &world.map_points, &facets, (args.raw(), 0), &lists));
+        let indices = &world.casters.triangles;
+        run(gpu, |s| stage.record(s, &frame, indices, &world.map_points, &facets, (args.raw(), 0), &lists));
     }
     let words = lists.candidates.read(gpu).expect("readback");
     let list: Vec<[u32; 2]> = words[TALLY_WORDS..].chunks_exact(2).map(|c| [c[0], c[1]]).collect();

@@ -1,19 +1,17 @@
 //! Indirect arguments against their definition, and by running what they say.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
-use subpixel_shadows::gpu::program::{Access, Binding};
-use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program, Recorder};
+use subpixel_shadows::entry_point;
+use subpixel_shadows::gpu::bindings::{Read, Write};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder};
 use subpixel_shadows::reference::dispatch_args::{MAX_GROUPS, fold};
 use subpixel_shadows::stages::DispatchArgs;
 use subpixel_shadows::stages::dispatch_args::Request;
 
 /// Adds one to the word of every item that an invocation stands for.
-const TOUCH: Entry = Entry {
-    kernel: "touch",
-    name: "touch",
-    source: concat!(
-        include_str!("../../kernels/shared/dispatch.wgsl"),
-        "@group(0) @binding(0) var<storage, read> counts: array<u32>;
+const TOUCH: &str = concat!(
+    include_str!("../../kernels/shared/dispatch.wgsl"),
+    "@group(0) @binding(0) var<storage, read> counts: array<u32>;
         @group(0) @binding(1) var<storage, read_write> touched: array<atomic<u32>>;
         @compute @workgroup_size(64)
         fn touch(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
@@ -21,13 +19,12 @@ const TOUCH: Entry = Entry {
             let id = flat_invocation(group, groups, 64u, local);
             if id < counts[0] { atomicAdd(&touched[id], 1u); }
         }"
-    ),
-    workgroup: [64, 1, 1],
-    bindings: &[
-        Binding { index: 0, name: "counts", access: Access::Read },
-        Binding { index: 1, name: "touched", access: Access::ReadWrite },
-    ],
-};
+);
+
+entry_point! { "touch", "touch", [64, 1, 1], TOUCH, () => Touch, TouchProgram {
+    0 counts: Read<'a, u32>,
+    1 touched: Write<'a, u32>,
+} }
 
 /// The arguments of each `(count, per_group, limit, skip)`, made on the GPU; then one word of poison.
 fn folded(gpu: &Gpu, cases: &[[u32; 4]]) -> Vec<u32> {
@@ -64,18 +61,19 @@ fn check(gpu: &Gpu, cases: &[[u32; 4]]) {
 
 /// Touches `items` items, by arguments made on the GPU or by the host's own fold, and counts how often each was.
 #[track_caller]
-fn touches_each_once(gpu: &Gpu, program: &Program, items: usize, indirect: bool) {
+fn touches_each_once(gpu: &Gpu, program: &TouchProgram, items: usize, indirect: bool) {
     let stage = DispatchArgs::new(&gpu.device);
     let request = Request::new(0, 64, items, 0).expect("a request");
     let requests = DispatchArgs::requests(&gpu.device, &gpu.queue, &[request]).expect("requests");
     let args = Buffer::<u32>::indirect(&gpu.device, "test.args", 3).expect("arguments");
     let counts = upload(gpu, &[items as u32]);
     let touched = upload(gpu, &vec![0u32; items + 1]);
-    let buffers = [("counts", counts.raw()), ("touched", touched.raw())];
+    let bindings = Touch { counts: counts.as_read(), touched: touched.as_write() };
     run(gpu, |s| {
         stage.record(s, &counts, &requests, &args)?;
         let groups = if indirect { Groups::Indirect(args.raw(), 0) } else { Groups::Items(items as u64) };
-        s.run(program, &buffers, groups)
+        s.run(program, bindings, groups);
+        Ok(())
     });
     let mut want = vec![1; items];
     want.push(0);
@@ -87,14 +85,14 @@ fn touches_each_once(gpu: &Gpu, program: &Program, items: usize, indirect: bool)
 fn empty() {
     check(gpu(), &[]);
     check(gpu(), &[[0, 64, 100, 0], [5, 64, 0, 0], [5, 0, 5, 0], [5, 64, 5, 5]]);
-    touches_each_once(gpu(), &Program::new(&gpu().device, TOUCH, &[]), 0, true);
+    touches_each_once(gpu(), &TouchProgram::new(&gpu().device, ()), 0, true);
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn one() {
     check(gpu(), &[[1, 64, 100, 0], [1, 64, 100, 1]]);
-    touches_each_once(gpu(), &Program::new(&gpu().device, TOUCH, &[]), 1, true);
+    touches_each_once(gpu(), &TouchProgram::new(&gpu().device, ()), 1, true);
 }
 
 #[test]
@@ -158,7 +156,7 @@ fn overflow_by_one() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
-    let program = Program::new(&gpu().device, TOUCH, &[]);
+    let program = TouchProgram::new(&gpu().device, ());
     let max = MAX_GROUPS as usize;
     for groups in [max - 1, max, max + 1, max + 2, 1 << 17] {
         touches_each_once(gpu(), &program, groups * 64, true);
@@ -166,7 +164,7 @@ fn two_d_dispatch() {
     touches_each_once(gpu(), &program, max * 256 + 1, true);
     touches_each_once(gpu(), &program, (max + 1) * 64 - 1, false);
     let small = small_gpu(3, 1 << 20);
-    let program = Program::new(&small.device, TOUCH, &[]);
+    let program = TouchProgram::new(&small.device, ());
     for items in [3 * 64, 3 * 64 + 1, 7 * 64, 9 * 64] {
         touches_each_once(&small, &program, items, false);
     }
@@ -181,10 +179,10 @@ fn detects_corruption() {
     got.swap(0, 1);
     assert!(difference(&got, &want).is_some());
     // Arguments that were never written, or one row only, leave items untouched: the count of touches must tell.
-    let program = Program::new(&gpu().device, TOUCH, &[]);
+    let program = TouchProgram::new(&gpu().device, ());
     let counts = upload(gpu(), &[200u32]);
     let touched = upload(gpu(), &[0u32; 200]);
-    let buffers = [("counts", counts.raw()), ("touched", touched.raw())];
-    run(gpu(), |s| s.run(&program, &buffers, Groups::Workgroups(2)));
+    let bindings = Touch { counts: counts.as_read(), touched: touched.as_write() };
+    run(gpu(), |s| s.run(&program, bindings, Groups::Workgroups(2)));
     assert!(difference(&touched.read(gpu()).expect("readback"), &[1; 200]).is_some());
 }

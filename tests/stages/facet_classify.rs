@@ -222,7 +222,7 @@ fn one() {
             let facets = Facets { pixel_facets, ..facets };
             let frame = crate::support::shadow::uniform(gpu(), &world.frame);
             let id_keys = upload(gpu(), &keys);
-            run(gpu(), |s| stage.record_one(s, frame.raw(), &id_keys, &facets));
+            run(gpu(), |s| stage.record_one(s, &frame, &id_keys, &facets));
             let list = facets.list.read(gpu()).expect("readback");
             let made: Vec<_> = list.iter().map(|f| (f.pixel, f.triangle)).collect();
             let wanted: Vec<_> = keys.iter().enumerate().map(|(k, key)| (k as u32, !key)).collect();

@@ -134,7 +134,7 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
     let params = Params::new(ours.offsets(), &case.places, case.first, case.none).expect("parameters");
     let given = Given { texture, params, numbers: &numbers };
     let stage = stage(gpu);
-    run(gpu, |s| stage.record(s, frame.raw(), &given, &lists, &scratch, &status, &faults));
+    run(gpu, |s| stage.record(s, &frame, &given, &lists, &scratch, &status, &faults));
     // Two bands, the second of which has room for more than there are.
     let first = complex.len() / 3;
     let mut seen = Vec::new();
@@ -145,16 +145,7 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
         let keys = upload(gpu, &(0..slots * wide).map(key).collect::<Vec<_>>());
         run(gpu, |s| {
             let groups = Groups::Items(slots as u64 + 2);
-            stage.record_fill(
-                s,
-                frame.raw(),
-                &given,
-                [from as u32, slots as u32],
-                &complex_pixels,
-                &total,
-                &keys,
-                groups,
-            )
+            stage.record_fill(s, &frame, &given, [from as u32, slots as u32], &complex_pixels, &total, &keys, groups)
         });
         let keys = keys.read(gpu).expect("readback");
         seen.extend((0..slots * wide).map(|at| !keys[at % wide * slots + at / wide]));

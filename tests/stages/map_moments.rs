@@ -30,7 +30,7 @@ fn reduce(gpu: &Gpu, size: u32, keys: Vec<u32>) -> Ran {
     let made = MapMoments::memory(&gpu.device, views, size).expect("memory");
     made.write(&gpu.queue, &vec![[f32::from_bits(POISON); 2]; made.len()]);
     let stage = MADE.get(gpu, 0, || MapMoments::new(&gpu.device));
-    crate::support::run(gpu, |s| stage.record(s, frame.raw(), &splits, &texels, &made, views, size));
+    crate::support::run(gpu, |s| stage.record(s, &frame, &splits, &texels, &made, views, size));
     Ran { size, views, keys, moments: made.read(gpu).expect("readback") }
 }
 

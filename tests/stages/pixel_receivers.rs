@@ -183,7 +183,7 @@ fn ask(world: &World, case: &Case) -> Got {
     run(gpu, |s| {
         let textures = Textures { place: &place, normals: normals.as_ref().unwrap_or(&place), ids: &ids };
         let surfaces = Surfaces { numbers: &numbers, triangles: &triangles, positions: &positions };
-        stage.record(s, frame.raw(), params, textures, surfaces, &id_keys, &keys, &faults)
+        stage.record(s, &frame, params, textures, surfaces, &id_keys, &keys, &faults)
     });
     // What lies behind the casters is not seen through buffers of their length.
     let behind = |raw: &wgpu::Buffer, len: usize| {
@@ -457,7 +457,7 @@ fn overflow_by_one() {
         run(gpu(), |s| {
             let textures = Textures { place: &view, normals: &view, ids: &ids };
             let surfaces = Surfaces { numbers: &numbers, triangles: &triangles, positions: &positions };
-            let asked = stage.record(s, frame.raw(), Params::default(), textures, surfaces, &id_keys, &keys, &faults);
+            let asked = stage.record(s, &frame, Params::default(), textures, surfaces, &id_keys, &keys, &faults);
             if !enough {
                 assert!(asked.is_err(), "{t} triangles and {v} vertices pass for eight pixels");
             }

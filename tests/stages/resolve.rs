@@ -52,7 +52,7 @@ fn resolve(gpu: &Gpu, stage: &Resolve, count: u32, pixels: &[Vec<Masks>]) -> Vec
     visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); pixels.len()]);
     let lit = poisoned(gpu, pixels.len() * words);
     let status = upload(gpu, &[7; 32]);
-    run(gpu, |s| stage.record(s, frame.raw(), &memory, &visibility, &lit, &status));
+    run(gpu, |s| stage.record(s, &frame, &memory, &visibility, &lit, &status));
     let mut out: Vec<u32> = visibility.read(gpu).expect("readback").iter().map(|v| v.to_bits()).collect();
     out.extend(lit.read(gpu).expect("readback"));
     out.extend(status.read(gpu).expect("readback"));
@@ -152,7 +152,7 @@ fn overflow_by_one() {
         let visibility = Buffer::<f32>::storage(&gpu().device, "test.visibility", size).expect("memory");
         visibility.write(&gpu().queue, &vec![0.25; size]);
         let (lit, status) = (poisoned(gpu(), size), upload(gpu(), &[0; 32]));
-        run(gpu(), |s| stage.record(s, frame.raw(), &memory, &visibility, &lit, &status));
+        run(gpu(), |s| stage.record(s, &frame, &memory, &visibility, &lit, &status));
         let shares = visibility.read(gpu()).expect("readback");
         assert!(shares[..size - 1].iter().all(|&v| v == 1.0) && shares[size - 1] == 0.25);
         assert_eq!(lit.read(gpu()).expect("readback")[size - 1], POISON);

@@ -49,7 +49,7 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
     let groups = |per: u64| recorder::fold_within(u64::from(total).div_ceil(per), most);
     args.write(&gpu.queue, &[groups(8), groups(1)].concat());
     let blocks = Blocks {
-        triangles: world.casters.triangles.raw(),
+        triangles: &world.casters.triangles,
         points: &world.map_points,
         rects: &world.facts.light_rects,
         facing: &world.facts.facing,
@@ -57,7 +57,7 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
         args: (args.raw(), 0),
     };
     let patterns = world.sample_offsets();
-    let scene = Scene { samples: patterns.raw(), blocks, positions: world.casters.positions.raw(), facets: &facets };
+    let scene = Scene { samples: &patterns, blocks, positions: &world.casters.positions, facets: &facets };
     let stage = stage(gpu, world.words());
     let (mut binned, mut doubts) = (Vec::new(), 0);
     run(gpu, |s| stage.record_list(s, &facets, &bins));

@@ -42,27 +42,26 @@ fn ask_spoilt(world: &World, spoil: &dyn Fn(&mut Vec<u32>)) -> Ran {
     let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
     let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
     let (points, frame, offsets) = (world.points(), uniform(gpu, &world.frame), world.sample_offsets());
-    let from =
-        Seen { samples: offsets.raw(), id_keys: &id_keys, triangles: world.casters.triangles.raw(), points: &points };
+    let from = Seen { samples: &offsets, id_keys: &id_keys, triangles: &world.casters.triangles, points: &points };
     let stage = SeenTexels::new(&gpu.device, options, &texels);
     let map = SpsmMap::new(&gpu.device, 1, &texels);
     let query = SpsmQuery::new(&gpu.device, &PrefixScan::new(&gpu.device), options, &texels);
     let read = || texels.marks.words.read(gpu).expect("readback");
-    run(gpu, |s| stage.record(s, frame.raw(), from, &texels));
+    run(gpu, |s| stage.record(s, &frame, from, &texels));
     let mut first = read();
     spoil(&mut first);
     texels.marks.words.write(&gpu.queue, &first);
     with_blocks(world, |blocks| {
         run(gpu, |s| {
-            map.record(s, frame.raw(), blocks, &texels)?;
-            query.record_classify(s, frame.raw(), from, &texels, &out)?;
-            stage.record_around(s, frame.raw(), from, &texels, &out)?;
-            map.record_last(s, frame.raw(), blocks, &texels)?;
-            query.record_settle(s, frame.raw(), from, &texels, &out)
+            map.record(s, &frame, blocks, &texels)?;
+            query.record_classify(s, &frame, from, &texels, &out)?;
+            stage.record_around(s, &frame, from, &texels, &out);
+            map.record_last(s, &frame, blocks, &texels)?;
+            query.record_settle(s, &frame, from, &texels, &out)
         });
     });
     take_list(gpu, &texels.marks, &out);
-    run(gpu, |s| query.record_recover(s, frame.raw(), from, &texels, &out));
+    run(gpu, |s| query.record_recover(s, &frame, from, &texels, &out));
     Ran {
         first,
         then: read(),

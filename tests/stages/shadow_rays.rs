@@ -38,10 +38,10 @@ fn trace(world: &World, listed: &List, doubts: usize) -> (Masks, [u32; 3]) {
     let count = world.samples.count();
     let rays = Rays::with_doubts(&gpu.device, &gpu.queue, listed.len(), count, doubts).expect("memory");
     let scene = Scene {
-        samples: offsets.raw(),
+        samples: &offsets,
         tree: &buffers,
-        triangles: world.casters.triangles.raw(),
-        positions: world.casters.positions.raw(),
+        triangles: &world.casters.triangles,
+        positions: &world.casters.positions,
     };
     let stage = stage(gpu, world.words());
     run(gpu, |s| stage.record_list(s, &facets, &rays));
@@ -51,7 +51,7 @@ fn trace(world: &World, listed: &List, doubts: usize) -> (Masks, [u32; 3]) {
     let groups = |per: u64| recorder::fold_within(listed_count.div_ceil(per), most);
     rays.args.write(&gpu.queue, &[groups(64 / u64::from(count.min(32))), groups(64)].concat());
     for step in [Step::Trace, Step::Cut, Step::Refine] {
-        run(gpu, |s| stage.record(s, step, frame.raw(), scene, &facets, &rays));
+        run(gpu, |s| stage.record(s, step, &frame, scene, &facets, &rays));
     }
     (masks::read(world, &facets), rays.read(gpu).expect("readback"))
 }

@@ -97,7 +97,7 @@ fn a_whole_view_is_the_map_of_light_layers() {
         let light = random_light(kind % 2 == 0, &mut random);
         let world = world(&random_scene(kind, &mut random), light, 100);
         let [ours, theirs] =
-            [OnSplits::of(&world, &plan(1, Warp::Whole)).depths(0), OnMap::of(&world, |_, _, _, _, _| Ok(())).depths];
+            [OnSplits::of(&world, &plan(1, Warp::Whole)).depths(0), OnMap::of(&world, |_, _, _, _, _| {}).depths];
         let alike = |a: &Option<f64>, b: &Option<f64>| match (a, b) {
             (Some(a), Some(b)) => (a - b).abs() < 1e-3,
             (a, b) => a.is_none() && b.is_none(),

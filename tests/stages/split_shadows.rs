@@ -40,14 +40,14 @@ fn ask(world: &World, ask: Ask, splits: u32, warp: Warp) -> Ran {
     visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); seen.len()]);
     let moments = MapMoments::memory(&gpu.device, views, size).expect("memory");
     let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
-    let triangles = world.casters.triangles.raw();
+    let triangles = &world.casters.triangles;
     let reduce = REDUCE.get(gpu, 0, || MapMoments::new(&gpu.device));
     let stage = SplitShadows::new(&gpu.device, ask);
     run(gpu, |s| {
-        reduce.record(s, frame.raw(), &on.splits, &on.maps.keys, &moments, views, size)?;
-        let from = Seen { samples: offsets.raw(), id_keys: &id_keys, triangles, points: &points };
+        reduce.record(s, &frame, &on.splits, &on.maps.keys, &moments, views, size);
+        let from = Seen { samples: &offsets, id_keys: &id_keys, triangles, points: &points };
         let maps = OfMaps { splits: &on.splits, keys: &on.maps.keys, moments: &moments };
-        stage.record(s, frame.raw(), from, maps, &visibility)
+        stage.record(s, &frame, from, maps, &visibility);
     });
     let visibility = visibility.read(gpu).expect("readback");
     Ran { ask, on, seen, visibility }

@@ -5,10 +5,11 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{Made, middle, noise};
 use crate::support::{Random, gpu, run, sizes_around, upload};
+use subpixel_shadows::entry_point;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec2, DVec3};
-use subpixel_shadows::gpu::program::{Access, Binding};
-use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program};
+use subpixel_shadows::gpu::bindings::{Read, Uniform, Write};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
 use subpixel_shadows::reference::spsm_map::{
     EMPTY, closest, direction_code, distance_code, lifted, slope_code_16, slope_of_16, unorm_code,
 };
@@ -255,20 +256,15 @@ const DIVIDE: &str = concat!(
 "
 );
 
+entry_point! { "test", "work", [64, 1, 1], DIVIDE, () => Divide, DivideProgram {
+    0 inputs: Read<'a, [u32; 2]>,
+    1 outputs: Write<'a, [u32; 2]>,
+} }
+
 /// Rows and places in them, divided through floats, are those of integers.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn division_is_exact() {
-    const WORK: Entry = Entry {
-        kernel: "test",
-        name: "work",
-        source: DIVIDE,
-        workgroup: [64, 1, 1],
-        bindings: &[
-            Binding { index: 0, name: "inputs", access: Access::Read },
-            Binding { index: 1, name: "outputs", access: Access::ReadWrite },
-        ],
-    };
     let mut random = Random::new(9);
     let mut inputs = Vec::new();
     for by in (1..300).chain([640, 1023, 1280, 4096, 8191, 16_384, 65_535, (1 << 30) - 1]) {
@@ -283,9 +279,9 @@ fn division_is_exact() {
     }
     let input = upload(gpu(), &inputs);
     let output = Buffer::<[u32; 2]>::storage(&gpu().device, "test.output", inputs.len()).expect("memory");
-    let program = Program::new(&gpu().device, WORK, &[]);
-    let buffers = [("inputs", input.raw()), ("outputs", output.raw())];
-    run(gpu(), |s| s.run(&program, &buffers, Groups::Items(inputs.len() as u64)));
+    let program = DivideProgram::new(&gpu().device, ());
+    let bindings = Divide { inputs: input.as_read(), outputs: output.as_write() };
+    run(gpu(), |s| s.run(&program, bindings, Groups::Items(inputs.len() as u64)));
     for (&[index, by], got) in inputs.iter().zip(output.read(gpu()).expect("readback")) {
         assert_eq!(got, [index / by, index % by], "{index} by {by}");
     }
@@ -317,21 +313,12 @@ const CODES: &str = concat!(
 "
 );
 
-/// A kernel that includes the records and turns inputs into outputs.
-const fn with_records(source: &'static str) -> Entry {
-    Entry {
-        kernel: "test",
-        name: "work",
-        source,
-        workgroup: [64, 1, 1],
-        bindings: &[
-            Binding { index: 0, name: "frame", access: Access::Uniform },
-            Binding { index: 1, name: "slopes", access: Access::Uniform },
-            Binding { index: 2, name: "inputs", access: Access::Read },
-            Binding { index: 3, name: "outputs", access: Access::ReadWrite },
-        ],
-    }
-}
+entry_point! { "test", "work", [64, 1, 1], CODES, () => Codes, CodesProgram {
+    0 frame: Uniform<'a, Frame>,
+    1 slopes: Uniform<'a, [f32; 4]>,
+    2 inputs: Read<'a, f32>,
+    3 outputs: Write<'a, [u32; 4]>,
+} }
 
 fn slopes_of(code: &SlopeCode) -> Buffer<[f32; 4]> {
     let slopes = Buffer::uniform(&gpu().device, "test.slopes", 256).expect("memory");
@@ -356,7 +343,7 @@ fn words_of(v: f32, slopes: &SlopeCode) -> [u32; 4] {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn codes_agree_bit_for_bit() {
     const PART: usize = 1 << 20;
-    let program = Program::new(&gpu().device, with_records(CODES), &[]);
+    let program = CodesProgram::new(&gpu().device, ());
     let code = SlopeCode::new(5);
     let slopes = slopes_of(&code);
     let frame = uniform(gpu(), &Default::default());
@@ -370,9 +357,13 @@ fn codes_agree_bit_for_bit() {
     for part in 0..16u32 {
         let inputs: Vec<f32> = (0..PART as u32).map(|k| number(part * PART as u32 + k)).collect();
         let input = upload(gpu(), &inputs);
-        let buffers =
-            [("frame", frame.raw()), ("slopes", slopes.raw()), ("inputs", input.raw()), ("outputs", output.raw())];
-        run(gpu(), |s| s.run(&program, &buffers, Groups::Items(PART as u64)));
+        let bindings = Codes {
+            frame: frame.as_uniform(),
+            slopes: slopes.as_uniform(),
+            inputs: input.as_read(),
+            outputs: output.as_write(),
+        };
+        run(gpu(), |s| s.run(&program, bindings, Groups::Items(PART as u64)));
         let outputs = output.read(gpu()).expect("readback");
         for (&v, got) in inputs.iter().zip(&outputs).filter(|(v, _)| v.is_finite()) {
             // Numbers below the normal ones may be taken for 0.
@@ -421,6 +412,13 @@ const SIDES: &str = concat!(
 "
 );
 
+entry_point! { "test", "work", [64, 1, 1], SIDES, () => Sides, SidesProgram {
+    0 frame: Uniform<'a, Frame>,
+    1 slopes: Uniform<'a, [f32; 4]>,
+    2 inputs: Read<'a, [u32; 4]>,
+    3 outputs: Write<'a, u32>,
+} }
+
 /// A vertex of 16 bits relative to a texel's centre, in units of 1 / 131070 texel.
 fn steps_to(vertex: u32, texel: u32, size: u32) -> [i64; 2] {
     let step = |shift: u32| {
@@ -451,7 +449,7 @@ fn sides_of([a, b, c, texel]: [u32; 4], size: u32) -> u32 {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn edge_tests_have_no_wrong_sign() {
     const PART: usize = 1 << 20;
-    let program = Program::new(&gpu().device, with_records(SIDES), &[]);
+    let program = SidesProgram::new(&gpu().device, ());
     let slopes = slopes_of(&SlopeCode::new(5));
     let output = Buffer::<u32>::storage(&gpu().device, "test.output", PART).expect("memory");
     let mut random = Random::new(31);
@@ -460,9 +458,13 @@ fn edge_tests_have_no_wrong_sign() {
         let frame = uniform(gpu(), &Frame { map_size: size, ..Default::default() });
         let inputs: Vec<[u32; 4]> = (0..PART).map(|k| coded_triangle(k % 4, size, &mut random)).collect();
         let input = upload(gpu(), &inputs);
-        let buffers =
-            [("frame", frame.raw()), ("slopes", slopes.raw()), ("inputs", input.raw()), ("outputs", output.raw())];
-        run(gpu(), |s| s.run(&program, &buffers, Groups::Items(PART as u64)));
+        let bindings = Sides {
+            frame: frame.as_uniform(),
+            slopes: slopes.as_uniform(),
+            inputs: input.as_read(),
+            outputs: output.as_write(),
+        };
+        run(gpu(), |s| s.run(&program, bindings, Groups::Items(PART as u64)));
         for (&given, got) in inputs.iter().zip(output.read(gpu()).expect("readback")) {
             let want = sides_of(given, size);
             assert_eq!(got, want, "{given:?}, map {size}");

@@ -58,14 +58,13 @@ fn ask(world: &World, lines: bool, search: Search) -> Ran {
     };
     let query = SpsmQuery::new(&gpu.device, &PrefixScan::new(&gpu.device), options, &made.texels);
     let (frame, offsets) = (uniform(gpu, &world.frame), world.sample_offsets());
-    let from =
-        Seen { samples: offsets.raw(), id_keys: &id_keys, triangles: world.casters.triangles.raw(), points: &points };
+    let from = Seen { samples: &offsets, id_keys: &id_keys, triangles: &world.casters.triangles, points: &points };
     run(gpu, |s| {
-        query.record_classify(s, frame.raw(), from, &made.texels, &out)?;
-        query.record_settle(s, frame.raw(), from, &made.texels, &out)
+        query.record_classify(s, &frame, from, &made.texels, &out)?;
+        query.record_settle(s, &frame, from, &made.texels, &out)
     });
     take_list(gpu, &made.texels.marks, &out);
-    run(gpu, |s| query.record_recover(s, frame.raw(), from, &made.texels, &out));
+    run(gpu, |s| query.record_recover(s, &frame, from, &made.texels, &out));
     assert!(!made.texels.marks.missed(gpu).expect("readback"), "a texel is missed where all are made");
     let mut list = out.list.read(gpu).expect("readback");
     list.truncate(list[pixels] as usize);

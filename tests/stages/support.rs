@@ -28,10 +28,26 @@ pub fn small_gpu(groups: u32, binding: u64) -> Gpu {
     Gpu::open_with_limits(None, Some(limits)).expect("a device with small limits")
 }
 
+/// What recording a stage returns: nothing, or a result that must be good.
+pub trait Done {
+    /// Fails on an error.
+    fn done(self);
+}
+
+impl Done for () {
+    fn done(self) {}
+}
+
+impl Done for Result<()> {
+    fn done(self) {
+        self.expect("the stage records");
+    }
+}
+
 /// Records one stage, submits it, waits, and fails on any error of the device.
-pub fn run(gpu: &Gpu, record: impl FnOnce(&mut Stage) -> Result<()>) {
+pub fn run<D: Done>(gpu: &Gpu, record: impl FnOnce(&mut Stage) -> D) {
     let mut encoder = gpu.encoder();
-    record(&mut Recorder::new(&gpu.device, &mut encoder, None).stage("test")).expect("the stage records");
+    record(&mut Recorder::new(&gpu.device, &mut encoder, None).stage("test")).done();
     gpu.submit_and_wait(encoder).expect("the stage runs");
     gpu.check().expect("no error of the device");
 }

@@ -52,7 +52,7 @@ impl Case {
         faults.write(&gpu.queue, &[POISON, POISON, 0]);
         let stage = TriangleIds::new(&gpu.device);
         let view = ids.create_view(&Default::default());
-        run(gpu, |s| stage.record(s, frame.raw(), &view, self.counted, &numbers, &keys, &faults));
+        run(gpu, |s| stage.record(s, &frame, &view, self.counted, &numbers, &keys, &faults));
         let mut out = read_padded(gpu, &keys);
         out.extend(faults.read(gpu).expect("readback"));
         out

@@ -11,10 +11,11 @@ use crate::support::shadow::{
     Pipelines, World, add_triangle, camera, folding_gpu, indirect, samples, sheet, uniform, unit,
 };
 use crate::support::{Random, difference, gpu, run, sizes_around, upload};
+use subpixel_shadows::entry_point;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec3, DVec4};
-use subpixel_shadows::gpu::program::{Access, Binding};
-use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program};
+use subpixel_shadows::gpu::bindings::{Read, Uniform, Write};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
 use subpixel_shadows::mask_table::{MaskVariant, mask_table};
 use subpixel_shadows::reference::facet_classify as reference;
 use subpixel_shadows::reference::front_layer::Split;
@@ -25,7 +26,6 @@ use subpixel_shadows::stages::facet_classify::State;
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, Places, TALLY_WORDS};
 use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
 use subpixel_shadows::truth::AMBIGUITY;
-use subpixel_shadows::wgpu;
 
 fn stage(gpu: &Gpu, samples: u32) -> &'static VisibilityMasks {
     static MADE: Pipelines<VisibilityMasks> = Pipelines::new();
@@ -40,13 +40,13 @@ fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
 
 /// The masks, how many pairs were evaluated, and how many of them again with 46 bits.
 fn evaluate_by(stage: &VisibilityMasks, world: &World, listed: &List, validity: bool) -> (Masks, [usize; 2]) {
-    evaluate_with(stage, world.casters.triangles.raw(), world, listed, validity)
+    evaluate_with(stage, &upload(gpu(), &[0u32]), world, listed, validity)
 }
 
 /// The same with a lookup table, where the stage is made for one.
 fn evaluate_with(
     stage: &VisibilityMasks,
-    table: &wgpu::Buffer,
+    table: &Buffer<u32>,
     world: &World,
     listed: &List,
     validity: bool,
@@ -70,20 +70,16 @@ fn evaluate_with(
     frame.facets_total = listed.len() as u32;
     frame.candidate_capacity = pairs.len() as u32;
     let (frame, offsets) = (uniform(gpu, &frame), world.sample_offsets());
-    let casters = Casters {
-        samples: offsets.raw(),
-        table,
-        triangles: world.casters.triangles.raw(),
-        positions: world.casters.positions.raw(),
-    };
+    let casters =
+        Casters { samples: &offsets, table, triangles: &world.casters.triangles, positions: &world.casters.positions };
     let mut doubts = 0;
     if !pairs.is_empty() {
         let args = indirect(gpu, pairs.len() as u32);
-        run(gpu, |s| stage.record_evaluate(s, frame.raw(), casters, &facets, &lists, (args.raw(), 0)));
+        run(gpu, |s| stage.record_evaluate(s, &frame, casters, &facets, &lists, (args.raw(), 0)));
         doubts = lists.candidates.read_first(gpu, 4).expect("readback")[2];
         assert!(doubts <= pairs.len() as u32);
         let args = indirect(gpu, doubts);
-        run(gpu, |s| stage.record_refine(s, frame.raw(), casters, &facets, &lists, (args.raw(), 0)));
+        run(gpu, |s| stage.record_refine(s, &frame, casters, &facets, &lists, (args.raw(), 0)));
     }
     (masks::read(world, &facets), [pairs.len(), doubts as usize])
 }
@@ -234,7 +230,7 @@ fn tables_hold_nearly_the_exact_masks() {
             let table = upload(gpu(), &table);
             let (mut bits, mut facets) = (0, 0);
             for (world, exact) in worlds.iter().zip(&exact) {
-                let (got, _) = evaluate_with(&stage, table.raw(), world, &world.seen(), false);
+                let (got, _) = evaluate_with(&stage, &table, world, &world.seen(), false);
                 assert_eq!(got.len(), exact.len());
                 for ((_, [coverage, ours, _]), (state, [_, sure, _])) in got.iter().zip(exact) {
                     let partial =
@@ -443,15 +439,15 @@ fn overflow_by_one() {
         frame.candidate_capacity = capacity;
         let (frame, offsets) = (uniform(gpu(), &frame), world.sample_offsets());
         let casters = Casters {
-            samples: offsets.raw(),
-            table: world.casters.triangles.raw(),
-            triangles: world.casters.triangles.raw(),
-            positions: world.casters.positions.raw(),
+            samples: &offsets,
+            table: &upload(gpu(), &[0u32]),
+            triangles: &world.casters.triangles,
+            positions: &world.casters.positions,
         };
         let args = indirect(gpu(), 8);
         let sentinel = vec![u32::MAX; 8];
         lists.doubts.write(&gpu().queue, &sentinel);
-        run(gpu(), |s| stage.record_evaluate(s, frame.raw(), casters, &facets, &lists, (args.raw(), 0)));
+        run(gpu(), |s| stage.record_evaluate(s, &frame, casters, &facets, &lists, (args.raw(), 0)));
         let tally = lists.candidates.read_first(gpu(), 4).expect("readback");
         let doubts = lists.doubts.read(gpu()).expect("readback");
         assert_eq!(tally[1], counted, "the need stays");
@@ -514,21 +510,16 @@ const ARITHMETIC: &str = concat!(
 "
 );
 
+entry_point! { "test", "work", [64, 1, 1], ARITHMETIC, () => Arithmetic, ArithmeticProgram {
+    0 frame: Uniform<'a, Frame>,
+    1 inputs: Read<'a, [f32; 4]>,
+    2 outputs: Write<'a, [f32; 2]>,
+} }
+
 /// Arithmetic of two `f32` on this adapter: 2^-44 of the exact result, of the fast sum 2^-44 of the numbers added.
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn double_floats_keep_44_bits() {
-    const WORK: Entry = Entry {
-        kernel: "test",
-        name: "work",
-        source: ARITHMETIC,
-        workgroup: [64, 1, 1],
-        bindings: &[
-            Binding { index: 0, name: "frame", access: Access::Uniform },
-            Binding { index: 1, name: "inputs", access: Access::Read },
-            Binding { index: 2, name: "outputs", access: Access::ReadWrite },
-        ],
-    };
     const COUNT: usize = 120_000;
     let mut random = Random::new(68);
     let number = |random: &mut Random| -> [f32; 2] {
@@ -549,12 +540,12 @@ fn double_floats_keep_44_bits() {
             [a[0], a[1], b[0], b[1]]
         })
         .collect();
-    let program = Program::new(&gpu().device, WORK, &[]);
+    let program = ArithmeticProgram::new(&gpu().device, ());
     let (input, output) =
         (upload(gpu(), &inputs), Buffer::<[f32; 2]>::storage(&gpu().device, "test.output", 5 * COUNT));
     let (output, frame) = (output.expect("memory"), uniform(gpu(), &Default::default()));
-    let buffers = [("frame", frame.raw()), ("inputs", input.raw()), ("outputs", output.raw())];
-    run(gpu(), |s| s.run(&program, &buffers, Groups::Items(COUNT as u64)));
+    let bindings = Arithmetic { frame: frame.as_uniform(), inputs: input.as_read(), outputs: output.as_write() };
+    run(gpu(), |s| s.run(&program, bindings, Groups::Items(COUNT as u64)));
     let outputs = output.read(gpu()).expect("readback");
     // Sums in units of 2^-90, exactly; products as sums of exact products, the largest parts first.
     let fixed = |v: f32| (f64::from(v) * 2f64.powi(90)) as i128;

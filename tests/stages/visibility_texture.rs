@@ -19,7 +19,7 @@ fn ask(gpu: &Gpu, image: [u32; 2], size: [u32; 2], values: &[f32]) -> Vec<u32> {
     let visibility = upload(gpu, values);
     let stage = VisibilityTexture::new(&gpu.device);
     let view = target.create_view(&Default::default());
-    run(gpu, |s| stage.record(s, frame.raw(), &visibility, &view));
+    run(gpu, |s| stage.record(s, &frame, &visibility, &view));
     read_texture(gpu, &target)
 }
 
@@ -107,7 +107,7 @@ fn a_strip_writes_its_own_rows() {
         let target = texture(gpu, whole, wgpu::TextureFormat::R32Float, Some(&[BEFORE; 360]));
         let visibility = upload(gpu, &values[9 * first..9 * (first + rows as usize)]);
         let view = target.create_view(&Default::default());
-        run(gpu, |s| VisibilityTexture::new(&gpu.device).record(s, frame.raw(), &visibility, &view));
+        run(gpu, |s| VisibilityTexture::new(&gpu.device).record(s, &frame, &visibility, &view));
         let mut wanted = wanted(whole, whole, &values);
         let own = first + above as usize..first + (rows - below) as usize;
         (0..360).filter(|t| !own.contains(&(t / 9))).for_each(|t| wanted[t] = BEFORE);
@@ -185,7 +185,7 @@ fn what_is_missing_is_found() {
         found[usize::from(want)] += 1;
         let verdict = upload(gpu, &[0u32]);
         let (frame, status, faults) = (uniform(gpu, &frame), upload(gpu, &status), upload(gpu, &faults));
-        run(gpu, |s| stage.record_judge(s, frame.raw(), &lists, &status, &faults, &verdict));
+        run(gpu, |s| stage.record_judge(s, &frame, &lists, &status, &faults, &verdict));
         assert_eq!(verdict.read(gpu).expect("readback"), [u32::from(!want)], "case {case}: {lengths:?}, {bands} bands");
     }
     assert!(found[0] > 100 && found[1] > 100, "{found:?}");

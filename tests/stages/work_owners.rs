@@ -3,20 +3,18 @@
 use crate::support::shadow::with_total;
 use crate::support::{POISON, Random, assert_same, difference, gpu, run, sizes_around, small_gpu, upload};
 use std::sync::OnceLock;
-use subpixel_shadows::gpu::program::{Access, Binding};
-use subpixel_shadows::gpu::{Buffer, Entry, Gpu, Groups, Program, Recorder};
+use subpixel_shadows::entry_point;
+use subpixel_shadows::gpu::bindings::{Read, Write};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder};
 use subpixel_shadows::reference::work_owners::{owners, table};
 use subpixel_shadows::stages::WorkOwners;
 use subpixel_shadows::stages::work_owners::STRIDE;
 
 /// Writes the owner of every item.
-const FIND: Entry = Entry {
-    kernel: "find",
-    name: "find",
-    source: concat!(
-        include_str!("../../kernels/shared/dispatch.wgsl"),
-        include_str!("../../kernels/shared/work_items.wgsl"),
-        "@group(0) @binding(0) var<storage, read> work_offsets: array<u32>;
+const FIND: &str = concat!(
+    include_str!("../../kernels/shared/dispatch.wgsl"),
+    include_str!("../../kernels/shared/work_items.wgsl"),
+    "@group(0) @binding(0) var<storage, read> work_offsets: array<u32>;
         @group(0) @binding(1) var<storage, read_write> found: array<u32>;
         @group(0) @binding(2) var<storage, read> owners: array<u32>;
         @compute @workgroup_size(64)
@@ -25,14 +23,13 @@ const FIND: Entry = Entry {
             let item = flat_invocation(group, groups, 64u, local);
             if item < work_offsets[owners[0]] { found[item] = owner_of(item, owners[0]); }
         }"
-    ),
-    workgroup: [64, 1, 1],
-    bindings: &[
-        Binding { index: 0, name: "work_offsets", access: Access::Read },
-        Binding { index: 1, name: "found", access: Access::ReadWrite },
-        Binding { index: 2, name: "owners", access: Access::Read },
-    ],
-};
+);
+
+entry_point! { "find", "find", [64, 1, 1], FIND, () => Find, FindProgram {
+    0 work_offsets: Read<'a, u32>,
+    1 found: Write<'a, u32>,
+    2 owners: Read<'a, u32>,
+} }
 
 fn stage() -> &'static WorkOwners {
     static STAGE: OnceLock<WorkOwners> = OnceLock::new();
@@ -58,10 +55,10 @@ fn made(gpu: &Gpu, stage: &WorkOwners, offsets: &Buffer<u32>, owners: usize) -> 
 
 /// What kernels find for `items` items.
 fn found(gpu: &Gpu, offsets: &Buffer<u32>, owners: usize, items: usize) -> Vec<u32> {
-    let program = Program::new(&gpu.device, FIND, &[]);
+    let program = FindProgram::new(&gpu.device, ());
     let (found, owners) = (upload(gpu, &vec![POISON; items.max(1)]), upload(gpu, &[owners as u32]));
-    let buffers = [("work_offsets", offsets.raw()), ("found", found.raw()), ("owners", owners.raw())];
-    run(gpu, |s| s.run(&program, &buffers, Groups::Items(items as u64)));
+    let bindings = Find { work_offsets: offsets.as_read(), found: found.as_write(), owners: owners.as_read() };
+    run(gpu, |s| s.run(&program, bindings, Groups::Items(items as u64)));
     let mut found = found.read(gpu).expect("readback");
     found.truncate(items);
     found

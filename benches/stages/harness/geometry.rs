@@ -117,8 +117,8 @@ pub fn samples(gpu: &Gpu, count: u32) -> Result<Buffer<[f32; 4]>> {
 impl Setup {
     /// What the pixels of the frame see, with these samples.
     pub fn seen_with<'a>(&'a self, samples: &'a Buffer<[f32; 4]>) -> Seen<'a> {
-        let triangles = self.casters.triangles.raw();
-        Seen { samples: samples.raw(), id_keys: &self.id_keys, triangles, points: &self.points }
+        let triangles = &self.casters.triangles;
+        Seen { samples: &samples, id_keys: &self.id_keys, triangles, points: &self.points }
     }
 
     /// A frame of about `size` triangles; `None` above [`MOST`].
@@ -150,17 +150,11 @@ impl Setup {
         let points = Buffer::storage(device, "bench.points", vertices)?;
         let map_points = Buffer::storage(device, "bench.map_points", vertices)?;
         let facts = TriangleFacts::new(device, triangles)?;
-        let raw = casters.triangles.raw();
+        let raw = &casters.triangles;
         submit(gpu, |s| {
-            VertexProject::new(device).record(
-                s,
-                frame.raw(),
-                casters.positions.raw(),
-                &points,
-                &map_points,
-                vertices,
-            )?;
-            TriangleSetup::new(device).record(s, frame.raw(), raw, &points, &map_points, &facts, triangles)
+            VertexProject::new(device).record(s, &frame, &casters.positions, &points, &map_points, vertices);
+            TriangleSetup::new(device).record(s, &frame, raw, &points, &map_points, &facts, triangles);
+            Ok(())
         })?;
         let in_camera = Work::of(gpu, &facts.camera_items, kernels::camera_visibility::WORKGROUP)?;
         let in_light = Work::of(gpu, &facts.light_items, kernels::light_layers::WORKGROUP)?;
@@ -177,17 +171,8 @@ impl Setup {
         submit(gpu, |s| {
             let (facing, map) = (&facts.facing, &map_points);
             let stage = SilhouetteMask::new(device);
-            stage.record_classify(
-                s,
-                frame.raw(),
-                casters.edges.raw(),
-                facing,
-                map,
-                &edge_rects,
-                &edge_items,
-                &status,
-                edges,
-            )
+            stage.record_classify(s, &frame, &casters.edges, facing, map, &edge_rects, &edge_items, &status, edges);
+            Ok(())
         })?;
         let edge_work = Work::of(gpu, &edge_items, kernels::silhouette_mask::WORKGROUP)?;
         let setup = Self {
@@ -212,14 +197,15 @@ impl Setup {
         submit(gpu, |s| {
             CameraVisibility::new(device).record(
                 s,
-                setup.frame.raw(),
+                &setup.frame,
                 setup.seen(),
-                setup.casters.positions.raw(),
+                &setup.casters.positions,
                 &setup.centres,
                 &setup.id_keys,
             )?;
-            LightLayers::new(device).record(s, setup.frame.raw(), setup.lit(), &setup.layers)?;
-            FrontLayer::new(device).record_settle(s, setup.frame.raw(), &setup.layers)
+            LightLayers::new(device).record(s, &setup.frame, setup.lit(), &setup.layers);
+            FrontLayer::new(device).record_settle(s, &setup.frame, &setup.layers);
+            Ok(())
         })?;
         Ok(Some(Rc::new(setup)))
     }
@@ -235,7 +221,7 @@ impl Setup {
     }
 
     fn blocks<'a>(&'a self, points: &'a Buffer<[f32; 4]>, rects: &'a Buffer<[u32; 2]>, work: &'a Work) -> Blocks<'a> {
-        let triangles = self.casters.triangles.raw();
+        let triangles = &self.casters.triangles;
         Blocks { triangles, points, rects, facing: &self.facts.facing, offsets: &work.offsets, args: work.args() }
     }
 }

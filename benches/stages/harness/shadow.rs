@@ -11,7 +11,6 @@ use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
 use subpixel_shadows::stages::facet_classify::{FacetClassify, Facets, Surroundings};
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, Places, TALLY_WORDS};
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
-use subpixel_shadows::wgpu;
 
 /// Where pairs meet, as by default.
 pub const PLACES: Places = Places::Tiles;
@@ -74,14 +73,15 @@ impl Shadow {
         let facets = Facets::new(device, pixels, pixels, 1)?;
         let classify = FacetClassify::new(device, 1);
         let around = Surroundings {
-            triangles: setup.casters.triangles.raw(),
-            positions: setup.casters.positions.raw(),
+            triangles: &setup.casters.triangles,
+            positions: &setup.casters.positions,
             sat: &sat,
             splits: &splits,
         };
         submit(gpu, |s| {
-            classify.record_one(s, frame.raw(), &setup.id_keys, &facets)?;
-            classify.record_classify(s, frame.raw(), samples.raw(), around, &facets, Groups::Items(pixels as u64))
+            classify.record_one(s, &frame, &setup.id_keys, &facets);
+            classify.record_classify(s, &frame, &samples, around, &facets, Groups::Items(pixels as u64));
+            Ok(())
         })?;
         let (words, items) = scanned(gpu, &facets.items, pixels)?;
         let facet_offsets = Buffer::from_slice(device, queue, "bench.facet_offsets", &words)?;
@@ -141,24 +141,24 @@ impl Shadow {
     /// One run of the pixel-texel pairs. Counts go on from the run before; writes beyond the list are left out.
     pub fn pixel_pairs(&self, s: &mut Stage, stage: &PixelTexelPairs, run: u32) -> Result<()> {
         let args = [(self.facet_args.raw(), 0); 2];
-        stage.record(s, run, self.frame.raw(), &self.facets, &self.facet_offsets, args, &self.splits, &self.lists)
+        stage.record(s, run, &self.frame, &self.facets, &self.facet_offsets, args, &self.splits, &self.lists)
     }
 
     /// One run of the triangle-texel pairs.
     pub fn triangle_pairs(&self, s: &mut Stage, stage: &TriangleTexelPairs, run: u32) -> Result<()> {
         let blocks = self.setup.lit();
-        stage.record(s, run, self.frame.raw(), blocks, blocks.args, &self.lists)
+        stage.record(s, run, &self.frame, blocks, blocks.args, &self.lists)
     }
 
     /// The candidates of all pairs.
     pub fn candidates(&self, s: &mut Stage, stage: &CandidatePairs) -> Result<()> {
         let (triangles, map) = (self.triangles(), &self.setup.map_points);
         let args = (self.pair_args.raw(), 0);
-        stage.record(s, self.frame.raw(), triangles, map, &self.facets, args, &self.lists)
+        stage.record(s, &self.frame, triangles, map, &self.facets, args, &self.lists)
     }
 
     /// Vertex indices.
-    pub fn triangles(&self) -> &wgpu::Buffer {
-        self.setup.casters.triangles.raw()
+    pub fn triangles(&self) -> &Buffer<[u32; 4]> {
+        &self.setup.casters.triangles
     }
 }

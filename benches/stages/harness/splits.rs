@@ -58,17 +58,15 @@ impl Splits {
     /// Records the maps.
     pub fn record_maps(&self, stage: &mut subpixel_shadows::gpu::Stage) -> Result<()> {
         let setup = &self.setup;
-        let mesh = Mesh {
-            triangles: setup.casters.triangles.raw(),
-            points: &setup.points,
-            light_rects: &setup.facts.light_rects,
-        };
-        self.make.record(stage, setup.frame.raw(), &self.views, mesh, &self.maps)
+        let mesh =
+            Mesh { triangles: &setup.casters.triangles, points: &setup.points, light_rects: &setup.facts.light_rects };
+        self.make.record(stage, &setup.frame, &self.views, mesh, &self.maps)
     }
 
     /// Records the moments.
     pub fn record_moments(&self, stage: &mut subpixel_shadows::gpu::Stage) -> Result<()> {
-        let frame = self.setup.frame.raw();
-        self.reduce.record(stage, frame, &self.views, &self.maps.keys, &self.moments, VIEWS, MAP)
+        let frame = &self.setup.frame;
+        self.reduce.record(stage, frame, &self.views, &self.maps.keys, &self.moments, VIEWS, MAP);
+        Ok(())
     }
 }

@@ -1,7 +1,8 @@
 //! Differences from frame to frame besides camera and light: the part of the image, and what is known already.
 
 use crate::Result;
-use crate::gpu::Recorder;
+use crate::frame::Frame;
+use crate::gpu::{Buffer, Recorder};
 use crate::methods::every_surface::SampleIds;
 
 /// Which part of an image a frame is: as many rows as its settings say, all of them as wide as the image.
@@ -40,7 +41,7 @@ pub enum Seen<'a> {
     Found,
     /// With one facet a pixel: records what writes [`FacetMasks::id_keys`](super::FacetMasks::id_keys) in place of the stage `camera_visibility`. It is
     /// given the frame.
-    Centres(&'a dyn Fn(&mut Recorder, &wgpu::Buffer) -> Result<()>),
+    Centres(&'a dyn Fn(&mut Recorder, &Buffer<Frame>) -> Result<()>),
     /// With a facet for every surface: a G-buffer of several samples a pixel. The frames must have [`Frame::BEYOND`](crate::frame::Frame::BEYOND) set.
     Samples(&'a SampleIds<'a>),
 }

@@ -3,6 +3,7 @@
 use super::FacetMasks;
 use super::memory::{Arg, status};
 use crate::Result;
+use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::prepared::CasterBuffers;
 use crate::stages::camera_visibility::Blocks;
@@ -22,7 +23,7 @@ impl FacetMasks {
     ) -> Result<()> {
         let m = &self.memory;
         let places = m.lists.place_counts.len();
-        let frame_of = |round: u32| m.frames[self.frame_at(view, band, round)].raw();
+        let frame_of = |round: u32| &m.frames[self.frame_at(view, band, round)];
         rec.clear(m.lists.place_deepest.raw());
         match &m.unsorted {
             None => self.record_grouped(rec, frame_of(0), in_light)?,
@@ -36,7 +37,7 @@ impl FacetMasks {
             1,
         );
         rec.clear_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), 4);
-        let (triangles, positions) = (casters.triangles.raw(), casters.positions.raw());
+        let (triangles, positions) = (&casters.triangles, &casters.positions);
         {
             let stage = &mut rec.stage("candidate_pairs");
             self.args(stage, Arg::Pairs, &m.lists.candidates)?;
@@ -55,19 +56,19 @@ impl FacetMasks {
         }
         {
             let stage = &mut rec.stage("visibility_masks");
-            let casters = Casters { samples: m.samples.raw(), table: m.table.raw(), triangles, positions };
+            let casters = Casters { samples: &m.samples, table: &m.table, triangles, positions };
             let frame = frame_of(0);
             self.args(stage, Arg::Candidates, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Candidates.word());
-            self.with.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args)?;
+            self.with.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args);
         }
         {
             let stage = &mut rec.stage("visibility_refine");
-            let casters = Casters { samples: m.samples.raw(), table: m.table.raw(), triangles, positions };
+            let casters = Casters { samples: &m.samples, table: &m.table, triangles, positions };
             let frame = frame_of(0);
             self.args(stage, Arg::Doubts, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Doubts.word());
-            self.with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args)?;
+            self.with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args);
         }
         let slot = status::band(view, band, self.capacities.bands) as u64;
         rec.copy_words(m.lists.pixel_offsets.raw(), places as u64, m.status.raw(), slot, 2);
@@ -84,7 +85,7 @@ impl FacetMasks {
     }
 
     /// The pairs of one band, counted, scanned and written to their places.
-    fn record_grouped(&self, rec: &mut Recorder, frame: &wgpu::Buffer, in_light: Blocks) -> Result<()> {
+    fn record_grouped(&self, rec: &mut Recorder, frame: &Buffer<Frame>, in_light: Blocks) -> Result<()> {
         let m = &self.memory;
         let places = m.lists.place_counts.len();
         let args = [Arg::Facets, Arg::FacetsAgain].map(|arg| (m.args.raw(), arg.word()));
@@ -120,7 +121,7 @@ impl FacetMasks {
     fn record_sorted(
         &self,
         rec: &mut Recorder,
-        frame: &wgpu::Buffer,
+        frame: &Buffer<Frame>,
         in_light: Blocks,
         [of_pixels, of_triangles]: &[sorted_pairs::Scratch; 2],
     ) -> Result<()> {

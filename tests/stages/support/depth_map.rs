@@ -3,13 +3,12 @@
 use super::shadow::{World, uniform};
 use super::spsm::{faces_away, noise, receiver};
 use super::{POISON, run};
-use subpixel_shadows::Result;
+use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Stage};
 use subpixel_shadows::stages::Seen;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
-use subpixel_shadows::wgpu;
 
 /// What a stage made of the map of a world.
 pub struct OnMap {
@@ -20,16 +19,13 @@ pub struct OnMap {
 
 impl OnMap {
     /// Makes the map, and records what takes it: the frame, what pixels see, the depths, and where visibility goes.
-    pub fn of(
-        world: &World,
-        record: impl Fn(&mut Stage, &wgpu::Buffer, Seen, &Buffer<u32>, &Buffer<f32>) -> Result<()>,
-    ) -> Self {
+    pub fn of(world: &World, record: impl Fn(&mut Stage, &Buffer<Frame>, Seen, &Buffer<u32>, &Buffer<f32>)) -> Self {
         let gpu = world.gpu;
         let size = world.view.map.map_size as usize;
         let map = Layers::nearest_only(&gpu.device, size).expect("memory");
         let (offsets, args, _) = world.items(&world.facts.light_items.read(gpu).expect("readback"));
         let blocks = Blocks {
-            triangles: world.casters.triangles.raw(),
+            triangles: &world.casters.triangles,
             points: &world.map_points,
             rects: &world.facts.light_rects,
             facing: &world.facts.facing,
@@ -42,12 +38,12 @@ impl OnMap {
         let visibility = Buffer::<f32>::storage(&gpu.device, "test.visibility", seen.len()).expect("memory");
         visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); seen.len()]);
         let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
-        let triangles = world.casters.triangles.raw();
+        let triangles = &world.casters.triangles;
         let layers = LightLayers::nearest_only(&gpu.device);
         run(gpu, |s| {
-            layers.record(s, frame.raw(), blocks, &map)?;
-            let from = Seen { samples: offsets.raw(), id_keys: &id_keys, triangles, points: &points };
-            record(s, frame.raw(), from, &map.nearest_keys, &visibility)
+            layers.record(s, &frame, blocks, &map);
+            let from = Seen { samples: &offsets, id_keys: &id_keys, triangles, points: &points };
+            record(s, &frame, from, &map.nearest_keys, &visibility);
         });
         let depth = |key: u32| (key != 0).then(|| f64::from(f32::from_bits(!key)));
         Self {

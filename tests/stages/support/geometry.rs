@@ -229,7 +229,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let frame = case.frame();
     let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
     uniform.write(&gpu.queue, &[frame]);
-    let frame_buffer = uniform.raw();
+    let frame_buffer = &uniform;
     let positions = super::upload(gpu, &padded(case.positions()));
     let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
     let edges = super::upload(gpu, &case.prepared.edges);
@@ -237,7 +237,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
 
     let (points, map_points) = (poisoned(gpu, vertex_count), poisoned(gpu, vertex_count));
     let project = VertexProject::new(device);
-    run(gpu, |s| project.record(s, frame_buffer, positions.raw(), &points, &map_points, vertex_count));
+    run(gpu, |s| project.record(s, frame_buffer, &positions, &points, &map_points, vertex_count));
 
     let facts = TriangleFacts {
         facing: poisoned(gpu, count),
@@ -247,13 +247,13 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
         light_items: poisoned(gpu, count),
     };
     let setup = TriangleSetup::new(device);
-    run(gpu, |s| setup.record(s, frame_buffer, triangles.raw(), &points, &map_points, &facts, count));
+    run(gpu, |s| setup.record(s, frame_buffer, &triangles, &points, &map_points, &facts, count));
     let (camera_items, light_items) = (read(gpu, &facts.camera_items), read(gpu, &facts.light_items));
 
     let (offsets, args) = work(gpu, &camera_items, kernels::camera_visibility::WORKGROUP);
     let pixels = (case.image[0] * case.image[1]) as usize;
     let in_camera = Blocks {
-        triangles: triangles.raw(),
+        triangles: &triangles,
         points: &points,
         rects: &facts.camera_rects,
         facing: &facts.facing,
@@ -266,12 +266,12 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let mut centres = Centres::new(device, &gpu.queue, pixels).expect("memory");
     centres.keys = keys;
     let visibility = CameraVisibility::new(device);
-    run(gpu, |s| visibility.record(s, frame_buffer, in_camera, positions.raw(), &centres, &id_keys));
+    run(gpu, |s| visibility.record(s, frame_buffer, in_camera, &positions, &centres, &id_keys));
     let (seen_keys, id_keys) = (read(gpu, &centres.keys), read(gpu, &id_keys));
 
     let (offsets, args) = work(gpu, &light_items, kernels::light_layers::WORKGROUP);
     let in_light = Blocks {
-        triangles: triangles.raw(),
+        triangles: &triangles,
         points: &map_points,
         rects: &facts.light_rects,
         facing: &facts.facing,
@@ -290,13 +290,13 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let stage = SilhouetteMask::new(device);
     run(gpu, |s| {
         let (facing, map) = (&facts.facing, &map_points);
-        stage.record_classify(s, frame_buffer, edges.raw(), facing, map, &edge_rects, &edge_items, &status, edge_count)
+        stage.record_classify(s, frame_buffer, &edges, facing, map, &edge_rects, &edge_items, &status, edge_count)
     });
     let items = read(gpu, &edge_items);
     let (edge_offsets, edge_args) = work(gpu, &items, kernels::silhouette_mask::WORKGROUP);
     run(gpu, |s| {
         let args = (edge_args.raw(), 0);
-        stage.record_raster(s, frame_buffer, edges.raw(), &map_points, &edge_rects, &edge_offsets, args, &layers)
+        stage.record_raster(s, frame_buffer, &edges, &map_points, &edge_rects, &edge_offsets, args, &layers)
     });
     let after_silhouettes = marks(gpu, &layers.mask, case.map);
 

@@ -212,9 +212,9 @@ impl World {
         let facts = TriangleFacts::new(&gpu.device, triangles).expect("memory");
         let uniform = uniform(gpu, &frame);
         run(gpu, |s| {
-            front.project.record(s, uniform.raw(), casters.positions.raw(), &points, &map_points, vertices)?;
-            let indices = casters.triangles.raw();
-            front.setup.record(s, uniform.raw(), indices, &points, &map_points, &facts, triangles)
+            front.project.record(s, &uniform, &casters.positions, &points, &map_points, vertices);
+            let indices = &casters.triangles;
+            front.setup.record(s, &uniform, indices, &points, &map_points, &facts, triangles);
         });
         let view = View::new(&camera, &light, &fitted, bounds, size, false);
         let projected = project(&view, &prepared.mesh().positions);
@@ -284,13 +284,13 @@ impl World {
         frame.facets_total = listed.len() as u32;
         let (frame, offsets) = (uniform(gpu, &frame), self.sample_offsets());
         let around = Surroundings {
-            triangles: self.casters.triangles.raw(),
-            positions: self.casters.positions.raw(),
+            triangles: &self.casters.triangles,
+            positions: &self.casters.positions,
             sat: &sat,
             splits: &splits,
         };
         let groups = Groups::Items(listed.len() as u64);
-        run(gpu, |s| classify.record_classify(s, frame.raw(), offsets.raw(), around, &facets, groups));
+        run(gpu, |s| classify.record_classify(s, &frame, &offsets, around, &facets, groups));
         facets
     }
 
@@ -344,9 +344,7 @@ impl World {
             }
             lists.place_counts.write(&gpu.queue, &vec![0; places.count(map)]);
             if total > 0 {
-                run(gpu, |s| {
-                    stage.record(s, pass, frame.raw(), facets, &offsets, [(args.raw(), 0); 2], &splits, &lists)
-                });
+                run(gpu, |s| stage.record(s, pass, &frame, facets, &offsets, [(args.raw(), 0); 2], &splits, &lists));
             }
             counts.push(lists.place_counts.read(gpu).expect("readback"));
             if pass == 0 {
@@ -366,7 +364,7 @@ impl World {
             let unsorted = unsorted(gpu, capacity);
             if total > 0 {
                 let args = (args.raw(), 0);
-                run(gpu, |s| stage.record_append(s, frame.raw(), facets, &offsets, args, &splits, &lists, &unsorted));
+                run(gpu, |s| stage.record_append(s, &frame, facets, &offsets, args, &splits, &lists, &unsorted));
             }
             check_appended(gpu, &unsorted, capacity, &counts[0], list.iter().map(|&[facet, texel]| (texel, facet)));
             assert_eq!(lists.place_deepest.read(gpu).expect("readback"), deepest, "appended: the same depths");
@@ -399,7 +397,7 @@ impl World {
         let counts = self.pixel_pairs(stage, facets, splits, 1).counts;
         lists.pixel_offsets.write(&gpu.queue, &with_total(&counts));
         lists.pixel_pairs.write(&gpu.queue, &vec![[POISON; 2]; len]);
-        run(gpu, |s| stage.record(s, 1, frame.raw(), facets, &offsets, [(args.raw(), 0); 2], &splits_on_gpu, &lists));
+        run(gpu, |s| stage.record(s, 1, &frame, facets, &offsets, [(args.raw(), 0); 2], &splits_on_gpu, &lists));
         lists.pixel_pairs.read(gpu).expect("readback")
     }
 
@@ -435,7 +433,7 @@ impl World {
         frame.triangle_texel_capacity = capacity as u32;
         let frame = uniform(gpu, &frame);
         let blocks = Blocks {
-            triangles: self.casters.triangles.raw(),
+            triangles: &self.casters.triangles,
             points: &self.map_points,
             rects: &self.facts.light_rects,
             facing: &self.facts.facing,
@@ -452,7 +450,7 @@ impl World {
             }
             lists.place_counts.write(&gpu.queue, &vec![0; places.count(map)]);
             if total > 0 {
-                run(gpu, |s| stage.record(s, pass, frame.raw(), blocks, blocks.args, &lists));
+                run(gpu, |s| stage.record(s, pass, &frame, blocks, blocks.args, &lists));
             }
             counts.push(lists.place_counts.read(gpu).expect("readback"));
             if pass == 0 {
@@ -476,7 +474,7 @@ impl World {
             // Appended instead, they are the same.
             let unsorted = unsorted(gpu, capacity);
             if total > 0 {
-                run(gpu, |s| stage.record_append(s, frame.raw(), blocks, &lists, &unsorted));
+                run(gpu, |s| stage.record_append(s, &frame, blocks, &lists, &unsorted));
             }
             check_appended(gpu, &unsorted, capacity, &counts[0], list.iter().map(|&(t, texel)| (texel, t)));
         }

@@ -51,12 +51,14 @@ impl OnSplits {
         let count = world.casters.triangles.len();
         let maps = Maps::new(&gpu.device, &gpu.queue, views.len(), size, count).expect("memory");
         let (frame, points) = (uniform(gpu, &world.frame), world.points());
-        let mesh =
-            Mesh { triangles: world.casters.triangles.raw(), points: &points, light_rects: &world.facts.light_rects };
+        let mesh = Mesh { triangles: &world.casters.triangles, points: &points, light_rects: &world.facts.light_rects };
         let stage = MADE.get(gpu, 0, || SplitMaps::new(&gpu.device));
         run(gpu, |s| match raster {
-            true => stage.record(s, frame.raw(), &splits, mesh, &maps),
-            false => stage.measure(s, frame.raw(), &splits, mesh, &maps),
+            true => stage.record(s, &frame, &splits, mesh, &maps),
+            false => {
+                stage.measure(s, &frame, &splits, mesh, &maps);
+                Ok(())
+            }
         });
         let keys = maps.keys.read(gpu).expect("readback");
         Self { views, far, splits, maps, keys }

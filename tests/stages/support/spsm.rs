@@ -56,8 +56,8 @@ impl Made {
         let all = SeenTexels::new(&gpu.device, Options::default(), &texels);
         with_blocks(world, |blocks| {
             run(gpu, |s| {
-                all.record_all(s, frame.raw(), &texels.marks)?;
-                stage.record(s, frame.raw(), blocks, &texels)
+                all.record_all(s, &frame, &texels.marks);
+                stage.record(s, &frame, blocks, &texels)
             });
         });
         let total: u32 = world.facts.light_items.read(gpu).expect("readback").iter().sum();
@@ -91,7 +91,7 @@ pub fn pixels(world: &World) -> usize {
 pub fn with_blocks(world: &World, mut work: impl FnMut(Blocks)) {
     let (offsets, args, _) = world.items(&world.facts.light_items.read(world.gpu).expect("readback"));
     work(Blocks {
-        triangles: world.casters.triangles.raw(),
+        triangles: &world.casters.triangles,
         points: &world.map_points,
         rects: &world.facts.light_rects,
         facing: &world.facts.facing,

@@ -111,7 +111,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     uniform.write(&gpu.queue, &[frame(case, samples, room)]);
     let offsets_of_samples = Buffer::uniform(device, "samples", 64).expect("memory");
     offsets_of_samples.write(&gpu.queue, &sample_words(samples));
-    let frame = uniform.raw();
+    let frame = &uniform;
     let positions = upload(gpu, &padded(case.positions()));
     let triangles = upload(gpu, &padded(&case.prepared.mesh().triangles));
     let (vertices, count) = (positions.len(), triangles.len());
@@ -121,8 +121,8 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     let map_points = Buffer::storage(device, "test.map_points", vertices).expect(memory);
     let facts = TriangleFacts::new(device, count).expect(memory);
     run(gpu, |s| {
-        VertexProject::new(device).record(s, frame, positions.raw(), &points, &map_points, vertices)?;
-        TriangleSetup::new(device).record(s, frame, triangles.raw(), &points, &map_points, &facts, count)
+        VertexProject::new(device).record(s, frame, &positions, &points, &map_points, vertices);
+        TriangleSetup::new(device).record(s, frame, &triangles, &points, &map_points, &facts, count);
     });
     let scan = PrefixScan::new(device);
     let scratch = PrefixScan::scratch(device, pixels.max(count)).expect(memory);
@@ -153,7 +153,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     run(gpu, |s| scan.record(s, &facts.camera_items, &work, (&work, count), &scratch, Count::Exactly(count)));
     cover(&args[0], [work.read(gpu).expect("readback")[count].div_ceil(kernels::pixel_triangles::WORKGROUP), 0]);
     let blocks = Blocks {
-        triangles: triangles.raw(),
+        triangles: &triangles,
         points: &points,
         rects: &facts.camera_rects,
         facing: &facts.facing,
@@ -168,10 +168,10 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     cover(&args[1], [found.div_ceil(WORKGROUP), 0]);
     let casters = case.prepared.upload(device, &gpu.queue).expect(memory);
     let mesh = Mesh {
-        samples: offsets_of_samples.raw(),
-        triangles: triangles.raw(),
+        samples: &offsets_of_samples,
+        triangles: &triangles,
         points: &points,
-        positions: positions.raw(),
+        positions: &positions,
         surfaces: casters.surfaces.as_ref(),
     };
     let build = if merge { SampleSurfaces::merging } else { SampleSurfaces::new };

@@ -1,0 +1,2111 @@
+//! Bindings, constants and texts of the kernels. Written by `cargo run -p subpixel-shadows-bindings`: change `kernels/` and run it again.
+
+/// `kernels/camera_visibility.wgsl`.
+pub mod camera_visibility {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/pass", "shared/divide", "shared/pixel_ray", "shared/facing",
+        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/eye_order_46", "shared/rect",
+        "shared/work_items", "shared/span", "shared/camera_raster", "shared/frame_copy", "camera_visibility",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64, SETTLED = 2147483648,
+    }
+    entry_point! { "camera_visibility", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        4 camera_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        6 keys: Write<'a, u32>,
+        7 id_keys: Write<'a, u32>,
+        8 doubts: Write<'a, u32>,
+    } }
+    entry_point! { "camera_visibility", "ask", [1, 1, 1], SOURCE, () => Ask, AskProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        5 work_offsets: Read<'a, u32>,
+        8 doubts: Write<'a, u32>,
+    } }
+    entry_point! { "camera_visibility", "settle", [64, 1, 1], SOURCE, () => Settle, SettleProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        6 keys: Write<'a, u32>,
+        7 id_keys: Write<'a, u32>,
+        8 doubts: Write<'a, u32>,
+        9 positions: Read<'a, [f32; 4]>,
+    } }
+    entry_point! { "camera_visibility", "settle_all", [64, 1, 1], SOURCE, () => SettleAll, SettleAllProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        4 camera_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        6 keys: Write<'a, u32>,
+        7 id_keys: Write<'a, u32>,
+        8 doubts: Write<'a, u32>,
+        9 positions: Read<'a, [f32; 4]>,
+    } }
+    entry_point! { "camera_visibility", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        6 keys: Write<'a, u32>,
+        7 id_keys: Write<'a, u32>,
+    } }
+    subset! { Raster => Ask { frame, work_offsets, doubts } }
+    subset! { Raster => Take { frame, keys, id_keys } }
+    subset! { Settle => Take { frame, keys, id_keys } }
+    subset! { SettleAll => Raster { frame, step, triangles, points, camera_rects, work_offsets, keys, id_keys, doubts } }
+    subset! { SettleAll => Ask { frame, work_offsets, doubts } }
+    subset! { SettleAll => Settle { frame, step, triangles, points, keys, id_keys, doubts, positions } }
+    subset! { SettleAll => Take { frame, keys, id_keys } }
+    entries! {
+        Raster, Ask, Settle, SettleAll, Take,
+    }
+}
+
+/// `kernels/candidate_pairs.wgsl`.
+pub mod candidate_pairs {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet",
+        "shared/facet_outline", "shared/facet_quad", "shared/facing", "shared/candidates", "shared/rect",
+        "shared/places", "shared/tile_cells", "shared/frame_copy", "shared/caster_effect", "candidate_pairs",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0,
+        TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, BLOCK = 8,
+        BLOCK_SHIFT = 3, NOTHING = 0, MATTERS = 1, COVERS = 2, WORKGROUP = 64, ROUND_LENGTH = 4096,
+        NEARLY_ROUND = 3584, SEEN_BITS = 16, KNOWN = 2147483648,
+    }
+    overrides! {
+        tile_shift: u32 = 0, "TILE_SHIFT",
+        alone: u32 = 1, "ALONE",
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "candidate_pairs", "cull", [64, 1, 1], SOURCE, Constants => Cull, CullProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        2 pairs: Read<'a, [u32; 2]>,
+        3 triangle_offsets: Read<'a, u32>,
+        4 pair_triangles: Read<'a, u32>,
+        5 triangles: Read<'a, [u32; 4]>,
+        6 map_points: Read<'a, [f32; 4]>,
+        7 candidates: Write<'a, u32>,
+        8 masks: Write<'a, u32>,
+    } }
+    entries! {
+        Cull,
+    }
+}
+
+/// `kernels/caster_positions.wgsl`.
+pub mod caster_positions {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/dispatch", "shared/finite", "caster_positions",
+    }
+    constants! {
+        WORKGROUP = 64, NO_PLACE = 4294967295, FAULT_OUTSIDE = 0, FAULT_PARTED = 1,
+    }
+    entry_point! { "caster_positions", "gather", [64, 1, 1], SOURCE, () => Gather, GatherProgram {
+        0 params: Uniform<'a, crate::stages::caster_positions::Params>,
+        1 vertices: Read<'a, u32>,
+        2 places: Read<'a, [u32; 2]>,
+        3 positions: Write<'a, [f32; 4]>,
+        4 faults: Write<'a, u32>,
+    } }
+    entries! {
+        Gather,
+    }
+}
+
+/// `kernels/compact.wgsl`.
+pub mod compact {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/dispatch", "compact",
+    }
+    constants! {
+        WORKGROUP = 64, ITEMS = 32,
+    }
+    entry_point! { "compact", "count", [64, 1, 1], SOURCE, () => Count, CountProgram {
+        0 params: Uniform<'a, crate::stages::compact::Params>,
+        1 counts: Read<'a, u32>,
+        2 flags: Read<'a, u32>,
+        3 marks: Write<'a, u32>,
+        4 mark_counts: Write<'a, u32>,
+    } }
+    entry_point! { "compact", "emit", [64, 1, 1], SOURCE, () => Emit, EmitProgram {
+        0 params: Uniform<'a, crate::stages::compact::Params>,
+        3 marks: Write<'a, u32>,
+        5 offsets: Read<'a, u32>,
+        6 kept_from: Read<'a, u32>,
+        7 kept: Write<'a, u32>,
+    } }
+    group! { Lists {
+        params: Uniform<'a, crate::stages::compact::Params>,
+        counts: Read<'a, u32>,
+        flags: Read<'a, u32>,
+        marks: Write<'a, u32>,
+        mark_counts: Write<'a, u32>,
+        offsets: Read<'a, u32>,
+        kept_from: Read<'a, u32>,
+        kept: Write<'a, u32>,
+    } }
+    subset! { Lists => Count { params, counts, flags, marks, mark_counts } }
+    subset! { Lists => Emit { params, marks, offsets, kept_from, kept } }
+    entries! {
+        Count, Emit,
+    }
+}
+
+/// `kernels/dispatch_args.wgsl`.
+pub mod dispatch_args {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "dispatch_args",
+    }
+    constants! {
+        WORKGROUP = 64,
+    }
+    overrides! {
+        max_groups: u32 = 65535, "MAX_GROUPS",
+    }
+    entry_point! { "dispatch_args", "fold", [64, 1, 1], SOURCE, Constants => Fold, FoldProgram {
+        0 counts: Read<'a, u32>,
+        1 requests: Read<'a, crate::stages::dispatch_args::Request>,
+        2 args: Write<'a, u32>,
+    } }
+    entries! {
+        Fold,
+    }
+}
+
+/// `kernels/facet_classify.wgsl`.
+pub mod facet_classify {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/rect", "shared/pixel_ray", "shared/facet",
+        "shared/facing", "shared/double_float", "shared/vertex", "shared/facing_46", "shared/front_split",
+        "shared/only_receiver", "shared/summed_area", "shared/frame_copy", "shared/sample_copy",
+        "shared/facet_samples", "shared/view_sides", "shared/facet_box", "shared/facet_place", "facet_classify",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5,
+        STATE_BITS = 7, WAS_SETTLED = 16, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
+        MOST_SPLITS = 256, WORKGROUP = 64, UNSURE_GROUPS = 64,
+    }
+    overrides! {
+        samples: u32 = 32, "SAMPLES",
+        words: u32 = 1, "WORDS",
+        clamped: u32 = 2, "CLAMPED",
+        receivers: u32 = 1, "RECEIVERS",
+    }
+    entry_point! { "facet_classify", "one", [64, 1, 1], SOURCE, Constants => One, OneProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 id_keys: Read<'a, u32>,
+        7 facets: Write<'a, crate::stages::facet_classify::Facet>,
+        8 masks: Write<'a, u32>,
+        10 pixel_facets: Write<'a, u32>,
+    } }
+    entry_point! { "facet_classify", "begin", [1, 1, 1], SOURCE, Constants => Begin, BeginProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        9 facet_items: Write<'a, u32>,
+    } }
+    entry_point! { "facet_classify", "classify", [64, 1, 1], SOURCE, Constants => Classify, ClassifyProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 positions: Read<'a, [f32; 4]>,
+        5 sat: Read<'a, u32>,
+        6 splits: Read<'a, f32>,
+        7 facets: Write<'a, crate::stages::facet_classify::Facet>,
+        8 masks: Write<'a, u32>,
+        9 facet_items: Write<'a, u32>,
+        11 undecided: Write<'a, crate::stages::facet_classify::Undecided>,
+    } }
+    entry_point! { "facet_classify", "classify_unsure", [64, 1, 1], SOURCE, Constants => ClassifyUnsure, ClassifyUnsureProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 positions: Read<'a, [f32; 4]>,
+        5 sat: Read<'a, u32>,
+        6 splits: Read<'a, f32>,
+        7 facets: Write<'a, crate::stages::facet_classify::Facet>,
+        8 masks: Write<'a, u32>,
+        9 facet_items: Write<'a, u32>,
+        11 undecided: Write<'a, crate::stages::facet_classify::Undecided>,
+    } }
+    subset! { Classify => Begin { frame, facet_items } }
+    subset! { Classify => ClassifyUnsure { frame, samples, triangles, positions, sat, splits, facets, masks, facet_items, undecided } }
+    subset! { ClassifyUnsure => Begin { frame, facet_items } }
+    subset! { ClassifyUnsure => Classify { frame, samples, triangles, positions, sat, splits, facets, masks, facet_items, undecided } }
+    entries! {
+        One, Begin, Classify, ClassifyUnsure,
+    }
+}
+
+/// `kernels/front_layer.wgsl`.
+pub mod front_layer {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/work_items", "shared/front_split", "shared/divide",
+        "shared/rect", "shared/conservative", "shared/span", "shared/block_bits", "shared/cover_cells",
+        "shared/mask_rows", "shared/facing", "shared/frame_copy", "front_layer",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8,
+        BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+    }
+    entry_point! { "front_layer", "check", [64, 1, 1], SOURCE, () => Check, CheckProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 map_points: Read<'a, [f32; 4]>,
+        3 light_rects: Read<'a, [u32; 2]>,
+        4 work_offsets: Read<'a, u32>,
+        5 nearest_keys: Read<'a, u32>,
+        6 second_keys: Read<'a, u32>,
+        7 mask: Write<'a, u32>,
+        9 facing: Read<'a, u32>,
+    } }
+    entry_point! { "front_layer", "settle", [64, 1, 1], SOURCE, () => Settle, SettleProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        5 nearest_keys: Read<'a, u32>,
+        6 second_keys: Read<'a, u32>,
+        7 mask: Write<'a, u32>,
+        8 splits: Write<'a, f32>,
+    } }
+    entries! {
+        Check, Settle,
+    }
+}
+
+/// `kernels/gbuffer_triangles.wgsl`.
+pub mod gbuffer_triangles {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/strip", "gbuffer_triangles",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, STATUS_LONGEST = 25,
+        FAULT_UNKNOWN = 2, MOST = 128,
+    }
+    entry_point! { "gbuffer_triangles", "count_layers", [64, 1, 1], SOURCE, () => CountLayers, CountLayersProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        2 layers: TextureUintLayers<'a>,
+        4 numbers: Read<'a, u32>,
+        5 pixel_counts: Write<'a, u32>,
+        6 complex_flags: Write<'a, u32>,
+        7 facet_counts: Write<'a, u32>,
+        8 status: Write<'a, u32>,
+        9 faults: Write<'a, u32>,
+    } }
+    entry_point! { "gbuffer_triangles", "count_samples", [64, 1, 1], SOURCE, () => CountSamples, CountSamplesProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        3 multisampled: TextureUintSamples<'a>,
+        4 numbers: Read<'a, u32>,
+        5 pixel_counts: Write<'a, u32>,
+        6 complex_flags: Write<'a, u32>,
+        7 facet_counts: Write<'a, u32>,
+        8 status: Write<'a, u32>,
+        9 faults: Write<'a, u32>,
+    } }
+    entry_point! { "gbuffer_triangles", "emit_layers", [64, 1, 1], SOURCE, () => EmitLayers, EmitLayersProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        2 layers: TextureUintLayers<'a>,
+        4 numbers: Read<'a, u32>,
+        10 pixel_offsets: Read<'a, u32>,
+        11 pixel_list: Write<'a, u32>,
+    } }
+    entry_point! { "gbuffer_triangles", "emit_samples", [64, 1, 1], SOURCE, () => EmitSamples, EmitSamplesProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        3 multisampled: TextureUintSamples<'a>,
+        4 numbers: Read<'a, u32>,
+        10 pixel_offsets: Read<'a, u32>,
+        11 pixel_list: Write<'a, u32>,
+    } }
+    entry_point! { "gbuffer_triangles", "fill_layers", [64, 1, 1], SOURCE, () => FillLayers, FillLayersProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        2 layers: TextureUintLayers<'a>,
+        4 numbers: Read<'a, u32>,
+        12 complex_pixels: Read<'a, u32>,
+        13 complex_total: Read<'a, u32>,
+        14 sample_keys: Write<'a, u32>,
+    } }
+    entry_point! { "gbuffer_triangles", "fill_samples", [64, 1, 1], SOURCE, () => FillSamples, FillSamplesProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        3 multisampled: TextureUintSamples<'a>,
+        4 numbers: Read<'a, u32>,
+        12 complex_pixels: Read<'a, u32>,
+        13 complex_total: Read<'a, u32>,
+        14 sample_keys: Write<'a, u32>,
+    } }
+    entries! {
+        CountLayers, CountSamples, EmitLayers, EmitSamples, FillLayers, FillSamples,
+    }
+}
+
+/// `kernels/light_layers.wgsl`.
+pub mod light_layers {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/rect", "shared/work_items",
+        "shared/front_split", "shared/span", "shared/block_bits", "shared/facing", "shared/frame_copy",
+        "light_layers",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+    }
+    overrides! {
+        both: u32 = 1, "BOTH",
+    }
+    entry_point! { "light_layers", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 map_points: Read<'a, [f32; 4]>,
+        3 light_rects: Read<'a, [u32; 2]>,
+        4 work_offsets: Read<'a, u32>,
+        5 nearest_keys: Write<'a, u32>,
+        6 second_keys: Write<'a, u32>,
+        7 mask: Write<'a, u32>,
+        8 facing: Read<'a, u32>,
+    } }
+    entries! {
+        Raster,
+    }
+}
+
+/// `kernels/map_moments.wgsl`.
+pub mod map_moments {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/split_views", "shared/dispatch", "shared/front_split", "shared/moments",
+        "map_moments",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 256, TILE = 32,
+        HALF = 16, LEVELS = 5,
+    }
+    overrides! {
+        first: u32 = 0, "FIRST",
+    }
+    entry_point! { "map_moments", "reduce", [256, 1, 1], SOURCE, Constants => Reduce, ReduceProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
+        2 map_keys: Read<'a, u32>,
+        3 moments: Write<'a, [f32; 2]>,
+    } }
+    entries! {
+        Reduce,
+    }
+}
+
+/// `kernels/pixel_receivers.wgsl`.
+pub mod pixel_receivers {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/strip", "shared/facing", "shared/finite",
+        "shared/vertex", "shared/given_place", "pixel_receivers",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, NOTHING = 0, SURFACE = 1, FAULT = 2, GIVEN_POSITIONS = 1, WORKGROUP = 64, FAULT_UNKNOWN = 2,
+        FAULT_UNUSABLE = 3, GIVEN_NORMALS = 2, GIVEN_IDS = 4, MOST_STEPS = 4,
+    }
+    entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::pixel_receivers::Params>,
+        2 place: TextureFloat<'a>,
+        3 normals: TextureFloat<'a>,
+        4 ids: TextureUint<'a>,
+        5 numbers: Read<'a, u32>,
+        6 id_keys: Read<'a, u32>,
+        7 triangles: Write<'a, [u32; 4]>,
+        8 positions: Write<'a, [f32; 4]>,
+        9 keys: Write<'a, u32>,
+        10 faults: Write<'a, u32>,
+    } }
+    entries! {
+        Take,
+    }
+}
+
+/// `kernels/pixel_texel_pairs.wgsl`.
+pub mod pixel_texel_pairs {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/pass", "shared/divide", "shared/rect", "shared/work_items",
+        "shared/pixel_ray", "shared/facet", "shared/facet_outline", "shared/facing", "shared/only_receiver",
+        "shared/front_split", "shared/block_bits", "shared/places", "shared/append", "shared/map_ends",
+        "shared/frame_copy", "pixel_texel_pairs",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
+        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_MERGED = 8, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
+    }
+    overrides! {
+        tile_shift: u32 = 0, "TILE_SHIFT",
+    }
+    entry_point! { "pixel_texel_pairs", "count", [64, 1, 1], SOURCE, Constants => Count, CountProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        3 work_offsets: Read<'a, u32>,
+        4 splits: Read<'a, f32>,
+        5 place_counts: Write<'a, u32>,
+        6 place_deepest: Write<'a, u32>,
+        12 touched: Write<'a, [u32; 2]>,
+    } }
+    entry_point! { "pixel_texel_pairs", "emit", [64, 1, 1], SOURCE, Constants => Emit, EmitProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        3 work_offsets: Read<'a, u32>,
+        5 place_counts: Write<'a, u32>,
+        7 pair_offsets: Read<'a, u32>,
+        8 pairs: Write<'a, [u32; 2]>,
+        12 touched: Write<'a, [u32; 2]>,
+    } }
+    entry_point! { "pixel_texel_pairs", "emit_rest", [64, 1, 1], SOURCE, Constants => EmitRest, EmitRestProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        3 work_offsets: Read<'a, u32>,
+        4 splits: Read<'a, f32>,
+        5 place_counts: Write<'a, u32>,
+        7 pair_offsets: Read<'a, u32>,
+        8 pairs: Write<'a, [u32; 2]>,
+    } }
+    entry_point! { "pixel_texel_pairs", "append", [64, 1, 1], SOURCE, Constants => Append, AppendProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        3 work_offsets: Read<'a, u32>,
+        4 splits: Read<'a, f32>,
+        6 place_deepest: Write<'a, u32>,
+        9 appended: Write<'a, u32>,
+        10 keys: Write<'a, u32>,
+        11 values: Write<'a, u32>,
+    } }
+    group! { Pairs {
+        work_offsets: Read<'a, u32>,
+        splits: Read<'a, f32>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        place_counts: Write<'a, u32>,
+        place_deepest: Write<'a, u32>,
+        pair_offsets: Read<'a, u32>,
+        pairs: Write<'a, [u32; 2]>,
+        touched: Write<'a, [u32; 2]>,
+    } }
+    subset! { Pairs => Count { frame, step, undecided, work_offsets, splits, place_counts, place_deepest, touched } }
+    subset! { Pairs => Emit { frame, step, undecided, work_offsets, place_counts, pair_offsets, pairs, touched } }
+    subset! { Pairs => EmitRest { frame, step, undecided, work_offsets, splits, place_counts, pair_offsets, pairs } }
+    entries! {
+        Count, Emit, EmitRest, Append,
+    }
+}
+
+/// `kernels/pixel_triangles.wgsl`.
+pub mod pixel_triangles {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/pass", "shared/divide", "shared/rect", "shared/work_items",
+        "shared/facing", "shared/eye_edges", "shared/block_bits", "pixel_triangles",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64, STATUS_LONGEST = 25,
+    }
+    entry_point! { "pixel_triangles", "cover", [64, 1, 1], SOURCE, () => Cover, CoverProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        4 camera_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        6 cover_keys: Write<'a, u32>,
+    } }
+    entry_point! { "pixel_triangles", "count", [64, 1, 1], SOURCE, () => Count, CountProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        4 camera_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        6 cover_keys: Write<'a, u32>,
+        7 pixel_counts: Write<'a, u32>,
+        13 touched: Write<'a, [u32; 2]>,
+    } }
+    entry_point! { "pixel_triangles", "emit", [64, 1, 1], SOURCE, () => Emit, EmitProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        4 camera_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        7 pixel_counts: Write<'a, u32>,
+        8 pixel_offsets: Read<'a, u32>,
+        9 pixel_list: Write<'a, u32>,
+        13 touched: Write<'a, [u32; 2]>,
+    } }
+    entry_point! { "pixel_triangles", "emit_rest", [64, 1, 1], SOURCE, () => EmitRest, EmitRestProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        4 camera_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        6 cover_keys: Write<'a, u32>,
+        7 pixel_counts: Write<'a, u32>,
+        8 pixel_offsets: Read<'a, u32>,
+        9 pixel_list: Write<'a, u32>,
+    } }
+    entry_point! { "pixel_triangles", "judge", [64, 1, 1], SOURCE, () => Judge, JudgeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        6 cover_keys: Write<'a, u32>,
+        7 pixel_counts: Write<'a, u32>,
+        10 complex_flags: Write<'a, u32>,
+        11 facet_counts: Write<'a, u32>,
+        12 status: Write<'a, u32>,
+    } }
+    group! { Raster {
+        work_offsets: Read<'a, u32>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        points: Read<'a, [f32; 4]>,
+        step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        triangles: Read<'a, [u32; 4]>,
+        camera_rects: Read<'a, [u32; 2]>,
+        cover_keys: Write<'a, u32>,
+        pixel_counts: Write<'a, u32>,
+        pixel_offsets: Read<'a, u32>,
+        pixel_list: Write<'a, u32>,
+        touched: Write<'a, [u32; 2]>,
+    } }
+    subset! { Count => Cover { frame, triangles, points, camera_rects, work_offsets, cover_keys } }
+    subset! { EmitRest => Cover { frame, triangles, points, camera_rects, work_offsets, cover_keys } }
+    subset! { Raster => Cover { frame, triangles, points, camera_rects, work_offsets, cover_keys } }
+    subset! { Raster => Count { frame, step, triangles, points, camera_rects, work_offsets, cover_keys, pixel_counts, touched } }
+    subset! { Raster => Emit { frame, step, camera_rects, work_offsets, pixel_counts, pixel_offsets, pixel_list, touched } }
+    subset! { Raster => EmitRest { frame, step, triangles, points, camera_rects, work_offsets, cover_keys, pixel_counts, pixel_offsets, pixel_list } }
+    entries! {
+        Cover, Count, Emit, EmitRest, Judge,
+    }
+}
+
+/// `kernels/prefix_scan.wgsl`.
+pub mod prefix_scan {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/dispatch", "shared/workgroup_scan", "prefix_scan",
+    }
+    constants! {
+        WORKGROUP = 64, SIDE = 8, QUADS = 16, BLOCK = 4096, SPINE_WORKGROUP = 256, SPINE_SIDE = 16, SPINE_CHUNK = 4,
+        SATURATED = 4294967295,
+    }
+    entry_point! { "prefix_scan", "reduce", [64, 1, 1], SOURCE, () => Reduce, ReduceProgram {
+        0 params: Uniform<'a, crate::stages::prefix_scan::Params>,
+        1 counts: Read<'a, u32>,
+        2 input: Read<'a, [u32; 4]>,
+        3 sums: Write<'a, [u32; 2]>,
+    } }
+    entry_point! { "prefix_scan", "spine", [256, 1, 1], SOURCE, () => Spine, SpineProgram {
+        0 params: Uniform<'a, crate::stages::prefix_scan::Params>,
+        3 sums: Write<'a, [u32; 2]>,
+        5 total: Write<'a, u32>,
+    } }
+    entry_point! { "prefix_scan", "downsweep", [64, 1, 1], SOURCE, () => Downsweep, DownsweepProgram {
+        0 params: Uniform<'a, crate::stages::prefix_scan::Params>,
+        1 counts: Read<'a, u32>,
+        2 input: Read<'a, [u32; 4]>,
+        3 sums: Write<'a, [u32; 2]>,
+        4 output: Write<'a, [u32; 4]>,
+    } }
+    subset! { Downsweep => Reduce { params, counts, input, sums } }
+    entries! {
+        Reduce, Spine, Downsweep,
+    }
+}
+
+/// `kernels/radix_sort.wgsl`.
+pub mod radix_sort {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/dispatch", "radix_sort",
+    }
+    constants! {
+        WORKGROUP = 64, PAIRS = 64, BLOCK = 4096, DIGIT_BITS = 6, MAX_BINS = 64, COLUMN = 65,
+    }
+    entry_point! { "radix_sort", "count", [64, 1, 1], SOURCE, () => Count, CountProgram {
+        0 params: Uniform<'a, crate::stages::radix_sort::Params>,
+        1 counts: Read<'a, u32>,
+        2 keys_in: Read<'a, [u32; 4]>,
+        4 histogram: Write<'a, u32>,
+    } }
+    entry_point! { "radix_sort", "scatter", [64, 1, 1], SOURCE, () => Scatter, ScatterProgram {
+        0 params: Uniform<'a, crate::stages::radix_sort::Params>,
+        1 counts: Read<'a, u32>,
+        2 keys_in: Read<'a, [u32; 4]>,
+        3 values_in: Read<'a, [u32; 4]>,
+        5 offsets: Read<'a, u32>,
+        6 keys_out: Write<'a, u32>,
+        7 values_out: Write<'a, u32>,
+    } }
+    group! { Digits {
+        params: Uniform<'a, crate::stages::radix_sort::Params>,
+        counts: Read<'a, u32>,
+        keys_in: Read<'a, [u32; 4]>,
+        values_in: Read<'a, [u32; 4]>,
+        histogram: Write<'a, u32>,
+        offsets: Read<'a, u32>,
+        keys_out: Write<'a, u32>,
+        values_out: Write<'a, u32>,
+    } }
+    subset! { Digits => Count { params, counts, keys_in, histogram } }
+    subset! { Digits => Scatter { params, counts, keys_in, values_in, offsets, keys_out, values_out } }
+    entries! {
+        Count, Scatter,
+    }
+}
+
+/// `kernels/resolve.wgsl`.
+pub mod resolve {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet", "resolve",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_MERGED = 8, WORKGROUP = 64, STATUS_STATES = 16, STATUS_FINISHED = 12,
+    }
+    overrides! {
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "resolve", "resolve", [64, 1, 1], SOURCE, Constants => Resolve, ResolveProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 facets: Read<'a, crate::stages::facet_classify::Facet>,
+        2 masks: Read<'a, u32>,
+        3 pixel_facets: Read<'a, u32>,
+        4 visibility: Write<'a, f32>,
+        5 lit: Write<'a, u32>,
+        6 status: Write<'a, u32>,
+    } }
+    entries! {
+        Resolve,
+    }
+}
+
+/// `kernels/sample_bins.wgsl`.
+pub mod sample_bins {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/pass", "shared/divide", "shared/rect", "shared/work_items",
+        "shared/conservative", "shared/span", "shared/pixel_ray", "shared/facet", "shared/facing",
+        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/map_ends", "shared/frame_copy",
+        "shared/shadow_lines", "shared/shadow_lines_46", "shared/shadow_ray", "shared/mesh_caster",
+        "shared/bin_tests", "sample_bins",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
+        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_MERGED = 8, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, CROWD = 2048, WORKGROUP = 64,
+        LANES = 8, MOST_SAMPLES = 2097152,
+    }
+    overrides! {
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "sample_bins", "bin", [64, 1, 1], SOURCE, Constants => Bin, BinProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 triangles: Read<'a, [u32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 texel_ends: Write<'a, u32>,
+        8 bins: Write<'a, [u32; 4]>,
+        11 listed: Read<'a, u32>,
+        12 listed_total: Read<'a, u32>,
+    } }
+    entry_point! { "sample_bins", "ask", [1, 1, 1], SOURCE, Constants => Ask, AskProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        7 texel_ends: Write<'a, u32>,
+        8 bins: Write<'a, [u32; 4]>,
+        10 work_offsets: Read<'a, u32>,
+        13 wanted: Write<'a, u32>,
+    } }
+    entry_point! { "sample_bins", "occlude", [64, 1, 1], SOURCE, Constants => Occlude, OccludeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 positions: Read<'a, [f32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 texel_ends: Write<'a, u32>,
+        8 bins: Write<'a, [u32; 4]>,
+        9 light_rects: Read<'a, [u32; 2]>,
+        10 work_offsets: Read<'a, u32>,
+    } }
+    entry_point! { "sample_bins", "occlude_crowds", [64, 1, 1], SOURCE, Constants => OccludeCrowds, OccludeCrowdsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 positions: Read<'a, [f32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 texel_ends: Write<'a, u32>,
+        8 bins: Write<'a, [u32; 4]>,
+        9 light_rects: Read<'a, [u32; 2]>,
+        10 work_offsets: Read<'a, u32>,
+    } }
+    entry_point! { "sample_bins", "refine", [64, 1, 1], SOURCE, Constants => Refine, RefineProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 positions: Read<'a, [f32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 texel_ends: Write<'a, u32>,
+        8 bins: Write<'a, [u32; 4]>,
+    } }
+    entry_point! { "sample_bins", "refine_all", [64, 1, 1], SOURCE, Constants => RefineAll, RefineAllProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 positions: Read<'a, [f32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 texel_ends: Write<'a, u32>,
+        8 bins: Write<'a, [u32; 4]>,
+        9 light_rects: Read<'a, [u32; 2]>,
+        10 work_offsets: Read<'a, u32>,
+    } }
+    entry_point! { "sample_bins", "refine_crowds", [64, 1, 1], SOURCE, Constants => RefineCrowds, RefineCrowdsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 positions: Read<'a, [f32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 texel_ends: Write<'a, u32>,
+        8 bins: Write<'a, [u32; 4]>,
+        9 light_rects: Read<'a, [u32; 2]>,
+        10 work_offsets: Read<'a, u32>,
+    } }
+    group! { Bins {
+        work_offsets: Read<'a, u32>,
+        positions: Read<'a, [f32; 4]>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        triangles: Read<'a, [u32; 4]>,
+        samples: Uniform<'a, [f32; 4]>,
+        masks: Write<'a, u32>,
+        texel_ends: Write<'a, u32>,
+        bins: Write<'a, [u32; 4]>,
+        step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        light_rects: Read<'a, [u32; 2]>,
+        listed: Read<'a, u32>,
+        listed_total: Read<'a, u32>,
+        wanted: Write<'a, u32>,
+    } }
+    subset! { Occlude => OccludeCrowds { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { Occlude => Refine { frame, samples, undecided, triangles, positions, masks, texel_ends, bins } }
+    subset! { Occlude => RefineAll { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { Occlude => RefineCrowds { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { OccludeCrowds => Occlude { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { OccludeCrowds => Refine { frame, samples, undecided, triangles, positions, masks, texel_ends, bins } }
+    subset! { OccludeCrowds => RefineAll { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { OccludeCrowds => RefineCrowds { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { RefineAll => Occlude { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { RefineAll => OccludeCrowds { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { RefineAll => Refine { frame, samples, undecided, triangles, positions, masks, texel_ends, bins } }
+    subset! { RefineAll => RefineCrowds { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { RefineCrowds => Occlude { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { RefineCrowds => OccludeCrowds { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { RefineCrowds => Refine { frame, samples, undecided, triangles, positions, masks, texel_ends, bins } }
+    subset! { RefineCrowds => RefineAll { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { Bins => Bin { frame, samples, step, undecided, triangles, masks, texel_ends, bins, listed, listed_total } }
+    subset! { Bins => Ask { frame, texel_ends, bins, work_offsets, wanted } }
+    subset! { Bins => Occlude { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { Bins => OccludeCrowds { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { Bins => Refine { frame, samples, undecided, triangles, positions, masks, texel_ends, bins } }
+    subset! { Bins => RefineAll { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    subset! { Bins => RefineCrowds { frame, samples, undecided, triangles, positions, masks, texel_ends, bins, light_rects, work_offsets } }
+    entries! {
+        Bin, Ask, Occlude, OccludeCrowds, Refine, RefineAll, RefineCrowds,
+    }
+}
+
+/// `kernels/sample_surfaces.wgsl`.
+pub mod sample_surfaces {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet", "shared/facing",
+        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/eye_edges", "shared/eye_view",
+        "shared/word_offsets", "shared/nearest_sample", "shared/eye_order_46", "shared/frame_copy",
+        "shared/surface_groups", "shared/touching_samples", "sample_surfaces",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BATCH = 8, ROUND_LENGTH = 512, WORKGROUP = 64,
+        SEVERAL = 2147483648,
+    }
+    overrides! {
+        words: u32 = 1, "WORDS",
+        samples: u32 = 32, "SAMPLES",
+        merge: u32 = 0, "MERGE",
+    }
+    entry_point! { "sample_surfaces", "begin", [1, 1, 1], SOURCE, Constants => Begin, BeginProgram {
+        22 crowds: Write<'a, u32>,
+    } }
+    entry_point! { "sample_surfaces", "nearest", [64, 1, 1], SOURCE, Constants => Nearest, NearestProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 pixel_offsets: Read<'a, u32>,
+        6 pixel_list: Read<'a, u32>,
+        7 complex_pixels: Read<'a, u32>,
+        8 complex_total: Read<'a, u32>,
+        10 sample_keys: Write<'a, u32>,
+        17 rivals_found: Write<'a, u32>,
+    } }
+    entry_point! { "sample_surfaces", "settle_rivals", [64, 1, 1], SOURCE, Constants => SettleRivals, SettleRivalsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        3 triangles: Read<'a, [u32; 4]>,
+        7 complex_pixels: Read<'a, u32>,
+        8 complex_total: Read<'a, u32>,
+        9 positions: Read<'a, [f32; 4]>,
+        10 sample_keys: Write<'a, u32>,
+        17 rivals_found: Write<'a, u32>,
+        22 crowds: Write<'a, u32>,
+    } }
+    entry_point! { "sample_surfaces", "settle_crowds", [64, 1, 1], SOURCE, Constants => SettleCrowds, SettleCrowdsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 pixel_offsets: Read<'a, u32>,
+        6 pixel_list: Read<'a, u32>,
+        9 positions: Read<'a, [f32; 4]>,
+        10 sample_keys: Write<'a, u32>,
+        17 rivals_found: Write<'a, u32>,
+        22 crowds: Write<'a, u32>,
+    } }
+    entry_point! { "sample_surfaces", "name_surfaces", [64, 1, 1], SOURCE, Constants => NameSurfaces, NameSurfacesProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        8 complex_total: Read<'a, u32>,
+        10 sample_keys: Write<'a, u32>,
+        18 surfaces: Read<'a, u32>,
+        19 named_keys: Write<'a, u32>,
+    } }
+    entry_point! { "sample_surfaces", "group_samples", [64, 1, 1], SOURCE, Constants => GroupSamples, GroupSamplesProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        7 complex_pixels: Read<'a, u32>,
+        8 complex_total: Read<'a, u32>,
+        11 facet_counts: Write<'a, u32>,
+        21 group_keys: Read<'a, u32>,
+    } }
+    entry_point! { "sample_surfaces", "emit", [64, 1, 1], SOURCE, Constants => Emit, EmitProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        7 complex_pixels: Read<'a, u32>,
+        8 complex_total: Read<'a, u32>,
+        13 pixel_facets: Read<'a, u32>,
+        14 facets: Write<'a, crate::stages::facet_classify::Facet>,
+        15 masks: Write<'a, u32>,
+        16 id_keys: Write<'a, u32>,
+        20 seen_keys: Read<'a, u32>,
+        21 group_keys: Read<'a, u32>,
+    } }
+    entry_point! { "sample_surfaces", "emit_single", [64, 1, 1], SOURCE, Constants => EmitSingle, EmitSingleProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        5 pixel_offsets: Read<'a, u32>,
+        6 pixel_list: Read<'a, u32>,
+        12 complex_flags: Read<'a, u32>,
+        13 pixel_facets: Read<'a, u32>,
+        14 facets: Write<'a, crate::stages::facet_classify::Facet>,
+        15 masks: Write<'a, u32>,
+        16 id_keys: Write<'a, u32>,
+    } }
+    group! { Search {
+        positions: Read<'a, [f32; 4]>,
+        points: Read<'a, [f32; 4]>,
+        step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        samples: Uniform<'a, [f32; 4]>,
+        triangles: Read<'a, [u32; 4]>,
+        rivals_found: Write<'a, u32>,
+        pixel_list: Read<'a, u32>,
+        sample_keys: Write<'a, u32>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        complex_total: Read<'a, u32>,
+        complex_pixels: Read<'a, u32>,
+        crowds: Write<'a, u32>,
+        pixel_offsets: Read<'a, u32>,
+    } }
+    subset! { SettleRivals => Begin { crowds } }
+    subset! { SettleCrowds => Begin { crowds } }
+    subset! { Search => Begin { crowds } }
+    subset! { Search => Nearest { frame, samples, step, triangles, points, pixel_offsets, pixel_list, complex_pixels, complex_total, sample_keys, rivals_found } }
+    subset! { Search => SettleRivals { frame, samples, step, triangles, complex_pixels, complex_total, positions, sample_keys, rivals_found, crowds } }
+    subset! { Search => SettleCrowds { frame, samples, step, triangles, points, pixel_offsets, pixel_list, positions, sample_keys, rivals_found, crowds } }
+    entries! {
+        Begin, Nearest, SettleRivals, SettleCrowds, NameSurfaces, GroupSamples, Emit, EmitSingle,
+    }
+}
+
+/// `kernels/seen_texels.wgsl`.
+pub mod seen_texels {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/facing", "shared/divide", "shared/pixel_ray", "shared/receiver",
+        "shared/seen_texels", "shared/cross_sign", "shared/spsm_record", "shared/spsm_sheet", "shared/spsm_border",
+        "shared/spsm_footprint", "shared/spsm_settle", "seen_texels",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2,
+        SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, EMPTY_WORD = 4294967295, BEHIND = 0,
+        BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3,
+        CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
+    }
+    overrides! {
+        encoding: u32 = 1, "ENCODING",
+        split: u32 = 1, "SPLIT",
+        bias: f32 = 1e-5, "BIAS",
+        many: u32 = 1, "MANY",
+        radius: i32 = 1, "RADIUS",
+        reach: i32 = 0, "REACH",
+    }
+    entry_point! { "seen_texels", "mark", [64, 1, 1], SOURCE, Constants => Mark, MarkProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        6 seen: Write<'a, u32>,
+    } }
+    entry_point! { "seen_texels", "around", [64, 1, 1], SOURCE, Constants => Around, AroundProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 kept: Read<'a, u32>,
+        6 seen: Write<'a, u32>,
+        7 slopes: Uniform<'a, [f32; 4]>,
+        8 upper_records: Read<'a, [u32; 4]>,
+        9 lower_records: Read<'a, [u32; 4]>,
+    } }
+    entry_point! { "seen_texels", "all_texels", [64, 1, 1], SOURCE, Constants => AllTexels, AllTexelsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        6 seen: Write<'a, u32>,
+    } }
+    subset! { Mark => AllTexels { frame, seen } }
+    subset! { Around => Mark { frame, id_keys, triangles, points, seen } }
+    subset! { Around => AllTexels { frame, seen } }
+    entries! {
+        Mark, Around, AllTexels,
+    }
+}
+
+/// `kernels/shadow_map.wgsl`.
+pub mod shadow_map {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/facing", "shared/divide", "shared/pixel_ray", "shared/receiver",
+        "shadow_map",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+    }
+    overrides! {
+        kernel: u32 = 1, "KERNEL",
+        bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
+        bias_slope: f32 = 1.0, "BIAS_SLOPE",
+        receiver_plane: u32 = 0, "RECEIVER_PLANE",
+    }
+    entry_point! { "shadow_map", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 nearest_keys: Read<'a, u32>,
+        6 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        Compare,
+    }
+}
+
+/// `kernels/shadow_rays.wgsl`.
+pub mod shadow_rays {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet", "shared/facing",
+        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/caster_tree", "shared/frame_copy",
+        "shared/shadow_lines", "shared/shadow_lines_46", "shared/shadow_ray", "shared/leaf_caster",
+        "shared/ray_doubts", "shared/facet_cut", "shadow_rays",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, STACK = 24, MOST_STEPS = 60000,
+        INNER = 4278190080, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, WORK_HEAD = 4, WORKGROUP = 64,
+    }
+    overrides! {
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "shadow_rays", "trace", [64, 1, 1], SOURCE, Constants => Trace, TraceProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 tree: Uniform<'a, crate::caster_tree::TreePlace>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 listed: Read<'a, u32>,
+        5 work: Write<'a, u32>,
+        6 nodes: Read<'a, [u32; 4]>,
+        7 casters: Read<'a, [f32; 4]>,
+        8 triangles: Read<'a, [u32; 4]>,
+        9 positions: Read<'a, [f32; 4]>,
+        10 masks: Write<'a, u32>,
+    } }
+    entry_point! { "shadow_rays", "refine", [64, 1, 1], SOURCE, Constants => Refine, RefineProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 listed: Read<'a, u32>,
+        5 work: Write<'a, u32>,
+        7 casters: Read<'a, [f32; 4]>,
+        8 triangles: Read<'a, [u32; 4]>,
+        9 positions: Read<'a, [f32; 4]>,
+        10 masks: Write<'a, u32>,
+    } }
+    entry_point! { "shadow_rays", "refine_all", [64, 1, 1], SOURCE, Constants => RefineAll, RefineAllProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 tree: Uniform<'a, crate::caster_tree::TreePlace>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 listed: Read<'a, u32>,
+        5 work: Write<'a, u32>,
+        6 nodes: Read<'a, [u32; 4]>,
+        7 casters: Read<'a, [f32; 4]>,
+        8 triangles: Read<'a, [u32; 4]>,
+        9 positions: Read<'a, [f32; 4]>,
+        10 masks: Write<'a, u32>,
+    } }
+    entry_point! { "shadow_rays", "cut_facets", [64, 1, 1], SOURCE, Constants => CutFacets, CutFacetsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 tree: Uniform<'a, crate::caster_tree::TreePlace>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 listed: Read<'a, u32>,
+        5 work: Write<'a, u32>,
+        6 nodes: Read<'a, [u32; 4]>,
+        7 casters: Read<'a, [f32; 4]>,
+        8 triangles: Read<'a, [u32; 4]>,
+        9 positions: Read<'a, [f32; 4]>,
+        10 masks: Write<'a, u32>,
+    } }
+    subset! { Trace => Refine { frame, samples, undecided, listed, work, casters, triangles, positions, masks } }
+    subset! { Trace => RefineAll { frame, samples, tree, undecided, listed, work, nodes, casters, triangles, positions, masks } }
+    subset! { Trace => CutFacets { frame, samples, tree, undecided, listed, work, nodes, casters, triangles, positions, masks } }
+    subset! { RefineAll => Trace { frame, samples, tree, undecided, listed, work, nodes, casters, triangles, positions, masks } }
+    subset! { RefineAll => Refine { frame, samples, undecided, listed, work, casters, triangles, positions, masks } }
+    subset! { RefineAll => CutFacets { frame, samples, tree, undecided, listed, work, nodes, casters, triangles, positions, masks } }
+    subset! { CutFacets => Trace { frame, samples, tree, undecided, listed, work, nodes, casters, triangles, positions, masks } }
+    subset! { CutFacets => Refine { frame, samples, undecided, listed, work, casters, triangles, positions, masks } }
+    subset! { CutFacets => RefineAll { frame, samples, tree, undecided, listed, work, nodes, casters, triangles, positions, masks } }
+    entries! {
+        Trace, Refine, RefineAll, CutFacets,
+    }
+}
+
+/// `kernels/silhouette_mask.wgsl`.
+pub mod silhouette_mask {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/rect", "shared/work_items",
+        "shared/front_split", "shared/facing", "shared/span", "shared/block_bits", "shared/mask_rows",
+        "silhouette_mask",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64, STATUS_EDGES = 8,
+    }
+    entry_point! { "silhouette_mask", "classify", [64, 1, 1], SOURCE, () => Classify, ClassifyProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 edges: Read<'a, crate::scene::Edge>,
+        2 facing: Read<'a, u32>,
+        3 map_points: Read<'a, [f32; 4]>,
+        4 edge_rects: Write<'a, [u32; 2]>,
+        5 edge_items: Write<'a, u32>,
+        10 status: Write<'a, u32>,
+    } }
+    entry_point! { "silhouette_mask", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 edges: Read<'a, crate::scene::Edge>,
+        3 map_points: Read<'a, [f32; 4]>,
+        4 edge_rects: Write<'a, [u32; 2]>,
+        6 work_offsets: Read<'a, u32>,
+        7 nearest_keys: Read<'a, u32>,
+        8 second_keys: Read<'a, u32>,
+        9 mask: Write<'a, u32>,
+    } }
+    entries! {
+        Classify, Raster,
+    }
+}
+
+/// `kernels/smsr.wgsl`.
+pub mod smsr {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/facing", "shared/divide", "shared/pixel_ray", "shared/receiver",
+        "shared/map_borders", "smsr",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64, DARK = 0, LIT = 1, SEVERAL = 2,
+    }
+    overrides! {
+        bias_slope: f32 = 0.5, "BIAS_SLOPE",
+        reach: u32 = 16, "REACH",
+        midpoints: u32 = 1, "MIDPOINTS",
+        bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
+    }
+    entry_point! { "smsr", "revectorize", [64, 1, 1], SOURCE, Constants => Revectorize, RevectorizeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 nearest_keys: Read<'a, u32>,
+        6 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        Revectorize,
+    }
+}
+
+/// `kernels/sorted_pairs.wgsl`.
+pub mod sorted_pairs {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/dispatch", "sorted_pairs",
+    }
+    constants! {
+        WORKGROUP = 64,
+    }
+    entry_point! { "sorted_pairs", "bounds", [64, 1, 1], SOURCE, () => Bounds, BoundsProgram {
+        0 params: Uniform<'a, crate::stages::sorted_pairs::Params>,
+        1 counts: Read<'a, u32>,
+        2 keys: Read<'a, u32>,
+        4 texel_counts: Write<'a, u32>,
+    } }
+    entry_point! { "sorted_pairs", "join", [64, 1, 1], SOURCE, () => Join, JoinProgram {
+        0 params: Uniform<'a, crate::stages::sorted_pairs::Params>,
+        1 counts: Read<'a, u32>,
+        2 keys: Read<'a, u32>,
+        3 values: Read<'a, u32>,
+        5 pairs: Write<'a, [u32; 2]>,
+    } }
+    entries! {
+        Bounds, Join,
+    }
+}
+
+/// `kernels/split_maps.wgsl`.
+pub mod split_maps {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/split_views", "shared/dispatch", "shared/divide", "shared/rect",
+        "shared/work_items", "shared/front_split", "shared/span", "shared/block_bits", "split_maps",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, WORKGROUP = 64,
+    }
+    entry_point! { "split_maps", "measure", [64, 1, 1], SOURCE, () => Measure, MeasureProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        4 light_rects: Read<'a, [u32; 2]>,
+        5 split_rects: Write<'a, [u32; 2]>,
+        6 split_items: Write<'a, u32>,
+    } }
+    entry_point! { "split_maps", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        7 rects: Read<'a, [u32; 2]>,
+        8 work_offsets: Read<'a, u32>,
+        9 map_keys: Write<'a, u32>,
+    } }
+    entries! {
+        Measure, Raster,
+    }
+}
+
+/// `kernels/split_shadows.wgsl`.
+pub mod split_shadows {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/split_views", "shared/dispatch", "shared/facing", "shared/divide",
+        "shared/pixel_ray", "shared/receiver", "shared/front_split", "shared/moments", "split_shadows",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, MOST_PROBES = 16, WORKGROUP = 64,
+    }
+    overrides! {
+        bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
+        bias_slope: f32 = 1.05, "BIAS_SLOPE",
+        bleeding: f32 = 0.0, "BLEEDING",
+        grazing: f32 = 0.0, "GRAZING",
+    }
+    entry_point! { "split_shadows", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
+        2 samples: Uniform<'a, [f32; 4]>,
+        3 id_keys: Read<'a, u32>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 points: Read<'a, [f32; 4]>,
+        6 map_keys: Read<'a, u32>,
+        8 visibility: Write<'a, f32>,
+    } }
+    entry_point! { "split_shadows", "filter_moments", [64, 1, 1], SOURCE, Constants => FilterMoments, FilterMomentsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
+        3 id_keys: Read<'a, u32>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 points: Read<'a, [f32; 4]>,
+        6 map_keys: Read<'a, u32>,
+        7 moments: Read<'a, [f32; 2]>,
+        8 visibility: Write<'a, f32>,
+    } }
+    group! { Ask {
+        splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        id_keys: Read<'a, u32>,
+        triangles: Read<'a, [u32; 4]>,
+        points: Read<'a, [f32; 4]>,
+        samples: Uniform<'a, [f32; 4]>,
+        map_keys: Read<'a, u32>,
+        moments: Read<'a, [f32; 2]>,
+        visibility: Write<'a, f32>,
+    } }
+    subset! { Ask => Compare { frame, splits, samples, id_keys, triangles, points, map_keys, visibility } }
+    subset! { Ask => FilterMoments { frame, splits, id_keys, triangles, points, map_keys, moments, visibility } }
+    entries! {
+        Compare, FilterMoments,
+    }
+}
+
+/// `kernels/spsm_map.wgsl`.
+pub mod spsm_map {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/pass", "shared/keys", "shared/divide", "shared/rect",
+        "shared/work_items", "shared/conservative", "shared/span", "shared/block_bits", "shared/cover_cells",
+        "shared/cross_sign", "shared/spsm_record", "shared/seen_texels", "shared/spsm_raster", "shared/spsm_encode",
+        "spsm_map",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
+        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2, WORKGROUP = 64,
+    }
+    overrides! {
+        encoding: u32 = 1, "ENCODING",
+        split: u32 = 1, "SPLIT",
+    }
+    entry_point! { "spsm_map", "encode", [64, 1, 1], SOURCE, Constants => Encode, EncodeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 slopes: Uniform<'a, [f32; 4]>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 map_points: Read<'a, [f32; 4]>,
+        7 keys: Write<'a, u32>,
+        8 upper_records: Write<'a, [u32; 4]>,
+        9 lower_records: Write<'a, [u32; 4]>,
+        10 seen: Write<'a, u32>,
+    } }
+    entry_point! { "spsm_map", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 map_points: Read<'a, [f32; 4]>,
+        5 light_rects: Read<'a, [u32; 2]>,
+        6 work_offsets: Read<'a, u32>,
+        7 keys: Write<'a, u32>,
+        10 seen: Write<'a, u32>,
+        11 won: Write<'a, [u32; 4]>,
+    } }
+    entry_point! { "spsm_map", "divide", [1, 1, 1], SOURCE, Constants => Divide, DivideProgram {
+        10 seen: Write<'a, u32>,
+        11 won: Write<'a, [u32; 4]>,
+    } }
+    entry_point! { "spsm_map", "again", [1, 1, 1], SOURCE, Constants => Again, AgainProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        6 work_offsets: Read<'a, u32>,
+        10 seen: Write<'a, u32>,
+    } }
+    entry_point! { "spsm_map", "choose", [64, 1, 1], SOURCE, Constants => Choose, ChooseProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 map_points: Read<'a, [f32; 4]>,
+        7 keys: Write<'a, u32>,
+        10 seen: Write<'a, u32>,
+        11 won: Write<'a, [u32; 4]>,
+    } }
+    group! { Map {
+        keys: Write<'a, u32>,
+        work_offsets: Read<'a, u32>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        slopes: Uniform<'a, [f32; 4]>,
+        step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        triangles: Read<'a, [u32; 4]>,
+        map_points: Read<'a, [f32; 4]>,
+        light_rects: Read<'a, [u32; 2]>,
+        seen: Write<'a, u32>,
+        upper_records: Write<'a, [u32; 4]>,
+        lower_records: Write<'a, [u32; 4]>,
+        won: Write<'a, [u32; 4]>,
+    } }
+    subset! { Raster => Divide { seen, won } }
+    subset! { Raster => Again { frame, work_offsets, seen } }
+    subset! { Raster => Choose { frame, triangles, map_points, keys, seen, won } }
+    subset! { Choose => Divide { seen, won } }
+    subset! { Map => Encode { frame, step, slopes, triangles, map_points, keys, upper_records, lower_records, seen } }
+    subset! { Map => Raster { frame, step, triangles, map_points, light_rects, work_offsets, keys, seen, won } }
+    subset! { Map => Divide { seen, won } }
+    subset! { Map => Again { frame, work_offsets, seen } }
+    subset! { Map => Choose { frame, triangles, map_points, keys, seen, won } }
+    entries! {
+        Encode, Raster, Divide, Again, Choose,
+    }
+}
+
+/// `kernels/spsm_map_64.wgsl`.
+pub mod spsm_map_64 {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/pass", "shared/keys_64", "shared/divide", "shared/rect",
+        "shared/work_items", "shared/conservative", "shared/span", "shared/block_bits", "shared/cover_cells",
+        "shared/cross_sign", "shared/spsm_record", "shared/seen_texels", "shared/spsm_raster", "shared/spsm_encode",
+        "spsm_map_64",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
+        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2, WORKGROUP = 64,
+    }
+    overrides! {
+        encoding: u32 = 1, "ENCODING",
+        split: u32 = 1, "SPLIT",
+    }
+    entry_point! { "spsm_map_64", "encode", [64, 1, 1], SOURCE, Constants => Encode, EncodeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 slopes: Uniform<'a, [f32; 4]>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 map_points: Read<'a, [f32; 4]>,
+        7 keys: Write<'a, u64>,
+        8 upper_records: Write<'a, [u32; 4]>,
+        9 lower_records: Write<'a, [u32; 4]>,
+        10 seen: Write<'a, u32>,
+    } }
+    entry_point! { "spsm_map_64", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 map_points: Read<'a, [f32; 4]>,
+        5 light_rects: Read<'a, [u32; 2]>,
+        6 work_offsets: Read<'a, u32>,
+        7 keys: Write<'a, u64>,
+        10 seen: Write<'a, u32>,
+    } }
+    group! { Map {
+        keys: Write<'a, u64>,
+        work_offsets: Read<'a, u32>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        slopes: Uniform<'a, [f32; 4]>,
+        step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        triangles: Read<'a, [u32; 4]>,
+        map_points: Read<'a, [f32; 4]>,
+        light_rects: Read<'a, [u32; 2]>,
+        seen: Write<'a, u32>,
+        upper_records: Write<'a, [u32; 4]>,
+        lower_records: Write<'a, [u32; 4]>,
+    } }
+    subset! { Map => Encode { frame, step, slopes, triangles, map_points, keys, upper_records, lower_records, seen } }
+    subset! { Map => Raster { frame, step, triangles, map_points, light_rects, work_offsets, keys, seen } }
+    entries! {
+        Encode, Raster,
+    }
+}
+
+/// `kernels/spsm_query.wgsl`.
+pub mod spsm_query {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/facing", "shared/cross_sign", "shared/spsm_record",
+        "shared/spsm_sheet", "shared/divide", "shared/pixel_ray", "shared/receiver", "shared/spsm_border",
+        "shared/spsm_search", "shared/spsm_footprint", "shared/spsm_settle", "shared/seen_texels",
+        "shared/spsm_recovery", "spsm_query",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_BITS = 8, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3,
+        CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2,
+        SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, WORKGROUP = 64,
+    }
+    overrides! {
+        encoding: u32 = 1, "ENCODING",
+        split: u32 = 1, "SPLIT",
+        bias: f32 = 1e-5, "BIAS",
+        radius: i32 = 1, "RADIUS",
+        stretch: i32 = 0, "STRETCH",
+        many: u32 = 1, "MANY",
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "spsm_query", "classify", [64, 1, 1], SOURCE, Constants => Classify, ClassifyProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 slopes: Uniform<'a, [f32; 4]>,
+        4 id_keys: Read<'a, u32>,
+        5 triangles: Read<'a, [u32; 4]>,
+        6 points: Read<'a, [f32; 4]>,
+        7 upper_records: Read<'a, [u32; 4]>,
+        8 lower_records: Read<'a, [u32; 4]>,
+        11 marks: Write<'a, u32>,
+        13 seen: Write<'a, u32>,
+    } }
+    entry_point! { "spsm_query", "settle", [64, 1, 1], SOURCE, Constants => Settle, SettleProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 slopes: Uniform<'a, [f32; 4]>,
+        4 id_keys: Read<'a, u32>,
+        5 triangles: Read<'a, [u32; 4]>,
+        6 points: Read<'a, [f32; 4]>,
+        7 upper_records: Read<'a, [u32; 4]>,
+        8 lower_records: Read<'a, [u32; 4]>,
+        11 marks: Write<'a, u32>,
+        12 kept: Read<'a, u32>,
+        13 seen: Write<'a, u32>,
+    } }
+    entry_point! { "spsm_query", "paint", [64, 1, 1], SOURCE, Constants => Paint, PaintProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        9 visibility: Write<'a, f32>,
+        10 lit: Write<'a, u32>,
+        11 marks: Write<'a, u32>,
+    } }
+    entry_point! { "spsm_query", "recover", [64, 1, 1], SOURCE, Constants => Recover, RecoverProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 slopes: Uniform<'a, [f32; 4]>,
+        3 patterns: Uniform<'a, [u32; 4]>,
+        4 id_keys: Read<'a, u32>,
+        5 triangles: Read<'a, [u32; 4]>,
+        6 points: Read<'a, [f32; 4]>,
+        7 upper_records: Read<'a, [u32; 4]>,
+        8 lower_records: Read<'a, [u32; 4]>,
+        9 visibility: Write<'a, f32>,
+        10 lit: Write<'a, u32>,
+        13 seen: Write<'a, u32>,
+    } }
+    group! { Texels {
+        frame: Uniform<'a, crate::frame::Frame>,
+        slopes: Uniform<'a, [f32; 4]>,
+        seen: Write<'a, u32>,
+        upper_records: Read<'a, [u32; 4]>,
+        lower_records: Read<'a, [u32; 4]>,
+        id_keys: Read<'a, u32>,
+        triangles: Read<'a, [u32; 4]>,
+        points: Read<'a, [f32; 4]>,
+        samples: Uniform<'a, [f32; 4]>,
+        patterns: Uniform<'a, [u32; 4]>,
+        visibility: Write<'a, f32>,
+        lit: Write<'a, u32>,
+        marks: Write<'a, u32>,
+        kept: Read<'a, u32>,
+    } }
+    subset! { Settle => Classify { frame, slopes, id_keys, triangles, points, upper_records, lower_records, marks, seen } }
+    subset! { Texels => Classify { frame, slopes, id_keys, triangles, points, upper_records, lower_records, marks, seen } }
+    subset! { Texels => Settle { frame, slopes, id_keys, triangles, points, upper_records, lower_records, marks, kept, seen } }
+    subset! { Texels => Paint { frame, visibility, lit, marks } }
+    subset! { Texels => Recover { frame, samples, slopes, patterns, id_keys, triangles, points, upper_records, lower_records, visibility, lit, seen } }
+    entries! {
+        Classify, Settle, Paint, Recover,
+    }
+}
+
+/// `kernels/summed_area.wgsl`.
+pub mod summed_area {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/dispatch", "shared/summed_area", "summed_area",
+    }
+    constants! {
+        WORKGROUP = 64, MAX_STRIP_ROWS = 4096, MAX_SIDE = 16384,
+    }
+    overrides! {
+        packed: bool = true, "PACKED",
+    }
+    entry_point! { "summed_area", "rows", [64, 1, 1], SOURCE, Constants => Rows, RowsProgram {
+        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        1 texels: Read<'a, u32>,
+        2 row_sums: Write<'a, u32>,
+    } }
+    entry_point! { "summed_area", "strips", [64, 1, 1], SOURCE, Constants => Strips, StripsProgram {
+        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        1 texels: Read<'a, u32>,
+        2 row_sums: Write<'a, u32>,
+        3 strip_sums: Write<'a, [u32; 4]>,
+    } }
+    entry_point! { "summed_area", "columns", [64, 1, 1], SOURCE, Constants => Columns, ColumnsProgram {
+        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        1 texels: Read<'a, u32>,
+        2 row_sums: Write<'a, u32>,
+        3 strip_sums: Write<'a, [u32; 4]>,
+        4 sat_quads: Write<'a, [u32; 4]>,
+    } }
+    entry_point! { "summed_area", "columns_ragged", [64, 1, 1], SOURCE, Constants => ColumnsRagged, ColumnsRaggedProgram {
+        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        1 texels: Read<'a, u32>,
+        2 row_sums: Write<'a, u32>,
+        3 strip_sums: Write<'a, [u32; 4]>,
+        4 sat: Write<'a, u32>,
+    } }
+    entry_point! { "summed_area", "query", [64, 1, 1], SOURCE, Constants => Query, QueryProgram {
+        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        4 sat: Write<'a, u32>,
+        5 rects: Read<'a, [u32; 4]>,
+        6 rect_sums: Write<'a, u32>,
+    } }
+    subset! { Strips => Rows { params, texels, row_sums } }
+    subset! { Columns => Rows { params, texels, row_sums } }
+    subset! { Columns => Strips { params, texels, row_sums, strip_sums } }
+    subset! { ColumnsRagged => Rows { params, texels, row_sums } }
+    subset! { ColumnsRagged => Strips { params, texels, row_sums, strip_sums } }
+    entries! {
+        Rows, Strips, Columns, ColumnsRagged, Query,
+    }
+}
+
+/// `kernels/texel_group.wgsl`.
+pub mod texel_group {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/dispatch", "texel_group",
+    }
+    constants! {
+        WORKGROUP = 64, CLEARED = 16, QUAD = 4,
+    }
+    entry_point! { "texel_group", "clear", [64, 1, 1], SOURCE, () => Clear, ClearProgram {
+        5 cleared: Write<'a, [u32; 4]>,
+    } }
+    entry_point! { "texel_group", "count", [64, 1, 1], SOURCE, () => Count, CountProgram {
+        0 params: Uniform<'a, crate::stages::texel_group::Params>,
+        1 counts: Read<'a, u32>,
+        2 keys: Read<'a, [u32; 4]>,
+        4 ranks: Write<'a, [u32; 4]>,
+        5 key_counts: Write<'a, u32>,
+    } }
+    entry_point! { "texel_group", "scatter", [64, 1, 1], SOURCE, () => Scatter, ScatterProgram {
+        0 params: Uniform<'a, crate::stages::texel_group::Params>,
+        1 counts: Read<'a, u32>,
+        2 keys: Read<'a, [u32; 4]>,
+        3 values: Read<'a, [u32; 4]>,
+        4 ranks: Write<'a, [u32; 4]>,
+        6 offsets: Read<'a, u32>,
+        7 grouped: Write<'a, u32>,
+    } }
+    group! { Group {
+        params: Uniform<'a, crate::stages::texel_group::Params>,
+        counts: Read<'a, u32>,
+        keys: Read<'a, [u32; 4]>,
+        values: Read<'a, [u32; 4]>,
+        ranks: Write<'a, [u32; 4]>,
+        key_counts: Write<'a, u32>,
+        offsets: Read<'a, u32>,
+        grouped: Write<'a, u32>,
+    } }
+    subset! { Group => Count { params, counts, keys, ranks, key_counts } }
+    subset! { Group => Scatter { params, counts, keys, values, ranks, offsets, grouped } }
+    entries! {
+        Clear, Count, Scatter,
+    }
+}
+
+/// `kernels/triangle_ids.wgsl`.
+pub mod triangle_ids {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/strip", "triangle_ids",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2,
+    }
+    entry_point! { "triangle_ids", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::triangle_ids::Params>,
+        2 ids: TextureUint<'a>,
+        3 numbers: Read<'a, u32>,
+        4 id_keys: Write<'a, u32>,
+        5 faults: Write<'a, u32>,
+    } }
+    entries! {
+        Take,
+    }
+}
+
+/// `kernels/triangle_setup.wgsl`.
+pub mod triangle_setup {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/rect", "shared/facing", "shared/view_sides",
+        "shared/map_ends", "shared/frame_copy", "triangle_setup",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+    }
+    entry_point! { "triangle_setup", "setup", [64, 1, 1], SOURCE, () => Setup, SetupProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 points: Read<'a, [f32; 4]>,
+        3 map_points: Read<'a, [f32; 4]>,
+        4 facing: Write<'a, u32>,
+        5 camera_rects: Write<'a, [u32; 2]>,
+        6 light_rects: Write<'a, [u32; 2]>,
+        7 camera_items: Write<'a, u32>,
+        8 light_items: Write<'a, u32>,
+    } }
+    entries! {
+        Setup,
+    }
+}
+
+/// `kernels/triangle_texel_pairs.wgsl`.
+pub mod triangle_texel_pairs {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/pass", "shared/work_items", "shared/divide", "shared/rect",
+        "shared/conservative", "shared/span", "shared/block_bits", "shared/cover_cells", "shared/places",
+        "shared/tile_cells", "shared/append", "shared/map_ends", "shared/frame_copy", "triangle_texel_pairs",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8,
+        BLOCK_SHIFT = 3, WORKGROUP = 64,
+    }
+    overrides! {
+        tile_shift: u32 = 0, "TILE_SHIFT",
+    }
+    entry_point! { "triangle_texel_pairs", "count", [64, 1, 1], SOURCE, Constants => Count, CountProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 map_points: Read<'a, [f32; 4]>,
+        4 light_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        6 place_deepest: Read<'a, u32>,
+        7 place_counts: Write<'a, u32>,
+        13 touched: Write<'a, [u32; 2]>,
+    } }
+    entry_point! { "triangle_texel_pairs", "emit", [64, 1, 1], SOURCE, Constants => Emit, EmitProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 map_points: Read<'a, [f32; 4]>,
+        4 light_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        7 place_counts: Write<'a, u32>,
+        8 pair_offsets: Read<'a, u32>,
+        9 pair_triangles: Write<'a, u32>,
+        13 touched: Write<'a, [u32; 2]>,
+    } }
+    entry_point! { "triangle_texel_pairs", "emit_rest", [64, 1, 1], SOURCE, Constants => EmitRest, EmitRestProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 map_points: Read<'a, [f32; 4]>,
+        4 light_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        6 place_deepest: Read<'a, u32>,
+        7 place_counts: Write<'a, u32>,
+        8 pair_offsets: Read<'a, u32>,
+        9 pair_triangles: Write<'a, u32>,
+    } }
+    entry_point! { "triangle_texel_pairs", "append", [64, 1, 1], SOURCE, Constants => Append, AppendProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 map_points: Read<'a, [f32; 4]>,
+        4 light_rects: Read<'a, [u32; 2]>,
+        5 work_offsets: Read<'a, u32>,
+        6 place_deepest: Read<'a, u32>,
+        10 appended: Write<'a, u32>,
+        11 keys: Write<'a, u32>,
+        12 values: Write<'a, u32>,
+    } }
+    group! { Pairs {
+        work_offsets: Read<'a, u32>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        triangles: Read<'a, [u32; 4]>,
+        map_points: Read<'a, [f32; 4]>,
+        light_rects: Read<'a, [u32; 2]>,
+        place_deepest: Read<'a, u32>,
+        place_counts: Write<'a, u32>,
+        pair_offsets: Read<'a, u32>,
+        pair_triangles: Write<'a, u32>,
+        touched: Write<'a, [u32; 2]>,
+    } }
+    subset! { Pairs => Count { frame, step, triangles, map_points, light_rects, work_offsets, place_deepest, place_counts, touched } }
+    subset! { Pairs => Emit { frame, step, triangles, map_points, light_rects, work_offsets, place_counts, pair_offsets, pair_triangles, touched } }
+    subset! { Pairs => EmitRest { frame, step, triangles, map_points, light_rects, work_offsets, place_deepest, place_counts, pair_offsets, pair_triangles } }
+    entries! {
+        Count, Emit, EmitRest, Append,
+    }
+}
+
+/// `kernels/vertex_project.wgsl`.
+pub mod vertex_project {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/finite", "shared/frame_copy", "vertex_project",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+    }
+    entry_point! { "vertex_project", "project", [64, 1, 1], SOURCE, () => Project, ProjectProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 positions: Read<'a, [f32; 4]>,
+        2 points: Write<'a, [f32; 4]>,
+        3 map_points: Write<'a, [f32; 4]>,
+    } }
+    entries! {
+        Project,
+    }
+}
+
+/// `kernels/visibility_masks.wgsl`.
+pub mod visibility_masks {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet", "shared/facing",
+        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/candidates", "shared/frame_copy",
+        "shared/shadow_lines", "shared/shadow_lines_46", "shared/sample_copy", "shared/sample_masks",
+        "shared/two_step", "shared/facet_masks", "visibility_masks",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0,
+        TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, WORKGROUP = 64,
+        CUT_GROUPS = 256,
+    }
+    overrides! {
+        samples: u32 = 32, "SAMPLES",
+        words: u32 = 1, "WORDS",
+        angles: u32 = 0, "ANGLES",
+        offsets: u32 = 0, "OFFSETS",
+        cuts: u32 = 1, "CUTS",
+        two_step: u32 = 0, "TWO_STEP",
+    }
+    entry_point! { "visibility_masks", "cut_facets", [64, 1, 1], SOURCE, Constants => CutFacets, CutFacetsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        3 candidates: Write<'a, u32>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 positions: Read<'a, [f32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 doubts: Write<'a, u32>,
+        8 table: Read<'a, u32>,
+    } }
+    entry_point! { "visibility_masks", "evaluate", [64, 1, 1], SOURCE, Constants => Evaluate, EvaluateProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        3 candidates: Write<'a, u32>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 positions: Read<'a, [f32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 doubts: Write<'a, u32>,
+        8 table: Read<'a, u32>,
+    } }
+    entry_point! { "visibility_masks", "refine", [64, 1, 1], SOURCE, Constants => Refine, RefineProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        3 candidates: Write<'a, u32>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 positions: Read<'a, [f32; 4]>,
+        6 masks: Write<'a, u32>,
+        7 doubts: Write<'a, u32>,
+        8 table: Read<'a, u32>,
+    } }
+    subset! { CutFacets => Evaluate { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
+    subset! { CutFacets => Refine { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
+    subset! { Evaluate => CutFacets { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
+    subset! { Evaluate => Refine { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
+    subset! { Refine => CutFacets { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
+    subset! { Refine => Evaluate { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
+    entries! {
+        CutFacets, Evaluate, Refine,
+    }
+}
+
+/// `kernels/visibility_texture.wgsl`.
+pub mod visibility_texture {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame", "shared/dispatch", "shared/divide", "shared/strip", "visibility_texture",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, STATUS_FINISHED = 12,
+        STATUS_LONGEST = 25, STATUS_PIXEL_TRIANGLES = 26, STATUS_COMPLEX_PIXELS = 28, STATUS_FACETS = 30,
+        STATUS_BANDS = 32, BAND_WORDS = 8,
+    }
+    entry_point! { "visibility_texture", "judge", [64, 1, 1], SOURCE, () => Judge, JudgeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        3 lists: Uniform<'a, crate::stages::visibility_texture::Lists>,
+        4 status: Read<'a, u32>,
+        5 faults: Read<'a, u32>,
+        6 verdict: Write<'a, u32>,
+    } }
+    entry_point! { "visibility_texture", "hold", [64, 1, 1], SOURCE, () => Hold, HoldProgram {
+        6 verdict: Write<'a, u32>,
+        7 latest: Read<'a, u32>,
+        8 held: Write<'a, u32>,
+    } }
+    entry_point! { "visibility_texture", "store", [64, 1, 1], SOURCE, () => Store, StoreProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 visibility: Read<'a, f32>,
+        2 target_texture: TextureStoreR32Float<'a>,
+    } }
+    entries! {
+        Judge, Hold, Store,
+    }
+}
+
+/// `kernels/work_owners.wgsl`.
+pub mod work_owners {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/dispatch", "shared/work_items", "work_owners",
+    }
+    constants! {
+        STRIDE = 8, HEAD = 3, WORKGROUP = 64,
+    }
+    entry_point! { "work_owners", "list", [64, 1, 1], SOURCE, () => List, ListProgram {
+        0 params: Uniform<'a, crate::stages::work_owners::Params>,
+        1 work_offsets: Write<'a, u32>,
+    } }
+    entries! {
+        List,
+    }
+}
+
+/// Stem, text and entry points of every kernel.
+pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
+    ("camera_visibility", camera_visibility::SOURCE, camera_visibility::ENTRIES),
+    ("candidate_pairs", candidate_pairs::SOURCE, candidate_pairs::ENTRIES),
+    ("caster_positions", caster_positions::SOURCE, caster_positions::ENTRIES),
+    ("compact", compact::SOURCE, compact::ENTRIES),
+    ("dispatch_args", dispatch_args::SOURCE, dispatch_args::ENTRIES),
+    ("facet_classify", facet_classify::SOURCE, facet_classify::ENTRIES),
+    ("front_layer", front_layer::SOURCE, front_layer::ENTRIES),
+    ("gbuffer_triangles", gbuffer_triangles::SOURCE, gbuffer_triangles::ENTRIES),
+    ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
+    ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
+    ("pixel_receivers", pixel_receivers::SOURCE, pixel_receivers::ENTRIES),
+    ("pixel_texel_pairs", pixel_texel_pairs::SOURCE, pixel_texel_pairs::ENTRIES),
+    ("pixel_triangles", pixel_triangles::SOURCE, pixel_triangles::ENTRIES),
+    ("prefix_scan", prefix_scan::SOURCE, prefix_scan::ENTRIES),
+    ("radix_sort", radix_sort::SOURCE, radix_sort::ENTRIES),
+    ("resolve", resolve::SOURCE, resolve::ENTRIES),
+    ("sample_bins", sample_bins::SOURCE, sample_bins::ENTRIES),
+    ("sample_surfaces", sample_surfaces::SOURCE, sample_surfaces::ENTRIES),
+    ("seen_texels", seen_texels::SOURCE, seen_texels::ENTRIES),
+    ("shadow_map", shadow_map::SOURCE, shadow_map::ENTRIES),
+    ("shadow_rays", shadow_rays::SOURCE, shadow_rays::ENTRIES),
+    ("silhouette_mask", silhouette_mask::SOURCE, silhouette_mask::ENTRIES),
+    ("smsr", smsr::SOURCE, smsr::ENTRIES),
+    ("sorted_pairs", sorted_pairs::SOURCE, sorted_pairs::ENTRIES),
+    ("split_maps", split_maps::SOURCE, split_maps::ENTRIES),
+    ("split_shadows", split_shadows::SOURCE, split_shadows::ENTRIES),
+    ("spsm_map", spsm_map::SOURCE, spsm_map::ENTRIES),
+    ("spsm_map_64", spsm_map_64::SOURCE, spsm_map_64::ENTRIES),
+    ("spsm_query", spsm_query::SOURCE, spsm_query::ENTRIES),
+    ("summed_area", summed_area::SOURCE, summed_area::ENTRIES),
+    ("texel_group", texel_group::SOURCE, texel_group::ENTRIES),
+    ("triangle_ids", triangle_ids::SOURCE, triangle_ids::ENTRIES),
+    ("triangle_setup", triangle_setup::SOURCE, triangle_setup::ENTRIES),
+    ("triangle_texel_pairs", triangle_texel_pairs::SOURCE, triangle_texel_pairs::ENTRIES),
+    ("vertex_project", vertex_project::SOURCE, vertex_project::ENTRIES),
+    ("visibility_masks", visibility_masks::SOURCE, visibility_masks::ENTRIES),
+    ("visibility_texture", visibility_texture::SOURCE, visibility_texture::ENTRIES),
+    ("work_owners", work_owners::SOURCE, work_owners::ENTRIES),
+];
