@@ -8,16 +8,7 @@
 // 1 only if `settle` chose it; and complement of the bits of the view depth; 0 where nothing is seen) and the complement of the triangle
 // as `id_keys`. Both must be 0 before, and so must the counts in `doubts`.
 
-//@import frame
-//@import dispatch
-//@import pass
-//@import pixel_ray
-//@import facing
-//@import double_float
-//@import vertex
-//@import facing_46
-//@import eye_order_46
-//@import camera_raster
+//@import frame dispatch pass pixel_ray facing double_float vertex facing_46 eye_order_46 camera_raster
 
 const WORKGROUP = 64u;
 const SETTLED = 0x80000000u;

@@ -9,17 +9,7 @@
 // A pair that shares several places is met in each. `seen` remembers what was met lately: a slot holds one pair, which slot
 // and content together name without doubt, so what is left out was tested, and what was forgotten is tested again.
 
-//@import frame
-//@import dispatch
-//@import facet
-//@import facet_outline
-//@import facet_quad
-//@import facing
-//@import candidates
-//@import rect
-//@import places
-//@import tile_cells
-//@import divide
+//@import frame dispatch facet facet_outline facet_quad facing candidates rect places tile_cells divide
 
 override WORDS: u32 = 1u;
 override ALONE: u32 = 1u;  // 0: of no facet all samples lie on its own triangle

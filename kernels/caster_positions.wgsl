@@ -4,8 +4,7 @@
 // Writes `positions` (16 bytes a place, three words of them, -0 as +0). Counts into `faults` the places that lie outside the box or are no
 // number, which are moved into it, and the vertices that are not where the vertex of their place is.
 
-//@import dispatch
-//@import finite
+//@import dispatch finite
 
 const WORKGROUP = 64u;
 const NO_PLACE = 0xffffffffu;

@@ -18,17 +18,7 @@
 // Of several views of the light all after the first have FLAG_FURTHER_VIEW: what a facet is in all of them is put together, its
 // masks are kept, and its rectangle and what it is evaluated by are those of the view at hand.
 
-//@import frame
-//@import dispatch
-//@import rect
-//@import facet
-//@import facing
-//@import double_float
-//@import vertex
-//@import facing_46
-//@import front_split
-//@import only_receiver
-//@import summed_area
+//@import frame dispatch rect facet facing double_float vertex facing_46 front_split only_receiver summed_area
 
 override WORDS: u32 = 1u;
 override CLAMPED: u32 = 2u;    // 0: FLAG_CLAMP is never set, 1: always, 2: as the frame says
@@ -51,8 +41,7 @@ const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure 
 
 //@import frame_copy
 
-//@import facet_samples
-//@import facet_place
+//@import facet_samples facet_place
 
 @compute @workgroup_size(WORKGROUP)
 fn one(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {

@@ -7,13 +7,7 @@
 // Together: a texel left unmarked has no silhouette edge before its split depth, one layer there at its centre, and no
 // triangle across the split, so one sheet covers all of it.
 
-//@import frame
-//@import dispatch
-//@import work_items
-//@import front_split
-//@import cover_cells
-//@import mask_rows
-//@import facing
+//@import frame dispatch work_items front_split cover_cells mask_rows facing
 
 const WORKGROUP = 64u;
 

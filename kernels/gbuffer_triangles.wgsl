@@ -8,13 +8,9 @@
 // `pixel_list` at `pixel_offsets`, in the order of their first samples, never beyond the capacity.
 // `fill` gives each sample of a complex pixel that lies in none of its triangles what the nearest sample of the G-buffer shows.
 
-//@import frame
-//@import dispatch
-//@import divide
-//@import strip
+//@import frame dispatch status divide strip
 
 const WORKGROUP = 64u;
-const STATUS_LONGEST = 25u;
 const FAULT_UNKNOWN = 2u;
 const MOST = 128u;
 
@@ -38,7 +34,7 @@ struct Params {
 @group(0) @binding(5) var<storage, read_write> pixel_counts: array<u32>;
 @group(0) @binding(6) var<storage, read_write> complex_flags: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facet_counts: array<u32>;
-@group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> status: Status;
 @group(0) @binding(9) var<storage, read_write> faults: array<atomic<u32>>;
 @group(0) @binding(10) var<storage, read> pixel_offsets: array<u32>;
 @group(0) @binding(11) var<storage, read_write> pixel_list: array<u32>;
@@ -89,7 +85,7 @@ fn write_counts(pixel: u32) {
     pixel_counts[pixel] = different;
     complex_flags[pixel] = select(0u, 1u, many);
     facet_counts[pixel] = select(0u, 1u, single);
-    if many && atomicLoad(&status[STATUS_LONGEST]) < different { atomicMax(&status[STATUS_LONGEST], different); }
+    if many && atomicLoad(&status.head.longest_pixel) < different { atomicMax(&status.head.longest_pixel, different); }
     if unknown != 0u && is_own(place_in_strip(pixel).y) { atomicAdd(&faults[FAULT_UNKNOWN], unknown); }
 }
 

@@ -6,14 +6,7 @@
 // Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit a texel, rows
 // padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
 
-//@import frame
-//@import dispatch
-//@import rect
-//@import work_items
-//@import front_split
-//@import span
-//@import block_bits
-//@import facing
+//@import frame dispatch rect work_items front_split span block_bits facing
 
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function

@@ -4,11 +4,7 @@
 // `reduce` makes up to five levels above level FIRST, which is the texels (`map_keys`) or was made before. Writes `moments`, view
 // after view, level after level.
 
-//@import frame
-//@import split_views
-//@import dispatch
-//@import front_split
-//@import moments
+//@import frame split_views dispatch front_split moments
 
 const WORKGROUP = 256u;
 const TILE = 32u;    // cells of level FIRST a side that a workgroup takes

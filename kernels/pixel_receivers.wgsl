@@ -8,13 +8,7 @@
 // Of all other surfaces it writes vertices to `positions` and their indices to `triangles`. Writes `keys` (complement of the
 // triangle, 0 where there is none) and counts into `faults` texels that name no triangle or are no place, which count as none.
 
-//@import frame
-//@import dispatch
-//@import divide
-//@import strip
-//@import facing
-//@import finite
-//@import vertex
+//@import frame dispatch divide strip facing finite vertex
 
 const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;

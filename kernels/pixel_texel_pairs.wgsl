@@ -11,20 +11,8 @@
 // before the split depth; but it is where the facet goes on beyond one of the ends of the map (FLAG_ENDS), and it lies there.
 //@bindings Pairs: count, emit, emit_rest
 
-//@import frame
-//@import dispatch
-//@import pass
-//@import rect
-//@import work_items
-//@import facet
-//@import facet_outline
-//@import facing
-//@import only_receiver
-//@import front_split
-//@import block_bits
-//@import places
-//@import append
-//@import map_ends
+//@import frame dispatch pass rect work_items facet facet_outline facing only_receiver front_split block_bits
+//@import places append map_ends
 
 const WORKGROUP = 64u;
 

@@ -10,17 +10,9 @@
 // All tests are conservative: margins are far above the rounding of what they are made of.
 //@bindings Raster: cover, count, emit, emit_rest
 
-//@import frame
-//@import dispatch
-//@import pass
-//@import rect
-//@import work_items
-//@import facing
-//@import eye_edges
-//@import block_bits
+//@import frame dispatch status pass rect work_items facing eye_edges block_bits
 
 const WORKGROUP = 64u;
-const STATUS_LONGEST = 25u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
@@ -34,7 +26,7 @@ const STATUS_LONGEST = 25u;
 @group(0) @binding(9) var<storage, read_write> pixel_list: array<u32>;
 @group(0) @binding(10) var<storage, read_write> complex_flags: array<u32>;
 @group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
-@group(0) @binding(12) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(12) var<storage, read_write> status: Status;
 @group(0) @binding(13) var<storage, read_write> touched: array<vec2<u32>>;
 
 const MARGIN = 1.00001;
@@ -197,5 +189,5 @@ fn judge(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     let many = count != 0u && !single;
     complex_flags[pixel] = select(0u, 1u, many);
     facet_counts[pixel] = select(0u, 1u, single);
-    if many && atomicLoad(&status[STATUS_LONGEST]) < count { atomicMax(&status[STATUS_LONGEST], count); }
+    if many && atomicLoad(&status.head.longest_pixel) < count { atomicMax(&status.head.longest_pixel, count); }
 }

@@ -7,8 +7,7 @@
 // range begins, `sums` always spans all blocks.
 // Bounds: an invocation of reduce or downsweep loops 32 times, one of the spine 2 * blocks / 256 times.
 
-//@import dispatch
-//@import workgroup_scan
+//@import dispatch workgroup_scan
 
 struct Params {
     limit: u32,         // values to scan

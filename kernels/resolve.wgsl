@@ -5,14 +5,10 @@
 // FLAG_CLAMP a pixel without a facet counts as an empty one. Writes the frame's stamp there: this stage is the last, so that who reads
 // the stamp knows that the frame has run.
 
-//@import frame
-//@import dispatch
-//@import facet
+//@import frame dispatch status facet
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
-const STATUS_STATES = 16u;
-const STATUS_FINISHED = 12u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> facets: array<Facet>;
@@ -20,7 +16,7 @@ const STATUS_FINISHED = 12u;
 @group(0) @binding(3) var<storage, read> pixel_facets: array<u32>;
 @group(0) @binding(4) var<storage, read_write> visibility: array<f32>;
 @group(0) @binding(5) var<storage, read_write> lit: array<u32>;
-@group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> status: Status;
 
 var<workgroup> wg_states: array<atomic<u32>, 5>;
 
@@ -28,7 +24,7 @@ var<workgroup> wg_states: array<atomic<u32>, 5>;
 fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let pixels = frame.image_size.x * frame.image_size.y;
-    if pixel + 1u == pixels { atomicStore(&status[STATUS_FINISHED], frame.stamp); }
+    if pixel + 1u == pixels { atomicStore(&status.head.finished, frame.stamp); }
     if pixel < pixels {
         var seen = 0u;
         var bright = 0u;
@@ -59,6 +55,6 @@ fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     workgroupBarrier();
     if local < 5u {
         let n = atomicLoad(&wg_states[local]);
-        if n != 0u { atomicAdd(&status[STATUS_STATES + local], n); }
+        if n != 0u { atomicAdd(&status.head.facets[local], n); }
     }
 }

@@ -14,18 +14,7 @@
 // there it is sorted into the texels at them, in which casters that go beyond are tested, too.
 //@bindings Bins: bin, ask, occlude, occlude_crowds, refine, refine_all, refine_crowds
 
-//@import frame
-//@import dispatch
-//@import pass
-//@import rect
-//@import work_items
-//@import conservative
-//@import span
-//@import facet
-//@import facing
-//@import double_float
-//@import vertex
-//@import facing_46
+//@import frame dispatch pass rect work_items conservative span facet facing double_float vertex facing_46
 //@import map_ends
 
 override WORDS: u32 = 1u;
@@ -51,11 +40,7 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 
 //@import frame_copy
 
-//@import shadow_lines
-//@import shadow_lines_46
-//@import shadow_ray
-//@import mesh_caster
-//@import bin_tests
+//@import shadow_lines shadow_lines_46 shadow_ray mesh_caster bin_tests
 
 // Texel x, y, depth of a point, and its distance along the axis of the light view; where that is not surely in front, as vertex_project
 // has it: undivided, and how far it lies behind the nearest distance.

@@ -14,16 +14,7 @@
 // `rivals_found` are those of a band, sample by sample: neighbouring invocations find theirs side by side.
 //@bindings Search: nearest, settle_rivals, settle_crowds
 
-//@import frame
-//@import dispatch
-//@import facet
-//@import facing
-//@import double_float
-//@import vertex
-//@import facing_46
-//@import eye_edges
-//@import eye_view
-//@import nearest_sample
+//@import frame dispatch facet facing double_float vertex facing_46 eye_edges eye_view nearest_sample
 //@import eye_order_46
 
 struct Step {
@@ -65,8 +56,7 @@ const ROUND_LENGTH = 512u;
 
 //@import frame_copy
 const SEVERAL = 0x80000000u;
-//@import surface_groups
-//@import touching_samples
+//@import surface_groups touching_samples
 
 @compute @workgroup_size(1)
 fn begin() {

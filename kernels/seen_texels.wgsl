@@ -5,15 +5,7 @@
 // Footprints are grown by SLACK: whoever reads computes them anew and may round otherwise. What is still not marked is told
 // by who reads it.
 
-//@import frame
-//@import dispatch
-//@import facing
-//@import receiver
-//@import seen_texels
-//@import spsm_record
-//@import spsm_sheet
-//@import spsm_border
-//@import spsm_footprint
+//@import frame dispatch facing receiver seen_texels spsm_record spsm_sheet spsm_border spsm_footprint
 //@import spsm_settle
 
 override ENCODING: u32 = 1u;

@@ -5,10 +5,7 @@
 // of the receiver's two slopes per texel. With RECEIVER_PLANE the receiver's depth is taken at the tap.
 // Writes `visibility`: the mean over the samples whose rays meet the receiver.
 
-//@import frame
-//@import dispatch
-//@import facing
-//@import receiver
+//@import frame dispatch facing receiver
 
 override KERNEL: u32 = 1u;
 override BIAS_CONSTANT: f32 = 0.00002;

@@ -10,14 +10,7 @@
 // on the samples without room of each listed facet, WORDS words each; then the doubts (place in the list and sample as one
 // word, triangle).
 
-//@import frame
-//@import dispatch
-//@import facet
-//@import facing
-//@import double_float
-//@import vertex
-//@import facing_46
-//@import caster_tree
+//@import frame dispatch facet facing double_float vertex facing_46 caster_tree
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
@@ -37,12 +30,7 @@ const WORK_HEAD = 4u;
 
 //@import frame_copy
 
-//@import shadow_lines
-//@import shadow_lines_46
-//@import shadow_ray
-//@import leaf_caster
-//@import ray_doubts
-//@import facet_cut
+//@import shadow_lines shadow_lines_46 shadow_ray leaf_caster ray_doubts facet_cut
 
 var<workgroup> wg_occluded: array<atomic<u32>, 64>;
 var<workgroup> wg_open: array<atomic<u32>, 64>;

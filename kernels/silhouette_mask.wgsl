@@ -5,14 +5,7 @@
 // `raster` marks in `mask` every texel an edge touches (conservatively), unless the edge lies there behind the texel's
 // split depth: then it is hidden by what is in front, or front_layer marks the texel anyway.
 
-//@import frame
-//@import dispatch
-//@import rect
-//@import work_items
-//@import front_split
-//@import facing
-//@import span
-//@import mask_rows
+//@import frame dispatch status rect work_items front_split facing span mask_rows
 
 struct Edge { v0: u32, v1: u32, t0: u32, t1: u32 }
 
@@ -28,9 +21,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(7) var<storage, read> nearest_keys: array<u32>;
 @group(0) @binding(8) var<storage, read> second_keys: array<u32>;
 @group(0) @binding(9) var<storage, read_write> mask: array<atomic<u32>>;
-@group(0) @binding(10) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> status: Status;
 
-const STATUS_EDGES = 8u;
 
 fn is_silhouette(e: Edge) -> bool {
     if e.t1 == NO_TRIANGLE { return true; }
@@ -57,7 +49,7 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
             rect = cells_touched(low - slack, high + slack, vec2(frame.map_size));
         }
         // The same in every view.
-        if (frame.flags & FLAG_FURTHER_VIEW) == 0u { atomicAdd(&status[STATUS_EDGES], 1u); }
+        if (frame.flags & FLAG_FURTHER_VIEW) == 0u { atomicAdd(&status.head.silhouette_edges, 1u); }
     }
     edge_rects[k] = rect;
     edge_items[k] = block_count(rect);

@@ -14,10 +14,7 @@
 // Writes `visibility`: the mean over the samples whose rays meet the receiver.
 // Bounds: 64 texels around a pixel; of each sample two long borders at most, twice REACH turns each: 2 x 2 x 64 x 128 samples.
 
-//@import frame
-//@import dispatch
-//@import facing
-//@import receiver
+//@import frame dispatch facing receiver
 
 override REACH: u32 = 16u;
 override MIDPOINTS: u32 = 1u;

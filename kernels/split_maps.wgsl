@@ -6,14 +6,7 @@
 // the depth, and an edge has one value in both of its triangles. The depth is that of the whole view.
 // Writes `map_keys`, view after view (complement of the bits of the depth; 0 where there is none).
 
-//@import frame
-//@import split_views
-//@import dispatch
-//@import rect
-//@import work_items
-//@import front_split
-//@import span
-//@import block_bits
+//@import frame split_views dispatch rect work_items front_split span block_bits
 
 const WORKGROUP = 64u;
 

@@ -8,13 +8,7 @@
 // Writes `visibility`.
 //@bindings Ask: compare, filter_moments
 
-//@import frame
-//@import split_views
-//@import dispatch
-//@import facing
-//@import receiver
-//@import front_split
-//@import moments
+//@import frame split_views dispatch facing receiver front_split moments
 
 override BIAS_CONSTANT: f32 = 0.00005;
 override BIAS_SLOPE: f32 = 1.05;

@@ -9,12 +9,7 @@
 // A triangle that is not wholly in front of the light is left out.
 //@bindings Map: raster, encode, divide, choose, again
 
-//@import frame
-//@import dispatch
-//@import pass
-//@import keys
-//@import spsm_raster
-//@import spsm_encode
+//@import frame dispatch pass keys spsm_raster spsm_encode
 
 override ENCODING: u32 = 1u;
 override SPLIT: u32 = 1u;

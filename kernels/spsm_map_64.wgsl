@@ -1,12 +1,7 @@
 // spsm_map, for devices with 64-bit atomics: depth and triangle of a texel are one key, found in one run of `raster`.
 //@bindings Map: raster, encode
 
-//@import frame
-//@import dispatch
-//@import pass
-//@import keys_64
-//@import spsm_raster
-//@import spsm_encode
+//@import frame dispatch pass keys_64 spsm_raster spsm_encode
 
 override ENCODING: u32 = 1u;
 override SPLIT: u32 = 1u;

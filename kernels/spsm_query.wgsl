@@ -10,18 +10,8 @@
 // Several dispatches, not one with early ends: lanes of a vector that are done wait for those that are not.
 //@bindings Texels: classify, settle, paint, recover
 
-//@import frame
-//@import dispatch
-//@import facing
-//@import spsm_record
-//@import spsm_sheet
-//@import receiver
-//@import spsm_border
-//@import spsm_search
-//@import spsm_footprint
-//@import spsm_settle
-//@import seen_texels
-//@import spsm_recovery
+//@import frame dispatch facing spsm_record spsm_sheet receiver spsm_border spsm_search spsm_footprint
+//@import spsm_settle seen_texels spsm_recovery
 
 override ENCODING: u32 = 1u;
 override SPLIT: u32 = 1u;

@@ -7,8 +7,7 @@
 // sum over each into `rect_sums`. A table above the binding limit is bound in bands of whole strips.
 // Bounds: an invocation loops over a row's words, or over a strip's rows and the strips above: at most 4,096 each.
 
-//@import dispatch
-//@import summed_area
+//@import dispatch summed_area
 
 struct Params {
     width: u32,

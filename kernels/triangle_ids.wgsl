@@ -4,10 +4,7 @@
 // triangle, 0 where there is none), and counts into `faults` the texels that name no triangle, which count as none (of a
 // strip of rows in those that are its own).
 
-//@import frame
-//@import dispatch
-//@import divide
-//@import strip
+//@import frame dispatch divide strip
 
 const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;

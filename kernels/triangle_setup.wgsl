@@ -7,12 +7,7 @@
 // is not surely in front of the light takes the whole map, one surely behind it nothing. One that goes on beyond one of the ends of the map
 // (FLAG_ENDS) takes the whole map, too.
 
-//@import frame
-//@import dispatch
-//@import rect
-//@import facing
-//@import view_sides
-//@import map_ends
+//@import frame dispatch rect facing view_sides map_ends
 
 const WORKGROUP = 64u;
 

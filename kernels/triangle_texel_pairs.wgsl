@@ -10,15 +10,7 @@
 // makes one with every place there.
 //@bindings Pairs: count, emit, emit_rest
 
-//@import frame
-//@import dispatch
-//@import pass
-//@import work_items
-//@import cover_cells
-//@import places
-//@import tile_cells
-//@import append
-//@import map_ends
+//@import frame dispatch pass work_items cover_cells places tile_cells append map_ends
 
 const WORKGROUP = 64u;
 

@@ -4,9 +4,7 @@
 // which is not above 0; 0 for one that projects to no number).
 // The subtraction of the eye is the only rounding of `points`: half an ulp of the difference.
 
-//@import frame
-//@import dispatch
-//@import finite
+//@import frame dispatch finite
 
 const WORKGROUP = 64u;
 

@@ -12,14 +12,7 @@
 // facet is put on the same list, from its end, for `cut_facets`: few candidates do, and vector machines pay for code that no
 // lane takes. No candidate is on it twice.
 
-//@import frame
-//@import dispatch
-//@import facet
-//@import facing
-//@import double_float
-//@import vertex
-//@import facing_46
-//@import candidates
+//@import frame dispatch facet facing double_float vertex facing_46 candidates
 
 override WORDS: u32 = 1u;
 override ANGLES: u32 = 0u;   // size of the lookup table; 0: every sample is tested against every line
@@ -41,11 +34,7 @@ const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 
 //@import frame_copy
 
-//@import shadow_lines
-//@import shadow_lines_46
-//@import sample_masks
-//@import two_step
-//@import facet_masks
+//@import shadow_lines shadow_lines_46 sample_masks two_step facet_masks
 
 fn project(f: u32, t: u32) {
     let i = rising(triangles[t]);

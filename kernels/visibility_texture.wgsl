@@ -6,10 +6,7 @@
 // and sets `verdict` if anything is missing; it is cleared before. Then `hold` copies what the frame made (`latest`) to `held` if
 // nothing is: of the picture as of any words.
 
-//@import frame
-//@import dispatch
-//@import divide
-//@import strip
+//@import frame dispatch status divide strip
 
 const WORKGROUP = 64u;
 
@@ -25,42 +22,35 @@ struct Lists {
 }
 
 @group(0) @binding(3) var<uniform> lists: Lists;
-@group(0) @binding(4) var<storage, read> status: array<u32>;
+@group(0) @binding(4) var<storage, read_write> status: Status;
 @group(0) @binding(5) var<storage, read> faults: array<u32>;
 @group(0) @binding(6) var<storage, read_write> verdict: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read> latest: array<u32>;
 @group(0) @binding(8) var<storage, read_write> held: array<u32>;
 
-const STATUS_FINISHED = 12u;
-const STATUS_LONGEST = 25u;
-const STATUS_PIXEL_TRIANGLES = 26u;  // each of these and a flag: more than 2^32
-const STATUS_COMPLEX_PIXELS = 28u;
-const STATUS_FACETS = 30u;
-const STATUS_BANDS = 32u;
-const BAND_WORDS = 8u;
-
-// Whether a list was too short of which this word tells the need, and the next word that it is beyond 2^32.
-fn is_short(word: u32, capacity: u32) -> bool {
-    return status[word] > capacity || status[word + 1u] != 0u;
-}
+// Whether a list was too short.
+fn is_short(need: Need, capacity: u32) -> bool { return need.items > capacity || need.over != 0u; }
 
 fn is_band_short(band: u32) -> bool {
-    let first = STATUS_BANDS + BAND_WORDS * band;
-    let pairs = is_short(first, frame.pixel_texel_capacity) || is_short(first + 2u, frame.triangle_texel_capacity);
-    return pairs || status[first + 4u] > frame.candidate_capacity || status[first + 6u] > lists.most_at_place;
+    let pixels = is_short(status.bands[band].pixel_pairs, frame.pixel_texel_capacity);
+    let triangles = is_short(status.bands[band].triangle_pairs, frame.triangle_texel_capacity);
+    let candidates = status.bands[band].candidates > frame.candidate_capacity;
+    return pixels || triangles || candidates || status.bands[band].longest > lists.most_at_place;
 }
 
 fn is_camera_short() -> bool {
     if (frame.flags & FLAG_CLAMP) == 0u { return false; }
-    let listed = is_short(STATUS_PIXEL_TRIANGLES, frame.pixel_triangle_capacity) || status[STATUS_LONGEST] > lists.most_at_pixel;
-    return listed || is_short(STATUS_COMPLEX_PIXELS, frame.complex_capacity) || is_short(STATUS_FACETS, frame.facets_total);
+    let listed = is_short(status.head.pixel_triangles, frame.pixel_triangle_capacity);
+    let longest = atomicLoad(&status.head.longest_pixel) > lists.most_at_pixel;
+    let complex = is_short(status.head.complex_pixels, frame.complex_capacity);
+    return listed || longest || complex || is_short(status.head.facets_needed, frame.facets_total);
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn judge(@builtin(local_invocation_index) local: u32) {
     var wrong = false;
     if local == 0u {
-        wrong = status[STATUS_FINISHED] != frame.stamp || is_camera_short();
+        wrong = atomicLoad(&status.head.finished) != frame.stamp || is_camera_short();
         for (var k = 0u; k < arrayLength(&faults); k++) { wrong = wrong || faults[k] != 0u; }
     }
     for (var band = local; band < lists.bands; band += WORKGROUP) { wrong = wrong || is_band_short(band); }

@@ -4,8 +4,7 @@
 // places the table has, as far as there is room, and the table: the owner of item 8 k at place k, that of the last item at the
 // last (see shared/work_items).
 
-//@import dispatch
-//@import work_items
+//@import dispatch work_items
 
 struct Params {
     owners: u32,

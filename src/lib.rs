@@ -36,6 +36,7 @@ pub mod samples;
 pub mod scene;
 pub mod spsm_code;
 pub mod stages;
+pub mod status;
 pub mod truth;
 
 pub use error::{Error, Result};

@@ -17,6 +17,7 @@ use subpixel_shadows::stages::{
     radix_sort, sample_surfaces, sorted_pairs, split_maps, summed_area, texel_group, triangle_ids, visibility_texture,
     work_owners,
 };
+use subpixel_shadows::status::{Need, StatusBand, StatusHead};
 
 /// A struct as Rust knows it.
 struct Registered {
@@ -63,6 +64,16 @@ fn doubts() -> Registered {
     Registered { kernel: "camera_visibility", name: "Doubts", size: 4 * Centres::COUNTS + 8, fields: FIELDS }
 }
 
+/// Likewise: counters of the frame, then those of each band.
+fn status() -> Registered {
+    const HEAD: usize = size_of::<StatusHead>();
+    const FIELDS: &[Field] = &[
+        Field { name: "head", offset: 0, size: HEAD },
+        Field { name: "bands", offset: HEAD, size: size_of::<StatusBand>() },
+    ];
+    Registered { kernel: "shared/status", name: "Status", size: HEAD + size_of::<StatusBand>(), fields: FIELDS }
+}
+
 /// Every struct that the host shares with a kernel. A struct of `kernels/shared/<name>.wgsl` is registered under
 /// `shared/<name>` and found in every kernel that imports it.
 fn registry() -> Vec<Registered> {
@@ -73,6 +84,10 @@ fn registry() -> Vec<Registered> {
         edge(),
         candidates(),
         doubts(),
+        status(),
+        of::<Need>(),
+        of::<StatusHead>(),
+        of::<StatusBand>(),
         of::<caster_positions::Params>(),
         of::<compact::Params>(),
         of::<dispatch_args::Request>(),
@@ -220,7 +235,7 @@ fn stems(folder: &str, extension: &str) -> BTreeSet<String> {
     named.map(|p| p.file_stem().expect(folder).to_string_lossy().into_owned()).collect()
 }
 
-/// The stage of a kernel: one whose name ends in `_64` is the same file, built for devices with 64-bit atomics.
+/// The stage of a kernel: one whose name ends in `_64` is for devices with 64-bit atomics.
 fn stage_of(kernel: &str) -> String {
     kernel.strip_suffix("_64").unwrap_or(kernel).to_owned()
 }
@@ -229,7 +244,8 @@ fn stage_of(kernel: &str) -> String {
 #[test]
 fn every_kernel_has_its_room() {
     let kernels: BTreeSet<String> = kernels::ALL.iter().map(|(stem, ..)| stage_of(stem)).collect();
-    assert_eq!(kernels, stems("kernels", "wgsl"), "kernels built in, kernels there");
+    let there: BTreeSet<String> = stems("kernels", "wgsl").iter().map(|stem| stage_of(stem)).collect();
+    assert_eq!(kernels, there, "kernels built in, kernels there");
     for folder in ["src/stages", "src/reference", "tests/stages", "benches/stages"] {
         let mut files = stems(folder, "rs");
         files.retain(|stem| !["mod", "main", "support", "harness", "view"].contains(&stem.as_str()));

@@ -41,8 +41,8 @@ pub fn kernels(folder: &Path) -> Result<Vec<Kernel>, String> {
 fn join(folder: &Path, file: String, files: &mut Vec<String>, source: &mut String) -> Result<(), String> {
     let path = folder.join(&file);
     let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    for name in text.lines().filter_map(|line| line.strip_prefix("//@import ")) {
-        let imported = format!("shared/{}.wgsl", name.trim());
+    for name in text.lines().filter_map(|line| line.strip_prefix("//@import ")).flat_map(str::split_whitespace) {
+        let imported = format!("shared/{name}.wgsl");
         if !files.contains(&imported) {
             join(folder, imported, files, source)?;
         }

@@ -2,9 +2,7 @@
 // Edge functions go through the eye, so nothing is clipped and nothing divided; each edge is evaluated from its lower
 // vertex index, so both triangles at it get the same value, and a centre on it belongs to both.
 
-//@import rect
-//@import work_items
-//@import span
+//@import rect work_items span
 
 // Edge function through the eye as (at the corner ray, per pixel right, per pixel down).
 fn edge(i: u32, j: u32) -> vec3<f32> {

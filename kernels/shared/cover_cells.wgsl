@@ -1,10 +1,7 @@
 // The cells of an 8 x 8 block where a conservatively covered triangle may be, as bits; they are then gone through in one loop:
 // lanes of a vector wait for the fullest block, not for the fullest of each row.
 
-//@import rect
-//@import conservative
-//@import span
-//@import block_bits
+//@import rect conservative span block_bits
 
 // Of the given rows of the block alone, as eight bits.
 fn cover_cells(shape: Cover, block: Rect, rows: u32) -> vec2<u32> {

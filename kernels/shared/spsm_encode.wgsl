@@ -1,9 +1,7 @@
 // Writing the records of the sub-pixel shadow map. Needs `frame`, `step`, `triangles`, `map_points`, `seen`, `upper_records`,
 // `lower_records`, the override SPLIT, and held_depth and held_triangle, the key and the complement that a texel holds.
 
-//@import divide
-//@import dispatch
-//@import spsm_raster
+//@import divide dispatch spsm_raster
 
 fn store(texel: u32, record: vec4<u32>) {
     let upper = frame.map_size * upper_rows();

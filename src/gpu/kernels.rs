@@ -315,13 +315,13 @@ pub mod gbuffer_triangles {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/strip", "gbuffer_triangles",
+        "shared/frame", "shared/dispatch", "shared/status", "shared/divide", "shared/strip", "gbuffer_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, STATUS_LONGEST = 25,
-        FAULT_UNKNOWN = 2, MOST = 128,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2,
+        MOST = 128,
     }
     entry_point! { "gbuffer_triangles", "count_layers", [64, 1, 1], SOURCE, () => CountLayers, CountLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -570,14 +570,14 @@ pub mod pixel_triangles {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/pass", "shared/divide", "shared/rect", "shared/work_items",
-        "shared/facing", "shared/eye_edges", "shared/block_bits", "pixel_triangles",
+        "shared/frame", "shared/dispatch", "shared/status", "shared/pass", "shared/divide", "shared/rect",
+        "shared/work_items", "shared/facing", "shared/eye_edges", "shared/block_bits", "pixel_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64, STATUS_LONGEST = 25,
+        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "pixel_triangles", "cover", [64, 1, 1], SOURCE, () => Cover, CoverProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -737,14 +737,15 @@ pub mod resolve {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet", "resolve",
+        "shared/frame", "shared/dispatch", "shared/status", "shared/divide", "shared/pixel_ray", "shared/facet",
+        "resolve",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1,
         STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
-        WAS_MERGED = 8, WORKGROUP = 64, STATUS_STATES = 16, STATUS_FINISHED = 12,
+        WAS_MERGED = 8, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1225,7 +1226,7 @@ pub mod silhouette_mask {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/rect", "shared/work_items",
+        "shared/frame", "shared/dispatch", "shared/status", "shared/divide", "shared/rect", "shared/work_items",
         "shared/front_split", "shared/facing", "shared/span", "shared/block_bits", "shared/mask_rows",
         "silhouette_mask",
     }
@@ -1233,7 +1234,7 @@ pub mod silhouette_mask {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64, STATUS_EDGES = 8,
+        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "silhouette_mask", "classify", [64, 1, 1], SOURCE, () => Classify, ClassifyProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2017,19 +2018,17 @@ pub mod visibility_texture {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/strip", "visibility_texture",
+        "shared/frame", "shared/dispatch", "shared/status", "shared/divide", "shared/strip", "visibility_texture",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, STATUS_FINISHED = 12,
-        STATUS_LONGEST = 25, STATUS_PIXEL_TRIANGLES = 26, STATUS_COMPLEX_PIXELS = 28, STATUS_FACETS = 30,
-        STATUS_BANDS = 32, BAND_WORDS = 8,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
     }
     entry_point! { "visibility_texture", "judge", [64, 1, 1], SOURCE, () => Judge, JudgeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         3 lists: Uniform<'a, crate::stages::visibility_texture::Lists>,
-        4 status: Read<'a, u32>,
+        4 status: Write<'a, u32>,
         5 faults: Read<'a, u32>,
         6 verdict: Write<'a, u32>,
     } }

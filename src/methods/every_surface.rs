@@ -1,7 +1,7 @@
 //! The camera side of `facet-masks` with a facet for every surface that a pixel's samples see: which pixels show one
 //! surface is proved, the samples of all others are looked at one by one.
 
-use super::facet_masks::{Capacities, Settings, status};
+use super::facet_masks::{Capacities, Settings};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::pixel_triangles;
@@ -14,6 +14,7 @@ use crate::stages::gbuffer_triangles::{GbufferTriangles, Given};
 use crate::stages::pixel_triangles::{PixelLists, PixelTriangles};
 use crate::stages::sample_surfaces::{ComplexPixels, Fill, Mesh, SampleSurfaces, WORKGROUP};
 use crate::stages::{Count, PrefixScan, prefix_scan};
+use crate::status_word;
 
 /// A G-buffer of several samples a pixel in place of the search for what pixels show.
 #[derive(Clone, Copy, Debug)]
@@ -170,9 +171,9 @@ impl EverySurface {
         let mut keep = |from: &Buffer<u32>, first: usize, at: usize| {
             rec.copy_words(from.raw(), first as u64, status_words.raw(), at as u64, 2);
         };
-        keep(&lists.offsets, pixels, status::PIXEL_TRIANGLES);
-        keep(&complex.total, 0, status::COMPLEX_PIXELS);
-        keep(&facets.pixel_facets, pixels, status::FACETS);
+        keep(&lists.offsets, pixels, status_word!(pixel_triangles));
+        keep(&complex.total, 0, status_word!(complex_pixels));
+        keep(&facets.pixel_facets, pixels, status_word!(facets_needed));
         Ok(())
     }
 }

@@ -17,12 +17,14 @@ use crate::stages::Count;
 use crate::stages::facet_classify::{Facets, Surroundings};
 use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::{PairLists, TALLY_COUNTERS, TALLY_WORDS};
+use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
 pub use asked::{LightMaps, Seen, Strip};
 use glam::{DVec3, Vec3};
+pub use memory::Capacities;
 use memory::{Arg, FacetMemory, Memory, PairMemory, frames, requests};
-pub use memory::{Capacities, status};
 pub use pipelines::Pipelines;
+use std::mem::offset_of;
 use std::sync::Arc;
 
 /// The pipelines with the memory of one mesh, image and map size.
@@ -58,7 +60,7 @@ impl FacetMasks {
             FacetMode::One => None,
             FacetMode::All => Some(EverySurface::new(device, queue, casters.triangles.len(), settings, capacities)?),
         };
-        let memory = Memory::new(device, queue, casters, settings, &pipelines.summed_area, capacities)?;
+        let memory = Memory::new(device, queue, casters, settings, &pipelines.light_maps, capacities)?;
         Ok(Self { settings: settings.clone(), with: pipelines, every_surface, memory, capacities })
     }
 
@@ -75,9 +77,9 @@ impl FacetMasks {
             .then(|| FacetMemory::new(device, &self.settings, m.scan_scratch.capacity(), c.facets));
         let facets = facets.transpose()?;
         let runs = |c: Capacities| (c.views, c.bands, c.rounds);
-        let of_runs = || Ok((frames(device, c)?, Buffer::storage(device, "status", status::words(c))?));
+        let of_runs = || Ok((frames(device, c)?, Buffer::storage(device, "status", Status::words(c.all_bands()))?));
         let of_runs = (runs(c) != runs(now)).then(of_runs).transpose()?;
-        let totals = [m.edge_items.len(), m.visibility.len(), c.facets, m.geometry.facts.light_items.len()];
+        let totals = [m.visibility.len(), c.facets, m.geometry.facts.light_items.len()];
         let sizes = |c: Capacities| (pairs(c), c.facets);
         let requests = (sizes(c) != sizes(now)).then(|| requests(device, queue, totals, c)).transpose()?;
         if let Some(every_surface) = &mut self.every_surface {
@@ -101,7 +103,7 @@ impl FacetMasks {
     }
 
     /// Writes what the next frame is computed from: camera, light and its views, as many as [`Capacities::views`], which rows
-    /// of the image it is, and what its last stage is to write into [`status::FINISHED`].
+    /// of the image it is, and what its last stage is to write into [`StatusHead::finished`](crate::status::StatusHead::finished).
     ///
     /// # Errors
     /// [`Error::Scene`] if camera or light cannot be used, or coordinates are beyond 10^18; [`Error::Config`] for another number of views,
@@ -249,47 +251,10 @@ impl FacetMasks {
             rec.clear_words(m.lists.candidates.raw(), TALLY_COUNTERS as u64, (TALLY_WORDS - TALLY_COUNTERS) as u64);
             geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
         }
-        for zero in [&m.layers.nearest_keys, &m.layers.second_keys] {
-            rec.clear(zero.raw());
-        }
-        rec.clear(m.layers.mask.raw());
-        let in_light = geometry.in_light(casters);
-        self.with.layers.record(&mut rec.stage("light_layers"), frame, in_light, &m.layers);
-        {
-            let stage = &mut rec.stage("silhouette_mask");
-            let edges = &casters.edges;
-            self.with.silhouettes.record_classify(
-                stage,
-                frame,
-                edges,
-                &geometry.facts.facing,
-                &geometry.map_points,
-                &m.edge_rects,
-                &m.edge_items,
-                &m.status,
-                casters.edges.len(),
-            );
-            self.list(stage, Arg::Edges, (&m.edge_items, m.edge_items.len()), &m.edge_offsets)?;
-            let args = (m.args.raw(), Arg::Edges.word());
-            self.with.silhouettes.record_raster(
-                stage,
-                frame,
-                edges,
-                &geometry.map_points,
-                &m.edge_rects,
-                &m.edge_offsets,
-                args,
-                &m.layers,
-            );
-        }
-        {
-            let stage = &mut rec.stage("front_layer");
-            self.with.front.record_check(stage, frame, in_light, &m.layers);
-            self.with.front.record_settle(stage, frame, &m.layers);
-        }
-        self.with.summed_area.record(&mut rec.stage("summed_area"), &m.layers.mask, &m.sat, &m.sat_scratch)?;
-        let texels = status::band(view, 0, self.capacities.bands) + status::BAND_TEXELS;
-        rec.copy_words(m.sat.raw(), m.sat.len() as u64 - 1, m.status.raw(), texels as u64, 1);
+        m.maps.record(rec, &self.with.light_maps, frame, casters, geometry, &m.status)?;
+        let texels = self.capacities.status_band(view, 0) + offset_of!(StatusBand, marked_texels) / 4;
+        let sat = &m.maps.sat;
+        rec.copy_words(sat.raw(), sat.len() as u64 - 1, m.status.raw(), texels as u64, 1);
         Ok(())
     }
 
@@ -305,8 +270,12 @@ impl FacetMasks {
         }
         {
             let stage = &mut rec.stage("facet_classify");
-            let around =
-                Surroundings { triangles, positions: &casters.positions, sat: &m.sat, splits: &m.layers.splits };
+            let around = Surroundings {
+                triangles,
+                positions: &casters.positions,
+                sat: &m.maps.sat,
+                splits: &m.maps.layers.splits,
+            };
             if view == 0 && self.every_surface.is_none() {
                 self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets);
             }
@@ -401,10 +370,10 @@ impl FacetMasks {
 
     /// Light layers, mask and splits.
     pub fn layers(&self) -> &Layers {
-        &self.memory.layers
+        &self.memory.maps.layers
     }
 
-    /// Counters, see [`status`].
+    /// Counters, see [`Status`].
     pub fn status(&self) -> &Buffer<u32> {
         &self.memory.status
     }

@@ -10,13 +10,14 @@ pub use guess::{first_for, within};
 pub use needs::Needs;
 pub use together::{Together, Wanted, roomy};
 
-use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings, status};
+use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings};
 use super::render::{Budget, Counts, ListUse};
 use crate::stages::SortedPairs;
 use crate::stages::candidate_pairs::ROUND_LENGTH;
 use crate::stages::facet_classify::{State, Undecided};
 use crate::stages::pixel_texel_pairs::TALLY_WORDS;
 use crate::stages::sample_surfaces;
+use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
 
 /// Most bands a frame may be split into.
@@ -250,21 +251,22 @@ pub fn larger(a: Capacities, b: Capacities) -> Capacities {
     }
 }
 
-/// What a frame with the capacities `now` counted.
-pub fn counts(words: &[u32], now: Capacities) -> Counts {
-    let sum = |offset: usize| needs::bands(now).map(|first| u64::from(words[first + offset])).sum::<u64>();
-    let state = |s: State| u64::from(words[status::STATES + s as usize]);
+/// What a frame counted.
+pub fn counts(status: &Status) -> Counts {
+    let sum = |of: fn(&StatusBand) -> u32| status.bands.iter().map(|band| u64::from(of(band))).sum::<u64>();
+    let head = &status.head;
+    let state = |s: State| u64::from(head.facets[s as usize]);
     Counts {
-        silhouette_edges: u64::from(words[status::EDGES]),
-        silhouette_texels: sum(status::BAND_TEXELS),
+        silhouette_edges: u64::from(head.silhouette_edges),
+        silhouette_texels: sum(|band| band.marked_texels),
         silhouette_pixels: state(State::Undecided),
-        pixel_texel_pairs: sum(0),
-        triangle_texel_pairs: sum(2),
-        candidate_tests: u64::from(words[status::TESTS]) | u64::from(words[status::TESTS + 1]) << 32,
-        visibility_evaluations: sum(4),
-        refined_evaluations: sum(5),
+        pixel_texel_pairs: sum(|band| band.pixel_pairs.items),
+        triangle_texel_pairs: sum(|band| band.triangle_pairs.items),
+        candidate_tests: u64::from(head.candidate_tests[0]) | u64::from(head.candidate_tests[1]) << 32,
+        visibility_evaluations: sum(|band| band.candidates),
+        refined_evaluations: sum(|band| band.doubts),
         facets: State::ALL.iter().map(|&s| state(s)).sum(),
-        complex_pixels: u64::from(words[status::COMPLEX_PIXELS]),
+        complex_pixels: u64::from(head.complex_pixels.items),
         empty_facets: state(State::Empty),
         dark_facets: state(State::Dark),
         lit_facets: state(State::Lit),
@@ -310,6 +312,7 @@ pub fn of_rows(wanted: Capacities, share: f64, facets: FacetMode) -> Capacities 
 mod tests {
     use super::*;
     use crate::samples::{Pattern, Samples};
+    use crate::status::StatusHead;
 
     fn of(pairs: PairVariant) -> Settings {
         let samples = Samples::new(Pattern::default(), 32).expect("32 samples");
@@ -343,25 +346,25 @@ mod tests {
     #[test]
     fn lists_without_end_are_refused() {
         let limits = wgpu::Limits::default();
-        let refused = |facets, word, count: u32| {
+        let refused = |facets, status: Status| {
             let settings = Settings { facets, ..of(PairVariant::Tiled) };
             let now = first(&settings, Budget::default());
-            let mut words = vec![0; status::words(now)];
-            words[word] = count;
-            wanted(&Needs::of(&words, now), now, &settings, &limits, 1 << 30)
+            wanted(&Needs::of(&status), now, &settings, &limits, 1 << 30)
                 .map(|more| more.map(|c| [c.rounds, c.camera_rounds]))
         };
-        let longest = status::band(0, 0, 1) + 6;
+        let longest =
+            |longest| Status { bands: vec![StatusBand { longest, ..StatusBand::default() }], ..Status::default() };
         let most = MAX_ROUNDS * ROUND_LENGTH;
-        assert!(refused(FacetMode::One, longest, most).is_ok_and(|more| more == Some([MAX_ROUNDS, 1])));
+        assert!(refused(FacetMode::One, longest(most)).is_ok_and(|more| more == Some([MAX_ROUNDS, 1])));
         assert!(
-            matches!(refused(FacetMode::One, longest, most + 1), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
+            matches!(refused(FacetMode::One, longest(most + 1)), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
         );
         let most = MAX_CAMERA_ROUNDS * sample_surfaces::ROUND_LENGTH;
-        let of_pixel = status::LONGEST_PIXEL;
-        assert!(refused(FacetMode::All, of_pixel, most).is_ok_and(|more| more == Some([1, MAX_CAMERA_ROUNDS])));
+        let of_pixel =
+            |longest_pixel| Status { head: StatusHead { longest_pixel, ..StatusHead::default() }, bands: Vec::new() };
+        assert!(refused(FacetMode::All, of_pixel(most)).is_ok_and(|more| more == Some([1, MAX_CAMERA_ROUNDS])));
         assert!(
-            matches!(refused(FacetMode::All, of_pixel, most + 1), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
+            matches!(refused(FacetMode::All, of_pixel(most + 1)), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
         );
     }
 

@@ -7,6 +7,7 @@ pub mod facet_masks;
 pub mod fixed;
 pub mod geometry;
 pub mod growth;
+pub mod light_maps;
 pub mod looks;
 pub mod names;
 pub mod options;

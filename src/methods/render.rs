@@ -1,7 +1,7 @@
 //! Computing one frame of `facet-masks` on the GPU and reading it back: records, submits, looks at what the lists needed,
 //! grows them and runs again until nothing is left out.
 
-use super::facet_masks::{Capacities, FacetMasks, LightMaps, Pipelines, Seen, Settings, status};
+use super::facet_masks::{Capacities, FacetMasks, LightMaps, Pipelines, Seen, Settings};
 use super::growth::{self, Needs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::settings::LastView;
@@ -9,6 +9,7 @@ use super::strips::{Rows, Strips};
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
 use crate::light_view::{LightView, Parts};
 use crate::scene::{Camera, Light};
+use crate::status::Status;
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -218,14 +219,14 @@ impl<'a> Renderer<'a> {
             self.method.prepare(queue, casters, camera, light, views, bounds, strip, stamp)?;
             let maps = if rows.first == 0 { LightMaps::Made } else { LightMaps::Kept };
             let (dispatches, wall_ms) = self.run_once(maps)?;
-            let words = self.method.status().read(self.gpu)?;
-            if words[status::FINISHED] != self.runs {
+            let status = Status::of(&self.method.status().read(self.gpu)?);
+            if status.head.finished != self.runs {
                 return Err(Error::Gpu("a frame was submitted, and did not run to its end".to_owned()));
             }
             let (now, limits) = (self.method.capacities(), device.limits());
-            let needs = Needs::of(&words, now);
+            let needs = Needs::of(&status);
             let Some(wanted) = growth::wanted(&needs, now, &self.settings, &limits, self.budget.bytes)? else {
-                return self.read(&words, runs, dispatches, wall_ms).map(Some);
+                return self.read(&status, runs, dispatches, wall_ms).map(Some);
             };
             let triangles = self.prepared.mesh.triangles.len();
             let wanted = growth::in_reach(&needs, now, wanted, &self.settings, self.budget.bytes, triangles)?;
@@ -261,15 +262,15 @@ impl<'a> Renderer<'a> {
         Ok((dispatches, start.elapsed().as_secs_f64() * 1e3))
     }
 
-    fn read(&self, words: &[u32], runs: u32, dispatches: u32, wall_ms: f64) -> Result<Output> {
+    fn read(&self, status: &Status, runs: u32, dispatches: u32, wall_ms: f64) -> Result<Output> {
         let now = self.method.capacities();
         Ok(Output {
             visibility: self.method.visibility().read(self.gpu)?,
             lit: self.method.lit().read(self.gpu)?,
             words: self.settings.samples.words(),
             triangles: self.method.id_keys().read(self.gpu)?.into_iter().map(|key| !key).collect(),
-            counts: growth::counts(words, now),
-            lists: growth::lists(&Needs::of(words, now), now, self.settings.facets, runs),
+            counts: growth::counts(status),
+            lists: growth::lists(&Needs::of(status), now, self.settings.facets, runs),
             stages: self.timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(self.gpu))?,
             wall_ms,
             dispatches,

@@ -1,7 +1,7 @@
 //! What `facet-masks` needs where the plan has proved that nothing casts a shadow: which triangle each pixel sees, and
 //! whether it faces the light. The same stages decide it, so the picture is the same as that of the whole method.
 
-use super::facet_masks::{Settings, status};
+use super::facet_masks::Settings;
 use super::geometry::{Geometry, GeometryPipelines};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
@@ -13,6 +13,7 @@ use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::{FacetClassify, Facets, State, Surroundings};
 use crate::stages::front_layer::UNCOVERED;
 use crate::stages::resolve::Resolve;
+use crate::status::Status;
 use crate::{Error, Result};
 use std::time::Instant;
 
@@ -191,7 +192,7 @@ impl Memory {
             samples,
             geometry: Geometry::new(device, queue, casters, pixels, settings.texels())?,
             facets: Facets::new(device, pixels, pixels, words)?,
-            status: Buffer::storage(device, "status", status::BANDS + 4)?,
+            status: Buffer::storage(device, "status", Status::words(1))?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: Buffer::storage(device, "resolve.lit", pixels * words)?,
             sat: Buffer::storage(device, "summed_area.sat", 1)?,
@@ -224,8 +225,8 @@ impl Memory {
         let start = Instant::now();
         gpu.submit_and_wait(encoder)?;
         let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-        let words = self.status.read(gpu)?;
-        let state = |s: State| u64::from(words[status::STATES + s as usize]);
+        let head = Status::of(&self.status.read(gpu)?).head;
+        let state = |s: State| u64::from(head.facets[s as usize]);
         let stages = timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(gpu))?;
         self.timer = timer;
         Ok(Output {

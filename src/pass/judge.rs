@@ -2,9 +2,10 @@
 
 use super::status::{Faults, Finished, FrameStatus, Label};
 use super::{ShadowPass, growth};
-use crate::methods::facet_masks::{Capacities, status as counters};
+use crate::methods::facet_masks::Capacities;
 use crate::methods::growth::Needs;
 use crate::methods::render::Counts;
+use crate::status::Status;
 
 /// What the last stage of a frame writes into its counters: never 0, and another one for each of some billion frames.
 pub fn stamp_of(frame: u64) -> u32 {
@@ -43,18 +44,18 @@ impl ShadowPass {
                 return status;
             }
         };
-        let strips = words.chunks_exact(words.len() / strips.max(1) as usize);
+        let strips: Vec<_> = words.chunks_exact(words.len() / strips.max(1) as usize).map(Status::of).collect();
         // The staging buffer of commands that did not run holds zeros, or the counters of an earlier frame.
-        if strips.clone().any(|strip| strip[counters::FINISHED] != stamp_of(frame)) {
+        if strips.iter().any(|strip| strip.head.finished != stamp_of(frame)) {
             let text = format!("frame {frame} was submitted, and did not run to its end: its commands were refused");
             return FrameStatus { error: Some(text), faults: Faults::default(), stages: Vec::new(), ..status };
         }
         let (facets, limits, budget) = (self.settings.facets, self.maker.device.limits(), self.maker.budget.bytes);
         // What the lists must hold is what the largest strip needs of each.
         let mut needs = Needs::default();
-        for strip in strips {
-            status.counts = status.counts.with_rows(growth::counts(strip, capacities));
-            needs = needs.or(Needs::of(strip, capacities));
+        for strip in &strips {
+            status.counts = status.counts.with_rows(growth::counts(strip));
+            needs = needs.or(Needs::of(strip));
         }
         status.lists = growth::lists(&needs, capacities, facets, 1);
         match growth::wanted(&needs, capacities, &self.settings, &limits, budget) {

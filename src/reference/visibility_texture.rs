@@ -1,4 +1,6 @@
-//! Definition of a picture's place in a texture.
+//! Definition of a picture's place in a texture, and of a complete frame.
+
+use crate::status::{Need, Status, StatusBand};
 
 /// Texel (column, row) of each pixel of an image of `width` columns, with its value; pixels are numbered row by row from the
 /// top left.
@@ -16,19 +18,20 @@ pub struct Lengths {
     pub camera: Option<[u32; 4]>,
 }
 
-/// Whether nothing is missing in a frame of the given stamp that left these counters, in so many bands.
-pub fn is_complete(status: &[u32], faults: &[u32], stamp: u32, bands: usize, lengths: Lengths) -> bool {
-    let holds = |word: usize, length: u32| status[word] <= length && status[word + 1] == 0;
-    let band = |k: usize| {
-        let first = 32 + 8 * k;
+/// Whether nothing is missing in a frame of the given stamp that left these counters.
+pub fn is_complete(status: &Status, faults: &[u32], stamp: u32, lengths: Lengths) -> bool {
+    let holds = |need: Need, length: u32| need.items <= length && need.over == 0;
+    let band = |band: &StatusBand| {
         let [pixel, triangle, candidates, place] = lengths.band;
-        let pairs = holds(first, pixel) && holds(first + 2, triangle);
-        pairs && status[first + 4] <= candidates && status[first + 6] <= place
+        let pairs = holds(band.pixel_pairs, pixel) && holds(band.triangle_pairs, triangle);
+        pairs && band.candidates <= candidates && band.longest <= place
     };
+    let head = &status.head;
     let camera = lengths.camera.is_none_or(|[triangles, complex, facets, pixel]| {
-        holds(26, triangles) && holds(28, complex) && holds(30, facets) && status[25] <= pixel
+        let lists = holds(head.pixel_triangles, triangles) && holds(head.complex_pixels, complex);
+        lists && holds(head.facets_needed, facets) && head.longest_pixel <= pixel
     });
-    status[12] == stamp && camera && (0..bands).all(band) && faults.iter().all(|&f| f == 0)
+    head.finished == stamp && camera && status.bands.iter().all(band) && faults.iter().all(|&f| f == 0)
 }
 
 #[cfg(test)]

@@ -69,9 +69,6 @@ impl PixelLists {
 }
 
 impl PixelTriangles {
-    /// Word of `status` that takes the longest list of a pixel with several surfaces.
-    pub const STATUS_LONGEST: usize = kernel::STATUS_LONGEST as usize;
-
     /// Builds the pipelines; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
         Self {

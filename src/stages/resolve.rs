@@ -3,7 +3,7 @@
 //! - **Reads** facets, their masks, and which facets each pixel has.
 //! - **Writes** `visibility` (lit share of the samples that count; 1 where the pixel sees nothing) and `lit` (mask of the lit
 //!   samples, all ones where the pixel sees nothing); counts facets by state into words 16 to 20 of `status`, and writes
-//!   [`Frame::stamp`](crate::frame::Frame) into word [`STATUS_FINISHED`]: it is the last stage of a frame.
+//!   [`Frame::stamp`](crate::frame::Frame) into [`StatusHead::finished`](crate::status::StatusHead::finished): it is the last stage of a frame.
 //! - **Guarantee.** Exact quotients of small integers, rounded once.
 //! - **Cost.** One dispatch over pixels.
 
@@ -11,8 +11,6 @@ use super::facet_classify::Facets;
 use crate::frame::Frame;
 use crate::gpu::kernels::resolve as kernel;
 use crate::gpu::{Buffer, Groups, Stage};
-
-pub use kernel::STATUS_FINISHED;
 
 /// The pipeline for one number of mask words.
 #[derive(Debug)]

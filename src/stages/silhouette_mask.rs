@@ -26,7 +26,7 @@ impl SilhouetteMask {
         Self { classify: kernel::ClassifyProgram::new(device, ()), raster: kernel::RasterProgram::new(device, ()) }
     }
 
-    /// Records which of `count` edges are silhouettes; adds their number to word 8 of `status`.
+    /// Records which of `count` edges are silhouettes; adds their number to the silhouette edges of `status`.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
     pub fn record_classify(
         &self,

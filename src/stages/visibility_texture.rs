@@ -71,7 +71,7 @@ impl LastPicture {
         let bindings = kernel::Judge {
             frame: frame.as_uniform(),
             lists: lists.as_uniform(),
-            status: status.as_read(),
+            status: status.as_write(),
             faults: faults.as_read(),
             verdict: verdict.as_write(),
         };

@@ -9,7 +9,8 @@ use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
 use subpixel_shadows::reference::gbuffer_triangles::{Shown, nearest, pixels, shown};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::gbuffer_triangles::{FAULT_UNKNOWN, GbufferTriangles, Given, Params, Texture};
-use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
+use subpixel_shadows::stages::pixel_triangles::PixelLists;
+use subpixel_shadows::status_word;
 use subpixel_shadows::wgpu;
 
 /// A G-buffer.
@@ -158,7 +159,7 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
         offsets: lists.offsets.read(gpu).expect("readback"),
         list: read(&lists.list),
         seen,
-        longest: status.read(gpu).expect("readback")[PixelTriangles::STATUS_LONGEST],
+        longest: status.read(gpu).expect("readback")[status_word!(longest_pixel)],
         unknown: faults.read(gpu).expect("readback")[FAULT_UNKNOWN as usize],
     }
 }

@@ -8,6 +8,7 @@ use subpixel_shadows::reference::facet_classify::State;
 use subpixel_shadows::reference::resolve::{Masks, pixel};
 use subpixel_shadows::stages::facet_classify::{Facet, Facets};
 use subpixel_shadows::stages::resolve::Resolve;
+use subpixel_shadows::status_word;
 use subpixel_shadows::truth::{join_mask, split_mask};
 
 const STATES: [State; 5] = [State::Empty, State::Dark, State::Lit, State::Shadowed, State::Undecided];
@@ -65,9 +66,9 @@ fn wanted(count: u32, pixels: &[Vec<Masks>]) -> Vec<u32> {
     let mut out: Vec<u32> = all.iter().map(|p| p.0.to_bits()).collect();
     out.extend(all.iter().flat_map(|p| split_mask(p.1)[..words].to_vec()));
     let mut status = vec![7; 32];
-    status[12] = STAMP;
+    status[status_word!(finished)] = STAMP;
     for (k, state) in STATES.iter().enumerate() {
-        status[16 + k] += pixels.iter().flatten().filter(|m| m.state == *state).count() as u32;
+        status[status_word!(facets) + k] += pixels.iter().flatten().filter(|m| m.state == *state).count() as u32;
     }
     out.extend(status);
     out

@@ -6,6 +6,7 @@ use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::visibility_texture::{Lengths, is_complete, texels};
 use subpixel_shadows::stages::visibility_texture::{LastPicture, Lists, VisibilityTexture};
+use subpixel_shadows::status::{Need, Status, StatusBand, StatusHead};
 use subpixel_shadows::wgpu;
 
 /// What a texture holds before the stage runs, as bits.
@@ -163,28 +164,57 @@ fn what_is_missing_is_found() {
         };
         let lists = Lists { bands, most_at_place: band[3], most_at_pixel: camera.map_or(512, |c| c[3]), pad_0: 0 };
         // All lists full, then one thing wrong, or none.
-        let mut status = vec![0; 32 + 8 * bands as usize];
         let [triangles, complex, facets, pixel] = camera.unwrap_or([7; 4]);
-        status[12] = frame.stamp;
-        (status[25], status[26], status[28], status[30]) = (pixel, triangles, complex, facets);
-        for k in 0..bands as usize {
-            let words = [band[0], 0, band[1], 0, band[2], random.word(), band[3], random.word()];
-            status[32 + 8 * k..40 + 8 * k].copy_from_slice(&words);
-        }
+        let need = |items| Need { items, over: 0 };
+        let head = StatusHead {
+            finished: frame.stamp,
+            longest_pixel: pixel,
+            pixel_triangles: need(triangles),
+            complex_pixels: need(complex),
+            facets_needed: need(facets),
+            ..StatusHead::default()
+        };
+        let full = |random: &mut Random| StatusBand {
+            pixel_pairs: need(band[0]),
+            triangle_pairs: need(band[1]),
+            candidates: band[2],
+            doubts: random.word(),
+            longest: band[3],
+            marked_texels: random.word(),
+        };
+        let mut status = Status { head, bands: (0..bands).map(|_| full(&mut random)).collect() };
         let mut faults = [0; 4];
-        let of_band = 32 + 8 * random.below(bands) as usize;
-        let places =
-            [12, 25, 26, 27, 28, 29, 30, 31, of_band, of_band + 1, of_band + 2, of_band + 3, of_band + 4, of_band + 6];
+        let one = random.below(bands) as usize;
         match random.below(4) {
             0 => {}
             1 => faults[random.below(4) as usize] = 1 + random.below(9),
-            _ => status[places[random.below(places.len() as u32) as usize]] += 1,
+            _ => {
+                let (head, band) = (&mut status.head, &mut status.bands[one]);
+                let words = [
+                    &mut head.finished,
+                    &mut head.longest_pixel,
+                    &mut head.pixel_triangles.items,
+                    &mut head.pixel_triangles.over,
+                    &mut head.complex_pixels.items,
+                    &mut head.complex_pixels.over,
+                    &mut head.facets_needed.items,
+                    &mut head.facets_needed.over,
+                    &mut band.pixel_pairs.items,
+                    &mut band.pixel_pairs.over,
+                    &mut band.triangle_pairs.items,
+                    &mut band.triangle_pairs.over,
+                    &mut band.candidates,
+                    &mut band.longest,
+                ];
+                let which = random.below(words.len() as u32) as usize;
+                words.into_iter().nth(which).into_iter().for_each(|word| *word += 1);
+            }
         }
         let lengths = Lengths { band, camera };
-        let want = is_complete(&status, &faults, frame.stamp, bands as usize, lengths);
+        let want = is_complete(&status, &faults, frame.stamp, lengths);
         found[usize::from(want)] += 1;
         let verdict = upload(gpu, &[0u32]);
-        let (frame, status, faults) = (uniform(gpu, &frame), upload(gpu, &status), upload(gpu, &faults));
+        let (frame, status, faults) = (uniform(gpu, &frame), upload(gpu, &status.to_words()), upload(gpu, &faults));
         run(gpu, |s| stage.record_judge(s, &frame, &lists, &status, &faults, &verdict));
         assert_eq!(verdict.read(gpu).expect("readback"), [u32::from(!want)], "case {case}: {lengths:?}, {bands} bands");
     }

@@ -1,7 +1,7 @@
 //! One band of facets of `facet-masks`: pairs by texel, candidates, masks (Pan 2009, sections 3.3 and 3.4).
 
 use super::FacetMasks;
-use super::memory::{Arg, status};
+use super::memory::Arg;
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
@@ -10,6 +10,9 @@ use crate::stages::camera_visibility::Blocks;
 use crate::stages::candidate_pairs::tally;
 use crate::stages::sorted_pairs::{self, Sorted};
 use crate::stages::visibility_masks::Casters;
+use crate::status::StatusBand;
+use crate::status_word;
+use std::mem::offset_of;
 
 impl FacetMasks {
     /// The pairs of one band of facets in one view, and their evaluation.
@@ -70,15 +73,34 @@ impl FacetMasks {
             let args = (m.args.raw(), Arg::Doubts.word());
             self.with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args);
         }
-        let slot = status::band(view, band, self.capacities.bands) as u64;
-        rec.copy_words(m.lists.pixel_offsets.raw(), places as u64, m.status.raw(), slot, 2);
-        rec.copy_words(m.lists.triangle_offsets.raw(), places as u64, m.status.raw(), slot + 2, 2);
-        rec.copy_words(m.lists.candidates.raw(), u64::from(tally::TALLY_CANDIDATES), m.status.raw(), slot + 4, 3);
+        let slot = self.capacities.status_band(view, band) as u64;
+        let at = |field: usize| slot + field as u64 / 4;
+        rec.copy_words(
+            m.lists.pixel_offsets.raw(),
+            places as u64,
+            m.status.raw(),
+            at(offset_of!(StatusBand, pixel_pairs)),
+            2,
+        );
+        rec.copy_words(
+            m.lists.triangle_offsets.raw(),
+            places as u64,
+            m.status.raw(),
+            at(offset_of!(StatusBand, triangle_pairs)),
+            2,
+        );
+        rec.copy_words(
+            m.lists.candidates.raw(),
+            u64::from(tally::TALLY_CANDIDATES),
+            m.status.raw(),
+            at(offset_of!(StatusBand, candidates)),
+            3,
+        );
         rec.copy_words(
             m.lists.candidates.raw(),
             u64::from(tally::TALLY_TESTS),
             m.status.raw(),
-            status::TESTS as u64,
+            status_word!(candidate_tests) as u64,
             2,
         );
         Ok(())
@@ -92,7 +114,7 @@ impl FacetMasks {
         for run in 0..2 {
             rec.clear(m.lists.place_counts.raw());
             let stage = &mut rec.stage("pixel_texel_pairs");
-            let splits = &m.layers.splits;
+            let splits = &m.maps.layers.splits;
             let offsets = &m.facet_offsets;
             if run == 1 {
                 self.args(stage, Arg::FacetsAgain, offsets)?;
@@ -128,7 +150,7 @@ impl FacetMasks {
         let m = &self.memory;
         let Some(sorted) = &self.with.sorted else { return Ok(()) };
         let (counts, args) = (&m.lists.place_counts, (m.args.raw(), Arg::Facets.word()));
-        let (places, splits) = (counts.len(), &m.layers.splits);
+        let (places, splits) = (counts.len(), &m.maps.layers.splits);
         let counted = |rec: &mut Recorder, from: &sorted_pairs::Scratch, offsets: &Buffer<u32>| {
             // Of pairs beyond the capacity it is known only that they are there.
             rec.copy_words(from.appended.raw(), 0, offsets.raw(), places as u64, 2);

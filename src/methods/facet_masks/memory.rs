@@ -4,18 +4,17 @@ use super::{PairVariant, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::Buffer;
-use crate::gpu::kernels::{
-    candidate_pairs, facet_classify, pixel_texel_pairs, silhouette_mask, triangle_texel_pairs, visibility_masks,
-};
+use crate::gpu::kernels::{candidate_pairs, facet_classify, pixel_texel_pairs, triangle_texel_pairs, visibility_masks};
 use crate::mask_table::mask_table;
 use crate::methods::geometry::Geometry;
+use crate::methods::light_maps::{LightMapPipelines, LightMaps};
 use crate::methods::prepared::CasterBuffers;
 use crate::stages::candidate_pairs::tally;
 use crate::stages::dispatch_args::{DispatchArgs, Request, Requests};
 use crate::stages::facet_classify::Facets;
-use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::PairLists;
-use crate::stages::{PrefixScan, SortedPairs, SummedArea, WorkOwners, prefix_scan, sorted_pairs, summed_area};
+use crate::stages::{PrefixScan, SortedPairs, WorkOwners, prefix_scan, sorted_pairs};
+use crate::status::Status;
 
 /// How the lists of a frame are sized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,47 +41,21 @@ pub struct Capacities {
     pub camera_rounds: u32,
 }
 
-/// Words of the status buffer.
-pub mod status {
-    /// Silhouette edges.
-    pub const EDGES: usize = 8;
-    /// Triangles tested against facets, low and high word.
-    pub const TESTS: usize = 10;
-    /// The stamp of the frame, once its last stage has run; 0 before.
-    pub const FINISHED: usize = crate::stages::resolve::STATUS_FINISHED as usize;
-    /// Facets by state.
-    pub const STATES: usize = 16;
-    /// First word of the bands.
-    pub const BANDS: usize = 32;
-    /// Longest list of triangles of a pixel.
-    pub const LONGEST_PIXEL: usize = crate::stages::pixel_triangles::PixelTriangles::STATUS_LONGEST;
-    /// Triangles in the lists of all pixels, and a flag: more than 2^32.
-    pub const PIXEL_TRIANGLES: usize = 26;
-    /// Pixels whose samples are looked at one by one, and 0.
-    pub const COMPLEX_PIXELS: usize = 28;
-    /// Facets, and a flag: more than 2^32.
-    pub const FACETS: usize = 30;
-    /// Words of a band of a view: pixel-texel pairs and flag, triangle-texel pairs and flag, candidates, doubts, longest list,
-    /// marked texels (of the first band).
-    pub const BAND_WORDS: usize = 8;
-    /// Which of them that is.
-    pub const BAND_TEXELS: usize = 7;
-
-    /// The first word of a band of a view, of which there are `bands`.
-    pub(crate) fn band(view: u32, band: u32, bands: u32) -> usize {
-        BANDS + BAND_WORDS * (view * bands + band) as usize
+impl Capacities {
+    /// Bands of all views.
+    pub(crate) fn all_bands(self) -> usize {
+        (self.views * self.bands) as usize
     }
 
-    /// All words.
-    pub(crate) fn words(of: super::Capacities) -> usize {
-        band(of.views, 0, of.bands)
+    /// First word of the status of a band of a view.
+    pub(crate) fn status_band(self, view: u32, band: u32) -> usize {
+        Status::band((view * self.bands + band) as usize)
     }
 }
 
 /// Indirect arguments, by position.
 #[derive(Clone, Copy)]
 pub enum Arg {
-    Edges,
     Listed,
     Facets,
     Pairs,
@@ -106,12 +79,7 @@ pub struct Memory {
     pub table: Buffer<u32>,
     pub frames: Vec<Buffer<Frame>>,
     pub geometry: Geometry,
-    pub layers: Layers,
-    pub edge_rects: Buffer<[u32; 2]>,
-    pub edge_items: Buffer<u32>,
-    pub edge_offsets: Buffer<u32>,
-    pub sat: Buffer<u32>,
-    pub sat_scratch: summed_area::Scratch,
+    pub maps: LightMaps,
     pub facets: Facets,
     pub facet_offsets: Buffer<u32>,
     pub lists: PairLists,
@@ -131,14 +99,13 @@ impl Memory {
         queue: &wgpu::Queue,
         casters: &CasterBuffers,
         settings: &Settings,
-        summed_area: &SummedArea,
+        with: &LightMapPipelines,
         capacities: Capacities,
     ) -> Result<Self> {
         let (pixels, map, words) = (settings.pixels(), settings.map as usize, settings.samples.words() as usize);
-        let edges = casters.edges.len();
         let PairMemory { lists, unsorted } = PairMemory::new(device, settings, capacities)?;
         let FacetMemory { facets, offsets, scan_scratch } =
-            FacetMemory::new(device, settings, edges.max(map * map), capacities.facets)?;
+            FacetMemory::new(device, settings, map * map, capacities.facets)?;
         let words_of = |label: &str, len: usize| Buffer::storage(device, label, len);
         let samples = Buffer::uniform(device, "samples", 64)?;
         samples.write(queue, &sample_words(&settings.samples));
@@ -148,20 +115,15 @@ impl Memory {
             table: Buffer::from_slice(device, queue, "visibility_masks.table", &table)?,
             frames: frames(device, capacities)?,
             geometry: Geometry::new(device, queue, casters, pixels, map * map)?,
-            layers: Layers::new(device, map)?,
-            edge_rects: Buffer::storage(device, "silhouette_mask.edge_rects", edges)?,
-            edge_items: words_of("silhouette_mask.edge_items", edges)?,
-            edge_offsets: words_of("silhouette_mask.edge_offsets", WorkOwners::words(edges, map * map))?,
-            sat: words_of("summed_area.sat", map * map)?,
-            sat_scratch: summed_area.scratch(device, map, map)?,
+            maps: LightMaps::new(device, queue, with, casters.edges.len(), map)?,
             facets,
             facet_offsets: offsets,
             lists,
             unsorted,
             scan_scratch,
-            args: Buffer::indirect(device, "dispatch_args.args", 3 * 8)?,
-            requests: requests(device, queue, [edges, pixels, capacities.facets, casters.triangles.len()], capacities)?,
-            status: words_of("status", status::words(capacities))?,
+            args: Buffer::indirect(device, "dispatch_args.args", 3 * 7)?,
+            requests: requests(device, queue, [pixels, capacities.facets, casters.triangles.len()], capacities)?,
+            status: words_of("status", Status::words(capacities.all_bands()))?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,
         })
@@ -213,19 +175,18 @@ impl FacetMemory {
     }
 }
 
-/// Requests of indirect arguments, one list of one for each [`Arg`]. `totals` are the words of the totals of edges, listed facets, blocks of facets and of
+/// Requests of indirect arguments, one list of one for each [`Arg`]. `totals` are the words of the totals of listed facets, blocks of facets and of
 /// casters; the rest are in the tally.
 pub fn requests(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    totals: [usize; 4],
+    totals: [usize; 3],
     c: Capacities,
 ) -> Result<Vec<Requests>> {
-    let [edges, listed, facets, casters] = totals;
+    let [listed, facets, casters] = totals;
     let all = Request::MAX_LIMIT;
     let found_once = PairLists::touched_words(c.pixel_pairs, c.triangle_pairs);
     let all = [
-        (edges, silhouette_mask::WORKGROUP, all, 0),
         (listed, facet_classify::WORKGROUP, c.facets, 0),
         (facets, pixel_texel_pairs::WORKGROUP, all, 0),
         (tally::TALLY_PAIRS as usize, candidate_pairs::WORKGROUP, c.pixel_pairs, 0),

@@ -2,20 +2,17 @@
 
 use super::super::every_surface::SurfacePipelines;
 use super::super::geometry::GeometryPipelines;
+use super::super::light_maps::LightMapPipelines;
 use super::super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::mask_table::MaskVariant;
 use crate::stages::candidate_pairs::CandidatePairs;
 use crate::stages::facet_classify::FacetClassify;
-use crate::stages::front_layer::FrontLayer;
-use crate::stages::light_layers::LightLayers;
 use crate::stages::pixel_texel_pairs::PixelTexelPairs;
 use crate::stages::resolve::Resolve;
-use crate::stages::silhouette_mask::SilhouetteMask;
-use crate::stages::summed_area::Texels;
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
 use crate::stages::visibility_masks::VisibilityMasks;
 use crate::stages::work_owners::ListWork;
-use crate::stages::{DispatchArgs, PrefixScan, SortedPairs, SummedArea};
+use crate::stages::{DispatchArgs, PrefixScan, SortedPairs};
 
 /// The pipelines, which may serve any number of meshes, images and settings with as many samples, facets alike and the same
 /// variants of masks, pairs and projection.
@@ -29,10 +26,7 @@ pub struct Pipelines {
     /// With a facet for every surface.
     pub(super) surfaces: Option<SurfacePipelines>,
     pub(super) geometry: GeometryPipelines,
-    pub(super) layers: LightLayers,
-    pub(super) front: FrontLayer,
-    pub(super) silhouettes: SilhouetteMask,
-    pub(super) summed_area: SummedArea,
+    pub(super) light_maps: LightMapPipelines,
     pub(super) classify: FacetClassify,
     pub(super) pixel_pairs: PixelTexelPairs,
     pub(super) triangle_pairs: TriangleTexelPairs,
@@ -70,10 +64,7 @@ impl Pipelines {
             lines_by: settings.projection,
             surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count())),
             geometry: GeometryPipelines::new(device),
-            layers: LightLayers::new(device),
-            front: FrontLayer::new(device),
-            silhouettes: SilhouetteMask::new(device),
-            summed_area: SummedArea::new(device, Texels::Bits),
+            light_maps: LightMapPipelines::new(device, &scan),
             classify: FacetClassify::specialised(device, words, clamp, receivers),
             pixel_pairs: PixelTexelPairs::new(device, places),
             triangle_pairs: TriangleTexelPairs::new(device, places),

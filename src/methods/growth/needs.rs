@@ -1,6 +1,6 @@
 //! Needs of a frame, by its counters.
 
-use crate::methods::facet_masks::{Capacities, status};
+use crate::status::{Need, Status};
 
 /// How long the lists of a frame should have been. Of lists behind one that was too short it is what the shorter one made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,23 +20,20 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Of a frame with the capacities `now` and these status words.
-    pub fn of(words: &[u32], now: Capacities) -> Self {
-        // A set flag: more than 2^32. No list can hold them, but those of a part of the facets may fit.
-        let of = |count: u32, flag: u32| if flag != 0 { u64::from(u32::MAX) } else { u64::from(count) };
-        let camera = [status::PIXEL_TRIANGLES, status::COMPLEX_PIXELS, status::FACETS];
+    /// Of a frame that counted this.
+    pub fn of(status: &Status) -> Self {
+        let head = &status.head;
         let needs = Self {
-            camera: camera.map(|at| of(words[at], words[at + 1])),
-            longest_pixel: words[status::LONGEST_PIXEL],
+            camera: [head.pixel_triangles, head.complex_pixels, head.facets_needed].map(Need::items),
+            longest_pixel: head.longest_pixel,
             ..Self::default()
         };
-        bands(now).fold(needs, |needs, first| {
-            let band = &words[first..first + status::BAND_WORDS];
+        status.bands.iter().fold(needs, |needs, band| {
             needs.or(Self {
-                pixel_pairs: of(band[0], band[1]),
-                triangle_pairs: of(band[2], band[3]),
-                candidates: u64::from(band[4]),
-                longest: band[6],
+                pixel_pairs: band.pixel_pairs.items(),
+                triangle_pairs: band.triangle_pairs.items(),
+                candidates: u64::from(band.candidates),
+                longest: band.longest,
                 ..Self::default()
             })
         })
@@ -54,9 +51,4 @@ impl Needs {
             longest_pixel: self.longest_pixel.max(other.longest_pixel),
         }
     }
-}
-
-/// First status words of all bands of all views.
-pub(super) fn bands(now: Capacities) -> impl Iterator<Item = usize> {
-    (0..now.views).flat_map(move |view| (0..now.bands).map(move |band| status::band(view, band, now.bands)))
 }

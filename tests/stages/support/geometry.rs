@@ -22,6 +22,7 @@ use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
 use subpixel_shadows::stages::silhouette_mask::SilhouetteMask;
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::vertex_project::VertexProject;
+use subpixel_shadows::status_word;
 
 /// Everything a frame is made from.
 #[derive(Clone)]
@@ -325,7 +326,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
         marks: [after_layers, after_silhouettes, after_front],
         edge_rects: read(gpu, &edge_rects),
         edge_items: items,
-        silhouettes: status.read(gpu).expect(all)[8],
+        silhouettes: status.read(gpu).expect(all)[status_word!(silhouette_edges)],
         splits: read(gpu, &layers.splits),
     }
 }

@@ -16,6 +16,7 @@ use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, ROUND_LENGT
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::vertex_project::VertexProject;
 use subpixel_shadows::stages::{Count, PrefixScan};
+use subpixel_shadows::status_word;
 
 /// Elements the lists can hold: triangles of pixels, complex pixels, facets.
 pub type Room = [usize; 3];
@@ -215,7 +216,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
         image: case.image,
         reach: made[..pixel_facets[pixels].min(room[2])].iter().map(reach).collect(),
         needed,
-        longest: status.read(gpu).expect(readback)[PixelTriangles::STATUS_LONGEST],
+        longest: status.read(gpu).expect(readback)[status_word!(longest_pixel)],
         lists: (0..pixels).map(listed).collect(),
         complex: lists.complex_flags.read(gpu).expect(readback).iter().map(|&f| f != 0).collect(),
         surfaces: (0..pixels).map(surfaces).collect(),

@@ -1,0 +1,34 @@
+// Counters of a frame: what it counted, what its lists needed, and that its last stage has run.
+
+// Of a list: items that it needed, and whether they are beyond 2^32.
+struct Need {
+    items: u32,
+    over: u32,
+}
+
+struct StatusHead {
+    silhouette_edges: atomic<u32>,
+    finished: atomic<u32>,           // the frame's stamp, once its last stage has run
+    candidate_tests: array<u32, 2>,  // low and high word
+    facets: array<atomic<u32>, 8>,   // of each state
+    longest_pixel: atomic<u32>,      // longest list of triangles of a pixel
+    pad: u32,
+    pixel_triangles: Need,
+    complex_pixels: Need,
+    facets_needed: Need,
+}
+
+// What one band of facets needed in one view of the light.
+struct StatusBand {
+    pixel_pairs: Need,
+    triangle_pairs: Need,
+    candidates: u32,
+    doubts: u32,
+    longest: u32,        // longest list of triangles of a place of the map
+    marked_texels: u32,  // of the first band
+}
+
+struct Status {
+    head: StatusHead,
+    bands: array<StatusBand>,
+}

@@ -1,0 +1,119 @@
+//! Maps of one view of the light, and what they prove: the two nearest layers, silhouettes, the split depth of each texel, and a table that
+//! counts the marked texels of any rectangle.
+
+use super::geometry::Geometry;
+use super::prepared::CasterBuffers;
+use crate::Result;
+use crate::frame::Frame;
+use crate::gpu::kernels::silhouette_mask;
+use crate::gpu::{Buffer, Recorder};
+use crate::stages::dispatch_args::{Request, Requests};
+use crate::stages::front_layer::FrontLayer;
+use crate::stages::light_layers::{Layers, LightLayers};
+use crate::stages::silhouette_mask::SilhouetteMask;
+use crate::stages::summed_area::Texels;
+use crate::stages::work_owners::{ListWork, WorkOwners};
+use crate::stages::{DispatchArgs, PrefixScan, SummedArea, prefix_scan, summed_area};
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct LightMapPipelines {
+    layers: LightLayers,
+    silhouettes: SilhouetteMask,
+    front: FrontLayer,
+    summed_area: SummedArea,
+    work: ListWork,
+}
+
+impl LightMapPipelines {
+    /// Builds the pipelines; `scan` is shared.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
+        Self {
+            layers: LightLayers::new(device),
+            silhouettes: SilhouetteMask::new(device),
+            front: FrontLayer::new(device),
+            summed_area: SummedArea::new(device, Texels::Bits),
+            work: ListWork::new(device, scan),
+        }
+    }
+}
+
+/// The memory for one mesh and map size.
+#[derive(Debug)]
+pub struct LightMaps {
+    /// Layers, marks and split depths.
+    pub layers: Layers,
+    /// Summed-area table of the marks; the last word counts them all.
+    pub sat: Buffer<u32>,
+    edge_rects: Buffer<[u32; 2]>,
+    edge_items: Buffer<u32>,
+    edge_offsets: Buffer<u32>,
+    scan_scratch: prefix_scan::Scratch,
+    sat_scratch: summed_area::Scratch,
+    requests: Requests,
+    args: Buffer<u32>,
+}
+
+impl LightMaps {
+    /// Makes the memory for a mesh of `edges` edges and maps of `size` texels a side, to be used with these pipelines.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        with: &LightMapPipelines,
+        edges: usize,
+        size: usize,
+    ) -> Result<Self> {
+        let texels = size * size;
+        let request = Request::new(edges, silhouette_mask::WORKGROUP, Request::MAX_LIMIT, 0)?;
+        Ok(Self {
+            layers: Layers::new(device, size)?,
+            sat: Buffer::storage(device, "summed_area.sat", texels)?,
+            edge_rects: Buffer::storage(device, "silhouette_mask.edge_rects", edges)?,
+            edge_items: Buffer::storage(device, "silhouette_mask.edge_items", edges)?,
+            edge_offsets: Buffer::storage(device, "silhouette_mask.edge_offsets", WorkOwners::words(edges, texels))?,
+            scan_scratch: PrefixScan::scratch(device, edges)?,
+            sat_scratch: with.summed_area.scratch(device, size, size)?,
+            requests: DispatchArgs::requests(device, queue, &[request])?,
+            args: Buffer::indirect(device, "silhouette_mask.args", 3)?,
+        })
+    }
+
+    /// Records the stages `light_layers` to `summed_area`, after [`Geometry::record_setup`]; `status` takes the count of silhouette edges.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
+    pub fn record(
+        &self,
+        rec: &mut Recorder,
+        with: &LightMapPipelines,
+        frame: &Buffer<Frame>,
+        casters: &CasterBuffers,
+        geometry: &Geometry,
+        status: &Buffer<u32>,
+    ) -> Result<()> {
+        let layers = &self.layers;
+        for zero in [&layers.nearest_keys, &layers.second_keys, &layers.mask] {
+            rec.clear(zero.raw());
+        }
+        let in_light = geometry.in_light(casters);
+        with.layers.record(&mut rec.stage("light_layers"), frame, in_light, layers);
+        {
+            let stage = &mut rec.stage("silhouette_mask");
+            let (edges, points, facing) = (&casters.edges, &geometry.map_points, &geometry.facts.facing);
+            let (rects, items, offsets) = (&self.edge_rects, &self.edge_items, &self.edge_offsets);
+            with.silhouettes.record_classify(stage, frame, edges, facing, points, rects, items, status, edges.len());
+            with.work.record(stage, (items, items.len()), offsets, &self.scan_scratch, (&self.requests, &self.args))?;
+            let args = (self.args.raw(), 0);
+            with.silhouettes.record_raster(stage, frame, edges, points, rects, offsets, args, layers);
+        }
+        {
+            let stage = &mut rec.stage("front_layer");
+            with.front.record_check(stage, frame, in_light, layers);
+            with.front.record_settle(stage, frame, layers);
+        }
+        with.summed_area.record(&mut rec.stage("summed_area"), &layers.mask, &self.sat, &self.sat_scratch)
+    }
+}
