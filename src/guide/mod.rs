@@ -1,4 +1,4 @@
-//! Guides: the program, use in an application, what was measured, limits, the other methods.
+//! Guides: the program, use in an application, what was measured, limits, the other methods, departures from the papers.
 
 #[doc = include_str!("application.md")]
 pub mod application {}
@@ -11,6 +11,9 @@ pub mod measured {}
 
 #[doc = include_str!("methods.md")]
 pub mod methods {}
+
+#[doc = include_str!("papers.md")]
+pub mod papers {}
 
 #[doc = include_str!("program.md")]
 pub mod program {}

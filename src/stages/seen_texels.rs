@@ -82,18 +82,18 @@ impl TexelMarks {
 impl SeenTexels {
     /// Builds the pipelines for what `options` ask of `texels`.
     pub fn new(device: &wgpu::Device, options: Options, texels: &SpsmTexels) -> Self {
-        let constants = kernel::Constants {
-            many: u32::from(options.many),
+        let own = kernel::Constants { many: u32::from(options.many), ..Default::default() };
+        let around = kernel::Constants {
             reach: (options.radius + options.stretch) as i32,
             encoding: options.encoding,
             split: u32::from(texels.is_split()),
             bias: options.bias,
-            ..Default::default()
+            ..own
         };
         Self {
-            mark: kernel::MarkProgram::new(device, constants),
-            around: kernel::AroundProgram::new(device, constants),
-            all: kernel::AllTexelsProgram::new(device, constants),
+            mark: kernel::MarkProgram::new(device, own),
+            around: kernel::AroundProgram::new(device, around),
+            all: kernel::AllTexelsProgram::new(device, own),
         }
     }
 

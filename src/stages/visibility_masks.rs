@@ -65,11 +65,11 @@ impl VisibilityMasks {
             angles,
             offsets,
             cuts: u32::from(cuts),
-            two_step: u32::from(two_step),
             ..Default::default()
         };
+        let evaluate = kernel::Constants { two_step: u32::from(two_step), ..constants };
         Self {
-            evaluate: kernel::EvaluateProgram::new(device, constants),
+            evaluate: kernel::EvaluateProgram::new(device, evaluate),
             cut: cuts.then(|| kernel::CutFacetsProgram::new(device, constants)),
             refine: kernel::RefineProgram::new(device, constants),
         }

@@ -40,7 +40,7 @@ fn evaluate(world: &World, listed: &List, validity: bool) -> (Masks, usize) {
 
 /// The masks, how many pairs were evaluated, and how many of them again with 46 bits.
 fn evaluate_by(stage: &VisibilityMasks, world: &World, listed: &List, validity: bool) -> (Masks, [usize; 2]) {
-    evaluate_with(stage, &upload(gpu(), &[0u32]), world, listed, validity)
+    evaluate_with(stage, &upload(world.gpu, &[0u32]), world, listed, validity)
 }
 
 /// The same with a lookup table, where the stage is made for one.
