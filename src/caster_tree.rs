@@ -7,7 +7,7 @@
 //! the same tree.
 
 use crate::scene::Mesh;
-use crate::shared_struct;
+use crate::stages::shadow_rays::TreePlace;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
@@ -25,22 +25,6 @@ use obvhs::triangle::Triangle;
 const PAD: f32 = 1.0 / (1u32 << 20) as f32;
 /// Triangles a leaf may hold.
 const LEAF: u32 = 1;
-
-shared_struct! {
-    /// Where the tree lies in a frame: a point `p` of the frame is `p * place.w + place.xyz` in the unit cube.
-    "shared/caster_tree" => pub struct TreePlace {
-        /// Offset, and scale.
-        pub place: [f32; 4],
-        /// What rounding may move a point by in the cube, with room to spare.
-        pub slack: f32,
-        /// Nodes; 0 if there is no caster.
-        pub node_count: u32,
-        /// Unused.
-        pub pad_0: u32,
-        /// Unused.
-        pub pad_1: u32,
-    }
-}
 
 /// A tree in the words of the kernels.
 #[derive(Clone, Debug, Default)]

@@ -19,9 +19,11 @@
     )
 )]
 
+#[cfg(feature = "baselines")]
 pub mod caster_tree;
 pub mod error;
 pub mod frame;
+#[cfg(feature = "report")]
 pub mod fuzz;
 pub mod gpu;
 pub mod guide;
@@ -30,13 +32,16 @@ pub mod mask_table;
 pub mod methods;
 pub mod pass;
 pub mod plan;
+#[cfg(feature = "oracle")]
 pub mod reference;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod samples;
 pub mod scene;
 pub mod spsm_code;
 pub mod stages;
 pub mod status;
+#[cfg(feature = "oracle")]
 pub mod truth;
 
 pub use error::{Error, Result};

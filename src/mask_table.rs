@@ -3,8 +3,9 @@
 use crate::samples::Samples;
 
 /// How a half-plane becomes a mask of samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum MaskVariant {
     /// Every sample is tested: no error.
     #[default]

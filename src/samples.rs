@@ -1,11 +1,11 @@
 //! Sample patterns: where the samples of a pixel lie.
 
 use crate::{Error, Result};
-use serde::Serialize;
 
 /// The kind of a sample pattern. Each has a sample at the pixel centre, and that is the first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Pattern {
     /// A regular grid that wraps around the pixel.
     Grid,
@@ -17,8 +17,9 @@ pub enum Pattern {
 }
 
 /// Offsets of the samples inside a pixel, in `[0, 1)²`, `x` right and `y` down; the first is the centre.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(transparent)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(transparent))]
 pub struct Samples {
     offsets: Vec<[f32; 2]>,
 }

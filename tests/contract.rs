@@ -5,13 +5,13 @@ use naga::{AddressSpace, Module, ShaderStage, TypeInner};
 use std::collections::BTreeSet;
 use std::mem::offset_of;
 use std::path::Path;
-use subpixel_shadows::caster_tree::TreePlace;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::kernels;
 use subpixel_shadows::gpu::layout::{Field, Shared};
 use subpixel_shadows::scene::Edge;
 use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
+use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
     caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, pixel_receivers, prefix_scan,
     radix_sort, sample_surfaces, sorted_pairs, split_maps, summed_area, texel_group, triangle_ids, visibility_texture,

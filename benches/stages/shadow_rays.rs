@@ -13,7 +13,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
     let stage = ShadowRays::new(&gpu.device, &PrefixScan::new(&gpu.device), 1);
     let tree = CasterTree::new(shadow.setup.prepared.mesh())?;
-    let buffers = TreeBuffers::new(&gpu.device, &gpu.queue, &tree)?;
+    let buffers = TreeBuffers::new(&gpu.device, &gpu.queue, &tree.nodes, &tree.triangles)?;
     let eye = Vec4::from(shadow.frame.read(gpu)?[0].eye);
     buffers.place.write(&gpu.queue, &[tree.place(eye.truncate().as_dvec3(), f64::from(eye.w))]);
     let rays = Rays::new(&gpu.device, &gpu.queue, shadow.facets.list.len(), 32)?;

@@ -2,12 +2,12 @@
 
 use crate::{Error, Result};
 use futures::executor::block_on;
-use serde::Serialize;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// Summary of an adapter in tables and files.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct AdapterSummary {
     /// Name the driver gives.
     pub name: String,

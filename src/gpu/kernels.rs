@@ -1159,7 +1159,7 @@ pub mod shadow_rays {
     entry_point! { "shadow_rays", "trace", [64, 1, 1], SOURCE, Constants => Trace, TraceProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
-        2 tree: Uniform<'a, crate::caster_tree::TreePlace>,
+        2 tree: Uniform<'a, crate::stages::shadow_rays::TreePlace>,
         3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
         4 listed: Read<'a, u32>,
         5 work: Write<'a, u32>,
@@ -1183,7 +1183,7 @@ pub mod shadow_rays {
     entry_point! { "shadow_rays", "refine_all", [64, 1, 1], SOURCE, Constants => RefineAll, RefineAllProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
-        2 tree: Uniform<'a, crate::caster_tree::TreePlace>,
+        2 tree: Uniform<'a, crate::stages::shadow_rays::TreePlace>,
         3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
         4 listed: Read<'a, u32>,
         5 work: Write<'a, u32>,
@@ -1196,7 +1196,7 @@ pub mod shadow_rays {
     entry_point! { "shadow_rays", "cut_facets", [64, 1, 1], SOURCE, Constants => CutFacets, CutFacetsProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
-        2 tree: Uniform<'a, crate::caster_tree::TreePlace>,
+        2 tree: Uniform<'a, crate::stages::shadow_rays::TreePlace>,
         3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
         4 listed: Read<'a, u32>,
         5 work: Write<'a, u32>,

@@ -3,10 +3,10 @@
 use super::Gpu;
 use super::buffer::{allocate, not_mapped};
 use crate::Result;
-use serde::Serialize;
 
 /// GPU time of one stage.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StageTime {
     /// The stage.
     pub name: &'static str,

@@ -12,12 +12,12 @@ use crate::scene::{Camera, Light};
 use crate::status::Status;
 use crate::{Error, Result};
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// What was counted in a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
     /// Edges that are silhouettes from the light.
     pub silhouette_edges: u64,
@@ -50,7 +50,8 @@ pub struct Counts {
 }
 
 /// How one list fared.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ListUse {
     /// The list.
     pub name: &'static str,

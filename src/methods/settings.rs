@@ -344,6 +344,7 @@ impl Settings {
     }
 
     /// Whether casters of closed bodies that face away from the light are left out of everything.
+    #[cfg(feature = "oracle")]
     pub(crate) fn leaves_backs_out(&self) -> bool {
         self.cull_back && !self.keeps_validity()
     }
@@ -419,6 +420,7 @@ impl LastView {
     ///
     /// # Errors
     /// As [`LightView::fit`] and [`LightView::check`].
+    #[cfg(feature = "baselines")]
     pub fn of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<LightView> {
         let one = || {
             let view = settings.light_view(prepared, light)?;

@@ -87,7 +87,7 @@ impl Settled {
             status: Buffer::storage(device, "settled.status", Status::words(1))?,
             visibility: Buffer::storage(device, "settled.visibility", pixels)?,
             lit: Buffer::storage(device, "settled.lit", pixels * words as usize)?,
-            tree_buffers: TreeBuffers::new(device, &gpu.queue, &tree)?,
+            tree_buffers: TreeBuffers::new(device, &gpu.queue, &tree.nodes, &tree.triangles)?,
             tree,
             settings: settings.clone(),
         })

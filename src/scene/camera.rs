@@ -2,13 +2,13 @@
 
 use crate::{Error, Result};
 use glam::{DVec2, DVec3, Vec3};
-use serde::{Deserialize, Serialize};
 
 /// A pinhole camera. Right-handed, world units as in the file.
 ///
 /// The eye is held in `f32` so that the distance of an `f32` vertex from it is known exactly to every part of the
 /// program.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Camera {
     /// Position.
     pub eye: [f32; 3],

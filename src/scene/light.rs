@@ -2,11 +2,11 @@
 
 use crate::{Error, Result};
 use glam::{DVec3, DVec4, Vec3};
-use serde::{Deserialize, Serialize};
 
 /// A light. A hard shadow knows only where it is; a spot light's cone matters for shading alone.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "lowercase"))]
 pub enum Light {
     /// Parallel light.
     Directional {

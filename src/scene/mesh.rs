@@ -4,7 +4,6 @@ use super::weld::weld;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use serde::Serialize;
 use std::collections::HashMap;
 
 /// A triangle soup with shared vertices. Surfaces are two-sided.
@@ -17,7 +16,8 @@ pub struct Mesh {
 }
 
 /// A horizontal ground square under a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Ground {
     /// Height: the lowest vertex of the scene.
     pub y: f32,

@@ -3,7 +3,6 @@
 use super::{Camera, Light, Mesh};
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
 use std::str::FromStr;
 
 /// Changes to a scene when it is opened.
@@ -20,8 +19,9 @@ pub struct SceneOptions {
 /// Parts of a camera; those not given stay as they are, or are framed from the scene's bounds.
 ///
 /// As text: `eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES`, each part optional, in any order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct CameraOverride {
     /// Position.
     pub eye: Option<[f32; 3]>,
@@ -83,6 +83,7 @@ fn depth_range(lowest: DVec3, highest: DVec3, eye: DVec3) -> (f32, f32) {
 }
 
 /// A camera at `eye` for a mesh known to be of ordinary size.
+#[cfg(feature = "scenes")]
 pub(super) fn camera_at(mesh: &Mesh, eye: [f32; 3], target: [f32; 3], vertical_fov_degrees: f32) -> Camera {
     let (lowest, highest) = framed_box(mesh);
     let (near, far) = depth_range(lowest, highest, Vec3::from(eye).as_dvec3());

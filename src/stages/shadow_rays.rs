@@ -1,6 +1,6 @@
 //! Shadow rays: from every sample of the undecided facets a ray to the light through a tree of casters.
 //!
-//! - **Reads** facets with their coverage masks, sample offsets, the [`CasterTree`], triangles, positions.
+//! - **Reads** facets with their coverage masks, sample offsets, the [`CasterTree`](crate::caster_tree::CasterTree), triangles, positions.
 //! - **Writes** the occluded mask of each undecided facet, and with `Frame::VALIDITY` the invalid mask.
 //! - **Guarantee.** Bit-equal from run to run. A sample farther than 1/256 pixel from every shadow edge is decided as in exact
 //!   arithmetic: what `f32` cannot decide is followed again with 46 bits. There is no bias and no self-hit: sides decide.
@@ -12,12 +12,11 @@
 
 use super::facet_classify::Facets;
 use super::{Compact, Count, DispatchArgs, PrefixScan, compact, dispatch_args};
-use crate::Result;
-use crate::caster_tree::{CasterTree, TreePlace};
 use crate::frame::Frame;
 use crate::gpu::kernels::shadow_rays as kernel;
 use crate::gpu::{Buffer, Gpu, Groups, Stage};
 use crate::stages::compact::Flags;
+use crate::{Result, shared_struct};
 
 /// The pipelines for one number of mask words.
 #[derive(Debug)]
@@ -30,27 +29,48 @@ pub struct ShadowRays {
     fold: DispatchArgs,
 }
 
+shared_struct! {
+    /// Where the tree lies in a frame: a point `p` of the frame is `p * place.w + place.xyz` in the unit cube.
+    "shared/caster_tree" => pub struct TreePlace {
+        /// Offset, and scale.
+        pub place: [f32; 4],
+        /// What rounding may move a point by in the cube, with room to spare.
+        pub slack: f32,
+        /// Nodes; 0 if there is no caster.
+        pub node_count: u32,
+        /// Unused.
+        pub pad_0: u32,
+        /// Unused.
+        pub pad_1: u32,
+    }
+}
+
 /// The tree on the GPU.
 #[derive(Debug)]
 pub struct TreeBuffers {
     /// Where it lies in the frame.
     pub place: Buffer<TreePlace>,
-    /// Nodes.
+    /// Nodes: eight boxes of 8 bits each (Ylitie, Karras, Laine 2017).
     pub nodes: Buffer<[[u32; 4]; 5]>,
     /// Triangles in the order of its leaves.
     pub casters: Buffer<[[f32; 4]; 3]>,
 }
 
 impl TreeBuffers {
-    /// Uploads a tree.
+    /// Uploads a tree: nodes of five vectors each, as [`TreeBuffers::nodes`] holds them, and the triangles of its leaves.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, tree: &CasterTree) -> Result<Self> {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        nodes: &[[[u32; 4]; 5]],
+        triangles: &[[[f32; 4]; 3]],
+    ) -> Result<Self> {
         Ok(Self {
             place: Buffer::uniform(device, "shadow_rays.tree", 1)?,
-            nodes: Buffer::from_slice(device, queue, "shadow_rays.nodes", &tree.nodes)?,
-            casters: Buffer::from_slice(device, queue, "shadow_rays.casters", &tree.triangles)?,
+            nodes: Buffer::from_slice(device, queue, "shadow_rays.nodes", nodes)?,
+            casters: Buffer::from_slice(device, queue, "shadow_rays.casters", triangles)?,
         })
     }
 }

@@ -28,7 +28,7 @@ fn trace(world: &World, listed: &List, doubts: usize) -> (Masks, [u32; 3]) {
     let gpu = world.gpu;
     let facets = classify(world, listed);
     let tree = CasterTree::new(world.prepared.mesh()).expect("a tree");
-    let buffers = TreeBuffers::new(&gpu.device, &gpu.queue, &tree).expect("memory");
+    let buffers = TreeBuffers::new(&gpu.device, &gpu.queue, &tree.nodes, &tree.triangles).expect("memory");
     let eye = Vec3::from(world.camera.eye).as_dvec3();
     buffers.place.write(&gpu.queue, &[tree.place(eye, f64::from(world.frame.eye[3]))]);
     let mut frame = world.frame;
