@@ -20,7 +20,7 @@ use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};
-use subpixel_shadows::stages::facet_classify::State;
+use subpixel_shadows::stages::facet_classify::FacetState;
 use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer};
 use subpixel_shadows::{Error, Result};
 
@@ -49,7 +49,7 @@ impl Frame {
         let words = self.set.words as usize;
         let mut found: HashMap<u32, Vec<FacetInput>> = HashMap::new();
         for (f, facet) in self.set.facets.iter().enumerate() {
-            if facet.state != State::Empty as u32 && wanted.contains_key(&facet.pixel) {
+            if facet.state != FacetState::Empty as u32 && wanted.contains_key(&facet.pixel) {
                 let mut coverage = [0; 4];
                 coverage[..words].copy_from_slice(&self.set.masks[3 * f * words..][..words]);
                 let input = FacetInput { pixel: facet.pixel, triangle: facet.triangle, coverage };
@@ -102,7 +102,7 @@ fn difference(first: &Frame, second: &Frame, truth: &FacetTruth) -> Result<Diffe
 /// sample would be seen.
 fn check_that_faults_are_seen(frame: &Frame, truth: &FacetTruth) -> Result<()> {
     let words = frame.set.words as usize;
-    for facet in frame.set.facets.iter().filter(|f| f.state != State::Empty as u32).step_by(997).take(100) {
+    for facet in frame.set.facets.iter().filter(|f| f.state != FacetState::Empty as u32).step_by(997).take(100) {
         let mut spoilt = Frame { lit: frame.lit.clone(), set: frame.set.clone() };
         spoilt.lit[facet.pixel as usize * words] ^= 1;
         if difference(frame, &spoilt, truth)?.wrong == 1 {

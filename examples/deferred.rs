@@ -20,7 +20,8 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{
-    Casters, DepthTerms, GBuffer, Inputs, PassConfig, Place, SampleTexture, SurfaceTextures, Target, TriangleTexture,
+    Casters, DepthTerms, GBuffer, Inputs, PassConfig, SampleTexture, SurfacePosition, SurfaceTextures, Target,
+    TriangleTexture,
 };
 use subpixel_shadows::report::write_png_rgb;
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -129,7 +130,7 @@ fn main() -> Result<()> {
     let by_numbers = app.read(pass.visibility())?;
 
     let terms = DepthTerms::reversed_infinite(scene.camera.near);
-    let depth = Place::Depth { texture: &app.centres.depth, terms, nothing: 0.0 };
+    let depth = SurfacePosition::Depth { texture: &app.centres.depth, terms, nothing: 0.0 };
     let surfaces = GBuffer::Surfaces(SurfaceTextures::new(depth));
     app.write_frame("out/deferred_depth.png", &mut pass, &Inputs { gbuffer: surfaces, ..plain })?;
     let by_depth = app.read(pass.visibility())?;

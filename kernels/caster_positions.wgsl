@@ -11,7 +11,7 @@ const NO_PLACE = 0xffffffffu;
 const FAULT_OUTSIDE = 0u;
 const FAULT_PARTED = 1u;
 
-struct Params {
+struct CasterPositionsParams {
     box_low: vec3<f32>,
     count: u32,
     box_high: vec3<f32>,
@@ -22,7 +22,7 @@ struct Params {
     pad_2: u32,
 }
 
-@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(0) var<uniform> params: CasterPositionsParams;
 @group(0) @binding(1) var<storage, read> vertices: array<u32>;
 @group(0) @binding(2) var<storage, read> places: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read_write> positions: array<vec3<f32>>;

@@ -8,7 +8,7 @@
 
 //@import dispatch
 
-struct Params {
+struct CompactParams {
     limit: u32,         // items
     count_word: u32,    // where in `counts` the number of items stands
     capacity: u32,      // items that `kept` can hold
@@ -22,7 +22,7 @@ struct Params {
 const WORKGROUP = 64u;
 const ITEMS = 32u;      // items a mark
 
-@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(0) var<uniform> params: CompactParams;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
 @group(0) @binding(2) var<storage, read> flags: array<u32>;
 @group(0) @binding(3) var<storage, read_write> marks: array<u32>;

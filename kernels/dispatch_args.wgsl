@@ -4,7 +4,7 @@
 // a request runs (min(count, limit) - skip) / per_group groups, rounded up. A request that no two dimensions can hold
 // (over 65,535 * 65,535 groups; the host makes none) runs as many as they can.
 
-struct Request {
+struct ArgsRequest {
     count_word: u32,   // index into `counts`
     per_group: u32,    // items that one workgroup handles
     limit: u32,        // the list's capacity: counts beyond it are not processed
@@ -19,7 +19,7 @@ override MAX_GROUPS: u32 = 65535u;  // or what the device can, if that is less
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<storage, read> counts: array<u32>;
-@group(0) @binding(1) var<storage, read> requests: array<Request>;
+@group(0) @binding(1) var<storage, read> requests: array<ArgsRequest>;
 @group(0) @binding(2) var<storage, read_write> args: array<u32>;
 
 @compute @workgroup_size(WORKGROUP)

@@ -14,7 +14,7 @@ const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;
 const MOST = 128u;
 
-struct Params {
+struct GbufferTrianglesParams {
     count: u32,       // samples of the G-buffer
     first: u32,       // number of the application's first triangle
     none: u32,        // its number for no triangle
@@ -27,7 +27,7 @@ struct Params {
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> params: Params;
+@group(0) @binding(1) var<uniform> params: GbufferTrianglesParams;
 @group(0) @binding(2) var layers: texture_2d_array<u32>;
 @group(0) @binding(3) var multisampled: texture_multisampled_2d<u32>;
 @group(0) @binding(4) var<storage, read> numbers: array<u32>;

@@ -19,7 +19,7 @@ const GIVEN_IDS = 4u;
 const NEAR_EDGE = 0.03125;
 const MOST_STEPS = 4u; // pixels to look for a neighbour on the same surface; rows that strips share
 
-struct Params {
+struct PixelReceiversParams {
     depth: vec4<f32>,  // at view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
     nothing: f32,
     tolerance: f32,
@@ -32,7 +32,7 @@ struct Params {
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> params: Params;
+@group(0) @binding(1) var<uniform> params: PixelReceiversParams;
 @group(0) @binding(2) var place: texture_2d<f32>;
 @group(0) @binding(3) var normals: texture_2d<f32>;
 @group(0) @binding(4) var ids: texture_2d<u32>;

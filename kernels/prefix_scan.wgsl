@@ -9,7 +9,7 @@
 
 //@import dispatch workgroup_scan
 
-struct Params {
+struct PrefixScanParams {
     limit: u32,         // values to scan
     count_word: u32,    // where in `counts` the number of values stands
     first: u32,         // first value of the bound segment
@@ -29,7 +29,7 @@ const SPINE_SIDE = 16u;
 const SPINE_CHUNK = 4u;               // least blocks an invocation
 const SATURATED = 0xffffffffu;
 
-@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(0) var<uniform> params: PrefixScanParams;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
 @group(0) @binding(2) var<storage, read> input: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> sums: array<vec2<u32>>;

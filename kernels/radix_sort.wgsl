@@ -9,7 +9,7 @@
 
 //@import dispatch
 
-struct Params {
+struct RadixSortParams {
     limit: u32,         // pairs
     count_word: u32,    // where in `counts` the number of pairs stands
     shift: u32,         // lowest bit of the digit
@@ -27,7 +27,7 @@ const DIGIT_BITS = 6u;          // most bits of a digit
 const MAX_BINS = 64u;
 const COLUMN = 65u;             // WORKGROUP + 1, so that a scan along it meets all memory banks
 
-@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(0) var<uniform> params: RadixSortParams;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
 @group(0) @binding(2) var<storage, read> keys_in: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> values_in: array<vec4<u32>>;

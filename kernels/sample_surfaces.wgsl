@@ -17,7 +17,7 @@
 //@import frame dispatch facet facing double_float vertex facing_46 eye_edges eye_view nearest_sample
 //@import eye_order_46
 
-struct Step {
+struct SurfaceStep {
     round: u32,
     first_slot: u32,  // of the band
     slots: u32,       // of the band at most
@@ -32,7 +32,7 @@ const ROUND_LENGTH = 512u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
-@group(0) @binding(2) var<uniform> step: Step;
+@group(0) @binding(2) var<uniform> step: SurfaceStep;
 @group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> pixel_offsets: array<u32>;

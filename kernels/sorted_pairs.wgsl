@@ -4,7 +4,7 @@
 
 //@import dispatch
 
-struct Params {
+struct SortedPairsParams {
     limit: u32,         // pairs
     pad_0: u32,
     pad_1: u32,
@@ -13,7 +13,7 @@ struct Params {
 
 const WORKGROUP = 64u;
 
-@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(0) var<uniform> params: SortedPairsParams;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
 @group(0) @binding(2) var<storage, read> keys: array<u32>;
 @group(0) @binding(3) var<storage, read> values: array<u32>;

@@ -9,7 +9,7 @@
 
 //@import dispatch summed_area
 
-struct Params {
+struct SummedAreaParams {
     width: u32,
     height: u32,
     row_words: u32,     // partial sums a row: words of a packed row, else quads of texels
@@ -26,7 +26,7 @@ const MAX_SIDE = 16384u;
 
 override PACKED: bool = true;
 
-@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(0) var<uniform> params: SummedAreaParams;
 @group(0) @binding(1) var<storage, read> texels: array<u32>;
 @group(0) @binding(2) var<storage, read_write> row_sums: array<u32>;
 @group(0) @binding(3) var<storage, read_write> strip_sums: array<vec4<u32>>;

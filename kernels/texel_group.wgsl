@@ -8,7 +8,7 @@
 
 //@import dispatch
 
-struct Params {
+struct TexelGroupParams {
     limit: u32,         // pairs
     count_word: u32,    // where in `counts` the number of pairs stands
     groups: u32,        // keys are below it
@@ -23,7 +23,7 @@ const WORKGROUP = 64u;
 const CLEARED = 16u;            // words that an invocation clears
 const QUAD = 4u;                // pairs that an invocation handles
 
-@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(0) var<uniform> params: TexelGroupParams;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
 @group(0) @binding(2) var<storage, read> keys: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> values: array<vec4<u32>>;

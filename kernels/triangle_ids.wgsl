@@ -9,13 +9,13 @@
 const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;
 
-struct Params {
+struct TriangleIdsParams {
     first: u32,
     none: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> params: Params;
+@group(0) @binding(1) var<uniform> params: TriangleIdsParams;
 @group(0) @binding(2) var ids: texture_2d<u32>;
 @group(0) @binding(3) var<storage, read> numbers: array<u32>;
 @group(0) @binding(4) var<storage, read_write> id_keys: array<u32>;

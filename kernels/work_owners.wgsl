@@ -6,7 +6,7 @@
 
 //@import dispatch work_items
 
-struct Params {
+struct WorkOwnersParams {
     owners: u32,
     room: u32,   // places behind the head; `arrayLength` would count the buffer's padding, which no invocation fills
     pad_0: u32,
@@ -15,7 +15,7 @@ struct Params {
 
 const WORKGROUP = 64u;
 
-@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(0) var<uniform> params: WorkOwnersParams;
 @group(0) @binding(1) var<storage, read_write> work_offsets: array<u32>;
 
 @compute @workgroup_size(WORKGROUP)

@@ -26,7 +26,7 @@ pub enum Extent {
 
 /// A stage, or a part of one that can be left out by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Step {
+pub struct PlanStep {
     /// The stage; parts of it follow a dot.
     pub name: &'static str,
     /// What it is for.
@@ -41,7 +41,7 @@ pub struct Plan {
     /// How much of the method runs.
     pub extent: Extent,
     /// Every stage of this number of facets a pixel in order, then the parts.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PlanStep>,
     /// The settings to render with.
     pub settings: Settings,
 }
@@ -116,21 +116,21 @@ impl Plan {
             Extent::Facing => least != Extent::Everything,
             Extent::Everything => true,
         };
-        let mut steps: Vec<Step> = STAGES
+        let mut steps: Vec<PlanStep> = STAGES
             .iter()
             .filter(|(name, ..)| {
                 finds_facets_of(name).is_none_or(|mode| mode == wanted.facets) || every_surface(name).is_some()
             })
             .map(|&(name, purpose, least)| {
                 let left_out = every_surface(name).or_else(|| (!needs(least)).then(|| reason.clone()));
-                Step { name, purpose, left_out }
+                PlanStep { name, purpose, left_out }
             })
             .collect();
         let mut settings = wanted.clone();
         let mut part = |(name, purpose): (&'static str, &'static str), left_out: Option<String>| {
             let left_out = if needs(Extent::Everything) { left_out } else { Some(reason.clone()) };
             let runs = left_out.is_none();
-            steps.push(Step { name, purpose, left_out });
+            steps.push(PlanStep { name, purpose, left_out });
             runs
         };
         // With one sample the kernel keeps no validity mask, forced or not.

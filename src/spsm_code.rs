@@ -61,7 +61,7 @@ impl SlopeCode {
 /// What the depth tests of 3 × 3 texels say of the shadow border. Bit `3 y + x` of a mask: the texel's triangle lies before
 /// the receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pattern {
+pub struct BorderPattern {
     /// The mask without texels that no row of neighbours (sharing sides) joins to the middle.
     pub kept: u32,
     /// All nine: an occluder covers the area.
@@ -79,7 +79,7 @@ fn bit([x, y]: [i32; 2]) -> u32 {
     1 << (3 * (y + 1) + x + 1)
 }
 
-impl Pattern {
+impl BorderPattern {
     /// The pattern of a mask; nothing is known where the middle is lit.
     pub fn of(mask: u32) -> Self {
         let middle = bit([0, 0]);
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn patterns() {
-        let of = |rows: [u32; 3]| Pattern::of(rows[0] | rows[1] << 3 | rows[2] << 6);
+        let of = |rows: [u32; 3]| BorderPattern::of(rows[0] | rows[1] << 3 | rows[2] << 6);
         // The right column is lit; then all but the middle and what is below and to the left of it; then none; then the
         // middle alone is not.
         assert_eq!((of([3, 3, 3]).count, of([3, 3, 3]).towards_lit[0]), (1, [3, 0]));
@@ -170,12 +170,12 @@ mod tests {
         assert_eq!((column.count, column.towards_lit[0], column.towards_lit[1]), (2, [3, 0], [-3, 0]));
         assert_eq!(of([4, 2, 2]).kept, 2 << 3 | 2 << 6);
         for mask in 0..512 {
-            let p = Pattern::of(mask);
+            let p = BorderPattern::of(mask);
             assert!(p.kept & !mask == 0 && p.count <= 4, "{mask}");
             assert!(!p.covered || mask == 511);
             // A mirrored mask has mirrored directions.
             let mirrored = (0..9).fold(0, |m, k| m | (mask >> k & 1) << (k / 3 * 3 + 2 - k % 3));
-            let q = Pattern::of(mirrored);
+            let q = BorderPattern::of(mirrored);
             let mut a: Vec<_> = p.towards_lit[..p.count as usize].iter().map(|[x, y]| [-x, *y]).collect();
             let mut b = q.towards_lit[..q.count as usize].to_vec();
             a.sort_unstable();

@@ -2,6 +2,27 @@
 
 use crate::shared_struct;
 
+/// State of a facet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum FacetState {
+    /// No surface: counts as lit.
+    Empty = 0,
+    /// Its seen side faces away from the light.
+    Dark = 1,
+    /// Nothing lies between it and the light.
+    Lit = 2,
+    /// One sheet covers all of it.
+    Shadowed = 3,
+    /// To be evaluated.
+    Undecided = 4,
+}
+
+impl FacetState {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Empty, Self::Dark, Self::Lit, Self::Shadowed, Self::Undecided];
+}
+
 shared_struct! {
     /// Items that a list needed, and whether they are beyond 2^32.
     "shared/status" => pub struct Need {
@@ -28,7 +49,7 @@ shared_struct! {
         pub finished: u32,
         /// Triangles tested against facets, low and high word.
         pub candidate_tests: [u32; 2],
-        /// Facets of each [`State`](crate::stages::facet_classify::State).
+        /// Facets of each [`FacetState`].
         pub facets: [u32; 8],
         /// Longest list of triangles of a pixel.
         pub longest_pixel: u32,

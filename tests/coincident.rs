@@ -149,7 +149,7 @@ impl World {
             let wanted = settings(facets);
             let plan = Plan::of(&prepared, &self.camera, &self.light, &wanted, false).expect("a plan");
             let what = format!("{}, {facets:?}", self.name);
-            let request = cpu::Request { facets: true, ..cpu::Request::default() };
+            let request = cpu::CpuRequest { facets: true, ..cpu::CpuRequest::default() };
             let frame = cpu::render(&prepared, &plan.settings, &self.camera, &self.light, request).expect("a frame");
             let of_cpu = (FacetSet::of_cpu(&frame.facets, 1), frame.output);
             for (engine, (set, output)) in [("CPU", of_cpu), ("GPU", self.on_gpu(&prepared, &plan.settings))] {

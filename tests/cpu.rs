@@ -1,10 +1,10 @@
 //! The CPU engine against facet truth and traced rays, on small pictures of the built-in scenes.
 
 use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::cpu::{self, Frame, Request};
+use subpixel_shadows::methods::cpu::{self, CpuFrame, CpuRequest};
 use subpixel_shadows::methods::{FacetMode, PixelClass, Prepared, Settings};
 use subpixel_shadows::plan::{Extent, Plan};
-use subpixel_shadows::reference::facet_classify::State;
+use subpixel_shadows::reference::facet_classify::FacetState;
 use subpixel_shadows::report::comparison::SceneCase;
 use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -18,16 +18,16 @@ fn settings(facets: FacetMode, pattern: Pattern, samples: u32) -> Settings {
     Settings { facets, cull_back: true, ..Settings::new([64, 48], 64, samples) }
 }
 
-fn everything() -> Request<'static> {
-    Request { facets: true, looks: true, ..Request::default() }
+fn everything() -> CpuRequest<'static> {
+    CpuRequest { facets: true, looks: true, ..CpuRequest::default() }
 }
 
-fn render(prepared: &Prepared, scene: &Scene, settings: &Settings) -> Frame {
+fn render(prepared: &Prepared, scene: &Scene, settings: &Settings) -> CpuFrame {
     cpu::render(prepared, settings, &scene.camera, &scene.light, everything()).expect("a frame")
 }
 
 /// What facet truth finds in a frame.
-fn errors(frame: &Frame, tracer: &Tracer, scene: &Scene, settings: &Settings) -> FacetErrors {
+fn errors(frame: &CpuFrame, tracer: &Tracer, scene: &Scene, settings: &Settings) -> FacetErrors {
     let set = FacetSet::of_cpu(&frame.facets, settings.samples.words());
     FacetErrors::of(&set, tracer, &scene.camera, &scene.light, settings, None).expect("judged")
 }
@@ -79,7 +79,11 @@ fn what_does_not_fit_is_refused() {
 #[test]
 fn no_sample_is_wrong_against_facet_truth() {
     let mut wrong = Vec::new();
-    let turned = [(State::Lit, State::Shadowed), (State::Shadowed, State::Lit), (State::Dark, State::Lit)];
+    let turned = [
+        (FacetState::Lit, FacetState::Shadowed),
+        (FacetState::Shadowed, FacetState::Lit),
+        (FacetState::Dark, FacetState::Lit),
+    ];
     let mut states = [0; 3];
     for (k, name) in SCENES.into_iter().enumerate() {
         let scene = lit(name, k % 2 == 1);
@@ -220,7 +224,7 @@ fn without_shadows_only_facing_counts() {
         let light = Light::Directional { direction: [0.1, y, 0.2] };
         let plan = Plan::of(&prepared, &scene.camera, &light, &settings, false).expect("a plan");
         assert_eq!(plan.extent, Extent::Facing);
-        let request = Request { unshadowed: true, ..everything() };
+        let request = CpuRequest { unshadowed: true, ..everything() };
         let frame = cpu::render(&prepared, &plan.settings, &scene.camera, &light, request).expect("a frame");
         let shown = if lit == eye_above { PixelClass::Lit } else { PixelClass::Dark };
         let looks = frame.looks.expect("looks");
@@ -245,7 +249,7 @@ fn stages_progress_and_looks() {
         let mut most = most.lock().expect("no panic");
         *most = (most.0.max(done), all);
     };
-    let request = Request { progress: Some(&progress), ..everything() };
+    let request = CpuRequest { progress: Some(&progress), ..everything() };
     let frame = cpu::render(&prepared, &settings, &scene.camera, &scene.light, request).expect("a frame");
     assert_eq!(*most.lock().expect("no panic"), (64 * 48, 64 * 48));
     let plan = Plan::of(&prepared, &scene.camera, &scene.light, &settings, false).expect("a plan");

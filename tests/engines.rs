@@ -32,7 +32,7 @@ impl Case {
     }
 
     fn cpu(&self, settings: &Settings) -> Output {
-        let request = cpu::Request::default();
+        let request = cpu::CpuRequest::default();
         cpu::render(&self.prepared, settings, &self.scene.camera, &self.scene.light, request).expect("a frame").output
     }
 

@@ -5,7 +5,7 @@ mod device;
 
 use device::gpu;
 use std::path::Path;
-use subpixel_shadows::fuzz::{Bench, Case, How, Kind, World, judge};
+use subpixel_shadows::fuzz::{FuzzCase, FuzzDevice, How, Kind, World, judge};
 use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -65,7 +65,7 @@ const FOUND: [Found; 19] = [
     Found { name: "one-plane-from-afar", method: MethodName::FacetMasks, facets: ALL, size: [1, 11], map: 1, samples: (Pattern::Grid, 8) },
 ];
 
-fn case(found: &Found) -> Case {
+fn case(found: &Found) -> FuzzCase {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found").join(found.name);
     let open = |file: &str| {
         let path = folder.join(file);
@@ -88,13 +88,13 @@ fn case(found: &Found) -> Case {
     };
     let world = World { mesh, ground: scene.ground.is_some(), camera, light: scene.light };
     assert_eq!(world.scene().expect("a scene").camera, scene.camera, "{}", found.name);
-    Case { seed: 0, number: 0, kind: Kind::ALL[0], world, how }
+    FuzzCase { seed: 0, number: 0, kind: Kind::ALL[0], world, how }
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn what_was_wrong_once_is_right() {
-    let bench = Bench::new(gpu());
+    let bench = FuzzDevice::new(gpu());
     for found in &FOUND {
         let case = case(found);
         let shot = bench.render(&case).expect("a frame");

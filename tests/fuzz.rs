@@ -7,27 +7,27 @@ use device::gpu;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
-use subpixel_shadows::fuzz::{Bench, Case, Fault, Kind, Progress, Run, Shot, judge, run};
+use subpixel_shadows::fuzz::{Fault, FuzzCase, FuzzDevice, FuzzProgress, Kind, Run, Shot, judge, run};
 use subpixel_shadows::methods::{FacetMode, MethodName};
 use subpixel_shadows::plan::Extent;
-use subpixel_shadows::stages::facet_classify::State;
+use subpixel_shadows::stages::facet_classify::FacetState;
 
 /// The seed of the fixed set.
 const SEED: u64 = 4;
 /// Eighteen of each kind.
 const CASES: u64 = 18 * Kind::ALL.len() as u64;
 
-fn cases() -> impl Iterator<Item = Case> {
-    (0..).map(|number| Case::of(SEED, number).expect("a case"))
+fn cases() -> impl Iterator<Item = FuzzCase> {
+    (0..).map(|number| FuzzCase::of(SEED, number).expect("a case"))
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn no_sample_of_random_worlds_is_wrong() {
-    let bench = Bench::new(gpu());
+    let bench = FuzzDevice::new(gpu());
     let asked = Run { seed: SEED, first: 0, cases: CASES, patience: None, out: None, shrink: Duration::ZERO };
     let mut told = 0;
-    let mut tell = |progress: Progress| told += u64::from(matches!(progress, Progress::Done(..)));
+    let mut tell = |progress: FuzzProgress| told += u64::from(matches!(progress, FuzzProgress::Done(..)));
     let summary = run(&bench, &asked, &mut tell).expect("a run");
     let all = summary.all();
     eprintln!("{}; {} programs", summary.line(), bench.programs());
@@ -41,20 +41,20 @@ fn no_sample_of_random_worlds_is_wrong() {
 }
 
 /// A frame with facets that were evaluated, of the method and number of facets that are asked for.
-fn evaluated(bench: &Bench, method: MethodName, facets: FacetMode) -> (Case, Shot) {
-    let wanted = |case: &Case| {
+fn evaluated(bench: &FuzzDevice, method: MethodName, facets: FacetMode) -> (FuzzCase, Shot) {
+    let wanted = |case: &FuzzCase| {
         let how = &case.how;
         how.method == method && how.settings.facets == facets && how.is_exact() && how.settings.samples.count() >= 8
     };
     let shots = cases().filter(wanted).filter_map(|case| bench.render(&case).ok().map(|shot| (case, shot)));
-    let many = |shot: &Shot| shot.facets.facets.iter().filter(|f| f.state == State::Undecided as u32).count() > 20;
+    let many = |shot: &Shot| shot.facets.facets.iter().filter(|f| f.state == FacetState::Undecided as u32).count() > 20;
     shots.into_iter().find(|(_, shot)| shot.plan.extent == Extent::Everything && many(shot)).expect("such a frame")
 }
 
 /// Turns the occlusion of every evaluated facet over, in its masks and the picture.
 fn turn_masks(shot: &mut Shot) {
     let words = shot.facets.words as usize;
-    for (f, facet) in shot.facets.facets.iter().enumerate().filter(|(_, f)| f.state == State::Undecided as u32) {
+    for (f, facet) in shot.facets.facets.iter().enumerate().filter(|(_, f)| f.state == FacetState::Undecided as u32) {
         (0..words).for_each(|w| shot.facets.masks[(3 * f + 1) * words + w] ^= u32::MAX);
         let at = facet.pixel as usize * words;
         shot.output.lit[at..at + words].iter_mut().for_each(|word| *word ^= u32::MAX);
@@ -64,7 +64,7 @@ fn turn_masks(shot: &mut Shot) {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn spoiled_frames_are_failures() {
-    let bench = Bench::new(gpu());
+    let bench = FuzzDevice::new(gpu());
     for (method, facets) in [
         (MethodName::FacetMasks, FacetMode::All),
         (MethodName::FacetMasks, FacetMode::One),
@@ -87,7 +87,7 @@ fn spoiled_frames_are_failures() {
         // Every facet is given the next triangle.
         let count = shot.prepared.mesh().triangles.len() as u32;
         let before = shot.facets.clone();
-        for facet in shot.facets.facets.iter_mut().filter(|f| f.state != State::Empty as u32) {
+        for facet in shot.facets.facets.iter_mut().filter(|f| f.state != FacetState::Empty as u32) {
             facet.triangle = (facet.triangle + 1) % count;
         }
         assert!(judged(&shot).has(Fault::Seen), "{what}");
@@ -107,11 +107,11 @@ fn spoiled_frames_are_failures() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn tables_are_held_to_their_bound() {
-    let bench = Bench::new(gpu());
-    let wanted = |case: &Case| !case.how.is_exact() && case.how.settings.samples.count() >= 32;
+    let bench = FuzzDevice::new(gpu());
+    let wanted = |case: &FuzzCase| !case.how.is_exact() && case.how.settings.samples.count() >= 32;
     let mut shots = cases().filter(wanted).filter_map(|case| bench.render(&case).ok().map(|shot| (case, shot)));
     let evaluations = |shot: &Shot| shot.output.counts.visibility_evaluations;
-    let undecided = |shot: &Shot| shot.facets.facets.iter().filter(|f| f.state == State::Undecided as u32).count();
+    let undecided = |shot: &Shot| shot.facets.facets.iter().filter(|f| f.state == FacetState::Undecided as u32).count();
     let (case, mut shot) =
         shots.find(|(_, shot)| undecided(shot) > 100 && evaluations(shot) < 1000).expect("a frame by table");
     assert!(!judge(&case, &shot).expect("a judgement").fails());

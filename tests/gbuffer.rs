@@ -12,7 +12,7 @@ use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{
-    Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, Place, SampleTexture,
+    Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, SampleTexture, SurfacePosition,
     SurfaceTextures, Target, TriangleTexture, Vertices,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -300,12 +300,12 @@ fn surfaces_of_casters_are_the_casters() {
         ] {
             let values = seen.depths(terms, nothing);
             let depth = floats(TextureFormat::R32Float, &values);
-            let place = Place::Depth { texture: &depth, terms, nothing };
+            let place = SurfacePosition::Depth { texture: &depth, terms, nothing };
             assert_same_shadows(&format!("{name}: {what}"), &ask(what, SurfaceTextures::new(place)), &want);
             if what == "linear" {
                 let off: Vec<f32> = values.iter().map(|v| v * 0.97).collect();
                 let depth = floats(TextureFormat::R32Float, &off);
-                let off = Place::Depth { texture: &depth, terms, nothing: -0.97 };
+                let off = SurfacePosition::Depth { texture: &depth, terms, nothing: -0.97 };
                 assert!(ask("a depth that is off", SurfaceTextures::new(off)) != want, "a wrong depth passes");
                 let ids = Some(numbers);
                 let saved = ask("with numbers", SurfaceTextures { ids, ..SurfaceTextures::new(off) });
@@ -313,11 +313,11 @@ fn surfaces_of_casters_are_the_casters() {
                 continue;
             }
             let depth = rendered_depth(&values);
-            let place = Place::Depth { texture: &depth, terms, nothing };
+            let place = SurfacePosition::Depth { texture: &depth, terms, nothing };
             assert_same_shadows(&format!("{name}: {what}, rendered"), &ask(what, SurfaceTextures::new(place)), &want);
         }
         let positions = texture(SIZE, 1, TextureFormat::Rgba32Float, bytemuck::cast_slice(&seen.positions()));
-        let place = Place::Position(&positions);
+        let place = SurfacePosition::Position(&positions);
         assert_same_shadows(&format!("{name}: positions"), &ask("positions", SurfaceTextures::new(place)), &want);
     }
 }
@@ -420,7 +420,7 @@ fn settled_receivers_are_as_evaluated() {
         let gbuffer = GBuffer::Surfaces(SurfaceTextures {
             normals: Some(&normals),
             ids: Some(TriangleTexture::new(&ids)),
-            ..SurfaceTextures::new(Place::Position(&positions))
+            ..SurfaceTextures::new(SurfacePosition::Position(&positions))
         });
         for count in [1, 32] {
             let with = |settle| Settings { settle, ..settings(FacetMode::One, count) };
@@ -491,8 +491,8 @@ fn a_ground_that_casts_nothing_receives() {
                 let normals = texture(SIZE, 1, TextureFormat::Rgba32Float, bytemuck::cast_slice(&seen.normals()));
                 let ids = seen.ids(casters.triangles.len());
                 let ids = texture(SIZE, 1, TextureFormat::R32Uint, bytemuck::cast_slice(&ids));
-                let by_depth = SurfaceTextures::new(Place::Depth { texture: &depth, terms, nothing: 0.0 });
-                let by_position = SurfaceTextures::new(Place::Position(&positions));
+                let by_depth = SurfaceTextures::new(SurfacePosition::Depth { texture: &depth, terms, nothing: 0.0 });
+                let by_position = SurfaceTextures::new(SurfacePosition::Position(&positions));
                 let ids = Some(TriangleTexture::new(&ids));
                 for (what, given) in [
                     ("depth", by_depth),
@@ -554,14 +554,14 @@ fn texels_that_are_no_place_are_faults() {
     let terms = DepthTerms::reversed_infinite(0.1);
     let good = seen.depths(terms, 0.0);
     let depth = floats(TextureFormat::R32Float, &good);
-    let (clean, none) = ask(SurfaceTextures::new(Place::Depth { texture: &depth, terms, nothing: 0.0 }));
+    let (clean, none) = ask(SurfaceTextures::new(SurfacePosition::Depth { texture: &depth, terms, nothing: 0.0 }));
     assert_eq!(none, 0);
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.25, 1e-38] {
         let mut values = good.clone();
         let at: Vec<usize> = grounds.iter().copied().step_by(97).collect();
         at.iter().for_each(|&p| values[p] = bad);
         let depth = floats(TextureFormat::R32Float, &values);
-        let (got, faults) = ask(SurfaceTextures::new(Place::Depth { texture: &depth, terms, nothing: 0.0 }));
+        let (got, faults) = ask(SurfaceTextures::new(SurfacePosition::Depth { texture: &depth, terms, nothing: 0.0 }));
         assert_eq!(faults, at.len(), "{bad}");
         for p in 0..PIXELS {
             if at.contains(&p) {
@@ -576,14 +576,15 @@ fn texels_that_are_no_place_are_faults() {
         let mut texels = positions.clone();
         texels[grounds[5]][k] = bad;
         let texture = texture(SIZE, 1, TextureFormat::Rgba32Float, bytemuck::cast_slice(&texels));
-        assert_eq!(ask(SurfaceTextures::new(Place::Position(&texture))).1, 1, "{bad}");
+        assert_eq!(ask(SurfaceTextures::new(SurfacePosition::Position(&texture))).1, 1, "{bad}");
     }
     let places = texture(SIZE, 1, TextureFormat::Rgba32Float, bytemuck::cast_slice(&positions));
     for bad in [[f32::NAN, 1.0, 0.0, 0.0], [0.0, f32::INFINITY, 1.0, 0.0], [0.0; 4]] {
         let mut texels = seen.normals();
         texels[grounds[9]] = bad;
         let normals = texture(SIZE, 1, TextureFormat::Rgba32Float, bytemuck::cast_slice(&texels));
-        let given = SurfaceTextures { normals: Some(&normals), ..SurfaceTextures::new(Place::Position(&places)) };
+        let given =
+            SurfaceTextures { normals: Some(&normals), ..SurfaceTextures::new(SurfacePosition::Position(&places)) };
         assert_eq!(ask(given).1, 1, "{bad:?}");
     }
 }
@@ -609,20 +610,20 @@ fn bad_surfaces_are_refused() {
     let good = texture(SIZE, 1, TextureFormat::R32Float, &[]);
     let ids = texture(SIZE, 1, TextureFormat::R32Uint, &[]);
     let terms = DepthTerms::standard(0.1, 10.0);
-    let depth = |texture| SurfaceTextures::new(Place::Depth { texture, terms, nothing: 1.0 });
+    let depth = |texture| SurfaceTextures::new(SurfacePosition::Depth { texture, terms, nothing: 1.0 });
     let mut with = |given: SurfaceTextures| {
         pass.record(&mut encoder, &Inputs { gbuffer: GBuffer::Surfaces(given), ..plain }, &none)
     };
     let small = texture([7, 5], 1, TextureFormat::R32Float, &[]);
     refused("7x5", with(depth(&small)));
     refused("Depth32Float or R32Float", with(depth(&ids)));
-    refused("Rgba32Float", with(SurfaceTextures::new(Place::Position(&good))));
+    refused("Rgba32Float", with(SurfaceTextures::new(SurfacePosition::Position(&good))));
     refused("normal", with(SurfaceTextures { normals: Some(&good), ..depth(&good) }));
     refused("triangle id", with(SurfaceTextures { ids: Some(TriangleTexture::new(&good)), ..depth(&good) }));
     for tolerance in [f32::NAN, -1.0, 1.0] {
         refused("tolerance", with(SurfaceTextures { tolerance, ..depth(&good) }));
     }
-    let with_terms = |terms, nothing| SurfaceTextures::new(Place::Depth { texture: &good, terms, nothing });
+    let with_terms = |terms, nothing| SurfaceTextures::new(SurfacePosition::Depth { texture: &good, terms, nothing });
     refused("no surface", with(with_terms(terms, f32::NAN)));
     for (scale, offset) in [(0.0, 0.0), (f32::NAN, 1.0), (0.0, f32::INFINITY)] {
         refused("view depths", with(with_terms(DepthTerms { scale, offset, ..DepthTerms::infinite(0.1) }, 1.0)));
@@ -737,8 +738,8 @@ fn surfaces_in_strips_are_the_whole() {
     let normals = texture(SIZE, 1, TextureFormat::Rgba32Float, bytemuck::cast_slice(&seen.normals()));
     let numbers = seen.ids(casters.triangles.len());
     let ids = texture(SIZE, 1, TextureFormat::R32Uint, bytemuck::cast_slice(&numbers));
-    let by_depth = SurfaceTextures::new(Place::Depth { texture: &depth, terms, nothing: 0.0 });
-    let by_position = SurfaceTextures::new(Place::Position(&positions));
+    let by_depth = SurfaceTextures::new(SurfacePosition::Depth { texture: &depth, terms, nothing: 0.0 });
+    let by_position = SurfaceTextures::new(SurfacePosition::Position(&positions));
     let ids = Some(TriangleTexture::new(&ids));
     let words: Vec<[f32; 4]> = casters.positions.iter().map(|&[x, y, z]| [x, y, z, f32::NAN]).collect();
     let rest = Buffer::from_slice(&gpu().device, &gpu().queue, "test", &words).expect("memory");

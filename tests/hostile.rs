@@ -8,7 +8,7 @@ use hostile::{Folder, Random, gltf_buffer, is_one_line_that_names, sound, write_
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
-use subpixel_shadows::methods::cpu::{self, Request};
+use subpixel_shadows::methods::cpu::{self, CpuRequest};
 use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions, load};
@@ -22,7 +22,7 @@ fn render(path: &Path) -> Result<usize, String> {
     let run = || {
         let scene = Scene::open(path.to_str().expect("UTF-8"), &SceneOptions::default())?;
         let frame =
-            cpu::render(&Prepared::new(&scene.mesh)?, &settings(), &scene.camera, &scene.light, Request::default())?;
+            cpu::render(&Prepared::new(&scene.mesh)?, &settings(), &scene.camera, &scene.light, CpuRequest::default())?;
         assert!(frame.output.visibility.iter().all(|v| (0.0..=1.0).contains(v)), "{}", path.display());
         Ok(scene.mesh.triangles.len())
     };

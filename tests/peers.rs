@@ -13,7 +13,7 @@ use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, RayTracedSettin
 use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Scene, SceneOptions};
-use subpixel_shadows::stages::facet_classify::{Facets, State};
+use subpixel_shadows::stages::facet_classify::{FacetState, Facets};
 use subpixel_shadows::truth::Tracer;
 
 const SIZE: [u32; 2] = [120, 90];
@@ -84,7 +84,7 @@ fn check_frames<M: FixedMethod>(
     same(what, &output, &any.render(&scene.camera, &scene.light).expect("a frame"));
     // One facet turned over is noticed.
     let words = set.words as usize;
-    let undecided = |f: &usize| set.facets[*f].state == State::Undecided as u32;
+    let undecided = |f: &usize| set.facets[*f].state == FacetState::Undecided as u32;
     let f =
         (0..set.facets.len()).filter(undecided).find(|f| set.masks[3 * f * words + words] == 0).expect("a lit facet");
     (0..words).for_each(|w| set.masks[(3 * f + 1) * words + w] = u32::MAX);

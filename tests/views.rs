@@ -302,7 +302,8 @@ fn engines_agree() {
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let settings = settings(FacetMode::All, 32);
         let (camera, light) = (&scene.camera, &scene.light);
-        let on_cpu = cpu::render(&prepared, &settings, camera, light, cpu::Request::default()).expect("a frame").output;
+        let on_cpu =
+            cpu::render(&prepared, &settings, camera, light, cpu::CpuRequest::default()).expect("a frame").output;
         let on_gpu = render(&scene, &settings);
         let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
         let truth = SceneTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("a truth");

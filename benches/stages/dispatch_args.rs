@@ -4,12 +4,12 @@ use crate::harness::{Case, words};
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::stages::DispatchArgs;
-use subpixel_shadows::stages::dispatch_args::Request;
+use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let size = size >> 6;
     let stage = DispatchArgs::new(&gpu.device);
-    let requests = (0..size).map(|i| Request::new(i, 64, 1 << 24, i * 3)).collect::<Result<Vec<_>>>()?;
+    let requests = (0..size).map(|i| ArgsRequest::new(i, 64, 1 << 24, i * 3)).collect::<Result<Vec<_>>>()?;
     let requests = DispatchArgs::requests(&gpu.device, &gpu.queue, &requests)?;
     let counts = Buffer::from_slice(&gpu.device, &gpu.queue, "bench.counts", &words(size))?;
     let args = Buffer::indirect(&gpu.device, "bench.args", size * 3)?;

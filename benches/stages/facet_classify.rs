@@ -4,7 +4,7 @@ use crate::harness::Case;
 use crate::harness::shadow::Shadow;
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Gpu, Groups};
-use subpixel_shadows::stages::facet_classify::{FacetClassify, Surroundings};
+use subpixel_shadows::stages::facet_classify::{ClassifyInputs, FacetClassify};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
@@ -18,7 +18,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         // Four corners on the plane and in the light view.
         flops: 800 * 600 * 160,
         record: Box::new(move |s| {
-            let around = Surroundings {
+            let around = ClassifyInputs {
                 triangles: shadow.triangles(),
                 positions: &shadow.setup.casters.positions,
                 sat: &shadow.sat,

@@ -5,7 +5,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::gbuffer_triangles::{GbufferTriangles, Given, Params, Texture};
+use subpixel_shadows::stages::gbuffer_triangles::{GbufferTriangles, GbufferTrianglesParams, SampleGbuffer, Texture};
 use subpixel_shadows::stages::pixel_triangles::PixelLists;
 use subpixel_shadows::wgpu;
 
@@ -45,7 +45,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let scan = PrefixScan::new(device);
     let scratch = PrefixScan::scratch(device, pixels)?;
     let stage = GbufferTriangles::new(device, &scan);
-    let params = Params::new(&[[0.5; 2]], &PLACES, 0, u32::MAX)?;
+    let params = GbufferTrianglesParams::new(&[[0.5; 2]], &PLACES, 0, u32::MAX)?;
     Ok(vec![Case {
         name: "gbuffer_triangles".to_owned(),
         size: pixels,
@@ -53,7 +53,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: 0,
         record: Box::new(move |s| {
-            let given = Given { texture: Texture::Layers(&view), params, numbers: &numbers };
+            let given = SampleGbuffer { texture: Texture::Layers(&view), params, numbers: &numbers };
             stage.record(s, &frame, &given, &lists, &scratch, &status, &faults)
         }),
     }])

@@ -4,7 +4,7 @@ use crate::harness::{Case, texture};
 use subpixel_shadows::Result;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::stages::pixel_receivers::{Params, PixelReceivers, Surfaces, Textures};
+use subpixel_shadows::stages::pixel_receivers::{PixelReceivers, PixelReceiversParams, ReceiverRoom, Textures};
 use subpixel_shadows::wgpu::{TextureFormat, TextureUsages};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
@@ -35,7 +35,12 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let faults = Buffer::storage(device, "bench.faults", 4)?;
     let stage = PixelReceivers::new(device);
     // The texture holds 0, which is a depth of 1.
-    let params = Params { depth: [1.0, -1.0, 1.0, 0.0], nothing: 1.0, tolerance: 1e-4, ..Params::default() };
+    let params = PixelReceiversParams {
+        depth: [1.0, -1.0, 1.0, 0.0],
+        nothing: 1.0,
+        tolerance: 1e-4,
+        ..PixelReceiversParams::default()
+    };
     Ok(vec![Case {
         name: "pixel_receivers".to_owned(),
         size: pixels,
@@ -44,7 +49,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: pixels * 150,
         record: Box::new(move |s| {
             let textures = Textures { place: &place, normals: &place, ids: &ids };
-            let surfaces = Surfaces { numbers: &numbers, triangles: &triangles, positions: &positions };
+            let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
             stage.record(s, &frame, params, textures, surfaces, &id_keys, &keys, &faults)
         }),
     }])

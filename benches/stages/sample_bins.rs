@@ -6,7 +6,7 @@ use std::rc::Rc;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, recorder};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::camera_visibility::Blocks;
-use subpixel_shadows::stages::sample_bins::{Bins, SampleBins, Scene};
+use subpixel_shadows::stages::sample_bins::{BinInputs, Bins, SampleBins};
 use subpixel_shadows::{Error, Result};
 
 struct Setting {
@@ -19,10 +19,10 @@ struct Setting {
 }
 
 impl Setting {
-    fn scene(&self) -> Scene<'_> {
+    fn scene(&self) -> BinInputs<'_> {
         let blocks = Blocks { args: (self.args.raw(), 0), ..self.shadow.setup.lit() };
         let positions = &self.shadow.setup.casters.positions;
-        Scene { samples: &self.shadow.samples, blocks, positions, facets: &self.shadow.facets }
+        BinInputs { samples: &self.shadow.samples, blocks, positions, facets: &self.shadow.facets }
     }
 }
 

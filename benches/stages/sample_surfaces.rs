@@ -10,7 +10,7 @@ use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::compact::{Compact, Flags};
 use subpixel_shadows::stages::facet_classify::Facets;
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, SampleSurfaces, WORKGROUP};
+use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, SampleSurfaces, SurfaceInputs, WORKGROUP};
 use subpixel_shadows::stages::{Count, PrefixScan};
 
 const FACETS: usize = 1 << 20;
@@ -61,7 +61,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         record: Box::new(move |s| {
             let (triangles, points) = (&setup.casters.triangles, &setup.points);
             let positions = &setup.casters.positions;
-            let mesh = Mesh { samples: &samples, triangles, points, positions, surfaces: None };
+            let mesh = SurfaceInputs { samples: &samples, triangles, points, positions, surfaces: None };
             let per_pixel = (args.raw(), 0);
             stage.record(s, &setup.frame, mesh, &lists, &complex, per_pixel, 1, &scratch, &facets, &id_keys, None)
         }),

@@ -6,7 +6,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::stages::seen_texels::SeenTexels;
 use subpixel_shadows::stages::spsm_map::SpsmTexels;
-use subpixel_shadows::stages::spsm_query::Options;
+use subpixel_shadows::stages::spsm_query::SpsmQueryOptions;
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
@@ -15,7 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let count = setup.id_keys.len();
     let texels = SpsmTexels::new(device, queue, side, count, 5)?;
     let samples = samples(gpu, 1)?;
-    let options = Options { stretch: 2, ..Options::default() };
+    let options = SpsmQueryOptions { stretch: 2, ..SpsmQueryOptions::default() };
     let stage = SeenTexels::new(device, options, &texels);
     Ok(vec![Case {
         name: "seen_texels".to_owned(),

@@ -4,14 +4,14 @@ use crate::harness::Case;
 use crate::harness::geometry::{Setup, samples};
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::stages::shadow_map::{Options, ShadowMap};
+use subpixel_shadows::stages::shadow_map::{ShadowMap, ShadowMapOptions};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut cases = Vec::new();
     for (kernel, slope) in [(1, 1.05), (3, 0.0)] {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
         let samples = samples(gpu, 32)?;
-        let options = Options { kernel, constant: 5e-5, slope, receiver_plane: kernel > 1 };
+        let options = ShadowMapOptions { kernel, constant: 5e-5, slope, receiver_plane: kernel > 1 };
         let stage = ShadowMap::new(&gpu.device, options);
         let count = setup.id_keys.len();
         let visibility = Buffer::<f32>::storage(&gpu.device, "bench.visibility", count)?;

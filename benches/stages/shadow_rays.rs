@@ -7,7 +7,7 @@ use subpixel_shadows::caster_tree::CasterTree;
 use subpixel_shadows::glam::Vec4;
 use subpixel_shadows::gpu::{Gpu, Recorder};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::shadow_rays::{Rays, Scene, ShadowRays, Step, TreeBuffers};
+use subpixel_shadows::stages::shadow_rays::{RayInputs, RayLists, RayStep, ShadowRays, TreeBuffers};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
@@ -16,7 +16,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let buffers = TreeBuffers::new(&gpu.device, &gpu.queue, &tree.nodes, &tree.triangles)?;
     let eye = Vec4::from(shadow.frame.read(gpu)?[0].eye);
     buffers.place.write(&gpu.queue, &[tree.place(eye.truncate().as_dvec3(), f64::from(eye.w))]);
-    let rays = Rays::new(&gpu.device, &gpu.queue, shadow.facets.list.len(), 32)?;
+    let rays = RayLists::new(&gpu.device, &gpu.queue, shadow.facets.list.len(), 32)?;
     let mut encoder = gpu.encoder();
     stage.record_list(&mut Recorder::new(&gpu.device, &mut encoder, None).stage("setup"), &shadow.facets, &rays)?;
     gpu.submit_and_wait(encoder)?;
@@ -29,13 +29,13 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: traced * 32 * (8 * 12 + 24),
         record: Box::new(move |s| {
-            let scene = Scene {
+            let scene = RayInputs {
                 samples: &shadow.samples,
                 tree: &buffers,
                 triangles: shadow.triangles(),
                 positions: &shadow.setup.casters.positions,
             };
-            stage.record(s, Step::Trace, &shadow.frame, scene, &shadow.facets, &rays)
+            stage.record(s, RayStep::Trace, &shadow.frame, scene, &shadow.facets, &rays)
         }),
     }])
 }

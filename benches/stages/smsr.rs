@@ -4,14 +4,14 @@ use crate::harness::Case;
 use crate::harness::geometry::{Setup, samples};
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::stages::smsr::{Options, Smsr};
+use subpixel_shadows::stages::smsr::{Smsr, SmsrOptions};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut cases = Vec::new();
     for (name, midpoints) in [("midpoints", true), ("corners", false)] {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
         let samples = samples(gpu, 32)?;
-        let stage = Smsr::new(&gpu.device, Options { reach: 16, midpoints, constant: 5e-5, slope: 0.5 });
+        let stage = Smsr::new(&gpu.device, SmsrOptions { reach: 16, midpoints, constant: 5e-5, slope: 0.5 });
         let count = setup.id_keys.len();
         let visibility = Buffer::<f32>::storage(&gpu.device, "bench.visibility", count)?;
         cases.push(Case {

@@ -5,11 +5,11 @@ use crate::harness::geometry::samples;
 use crate::harness::splits::Splits;
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::stages::split_shadows::{Ask, OfMaps, SplitShadows};
+use subpixel_shadows::stages::split_shadows::{OfMaps, SplitQuery, SplitShadows};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
-    let depths = Ask::Depths { constant: 5e-5, slope: 1.05 };
-    let moments = Ask::Moments { constant: 5e-5, bleeding: 0.0, grazing: 0.0 };
+    let depths = SplitQuery::Depths { constant: 5e-5, slope: 1.05 };
+    let moments = SplitQuery::Moments { constant: 5e-5, bleeding: 0.0, grazing: 0.0 };
     let mut cases = Vec::new();
     for (name, ask) in [("depths", depths), ("moments", moments)] {
         let Some(splits) = Splits::new(gpu, size)? else { return Ok(Vec::new()) };

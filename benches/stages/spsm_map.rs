@@ -6,7 +6,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::stages::seen_texels::SeenTexels;
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
-use subpixel_shadows::stages::spsm_query::Options;
+use subpixel_shadows::stages::spsm_query::SpsmQueryOptions;
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut cases = Vec::new();
@@ -15,7 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         let side = (setup.layers.splits.len() as f64).sqrt() as usize;
         let texels = SpsmTexels::new(&gpu.device, &gpu.queue, side, 1, 5)?;
         let stage = SpsmMap::new(&gpu.device, encoding as u32, &texels);
-        let marks = SeenTexels::new(&gpu.device, Options::default(), &texels);
+        let marks = SeenTexels::new(&gpu.device, SpsmQueryOptions::default(), &texels);
         cases.push(Case {
             name: format!("spsm_map {name}"),
             size: setup.casters.triangles.len(),

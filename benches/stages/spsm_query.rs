@@ -7,7 +7,7 @@ use subpixel_shadows::gpu::{Gpu, Recorder};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::seen_texels::SeenTexels;
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
-use subpixel_shadows::stages::spsm_query::{Options, SpsmPixels, SpsmQuery};
+use subpixel_shadows::stages::spsm_query::{SpsmPixels, SpsmQuery, SpsmQueryOptions};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
@@ -17,7 +17,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let texels = SpsmTexels::new(device, queue, side, count, 5)?;
     let samples = samples(gpu, 32)?;
     let pixels = SpsmPixels::new(device, queue, count, 1)?;
-    let options = Options { many: true, ..Options::default() };
+    let options = SpsmQueryOptions { many: true, ..SpsmQueryOptions::default() };
     let stage = SpsmQuery::new(device, &PrefixScan::new(device), options, &texels);
     let frame = &setup.frame.clone();
     // The list of the uncertain pixels lies beside the marks, as a frame leaves it.

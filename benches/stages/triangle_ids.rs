@@ -4,7 +4,7 @@ use crate::harness::{Case, texture};
 use subpixel_shadows::Result;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::stages::triangle_ids::{Params, TriangleIds};
+use subpixel_shadows::stages::triangle_ids::{TriangleIds, TriangleIdsParams};
 use subpixel_shadows::wgpu::{TextureFormat, TextureUsages};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
@@ -25,7 +25,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: 0,
         record: Box::new(move |s| {
-            let counted = Params { first: 0, none: u32::MAX };
+            let counted = TriangleIdsParams { first: 0, none: u32::MAX };
             stage.record(s, &frame, &view, counted, &numbers, &keys, &faults)
         }),
     }])

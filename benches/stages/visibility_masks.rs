@@ -4,7 +4,7 @@ use crate::harness::Case;
 use crate::harness::shadow::Shadow;
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
+use subpixel_shadows::stages::visibility_masks::{EvaluationInputs, VisibilityMasks};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(shadow) = Shadow::new(gpu, size)? else { return Ok(Vec::new()) };
@@ -18,7 +18,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         // Four half-planes at 32 samples.
         flops: shadow.counts[2] * 32 * 16,
         record: Box::new(move |s| {
-            let casters = Casters {
+            let casters = EvaluationInputs {
                 samples: &shadow.samples,
                 table: &shadow.facets.items,
                 triangles: shadow.triangles(),

@@ -11,7 +11,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
-use subpixel_shadows::methods::cpu::{self, Request};
+use subpixel_shadows::methods::cpu::{self, CpuRequest};
 use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};
@@ -59,7 +59,7 @@ fn look(path: &Path) -> Outcome {
         let settings = Settings { cull_back: true, ..Settings::new([12, 9], 12, samples) };
         let scene = Scene::open(&path.to_string_lossy(), &SceneOptions::default())?;
         let prepared = Prepared::new(&scene.mesh)?;
-        let frame = cpu::render(&prepared, &settings, &scene.camera, &scene.light, Request::default())?;
+        let frame = cpu::render(&prepared, &settings, &scene.camera, &scene.light, CpuRequest::default())?;
         Ok(frame.output.visibility.iter().all(|v| (0.0..=1.0).contains(v)))
     };
     match done().map_err(|e| e.to_string()) {

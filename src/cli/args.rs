@@ -1,7 +1,8 @@
 //! Options of the program.
 
 use super::choices::{
-    Encoding, EngineName, FacetsPerPixel, Masks, PairsBy, PatternName, Projection, Rays, Search, Shape, Switch, WarpBy,
+    Encoding, EngineName, FacetsPerPixel, MaskChoice, PairsBy, PatternName, Projection, RayChoice, Search, Shape,
+    Switch, WarpBy,
 };
 use super::progress::Console;
 use clap::{Args, Parser, Subcommand};
@@ -27,7 +28,7 @@ pub struct Cli {
     pub command: Option<Command>,
     /// Without a command: `render` of the default scene.
     #[command(flatten)]
-    pub options: Options,
+    pub options: RenderOptions,
 }
 
 #[derive(Debug, Subcommand)]
@@ -37,14 +38,14 @@ pub enum Command {
         /// Built-in scene, or a .glb, .gltf, .obj, .ply or .toml file [default: windmill]
         scene: Option<String>,
         #[command(flatten)]
-        options: Options,
+        options: RenderOptions,
     },
     /// Print the plan: each stage, needed or left out, and why
     Explain {
         /// Built-in scene, or a .glb, .gltf, .obj, .ply or .toml file [default: windmill]
         scene: Option<String>,
         #[command(flatten)]
-        options: Options,
+        options: RenderOptions,
     },
     /// Error against run time: scenes x methods x settings, as tables and plots
     Report {
@@ -83,7 +84,7 @@ pub enum Command {
 
 /// The options of `render` and `explain`.
 #[derive(Debug, Args)]
-pub struct Options {
+pub struct RenderOptions {
     /// Shadow method
     #[arg(long, default_value = "facet-masks", value_name = "NAME", value_parser = method_name)]
     pub method: MethodName,
@@ -114,7 +115,7 @@ pub struct Options {
     pub search: Search,
     /// Rays of ray-traced: from all pixels, or from those that are not proved lit or shadowed
     #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
-    pub rays: Rays,
+    pub rays: RayChoice,
     /// Texels a side of the filter of pcf: 2, 3, 5 or 7
     #[arg(long, default_value_t = 3, value_name = "N")]
     pub kernel: u32,
@@ -142,7 +143,7 @@ pub struct Options {
     pub grazing: f32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
-    pub masks: Masks,
+    pub masks: MaskChoice,
     /// How facet-masks brings pairs together: by tiles of 2 x 2 texels or by texels, counted and written to their places, or by
     /// texels sorted, as in the paper
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
@@ -370,7 +371,7 @@ fn size(text: &str) -> std::result::Result<[u32; 2], String> {
     Ok([side(w)?, side(h)?])
 }
 
-impl Options {
+impl RenderOptions {
     /// Settings that are asked for; the plan may leave out more.
     pub fn settings(&self) -> Result<Settings> {
         let samples = Samples::new(self.pattern.into(), self.samples)?;
@@ -388,8 +389,8 @@ impl Options {
             validity: self.validity == Switch::On,
             cull_back: true,
             masks: match self.masks {
-                Masks::Exact => MaskVariant::Exact,
-                Masks::Table => MaskVariant::TABLE,
+                MaskChoice::Exact => MaskVariant::Exact,
+                MaskChoice::Table => MaskVariant::TABLE,
             },
             pairs: match self.pairs {
                 PairsBy::Tiled => PairVariant::Tiled,
@@ -421,7 +422,7 @@ impl Options {
                 bleeding: self.bleeding,
                 grazing: self.grazing,
             },
-            ray_traced: RayTracedSettings { silhouettes: self.rays == Rays::Silhouettes },
+            ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
             ..Settings::new(self.size, self.map, samples)
         };
@@ -451,7 +452,7 @@ impl Options {
 mod tests {
     use super::*;
 
-    fn of(arguments: &[&str]) -> Options {
+    fn of(arguments: &[&str]) -> RenderOptions {
         Cli::try_parse_from([&["subpixel-shadows"], arguments].concat()).unwrap().options
     }
 

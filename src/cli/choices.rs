@@ -22,7 +22,7 @@ pub enum Search {
 
 /// Which samples `ray-traced` follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Rays {
+pub enum RayChoice {
     /// All of pixels that face the light.
     #[default]
     All,
@@ -78,7 +78,7 @@ pub enum Switch {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Masks {
+pub enum MaskChoice {
     #[default]
     Exact,
     Table,

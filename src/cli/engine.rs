@@ -1,6 +1,6 @@
 //! Where a frame is computed: on an adapter, or on the CPU.
 
-use super::args::Options;
+use super::args::RenderOptions;
 use super::choices::EngineName;
 use super::progress::Console;
 use super::repeat::timed;
@@ -37,7 +37,7 @@ pub struct Rendered {
 
 impl Engine {
     /// The engine that is asked for; without an adapter, and if none was asked for, the CPU.
-    pub fn open(options: &Options, console: Console) -> Result<Self> {
+    pub fn open(options: &RenderOptions, console: Console) -> Result<Self> {
         if options.engine == Some(EngineName::Cpu) {
             return Ok(Self::Cpu);
         }
@@ -81,7 +81,7 @@ impl Engine {
     /// Renders a frame as planned, and as many more as are to be timed.
     pub fn render(
         &self,
-        options: &Options,
+        options: &RenderOptions,
         frames: u32,
         plan: &Plan,
         scene: &Scene,
@@ -181,7 +181,7 @@ impl Engine {
                 let setup = start.elapsed();
                 let task = console.task("CPU engine");
                 let progress = |done, total| task.at(done, total);
-                let request = cpu::Request {
+                let request = cpu::CpuRequest {
                     unshadowed: plan.extent == Extent::Facing,
                     facets: options.truth,
                     looks: options.looks,

@@ -1,6 +1,6 @@
 //! `explain`: the plan of a scene, and which way its pixels take.
 
-use super::args::Options;
+use super::args::RenderOptions;
 use super::engine::Engine;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
@@ -11,7 +11,7 @@ use subpixel_shadows::plan::Plan;
 
 /// Prints what would run and what would be left out, and why. Of `facet-masks` it renders a frame, writes none of it, and
 /// prints how many pixels took which way.
-pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
+pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
     let scene = options.open(scene, console)?;

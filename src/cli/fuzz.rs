@@ -7,7 +7,7 @@ use super::table::{Report, grouped};
 use std::process::ExitCode;
 use std::time::Duration;
 use subpixel_shadows::Result;
-use subpixel_shadows::fuzz::{Bench, Progress, Run, run as run_cases};
+use subpixel_shadows::fuzz::{FuzzDevice, FuzzProgress, Run, run as run_cases};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::report::comparison::Machine;
 use subpixel_shadows::report::write_text;
@@ -18,7 +18,7 @@ pub fn run(options: &FuzzOptions) -> Result<ExitCode> {
     OutFolder::check(&options.out)?;
     let gpu = Gpu::open(options.adapter.as_deref())?;
     let machine = Machine::of(&gpu.adapter);
-    let bench = Bench::new(&gpu);
+    let bench = FuzzDevice::new(&gpu);
     let patience = options.minutes.map(|m| Duration::from_secs_f64(60.0 * m));
     let endless = if patience.is_some() { u64::MAX } else { 1000 };
     let asked = Run {
@@ -33,12 +33,12 @@ pub fn run(options: &FuzzOptions) -> Result<ExitCode> {
     let summary = {
         let task = console.task("fuzz");
         run_cases(&bench, &asked, &mut |progress| match progress {
-            Progress::Done(done, of) if of == u64::MAX => {
+            FuzzProgress::Done(done, of) if of == u64::MAX => {
                 let share = patience.map_or(0.0, |p| start.elapsed().as_secs_f64() / p.as_secs_f64());
                 task.at(((share * 1000.0) as usize).min(1000).max(usize::from(done > 0)), 1000);
             }
-            Progress::Done(done, of) => task.at(done as usize, of as usize),
-            Progress::Failed(failure) => {
+            FuzzProgress::Done(done, of) => task.at(done as usize, of as usize),
+            FuzzProgress::Failed(failure) => {
                 let [seed, number] = failure.case;
                 let faults: Vec<String> =
                     failure.faults.iter().map(|(f, n, at)| format!("{}: {n}; {at}", f.name())).collect();

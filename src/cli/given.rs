@@ -1,6 +1,6 @@
 //! Options of the command line, with those of a frame.json behind them.
 
-use super::args::{Cli, Options};
+use super::args::{Cli, RenderOptions};
 use super::engine::Engine;
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
@@ -25,12 +25,16 @@ const NOT_OF_A_FRAME: [&str; 5] = ["from", "out", "quiet", "help", "version"];
 struct Given {
     scene: Option<String>,
     #[command(flatten)]
-    options: Options,
+    options: RenderOptions,
 }
 
 /// Scene and options of `render` or `explain`: those of `matches`, which they were parsed from, and behind them those of `--from`.
 /// An option on the command line that the method does not take ends the program with status 2.
-pub fn given(matches: &ArgMatches, scene: Option<String>, options: Options) -> Result<(Option<String>, Options)> {
+pub fn given(
+    matches: &ArgMatches,
+    scene: Option<String>,
+    options: RenderOptions,
+) -> Result<(Option<String>, RenderOptions)> {
     let (scene, options) = match &options.from {
         Some(path) => with_frame(matches, scene, &options, path)?,
         None => (scene, options),
@@ -60,9 +64,9 @@ fn on_line(matches: &ArgMatches, name: &str) -> bool {
 fn with_frame(
     matches: &ArgMatches,
     scene: Option<String>,
-    own: &Options,
+    own: &RenderOptions,
     path: &Path,
-) -> Result<(Option<String>, Options)> {
+) -> Result<(Option<String>, RenderOptions)> {
     let settings = settings_in(path, &read(path)?)?;
     let mut arguments = vec![OsString::from("subpixel-shadows")];
     let mut method = own.method;
@@ -95,7 +99,7 @@ fn with_frame(
 }
 
 /// The note that the scene of `--from` has another mesh than it had, if so: the picture is another then.
-pub fn other_mesh(options: &Options, frame: &FrameReport) -> Option<String> {
+pub fn other_mesh(options: &RenderOptions, frame: &FrameReport) -> Option<String> {
     let path = options.from.as_deref()?;
     let whole = read(path).ok()?;
     let (then, now) = (whole.get("mesh")?, serde_json::to_value(frame.mesh).ok()?);
@@ -129,7 +133,7 @@ struct Setting {
     /// As on the command line.
     text: OsString,
     /// The options with it alone.
-    options: Options,
+    options: RenderOptions,
     /// The scene, if that is what is set.
     scene: Option<String>,
 }
@@ -194,7 +198,7 @@ fn short(value: &Value) -> String {
 
 /// What a frame was asked for with, under the names of the options: `--from` repeats it. Camera and light are those that were used,
 /// in numbers that read back the same; so are engine and adapter.
-pub fn settings(options: &Options, scene: &Scene, engine: &Engine) -> Map<String, Value> {
+pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<String, Value> {
     fn word(value: impl ValueEnum) -> Value {
         value.to_possible_value().map_or(Value::Null, |v| json!(v.get_name()))
     }
@@ -267,7 +271,7 @@ mod tests {
     use crate::cli::progress::Console;
     use std::collections::BTreeSet;
 
-    fn options(arguments: &[&str]) -> Options {
+    fn options(arguments: &[&str]) -> RenderOptions {
         Given::try_parse_from([&["subpixel-shadows"], arguments].concat()).unwrap().options
     }
 

@@ -12,7 +12,7 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// A folder that is locked against other runs of the program until this is dropped. The system lifts the lock when the process
 /// ends, however it ends.
 #[derive(Debug)]
-pub struct Held {
+pub struct FolderLock {
     folder: PathBuf,
     /// The folders that did not exist before, outermost first.
     made: Vec<PathBuf>,
@@ -20,7 +20,7 @@ pub struct Held {
     lock: Option<File>,
 }
 
-impl Held {
+impl FolderLock {
     /// Refuses what can never become a folder, and one that another run holds, before any work is done.
     pub fn check(folder: &Path) -> Result<()> {
         Self::check_kind(folder)?;
@@ -140,13 +140,13 @@ mod tests {
     #[test]
     fn one_at_a_time() {
         let base = base("one");
-        let first = Held::open(&base, SOON).expect("opens");
-        let refused = Held::open(&base, SOON).expect_err("is held").to_string();
+        let first = FolderLock::open(&base, SOON).expect("opens");
+        let refused = FolderLock::open(&base, SOON).expect_err("is held").to_string();
         assert!(refused.contains(base.to_str().expect("UTF-8")) && refused.contains("another run"), "{refused}");
-        assert!(Held::check(&base).is_err());
+        assert!(FolderLock::check(&base).is_err());
         drop(first);
-        Held::check(&base).expect("is free");
-        drop(Held::open(&base, SOON).expect("is free"));
+        FolderLock::check(&base).expect("is free");
+        drop(FolderLock::open(&base, SOON).expect("is free"));
         std::fs::remove_dir_all(base).expect("removed");
     }
 
@@ -154,10 +154,10 @@ mod tests {
     fn a_folder_that_goes_away_while_waiting_is_made_again() {
         let base = base("gone");
         let folder = base.join("a");
-        let first = Held::open(&folder, SOON).expect("opens");
+        let first = FolderLock::open(&folder, SOON).expect("opens");
         let waiting = std::thread::spawn({
             let folder = folder.clone();
-            move || Held::open(&folder, Duration::from_secs(20)).expect("opens")
+            move || FolderLock::open(&folder, Duration::from_secs(20)).expect("opens")
         });
         std::thread::sleep(10 * PAUSE);
         first.unmake();
@@ -181,7 +181,7 @@ mod tests {
             std::fs::write(base.join(folder).join("shaded.png"), "half").expect("writes");
         }
         std::fs::write(base.join(".report.md.subpixel-shadows-9-3.part"), "half").expect("writes");
-        drop(Held::open(&base, SOON).expect("opens"));
+        drop(FolderLock::open(&base, SOON).expect("opens"));
         let mut left: Vec<String> = std::fs::read_dir(&base)
             .expect("there")
             .map(|e| e.expect("an entry").file_name().into_string().expect("UTF-8"))

@@ -18,7 +18,7 @@ mod report;
 mod stability;
 mod table;
 
-use args::{Cli, Command, Options};
+use args::{Cli, Command, RenderOptions};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use given::given;
 use std::io::Write;
@@ -66,8 +66,8 @@ fn finish(done: Result<ExitCode>) -> ExitCode {
 fn with(
     matches: &ArgMatches,
     scene: Option<String>,
-    options: Options,
-    command: impl FnOnce(Option<&str>, &Options) -> Result<()>,
+    options: RenderOptions,
+    command: impl FnOnce(Option<&str>, &RenderOptions) -> Result<()>,
 ) -> Result<()> {
     let (scene, options) = given(matches, scene, options)?;
     command(scene.as_deref(), &options)

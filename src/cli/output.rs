@@ -1,6 +1,6 @@
 //! The folder that the files go to: all of them, or none.
 
-use super::held::Held;
+use super::held::FolderLock;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use subpixel_shadows::{Error, Result};
@@ -16,13 +16,13 @@ pub struct OutFolder {
     part: PathBuf,
     names: Vec<String>,
     finished: bool,
-    held: Held,
+    held: FolderLock,
 }
 
 impl OutFolder {
     /// Refuses what can never become a folder, and one that another run holds, before any work is done.
     pub fn check(folder: &Path) -> Result<()> {
-        Held::check(folder)
+        FolderLock::check(folder)
     }
 
     /// Makes `folder` where it is missing, lets `write` write the files, and moves them to their places; returns these.
@@ -34,8 +34,8 @@ impl OutFolder {
 
     /// Makes `folder` where it is missing, and holds it.
     pub fn open(folder: &Path) -> Result<Self> {
-        Held::check_kind(folder)?;
-        let held = Held::open(folder, PATIENCE)?;
+        FolderLock::check_kind(folder)?;
+        let held = FolderLock::open(folder, PATIENCE)?;
         let mut out = Self { part: PathBuf::new(), names: Vec::new(), finished: false, held };
         out.part = out.begin().map_err(|e| Error::file(folder, format!("cannot be written into: {e}")))?;
         Ok(out)
@@ -162,7 +162,7 @@ mod tests {
             let one = scope.spawn(|| (0..200).for_each(|k| drop(fill(&format!("one {k}")).expect("written"))));
             for k in 0..200 {
                 fill(&format!("two {k}")).expect("written");
-                let held = Held::open(&base, PATIENCE).expect("held");
+                let held = FolderLock::open(&base, PATIENCE).expect("held");
                 let texts = ["a", "b", "c", "d"].map(|n| std::fs::read_to_string(base.join(n)).expect("a file"));
                 drop(held);
                 assert!(texts.iter().all(|t| *t == texts[0]), "{texts:?}");

@@ -1,6 +1,6 @@
 //! `render`: the main job.
 
-use super::args::Options;
+use super::args::RenderOptions;
 use super::engine::{Engine, Rendered};
 use super::explain::mesh_line;
 use super::given::{other_mesh, settings as settings_of};
@@ -23,7 +23,7 @@ use subpixel_shadows::scene::Scene;
 use subpixel_shadows::truth::{Tracer, TruthImage};
 
 /// Renders, writes the files, prints the table.
-pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
+pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     let start = Instant::now();
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
@@ -84,7 +84,7 @@ pub fn run(scene: Option<&str>, options: &Options) -> Result<()> {
 
 /// The error against the truths, and scene truth.
 fn compare(
-    options: &Options,
+    options: &RenderOptions,
     rendered: &Rendered,
     plan: &Plan,
     scene: &Scene,
@@ -123,7 +123,7 @@ fn compare(
 
 /// Writes all files, or none.
 fn write(
-    options: &Options,
+    options: &RenderOptions,
     scene: &Scene,
     prepared: &Prepared,
     rendered: &Rendered,
@@ -247,7 +247,7 @@ fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
 }
 
 /// What the colours of the pictures mean, and which picture there is not.
-fn looks(report: &mut Report, options: &Options, rendered: &Rendered) {
+fn looks(report: &mut Report, options: &RenderOptions, rendered: &Rendered) {
     let looks = rendered.looks.as_ref();
     let key = CLASS_COLOURS.map(|(class, colour, _)| format!("{colour} {}", format!("{class:?}").to_lowercase()));
     let map = match options.method {

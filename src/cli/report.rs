@@ -1,7 +1,7 @@
 //! `report`: error against run time.
 
 use super::args::ReportOptions;
-use super::held::Held;
+use super::held::FolderLock;
 use super::progress::{Console, Task};
 use super::table::Report;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,9 @@ use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
 use subpixel_shadows::report::comparison::page::{Page, csv, markdown};
 use subpixel_shadows::report::comparison::pictures::{Panel, side_by_side};
-use subpixel_shadows::report::comparison::{Bench, Journal, Machine, Row, SceneCase, Scope, Variant, variants};
+use subpixel_shadows::report::comparison::{
+    Journal, Machine, Measuring, ReportVariant, Row, SceneCase, Scope, variants,
+};
 use subpixel_shadows::report::{or_dash, write_text};
 use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::{Error, Result};
@@ -23,9 +25,9 @@ const PATIENCE: Duration = Duration::from_secs(2);
 struct Job {
     scene: String,
     tessellation: u32,
-    variants: Vec<Variant>,
+    variants: Vec<ReportVariant>,
     /// Samples of which the error that sampling leaves is stated.
-    truths: Vec<Variant>,
+    truths: Vec<ReportVariant>,
 }
 
 /// Measures every row that is missing, then writes tables and plots.
@@ -33,7 +35,7 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     let start = Instant::now();
     let console = Console::new(options.quiet);
     let scope = options.scope()?;
-    Held::check(&options.out)?;
+    FolderLock::check(&options.out)?;
     let gpu = Gpu::open(options.adapter.as_deref())?;
     let machine = Machine::of(&gpu.adapter);
     let jobs = jobs(options, &scope)?;
@@ -44,13 +46,14 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     }
     // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does
     // both.
-    let _held = Held::open(&options.out, PATIENCE)?;
+    let _held = FolderLock::open(&options.out, PATIENCE)?;
     let at = options.out.join("rows.jsonl");
     if options.fresh && at.exists() {
         std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
     }
     let mut journal = Journal::open(&at, &machine)?;
-    let bench = Bench { gpu: &gpu, repeats: options.repeats(), row_ms: options.row_ms(), budget: Budget::default() };
+    let bench =
+        Measuring { gpu: &gpu, repeats: options.repeats(), row_ms: options.row_ms(), budget: Budget::default() };
     let all: usize = jobs.iter().map(|j| j.variants.len() + j.truths.len()).sum();
     let mut done = 0;
     let mut rows = Vec::new();
@@ -71,9 +74,9 @@ fn open(options: &ReportOptions, scene: &str) -> Result<(Scene, Option<String>)>
 /// What is to be measured, in order.
 fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
     let all = variants(scope)?;
-    let truths: Vec<Variant> = {
+    let truths: Vec<ReportVariant> = {
         let mut seen = Vec::new();
-        let first = |v: &&Variant| {
+        let first = |v: &&ReportVariant| {
             let n = v.settings.samples.count();
             let new = !seen.contains(&n);
             seen.push(n);
@@ -87,7 +90,7 @@ fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
         .map(|scene| Job { scene, tessellation: 0, variants: all.clone(), truths: truths.clone() })
         .collect();
     let usual = scope.reference()?;
-    let ladder: Vec<Variant> = all
+    let ladder: Vec<ReportVariant> = all
         .into_iter()
         .filter(|v| v.method == usual.method && v.settings.samples == usual.settings.samples)
         .filter(|v| v.settings.map == usual.settings.map && ["facets=one", "facets=all"].contains(&v.setting.as_str()))
@@ -104,7 +107,7 @@ fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
 fn measure(
     options: &ReportOptions,
     scope: &Scope,
-    bench: &Bench,
+    bench: &Measuring,
     job: &Job,
     journal: &mut Journal,
     (task, done, all): (&Task, &mut usize, usize),
@@ -112,16 +115,18 @@ fn measure(
     let mut case = SceneCase::new(open(options, &job.scene)?.0, job.tessellation, scope.size)?;
     let picture = (job.tessellation == 0).then(|| picture_path(&options.out, &job.scene));
     let reference = scope.reference()?;
-    let shown =
-        |v: &Variant| v.settings.samples == reference.settings.samples && v.settings.map == reference.settings.map;
+    let shown = |v: &ReportVariant| {
+        v.settings.samples == reference.settings.samples && v.settings.map == reference.settings.map
+    };
     let draw = picture.as_ref().is_some_and(|p| !p.exists());
-    let missing: Vec<Variant> = job.variants.iter().filter(|v| !journal.has(&case.row(v).key())).cloned().collect();
+    let missing: Vec<ReportVariant> =
+        job.variants.iter().filter(|v| !journal.has(&case.row(v).key())).cloned().collect();
     *done += job.variants.len() - missing.len();
     task.at(*done, all);
     // Of each variant that the picture shows what it rendered.
     let mut pictures: Vec<Option<Vec<f32>>> = vec![None; job.variants.len()];
-    let place = |v: &Variant| job.variants.iter().position(|o| o == v);
-    for group in missing.chunks(Bench::GROUP) {
+    let place = |v: &ReportVariant| job.variants.iter().position(|o| o == v);
+    for group in missing.chunks(Measuring::GROUP) {
         for (variant, mut found) in group.iter().zip(bench.measure(&case, &reference, group)?) {
             if found.row.failed.is_none() {
                 (found.row.matched, found.row.converged) = case.errors(&variant.settings, &found.visibility, None)?;

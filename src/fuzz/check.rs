@@ -1,6 +1,6 @@
 //! Rendering a case on the GPU, with all that is needed to judge the frame.
 
-use super::{Case, How};
+use super::{FuzzCase, How};
 use crate::Result;
 use crate::gpu::{Gpu, KeptPrograms};
 use crate::methods::fixed::{FixedMethod, FixedRenderer};
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::stages::facet_classify::Facets;
 
 /// A device with the programs that its frames share.
-pub struct Bench<'a> {
+pub struct FuzzDevice<'a> {
     gpu: &'a Gpu,
     programs: KeptPrograms,
 }
@@ -35,7 +35,7 @@ pub struct Shot {
     pub forced: Option<(Output, FacetSet)>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> FuzzDevice<'a> {
     /// A bench on this device.
     pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, programs: KeptPrograms::default() }
@@ -55,11 +55,11 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// What the program would refuse the scene or the settings with; [`crate::Error::Gpu`].
-    pub fn render(&self, case: &Case) -> Result<Shot> {
+    pub fn render(&self, case: &FuzzCase) -> Result<Shot> {
         self.programs.within(|| self.render_with(case))
     }
 
-    fn render_with(&self, case: &Case) -> Result<Shot> {
+    fn render_with(&self, case: &FuzzCase) -> Result<Shot> {
         let how = &case.how;
         let scene = case.world.scene()?;
         let prepared = Prepared::new(&scene.mesh)?;

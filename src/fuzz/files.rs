@@ -1,6 +1,6 @@
 //! A case as files: the scene, its mesh, and the command that repeats it.
 
-use super::{Case, Fault};
+use super::{Fault, FuzzCase};
 use crate::mask_table::MaskVariant;
 use crate::methods::{FacetMode, MethodName, PairVariant};
 use crate::samples::Pattern;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// [`Error::File`] if that cannot be done.
-pub fn write(folder: &Path, case: &Case, faults: &[(Fault, u64, String)]) -> Result<String> {
+pub fn write(folder: &Path, case: &FuzzCase, faults: &[(Fault, u64, String)]) -> Result<String> {
     std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, format!("cannot be made: {e}")))?;
     let engine = if faults.iter().all(|(f, ..)| matches!(f, Fault::CpuFacet | Fault::CpuSeen | Fault::CpuScene)) {
         " --engine cpu"
@@ -38,7 +38,7 @@ pub fn write(folder: &Path, case: &Case, faults: &[(Fault, u64, String)]) -> Res
 }
 
 /// The arguments that render the case from its scene file.
-pub fn command(scene: &Path, case: &Case) -> String {
+pub fn command(scene: &Path, case: &FuzzCase) -> String {
     let how = &case.how;
     let s = &how.settings;
     let [w, h] = s.size;
@@ -71,7 +71,7 @@ pub fn command(scene: &Path, case: &Case) -> String {
 }
 
 /// The scene file.
-fn toml(case: &Case) -> String {
+fn toml(case: &FuzzCase) -> String {
     let world = &case.world;
     let mut text = "mesh = \"mesh.ply\"\n".to_owned();
     if world.ground {

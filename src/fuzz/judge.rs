@@ -17,7 +17,7 @@
 //! [`TABLE_SHARE`], what is settled is exact as ever, and neither scene truth nor the forced picture is asked.
 
 use super::samples::{SceneWrong, Truths, Wrong, wrong_shares};
-use super::{Case, Shot};
+use super::{FuzzCase, Shot};
 use crate::Result;
 use crate::methods::cpu;
 use crate::methods::{FacetMode, MethodName};
@@ -175,7 +175,7 @@ fn place(pixel: u32, sample: u32, width: u32) -> String {
 ///
 /// # Errors
 /// Those of the truths and the CPU engine, which refuse nothing that was rendered.
-pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
+pub fn judge(case: &FuzzCase, shot: &Shot) -> Result<Verdict> {
     let Shot { scene, prepared, plan, output, facets, forced } = shot;
     let (settings, camera, light) = (&plan.settings, &scene.camera, &scene.light);
     let [width, height] = settings.size;
@@ -207,7 +207,7 @@ pub fn judge(case: &Case, shot: &Shot) -> Result<Verdict> {
     verdict.add(Fault::Picture, wrong_shares(plan, output, facets), String::new);
     if case.how.method == MethodName::FacetMasks && plan.extent != Extent::Nothing {
         let request =
-            cpu::Request { unshadowed: plan.extent == Extent::Facing, facets: true, ..cpu::Request::default() };
+            cpu::CpuRequest { unshadowed: plan.extent == Extent::Facing, facets: true, ..cpu::CpuRequest::default() };
         let frame = cpu::render(prepared, settings, camera, light, request)?;
         let of_cpu = FacetSet::of_cpu(&frame.facets, settings.samples.words());
         let errors = FacetErrors::of(&of_cpu, &tracer, camera, light, settings, None)?;

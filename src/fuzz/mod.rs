@@ -1,6 +1,6 @@
 //! Random worlds, each held against the CPU engine and against truth: what `subpixel-shadows fuzz` runs.
 //!
-//! A case is a function of a seed and its number: a [`World`] (mesh, ground, camera, light) and [`How`] it is rendered. [`Bench::render`]
+//! A case is a function of a seed and its number: a [`World`] (mesh, ground, camera, light) and [`How`] it is rendered. [`FuzzDevice::render`]
 //! renders it, [`judge`](mod@judge) holds the frame against everything there is to hold it against, [`shrink`](shrink::shrink) makes a failing
 //! case smaller, and [`write`](files::write) writes it as a scene file with the command that repeats it.
 
@@ -16,10 +16,10 @@ pub mod summary;
 pub mod view;
 pub mod worlds;
 
-pub use check::{Bench, Shot};
+pub use check::{FuzzDevice, Shot};
 pub use how::How;
 pub use judge::{Fault, Figures, Verdict, judge};
-pub use run::{Progress, Run, run};
+pub use run::{FuzzProgress, Run, run};
 pub use summary::Summary;
 pub use worlds::Kind;
 
@@ -63,7 +63,7 @@ impl World {
 
 /// One case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Case {
+pub struct FuzzCase {
     /// The seed.
     pub seed: u64,
     /// Its number.
@@ -76,7 +76,7 @@ pub struct Case {
     pub how: How,
 }
 
-impl Case {
+impl FuzzCase {
     /// Case `number` of a seed.
     ///
     /// # Errors
@@ -121,9 +121,9 @@ mod tests {
     #[test]
     fn a_case_is_a_function_of_seed_and_number() {
         for number in 0..60 {
-            let case = Case::of(5, number).unwrap();
-            assert_eq!(case, Case::of(5, number).unwrap());
-            let other = Case::of(6, number).unwrap();
+            let case = FuzzCase::of(5, number).unwrap();
+            assert_eq!(case, FuzzCase::of(5, number).unwrap());
+            let other = FuzzCase::of(6, number).unwrap();
             assert!(other.kind == case.kind && other.world != case.world, "{number}");
         }
     }
@@ -132,7 +132,7 @@ mod tests {
     fn cases_are_of_every_sort_and_few_are_refused() {
         let (mut seen, mut refused) = (HashSet::new(), 0);
         for number in 0..6120 {
-            let case = Case::of(1, number).unwrap();
+            let case = FuzzCase::of(1, number).unwrap();
             refused += usize::from(case.world.scene().is_err());
             let (s, how) = (&case.how.settings, &case.how);
             seen.insert(format!("{} samples", s.samples.count()));
@@ -158,7 +158,7 @@ mod tests {
     fn a_case_that_is_written_reads_back_as_it_is() {
         let folder = std::env::temp_dir().join(format!("subpixel-shadows-fuzz-{}", std::process::id()));
         for number in 0..Kind::ALL.len() as u64 * 4 {
-            let case = Case::of(3, number).unwrap();
+            let case = FuzzCase::of(3, number).unwrap();
             let Ok(made) = case.world.scene() else { continue };
             files::write(&folder, &case, &[]).unwrap();
             let file = folder.join("scene.toml");

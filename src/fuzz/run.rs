@@ -1,7 +1,7 @@
 //! Going through cases: the GPU renders one while another is judged on the CPU.
 
 use super::summary::Failure;
-use super::{Bench, Case, Fault, Shot, Summary, Verdict, files, judge, shrink};
+use super::{Fault, FuzzCase, FuzzDevice, Shot, Summary, Verdict, files, judge, shrink};
 use crate::{Error, Result};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -32,7 +32,7 @@ impl Run {
 }
 
 /// Messages along the way.
-pub enum Progress<'a> {
+pub enum FuzzProgress<'a> {
     /// So many cases of so many are judged.
     Done(u64, u64),
     /// A case failed, and was shrunk and written if there is a command.
@@ -40,14 +40,14 @@ pub enum Progress<'a> {
 }
 
 /// A case on its way from one thread to the other.
-type Rendered = (Case, Result<Shot>);
-type Judged = (Case, Result<Verdict>);
+type Rendered = (FuzzCase, Result<Shot>);
+type Judged = (FuzzCase, Result<Verdict>);
 
 /// Runs the cases; tells of them in their order.
 ///
 /// # Errors
 /// [`Error::Gpu`] with the case if the device fails, [`Error::File`] if a failing case cannot be written.
-pub fn run(bench: &Bench, run: &Run, tell: &mut dyn FnMut(Progress)) -> Result<Summary> {
+pub fn run(bench: &FuzzDevice, run: &Run, tell: &mut dyn FnMut(FuzzProgress)) -> Result<Summary> {
     let (start, mut summary, mut shrinking) = (Instant::now(), Summary::default(), Duration::ZERO);
     let mut written: HashMap<Fault, usize> = HashMap::new();
     let (to_judge, shots) = sync_channel::<Rendered>(2);
@@ -58,10 +58,10 @@ pub fn run(bench: &Bench, run: &Run, tell: &mut dyn FnMut(Progress)) -> Result<S
             let begin = Instant::now();
             if let Some(failure) = settle(bench, run, &mut summary, judged, &mut written)? {
                 shrinking += begin.elapsed();
-                tell(Progress::Failed(&failure));
+                tell(FuzzProgress::Failed(&failure));
                 summary.failures.push(failure);
             }
-            tell(Progress::Done(summary.all().cases, run.cases));
+            tell(FuzzProgress::Done(summary.all().cases, run.cases));
             Ok(())
         };
         // Moved in, so that it closes when no case is left, also after an error.
@@ -70,7 +70,7 @@ pub fn run(bench: &Bench, run: &Run, tell: &mut dyn FnMut(Progress)) -> Result<S
             if run.patience.is_some_and(|patience| start.elapsed() >= patience) {
                 break;
             }
-            let case = Case::of(run.seed, number)?;
+            let case = FuzzCase::of(run.seed, number)?;
             let shot = render(bench, &case);
             if let Err(Error::Gpu(text)) = &shot {
                 return Err(Error::Gpu(format!("case {number} of seed {}: {text}", run.seed)));
@@ -96,7 +96,7 @@ fn judge_all(shots: &Receiver<Rendered>, to: &Sender<Judged>) {
 }
 
 /// Renders; a panic comes back as the name of a fault.
-fn render(bench: &Bench, case: &Case) -> Result<Shot> {
+fn render(bench: &FuzzDevice, case: &FuzzCase) -> Result<Shot> {
     let done = catch_unwind(AssertUnwindSafe(|| bench.render(case)));
     done.unwrap_or_else(|_| Err(Error::Config(PANIC.to_owned())))
 }
@@ -105,7 +105,7 @@ fn render(bench: &Bench, case: &Case) -> Result<Shot> {
 const PANIC: &str = "panicked while rendering";
 
 /// Judges; what truth or CPU engine refuses of a frame that was rendered is a fault, as is a panic.
-fn judged(case: &Case, shot: &Shot) -> Verdict {
+fn judged(case: &FuzzCase, shot: &Shot) -> Verdict {
     match catch_unwind(AssertUnwindSafe(|| judge(case, shot))) {
         Ok(Ok(verdict)) => verdict,
         Ok(Err(error)) => fault(Fault::Refused, error.to_string()),
@@ -120,8 +120,8 @@ fn fault(fault: Fault, at: String) -> Verdict {
 /// Renders and judges, in one go.
 ///
 /// # Errors
-/// As [`Bench::render`].
-pub fn verdict(bench: &Bench, case: &Case) -> Result<Verdict> {
+/// As [`FuzzDevice::render`].
+pub fn verdict(bench: &FuzzDevice, case: &FuzzCase) -> Result<Verdict> {
     match render(bench, case) {
         Err(Error::Config(text)) if text == PANIC => Ok(fault(Fault::Panic, text)),
         shot => shot.map(|shot| judged(case, &shot)),
@@ -130,7 +130,7 @@ pub fn verdict(bench: &Bench, case: &Case) -> Result<Verdict> {
 
 /// Counts a case; shrinks and writes it if it failed.
 fn settle(
-    bench: &Bench,
+    bench: &FuzzDevice,
     run: &Run,
     summary: &mut Summary,
     (case, verdict): Judged,
@@ -151,7 +151,7 @@ fn settle(
     let before = written.entry(*first).or_default();
     let Some(out) = run.out.as_ref().filter(|_| *before < Run::WRITTEN) else { return Ok(Some(failure)) };
     *before += 1;
-    let mut fails = |smaller: &Case| self::verdict(bench, smaller).is_ok_and(|v| v.has(*first));
+    let mut fails = |smaller: &FuzzCase| self::verdict(bench, smaller).is_ok_and(|v| v.has(*first));
     let small = shrink::shrink(&case, run.shrink, &mut fails);
     let faults = self::verdict(bench, &small)?.faults;
     let folder = out.join(format!("case-{}-{}", case.seed, case.number));

@@ -4,7 +4,7 @@ use crate::methods::FacetMode;
 use crate::methods::render::Output;
 use crate::plan::{Extent, Plan};
 use crate::report::FacetSet;
-use crate::stages::facet_classify::{Facet, State};
+use crate::stages::facet_classify::{Facet, FacetState};
 use crate::truth::{FacetInput, FacetTruth, SceneTruth, SeenTruth, TruthImage, full_mask, join_mask, split_mask};
 
 /// The parts of scene truth.
@@ -31,7 +31,7 @@ impl Truths<'_> {
         let full = full_mask(self.samples);
         let own = set.facets.iter().enumerate().filter(|(_, facet)| facet.pixel == pixel);
         let inputs: Vec<FacetInput> = own
-            .filter(|(_, facet)| facet.state != State::Empty as u32)
+            .filter(|(_, facet)| facet.state != FacetState::Empty as u32)
             .map(|(f, facet)| FacetInput {
                 pixel,
                 triangle: facet.triangle,
@@ -45,7 +45,7 @@ impl Truths<'_> {
 
 /// The triangle that a sample of a pixel was given.
 fn given(set: &FacetSet, pixel: u32, sample: usize) -> Option<u32> {
-    let own = |facet: &Facet| facet.pixel == pixel && facet.state != State::Empty as u32;
+    let own = |facet: &Facet| facet.pixel == pixel && facet.state != FacetState::Empty as u32;
     let covers = |f: usize| set.masks_of(f)[0] >> sample & 1 == 1;
     (0..).zip(&set.facets).find(|(f, facet)| own(facet) && covers(*f)).map(|(_, facet)| facet.triangle)
 }
@@ -53,7 +53,7 @@ fn given(set: &FacetSet, pixel: u32, sample: usize) -> Option<u32> {
 /// Of each pixel the samples that its facets cover.
 fn covered(set: &FacetSet, pixels: usize) -> Vec<u128> {
     let mut seen = vec![0; pixels];
-    for (f, facet) in set.facets.iter().enumerate().filter(|(_, facet)| facet.state != State::Empty as u32) {
+    for (f, facet) in set.facets.iter().enumerate().filter(|(_, facet)| facet.state != FacetState::Empty as u32) {
         if let Some(seen) = seen.get_mut(facet.pixel as usize) {
             *seen |= set.masks_of(f)[0];
         }

@@ -1,6 +1,6 @@
 //! Making a failing case smaller: triangles first, then the image, then the settings.
 
-use super::Case;
+use super::FuzzCase;
 use crate::mask_table::MaskVariant;
 use crate::methods::render::Budget;
 use crate::methods::{FacetMode, PairVariant, RayTracedSettings, Settings};
@@ -10,14 +10,14 @@ use std::time::{Duration, Instant};
 
 /// Shrinks with a bound in time.
 struct Shrinker<'a> {
-    case: Case,
-    fails: &'a mut dyn FnMut(&Case) -> bool,
+    case: FuzzCase,
+    fails: &'a mut dyn FnMut(&FuzzCase) -> bool,
     end: Instant,
 }
 
 /// The smallest case found within `patience` for which `fails` still holds, as it does for `case`; each question is answered for a case
 /// that is smaller than the last that failed.
-pub fn shrink(case: &Case, patience: Duration, fails: &mut dyn FnMut(&Case) -> bool) -> Case {
+pub fn shrink(case: &FuzzCase, patience: Duration, fails: &mut dyn FnMut(&FuzzCase) -> bool) -> FuzzCase {
     let mut s = Shrinker { case: case.clone(), fails, end: Instant::now() + patience };
     // The ground follows the bounds of the mesh, so with it nothing can be taken off without moving it.
     s.ground();
@@ -31,7 +31,7 @@ pub fn shrink(case: &Case, patience: Duration, fails: &mut dyn FnMut(&Case) -> b
 
 impl Shrinker<'_> {
     /// Takes a smaller case in if it fails as well.
-    fn takes(&mut self, smaller: Case) -> bool {
+    fn takes(&mut self, smaller: FuzzCase) -> bool {
         let better = smaller != self.case && Instant::now() < self.end && (self.fails)(&smaller);
         if better {
             self.case = smaller;
@@ -103,12 +103,12 @@ impl Shrinker<'_> {
     /// Plainer settings, one at a time.
     fn settings(&mut self) {
         for smaller in [
-            Case { how: super::How { budget: Budget::default(), ..self.case.how.clone() }, ..self.case.clone() },
-            Case { how: super::How { both: false, ..self.case.how.clone() }, ..self.case.clone() },
+            FuzzCase { how: super::How { budget: Budget::default(), ..self.case.how.clone() }, ..self.case.clone() },
+            FuzzCase { how: super::How { both: false, ..self.case.how.clone() }, ..self.case.clone() },
         ] {
             self.takes(smaller);
         }
-        let plain = Case { how: super::How { force_all: false, ..self.case.how.clone() }, ..self.case.clone() };
+        let plain = FuzzCase { how: super::How { force_all: false, ..self.case.how.clone() }, ..self.case.clone() };
         self.takes(plain);
         self.try_settings(|s| s.pairs = PairVariant::Tiled);
         self.try_settings(|s| s.masks = MaskVariant::Exact);
@@ -146,9 +146,9 @@ mod tests {
     const LONG: Duration = Duration::from_secs(600);
 
     /// A case of many triangles.
-    fn large() -> Case {
-        let cases = (0..).map(|number| Case::of(11, number).unwrap());
-        let wanted = |c: &Case| c.world.mesh.triangles.len() > 100 && c.how.method == MethodName::FacetMasks;
+    fn large() -> FuzzCase {
+        let cases = (0..).map(|number| FuzzCase::of(11, number).unwrap());
+        let wanted = |c: &FuzzCase| c.world.mesh.triangles.len() > 100 && c.how.method == MethodName::FacetMasks;
         cases.into_iter().find(wanted).unwrap()
     }
 
@@ -159,13 +159,13 @@ mod tests {
         let triangles = &case.world.mesh.triangles;
         let two = [triangles[3], triangles[triangles.len() - 5]];
         let asked = Cell::new(0);
-        let mut fails = |c: &Case| {
+        let mut fails = |c: &FuzzCase| {
             asked.set(asked.get() + 1);
             let s = &c.how.settings;
             let both = two.iter().all(|t| c.world.mesh.triangles.contains(t));
             both && s.size[0] >= 5 && s.size[1] >= 3 && s.map >= 16
         };
-        let big = Case {
+        let big = FuzzCase {
             how: super::super::How {
                 settings: Settings { size: [40, 31], map: 77, ..case.how.settings.clone() },
                 ..case.how.clone()
@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn without_time_a_case_stays_as_it_is() {
         let case = large();
-        let mut fails = |_: &Case| panic!("asked");
+        let mut fails = |_: &FuzzCase| panic!("asked");
         assert_eq!(shrink(&case, Duration::ZERO, &mut fails), case);
     }
 
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn shrinking_ends_in_time() {
         let (case, begin) = (large(), Instant::now());
-        let mut fails = |_: &Case| {
+        let mut fails = |_: &FuzzCase| {
             std::thread::sleep(Duration::from_millis(20));
             true
         };

@@ -1,6 +1,6 @@
 //! The findings of a run, as tables and as a page.
 
-use super::{Case, Fault, Figures, Kind, Verdict};
+use super::{Fault, Figures, FuzzCase, Kind, Verdict};
 use crate::methods::MethodName;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -64,14 +64,14 @@ pub struct Summary {
 
 impl Summary {
     /// Takes in a case that was judged.
-    pub fn judged(&mut self, case: &Case, verdict: &Verdict) {
+    pub fn judged(&mut self, case: &FuzzCase, verdict: &Verdict) {
         let one = Tally { cases: 1, refused: 0, failed: u64::from(verdict.fails()), figures: verdict.figures };
         self.forced += u64::from(case.how.both);
         self.count(case, &one);
     }
 
     /// Takes in a case that was refused.
-    pub fn refused(&mut self, case: &Case, reason: &str) {
+    pub fn refused(&mut self, case: &FuzzCase, reason: &str) {
         self.count(case, &Tally { cases: 1, refused: 1, ..Tally::default() });
         let plain: String = reason.chars().map(|c| if c.is_ascii_digit() { '#' } else { c }).collect();
         let mut short = plain;
@@ -81,7 +81,7 @@ impl Summary {
         *self.refusals.entry(short).or_default() += 1;
     }
 
-    fn count(&mut self, case: &Case, one: &Tally) {
+    fn count(&mut self, case: &FuzzCase, one: &Tally) {
         self.kinds.entry(case.kind).or_default().add(one);
         *self.methods.entry(case.how.method.name()).or_default() += 1;
     }

@@ -4,7 +4,7 @@
 //! ```
 //! use subpixel_shadows::gpu::kernels::dispatch_args::Fold;
 //! use subpixel_shadows::gpu::Buffer;
-//! use subpixel_shadows::stages::dispatch_args::Request;
+//! use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 //!
 //! fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<Request>, args: &'a Buffer<u32>) -> Fold<'a> {
 //!     Fold { counts: counts.as_read(), requests: requests.as_read(), args: args.as_write() }
@@ -14,7 +14,7 @@
 //! ```compile_fail,E0308
 //! # use subpixel_shadows::gpu::kernels::dispatch_args::Fold;
 //! # use subpixel_shadows::gpu::Buffer;
-//! # use subpixel_shadows::stages::dispatch_args::Request;
+//! # use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 //! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<Request>, args: &'a Buffer<u32>) -> Fold<'a> {
 //! Fold { counts: requests.as_read(), requests: counts.as_read(), args: args.as_write() }
 //! # }
@@ -23,7 +23,7 @@
 //! ```compile_fail,E0063
 //! # use subpixel_shadows::gpu::kernels::dispatch_args::Fold;
 //! # use subpixel_shadows::gpu::Buffer;
-//! # use subpixel_shadows::stages::dispatch_args::Request;
+//! # use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 //! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<Request>, args: &'a Buffer<u32>) -> Fold<'a> {
 //! Fold { counts: counts.as_read(), requests: requests.as_read() }
 //! # }
@@ -32,7 +32,7 @@
 //! ```compile_fail,E0308
 //! # use subpixel_shadows::gpu::kernels::dispatch_args::Fold;
 //! # use subpixel_shadows::gpu::Buffer;
-//! # use subpixel_shadows::stages::dispatch_args::Request;
+//! # use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 //! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<Request>, args: &'a Buffer<u32>) -> Fold<'a> {
 //! Fold { counts: counts.as_read(), requests: requests.as_read(), args: args.as_read() }
 //! # }

@@ -124,7 +124,7 @@ pub mod caster_positions {
         WORKGROUP = 64, NO_PLACE = 4294967295, FAULT_OUTSIDE = 0, FAULT_PARTED = 1,
     }
     entry_point! { "caster_positions", "gather", [64, 1, 1], SOURCE, () => Gather, GatherProgram {
-        0 params: Uniform<'a, crate::stages::caster_positions::Params>,
+        0 params: Uniform<'a, crate::stages::caster_positions::CasterPositionsParams>,
         1 vertices: Read<'a, u32>,
         2 places: Read<'a, [u32; 2]>,
         3 positions: Write<'a, [f32; 4]>,
@@ -147,21 +147,21 @@ pub mod compact {
         WORKGROUP = 64, ITEMS = 32,
     }
     entry_point! { "compact", "count", [64, 1, 1], SOURCE, () => Count, CountProgram {
-        0 params: Uniform<'a, crate::stages::compact::Params>,
+        0 params: Uniform<'a, crate::stages::compact::CompactParams>,
         1 counts: Read<'a, u32>,
         2 flags: Read<'a, u32>,
         3 marks: Write<'a, u32>,
         4 mark_counts: Write<'a, u32>,
     } }
     entry_point! { "compact", "emit", [64, 1, 1], SOURCE, () => Emit, EmitProgram {
-        0 params: Uniform<'a, crate::stages::compact::Params>,
+        0 params: Uniform<'a, crate::stages::compact::CompactParams>,
         3 marks: Write<'a, u32>,
         5 offsets: Read<'a, u32>,
         6 kept_from: Read<'a, u32>,
         7 kept: Write<'a, u32>,
     } }
     group! { Lists {
-        params: Uniform<'a, crate::stages::compact::Params>,
+        params: Uniform<'a, crate::stages::compact::CompactParams>,
         counts: Read<'a, u32>,
         flags: Read<'a, u32>,
         marks: Write<'a, u32>,
@@ -193,7 +193,7 @@ pub mod dispatch_args {
     }
     entry_point! { "dispatch_args", "fold", [64, 1, 1], SOURCE, Constants => Fold, FoldProgram {
         0 counts: Read<'a, u32>,
-        1 requests: Read<'a, crate::stages::dispatch_args::Request>,
+        1 requests: Read<'a, crate::stages::dispatch_args::ArgsRequest>,
         2 args: Write<'a, u32>,
     } }
     entries! {
@@ -325,7 +325,7 @@ pub mod gbuffer_triangles {
     }
     entry_point! { "gbuffer_triangles", "count_layers", [64, 1, 1], SOURCE, () => CountLayers, CountLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         2 layers: TextureUintLayers<'a>,
         4 numbers: Read<'a, u32>,
         5 pixel_counts: Write<'a, u32>,
@@ -336,7 +336,7 @@ pub mod gbuffer_triangles {
     } }
     entry_point! { "gbuffer_triangles", "count_samples", [64, 1, 1], SOURCE, () => CountSamples, CountSamplesProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         3 multisampled: TextureUintSamples<'a>,
         4 numbers: Read<'a, u32>,
         5 pixel_counts: Write<'a, u32>,
@@ -347,7 +347,7 @@ pub mod gbuffer_triangles {
     } }
     entry_point! { "gbuffer_triangles", "emit_layers", [64, 1, 1], SOURCE, () => EmitLayers, EmitLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         2 layers: TextureUintLayers<'a>,
         4 numbers: Read<'a, u32>,
         10 pixel_offsets: Read<'a, u32>,
@@ -355,7 +355,7 @@ pub mod gbuffer_triangles {
     } }
     entry_point! { "gbuffer_triangles", "emit_samples", [64, 1, 1], SOURCE, () => EmitSamples, EmitSamplesProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         3 multisampled: TextureUintSamples<'a>,
         4 numbers: Read<'a, u32>,
         10 pixel_offsets: Read<'a, u32>,
@@ -363,7 +363,7 @@ pub mod gbuffer_triangles {
     } }
     entry_point! { "gbuffer_triangles", "fill_layers", [64, 1, 1], SOURCE, () => FillLayers, FillLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         2 layers: TextureUintLayers<'a>,
         4 numbers: Read<'a, u32>,
         12 complex_pixels: Read<'a, u32>,
@@ -372,7 +372,7 @@ pub mod gbuffer_triangles {
     } }
     entry_point! { "gbuffer_triangles", "fill_samples", [64, 1, 1], SOURCE, () => FillSamples, FillSamplesProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 params: Uniform<'a, crate::stages::gbuffer_triangles::Params>,
+        1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         3 multisampled: TextureUintSamples<'a>,
         4 numbers: Read<'a, u32>,
         12 complex_pixels: Read<'a, u32>,
@@ -466,7 +466,7 @@ pub mod pixel_receivers {
     }
     entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 params: Uniform<'a, crate::stages::pixel_receivers::Params>,
+        1 params: Uniform<'a, crate::stages::pixel_receivers::PixelReceiversParams>,
         2 place: TextureFloat<'a>,
         3 normals: TextureFloat<'a>,
         4 ids: TextureUint<'a>,
@@ -665,18 +665,18 @@ pub mod prefix_scan {
         SATURATED = 4294967295,
     }
     entry_point! { "prefix_scan", "reduce", [64, 1, 1], SOURCE, () => Reduce, ReduceProgram {
-        0 params: Uniform<'a, crate::stages::prefix_scan::Params>,
+        0 params: Uniform<'a, crate::stages::prefix_scan::PrefixScanParams>,
         1 counts: Read<'a, u32>,
         2 input: Read<'a, [u32; 4]>,
         3 sums: Write<'a, [u32; 2]>,
     } }
     entry_point! { "prefix_scan", "spine", [256, 1, 1], SOURCE, () => Spine, SpineProgram {
-        0 params: Uniform<'a, crate::stages::prefix_scan::Params>,
+        0 params: Uniform<'a, crate::stages::prefix_scan::PrefixScanParams>,
         3 sums: Write<'a, [u32; 2]>,
         5 total: Write<'a, u32>,
     } }
     entry_point! { "prefix_scan", "downsweep", [64, 1, 1], SOURCE, () => Downsweep, DownsweepProgram {
-        0 params: Uniform<'a, crate::stages::prefix_scan::Params>,
+        0 params: Uniform<'a, crate::stages::prefix_scan::PrefixScanParams>,
         1 counts: Read<'a, u32>,
         2 input: Read<'a, [u32; 4]>,
         3 sums: Write<'a, [u32; 2]>,
@@ -700,13 +700,13 @@ pub mod radix_sort {
         WORKGROUP = 64, PAIRS = 64, BLOCK = 4096, DIGIT_BITS = 6, MAX_BINS = 64, COLUMN = 65,
     }
     entry_point! { "radix_sort", "count", [64, 1, 1], SOURCE, () => Count, CountProgram {
-        0 params: Uniform<'a, crate::stages::radix_sort::Params>,
+        0 params: Uniform<'a, crate::stages::radix_sort::RadixSortParams>,
         1 counts: Read<'a, u32>,
         2 keys_in: Read<'a, [u32; 4]>,
         4 histogram: Write<'a, u32>,
     } }
     entry_point! { "radix_sort", "scatter", [64, 1, 1], SOURCE, () => Scatter, ScatterProgram {
-        0 params: Uniform<'a, crate::stages::radix_sort::Params>,
+        0 params: Uniform<'a, crate::stages::radix_sort::RadixSortParams>,
         1 counts: Read<'a, u32>,
         2 keys_in: Read<'a, [u32; 4]>,
         3 values_in: Read<'a, [u32; 4]>,
@@ -715,7 +715,7 @@ pub mod radix_sort {
         7 values_out: Write<'a, u32>,
     } }
     group! { Digits {
-        params: Uniform<'a, crate::stages::radix_sort::Params>,
+        params: Uniform<'a, crate::stages::radix_sort::RadixSortParams>,
         counts: Read<'a, u32>,
         keys_in: Read<'a, [u32; 4]>,
         values_in: Read<'a, [u32; 4]>,
@@ -939,7 +939,7 @@ pub mod sample_surfaces {
     entry_point! { "sample_surfaces", "nearest", [64, 1, 1], SOURCE, Constants => Nearest, NearestProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         3 triangles: Read<'a, [u32; 4]>,
         4 points: Read<'a, [f32; 4]>,
         5 pixel_offsets: Read<'a, u32>,
@@ -952,7 +952,7 @@ pub mod sample_surfaces {
     entry_point! { "sample_surfaces", "settle_rivals", [64, 1, 1], SOURCE, Constants => SettleRivals, SettleRivalsProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         3 triangles: Read<'a, [u32; 4]>,
         7 complex_pixels: Read<'a, u32>,
         8 complex_total: Read<'a, u32>,
@@ -964,7 +964,7 @@ pub mod sample_surfaces {
     entry_point! { "sample_surfaces", "settle_crowds", [64, 1, 1], SOURCE, Constants => SettleCrowds, SettleCrowdsProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         3 triangles: Read<'a, [u32; 4]>,
         4 points: Read<'a, [f32; 4]>,
         5 pixel_offsets: Read<'a, u32>,
@@ -976,7 +976,7 @@ pub mod sample_surfaces {
     } }
     entry_point! { "sample_surfaces", "name_surfaces", [64, 1, 1], SOURCE, Constants => NameSurfaces, NameSurfacesProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         3 triangles: Read<'a, [u32; 4]>,
         4 points: Read<'a, [f32; 4]>,
         8 complex_total: Read<'a, u32>,
@@ -986,7 +986,7 @@ pub mod sample_surfaces {
     } }
     entry_point! { "sample_surfaces", "group_samples", [64, 1, 1], SOURCE, Constants => GroupSamples, GroupSamplesProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         7 complex_pixels: Read<'a, u32>,
         8 complex_total: Read<'a, u32>,
         11 facet_counts: Write<'a, u32>,
@@ -995,7 +995,7 @@ pub mod sample_surfaces {
     entry_point! { "sample_surfaces", "emit", [64, 1, 1], SOURCE, Constants => Emit, EmitProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         7 complex_pixels: Read<'a, u32>,
         8 complex_total: Read<'a, u32>,
         13 pixel_facets: Read<'a, u32>,
@@ -1018,7 +1018,7 @@ pub mod sample_surfaces {
     group! { Search {
         positions: Read<'a, [f32; 4]>,
         points: Read<'a, [f32; 4]>,
-        step: Uniform<'a, crate::stages::sample_surfaces::Step>,
+        step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         samples: Uniform<'a, [f32; 4]>,
         triangles: Read<'a, [u32; 4]>,
         rivals_found: Write<'a, u32>,
@@ -1307,13 +1307,13 @@ pub mod sorted_pairs {
         WORKGROUP = 64,
     }
     entry_point! { "sorted_pairs", "bounds", [64, 1, 1], SOURCE, () => Bounds, BoundsProgram {
-        0 params: Uniform<'a, crate::stages::sorted_pairs::Params>,
+        0 params: Uniform<'a, crate::stages::sorted_pairs::SortedPairsParams>,
         1 counts: Read<'a, u32>,
         2 keys: Read<'a, u32>,
         4 texel_counts: Write<'a, u32>,
     } }
     entry_point! { "sorted_pairs", "join", [64, 1, 1], SOURCE, () => Join, JoinProgram {
-        0 params: Uniform<'a, crate::stages::sorted_pairs::Params>,
+        0 params: Uniform<'a, crate::stages::sorted_pairs::SortedPairsParams>,
         1 counts: Read<'a, u32>,
         2 keys: Read<'a, u32>,
         3 values: Read<'a, u32>,
@@ -1686,32 +1686,32 @@ pub mod summed_area {
         packed: bool = true, "PACKED",
     }
     entry_point! { "summed_area", "rows", [64, 1, 1], SOURCE, Constants => Rows, RowsProgram {
-        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        0 params: Uniform<'a, crate::stages::summed_area::SummedAreaParams>,
         1 texels: Read<'a, u32>,
         2 row_sums: Write<'a, u32>,
     } }
     entry_point! { "summed_area", "strips", [64, 1, 1], SOURCE, Constants => Strips, StripsProgram {
-        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        0 params: Uniform<'a, crate::stages::summed_area::SummedAreaParams>,
         1 texels: Read<'a, u32>,
         2 row_sums: Write<'a, u32>,
         3 strip_sums: Write<'a, [u32; 4]>,
     } }
     entry_point! { "summed_area", "columns", [64, 1, 1], SOURCE, Constants => Columns, ColumnsProgram {
-        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        0 params: Uniform<'a, crate::stages::summed_area::SummedAreaParams>,
         1 texels: Read<'a, u32>,
         2 row_sums: Write<'a, u32>,
         3 strip_sums: Write<'a, [u32; 4]>,
         4 sat_quads: Write<'a, [u32; 4]>,
     } }
     entry_point! { "summed_area", "columns_ragged", [64, 1, 1], SOURCE, Constants => ColumnsRagged, ColumnsRaggedProgram {
-        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        0 params: Uniform<'a, crate::stages::summed_area::SummedAreaParams>,
         1 texels: Read<'a, u32>,
         2 row_sums: Write<'a, u32>,
         3 strip_sums: Write<'a, [u32; 4]>,
         4 sat: Write<'a, u32>,
     } }
     entry_point! { "summed_area", "query", [64, 1, 1], SOURCE, Constants => Query, QueryProgram {
-        0 params: Uniform<'a, crate::stages::summed_area::Params>,
+        0 params: Uniform<'a, crate::stages::summed_area::SummedAreaParams>,
         4 sat: Write<'a, u32>,
         5 rects: Read<'a, [u32; 4]>,
         6 rect_sums: Write<'a, u32>,
@@ -1741,14 +1741,14 @@ pub mod texel_group {
         5 cleared: Write<'a, [u32; 4]>,
     } }
     entry_point! { "texel_group", "count", [64, 1, 1], SOURCE, () => Count, CountProgram {
-        0 params: Uniform<'a, crate::stages::texel_group::Params>,
+        0 params: Uniform<'a, crate::stages::texel_group::TexelGroupParams>,
         1 counts: Read<'a, u32>,
         2 keys: Read<'a, [u32; 4]>,
         4 ranks: Write<'a, [u32; 4]>,
         5 key_counts: Write<'a, u32>,
     } }
     entry_point! { "texel_group", "scatter", [64, 1, 1], SOURCE, () => Scatter, ScatterProgram {
-        0 params: Uniform<'a, crate::stages::texel_group::Params>,
+        0 params: Uniform<'a, crate::stages::texel_group::TexelGroupParams>,
         1 counts: Read<'a, u32>,
         2 keys: Read<'a, [u32; 4]>,
         3 values: Read<'a, [u32; 4]>,
@@ -1757,7 +1757,7 @@ pub mod texel_group {
         7 grouped: Write<'a, u32>,
     } }
     group! { Group {
-        params: Uniform<'a, crate::stages::texel_group::Params>,
+        params: Uniform<'a, crate::stages::texel_group::TexelGroupParams>,
         counts: Read<'a, u32>,
         keys: Read<'a, [u32; 4]>,
         values: Read<'a, [u32; 4]>,
@@ -1788,7 +1788,7 @@ pub mod triangle_ids {
     }
     entry_point! { "triangle_ids", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 params: Uniform<'a, crate::stages::triangle_ids::Params>,
+        1 params: Uniform<'a, crate::stages::triangle_ids::TriangleIdsParams>,
         2 ids: TextureUint<'a>,
         3 numbers: Read<'a, u32>,
         4 id_keys: Write<'a, u32>,
@@ -2059,7 +2059,7 @@ pub mod work_owners {
         STRIDE = 8, HEAD = 3, WORKGROUP = 64,
     }
     entry_point! { "work_owners", "list", [64, 1, 1], SOURCE, () => List, ListProgram {
-        0 params: Uniform<'a, crate::stages::work_owners::Params>,
+        0 params: Uniform<'a, crate::stages::work_owners::WorkOwnersParams>,
         1 work_offsets: Write<'a, u32>,
     } }
     entries! {

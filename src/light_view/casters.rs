@@ -1,7 +1,7 @@
 //! Parts of a mesh that cast on something that can be lit: the light's view has to hold them.
 
 use super::fit::axes;
-use super::points::Casters;
+use super::points::MeshAndTree;
 use super::{LightView, Receivers};
 use crate::scene::Light;
 use crate::scene::mesh_tree::{Bounds, Which};
@@ -20,13 +20,13 @@ const GROWN: f64 = 1.0 / 64.0;
 /// largest triangles only the part counts that lies before something that can be lit: a ground casts on nothing but what sticks
 /// into it, and does not widen the view. `small`: the view of the small triangles, if there is one that holds them.
 pub(super) fn of_large_casters(
-    casters: Casters,
+    casters: MeshAndTree,
     light: &Light,
     (lo, hi): (DVec3, DVec3),
     small: Option<LightView>,
     receivers: Receivers,
 ) -> Vec<DVec3> {
-    let Casters { mesh, tree } = casters;
+    let MeshAndTree { mesh, tree } = casters;
     // Corners are exact: above the rounding of their heights over a plane, and below what kernels tell from 0 (2^-40 of the distance over
     // which they are measured) of all that is not a hundred times smaller than the scene.
     let slack = 1e-14 * (hi - lo).length();
@@ -51,7 +51,7 @@ pub(super) fn of_large_casters(
 
 /// Points around the part of a triangle that lies before the box of all that is behind its plane; with a light at a point all of
 /// it, as only one at infinity sends parallel rays: what lies behind, widened along them, is then where it can matter.
-fn part_before_a_box(casters: Casters, triangle: [DVec3; 3], light: &Light, slack: f64) -> Vec<DVec3> {
+fn part_before_a_box(casters: MeshAndTree, triangle: [DVec3; 3], light: &Light, slack: f64) -> Vec<DVec3> {
     let [a, b, c] = triangle;
     let Some(normal) = (b - a).cross(c - a).try_normalize() else { return Vec::new() };
     let away = if normal.dot(light.towards(a)) < 0.0 { normal } else { -normal };
@@ -134,7 +134,7 @@ impl LargeCaster {
     }
 
     /// Corners of a polygon that holds the part of it that lies before something of the mesh.
-    fn part_that_casts(&self, casters: Casters, light: &Light, receivers: Receivers) -> Vec<DVec3> {
+    fn part_that_casts(&self, casters: MeshAndTree, light: &Light, receivers: Receivers) -> Vec<DVec3> {
         let mut part = self.corners.to_vec();
         for axis in self.along {
             let Some(high) = self.reach(casters, axis, light, receivers) else { return Vec::new() };
@@ -147,7 +147,7 @@ impl LargeCaster {
     }
 
     /// How far the part before any triangle that can be lit reaches along `axis` from the first corner; `None` if there is no such part.
-    fn reach(&self, casters: Casters, axis: DVec3, light: &Light, receivers: Receivers) -> Option<f64> {
+    fn reach(&self, casters: MeshAndTree, axis: DVec3, light: &Light, receivers: Receivers) -> Option<f64> {
         let first = self.corners[0];
         let own = greatest(&self.corners.map(|p| p - first), axis);
         let above = |b: &Bounds| {
@@ -267,7 +267,7 @@ mod tests {
             let mut mesh = crate::scene::builtin(name).unwrap().mesh;
             let ground = mesh.ground_below().unwrap();
             mesh.add_ground(&ground);
-            let casters = Casters { mesh: &mesh, tree: &MeshTree::new(&mesh) };
+            let casters = MeshAndTree { mesh: &mesh, tree: &MeshTree::new(&mesh) };
             let (low, high) = mesh.bounds().unwrap();
             let above = (low + high) * 0.5 + DVec3::new(0.3, 1.2, 0.1) * (high - low);
             for light in [

@@ -2,7 +2,7 @@
 
 use super::casters::clip;
 use super::fit::{axes, check};
-use super::points::Casters;
+use super::points::MeshAndTree;
 use super::{LightView, Window};
 use crate::Result;
 use crate::scene::mesh_tree::{Bounds, MeshTree, Which};
@@ -29,11 +29,11 @@ impl LightView {
     /// As [`LightView::fit`]; [`Error::Scene`](crate::Error::Scene) for a directional light, which has no place to be seen from.
     pub fn cube(mesh: &Mesh, light: &Light, map_size: u32) -> Result<Vec<Self>> {
         mesh.check("mesh")?;
-        Self::cube_of(Casters { mesh, tree: &MeshTree::new(mesh) }, light, map_size)
+        Self::cube_of(MeshAndTree { mesh, tree: &MeshTree::new(mesh) }, light, map_size)
     }
 
     /// Likewise of a mesh that was checked, and whose tree is known.
-    pub(crate) fn cube_of(casters: Casters, light: &Light, map_size: u32) -> Result<Vec<Self>> {
+    pub(crate) fn cube_of(casters: MeshAndTree, light: &Light, map_size: u32) -> Result<Vec<Self>> {
         check(light, map_size)?;
         let at = position(light)?;
         let of_side = |&side: &DVec3| Reach::of_all(casters, at, side).map(|reach| reach.view(at, side, map_size));
@@ -88,7 +88,7 @@ impl Reach {
     }
 
     /// Of all casters; `None` if none is in the pyramid of the side.
-    fn of_all(casters: Casters, light: DVec3, side: DVec3) -> Option<Self> {
+    fn of_all(casters: MeshAndTree, light: DVec3, side: DVec3) -> Option<Self> {
         let (right, up) = axes(side);
         let out = |b: &Bounds, across: DVec3| {
             let inward = side * HALF - across;

@@ -1,7 +1,7 @@
 //! Fitting the light view: the narrowest view that holds every caster where it can shadow something.
 
 use super::casters::of_large_casters;
-use super::points::{Casters, Points};
+use super::points::{MeshAndTree, Points};
 use super::{LightView, Receivers, Window};
 use crate::scene::mesh_tree::{MeshTree, Which};
 use crate::scene::{Light, Mesh};
@@ -32,11 +32,16 @@ impl LightView {
     /// As [`LightView::fit`].
     pub fn fit_for(mesh: &Mesh, light: &Light, map_size: u32, receivers: Receivers) -> Result<Self> {
         mesh.check("mesh")?;
-        Self::fit_casters(Casters { mesh, tree: &MeshTree::new(mesh) }, light, map_size, receivers)
+        Self::fit_casters(MeshAndTree { mesh, tree: &MeshTree::new(mesh) }, light, map_size, receivers)
     }
 
     /// Likewise of a mesh that was checked, and whose tree is known.
-    pub(crate) fn fit_casters(casters: Casters, light: &Light, map_size: u32, receivers: Receivers) -> Result<Self> {
+    pub(crate) fn fit_casters(
+        casters: MeshAndTree,
+        light: &Light,
+        map_size: u32,
+        receivers: Receivers,
+    ) -> Result<Self> {
         check(light, map_size)?;
         let all = Points { casters: Some((casters, Which::All)), more: &[] };
         let bounds = casters.tree.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
@@ -441,7 +446,7 @@ mod tests {
         let mut over = mesh.clone();
         over.triangles[2..].iter_mut().for_each(|t| t.swap(1, 2));
         let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
-        let casters = Casters { mesh: &over, tree: &MeshTree::new(&over) };
+        let casters = MeshAndTree { mesh: &over, tree: &MeshTree::new(&over) };
         let points = |receivers| of_large_casters(casters, &light, over.bounds().unwrap(), None, receivers).len();
         let (a, b) = (points(Receivers::Outsides), points(Receivers::Surfaces));
         assert!(a == 0 && b > 0, "{a} {b}");

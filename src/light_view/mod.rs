@@ -9,7 +9,7 @@ mod seen_box;
 mod splits;
 
 pub use parts::Parts;
-pub(crate) use points::Casters;
+pub(crate) use points::MeshAndTree;
 pub use seen_box::SeenBox;
 pub use splits::{SplitPlan, SplitView, Warp};
 

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// A mesh and its tree.
 #[derive(Clone, Copy)]
-pub struct Casters<'a> {
+pub struct MeshAndTree<'a> {
     pub mesh: &'a Mesh,
     pub tree: &'a MeshTree,
 }
@@ -15,7 +15,7 @@ pub struct Casters<'a> {
 /// The points.
 #[derive(Clone, Copy)]
 pub struct Points<'a> {
-    pub casters: Option<(Casters<'a>, Which)>,
+    pub casters: Option<(MeshAndTree<'a>, Which)>,
     pub more: &'a [DVec3],
 }
 
@@ -36,7 +36,7 @@ impl<'a> Points<'a> {
             let values = points.iter().map(|&p| (value(p), p)).filter(|(v, _)| *v > f64::NEG_INFINITY);
             values.max_by(|a, b| a.0.total_cmp(&b.0))
         };
-        let met = self.casters.and_then(|(Casters { mesh, tree }, which)| {
+        let met = self.casters.and_then(|(MeshAndTree { mesh, tree }, which)| {
             let of_triangle = |corners: [DVec3; 3]| of(&corners).map_or(f64::NEG_INFINITY, |(v, _)| v);
             let (_, t) = tree.greatest(mesh, which, above, of_triangle)?;
             of(&mesh.corners(t as usize))
@@ -92,7 +92,7 @@ impl<'a> Points<'a> {
     }
 }
 
-impl Casters<'_> {
+impl MeshAndTree<'_> {
     /// How many triangles are not wholly in front of the light.
     pub fn not_in_front(&self, view: &LightView) -> usize {
         let axis = view.w.truncate();
@@ -180,7 +180,7 @@ mod tests {
     fn what_the_tree_finds_is_what_all_points_tell() {
         for (mesh, light) in cases() {
             let tree = MeshTree::new(&mesh);
-            let casters = Casters { mesh: &mesh, tree: &tree };
+            let casters = MeshAndTree { mesh: &mesh, tree: &tree };
             let more = [DVec3::new(3.0, -1.0, 2.0)];
             for which in [Which::Small, Which::All] {
                 let points = Points { casters: Some((casters, which)), more: &more };
@@ -210,7 +210,7 @@ mod tests {
         let mut behind = [0, 0];
         for (mesh, at) in cases() {
             let tree = MeshTree::new(&mesh);
-            let casters = Casters { mesh: &mesh, tree: &tree };
+            let casters = MeshAndTree { mesh: &mesh, tree: &tree };
             let view = LightView::fit(&mesh, &Light::Point { position: at.as_vec3().into() }, 64).unwrap();
             for k in 0..4 {
                 let w = view.w + glam::DVec4::new(0.0, 0.0, 0.0, -0.3 * f64::from(k) * view.near);

@@ -8,7 +8,7 @@ use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::render::{Budget, Output, Renderer};
 use super::settings::Settings;
-use super::shadow_map::{Ask, ShadowMapping};
+use super::shadow_map::{MapQuery, ShadowMapping};
 use super::split_mapping::{Recipe, SplitMapping};
 use super::spsm::Spsm;
 use super::supersampled::Supersampled;
@@ -53,9 +53,9 @@ impl<'a> AnyRenderer<'a> {
             }
             MethodName::ShadowMap | MethodName::Pcf | MethodName::Smsr => {
                 let ask = match method {
-                    MethodName::Pcf => Ask::Filtered,
-                    MethodName::Smsr => Ask::Revectorized,
-                    _ => Ask::Nearest,
+                    MethodName::Pcf => MapQuery::Filtered,
+                    MethodName::Smsr => MapQuery::Revectorized,
+                    _ => MapQuery::Nearest,
                 };
                 let make = |_: &CasterBuffers| ShadowMapping::new(gpu, settings, ask);
                 Ok(Self::ShadowMapping(Box::new(FixedRenderer::new(gpu, prepared, settings, make)?)))

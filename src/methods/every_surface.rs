@@ -8,11 +8,11 @@ use crate::gpu::kernels::pixel_triangles;
 use crate::gpu::{Buffer, Groups, Recorder, Stage};
 use crate::stages::camera_visibility::Blocks;
 use crate::stages::compact::{self, Compact, Flags};
-use crate::stages::dispatch_args::{DispatchArgs, Request, Requests};
+use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::stages::facet_classify::Facets;
-use crate::stages::gbuffer_triangles::{GbufferTriangles, Given};
+use crate::stages::gbuffer_triangles::{GbufferTriangles, SampleGbuffer};
 use crate::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use crate::stages::sample_surfaces::{ComplexPixels, Fill, Mesh, SampleSurfaces, WORKGROUP};
+use crate::stages::sample_surfaces::{ComplexPixels, Fill, SampleSurfaces, SurfaceInputs, WORKGROUP};
 use crate::stages::{Count, PrefixScan, prefix_scan};
 use crate::status_word;
 
@@ -22,7 +22,7 @@ pub struct SampleIds<'a> {
     /// The pipelines.
     pub stage: &'a GbufferTriangles,
     /// The G-buffer.
-    pub given: Given<'a>,
+    pub given: SampleGbuffer<'a>,
     /// Takes the count of samples that name no triangle.
     pub faults: &'a Buffer<u32>,
 }
@@ -53,8 +53,8 @@ impl SurfacePipelines {
 pub struct EverySurface {
     lists: PixelLists,
     complex: ComplexPixels,
-    compact_scratch: compact::Scratch,
-    scan_scratch: prefix_scan::Scratch,
+    compact_scratch: compact::CompactScratch,
+    scan_scratch: prefix_scan::PrefixScanScratch,
     requests: [Requests; 2],
     args: Buffer<u32>,
     again_args: Buffer<u32>,
@@ -150,7 +150,7 @@ impl EverySurface {
             let count = Count::Exactly(pixels);
             with.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
             with.fold.record(stage, &complex.total, &self.requests[0], &self.args)?;
-            let mesh = Mesh {
+            let mesh = SurfaceInputs {
                 samples,
                 triangles: in_camera.triangles,
                 points: in_camera.points,
@@ -186,7 +186,8 @@ fn requests(
     lists: &PixelLists,
     c: Capacities,
 ) -> Result<[Requests; 2]> {
-    let complex = Request::new(0, WORKGROUP, c.complex_pixels, 0)?;
-    let again = Request::new(casters, pixel_triangles::WORKGROUP, Request::MAX_LIMIT, 0)?.after(lists.touched.len());
+    let complex = ArgsRequest::new(0, WORKGROUP, c.complex_pixels, 0)?;
+    let again =
+        ArgsRequest::new(casters, pixel_triangles::WORKGROUP, ArgsRequest::MAX_LIMIT, 0)?.after(lists.touched.len());
     Ok([DispatchArgs::requests(device, queue, &[complex])?, DispatchArgs::requests(device, queue, &[again])?])
 }

@@ -14,12 +14,12 @@ use crate::light_view::LightView;
 use crate::scene::options::MAX_EXTENT;
 use crate::scene::{Camera, Light};
 use crate::stages::Count;
-use crate::stages::facet_classify::{Facets, Surroundings};
+use crate::stages::facet_classify::{ClassifyInputs, Facets};
 use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::{PairLists, TALLY_COUNTERS, TALLY_WORDS};
 use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
-pub use asked::{LightMaps, Seen, Strip};
+pub use asked::{FacetSource, MapSource, Strip};
 use glam::{DVec3, Vec3};
 pub use memory::Capacities;
 use memory::{Arg, FacetMemory, Memory, PairMemory, frames, requests};
@@ -193,14 +193,20 @@ impl FacetMasks {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
-        self.record_seen(rec, casters, Seen::Found, LightMaps::Made)
+        self.record_seen(rec, casters, FacetSource::Found, MapSource::Made)
     }
 
     /// As [`FacetMasks::record`], with what pixels show from elsewhere, or the light's maps of the strip before.
     ///
     /// # Errors
     /// As [`FacetMasks::record`], and those of `seen`.
-    pub fn record_seen(&self, rec: &mut Recorder, casters: &CasterBuffers, seen: Seen, maps: LightMaps) -> Result<()> {
+    pub fn record_seen(
+        &self,
+        rec: &mut Recorder,
+        casters: &CasterBuffers,
+        seen: FacetSource,
+        maps: MapSource,
+    ) -> Result<()> {
         let m = &self.memory;
         let frame = &m.frames[0];
         rec.clear(m.status.raw());
@@ -210,10 +216,10 @@ impl FacetMasks {
         geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
         let in_camera = geometry.in_camera(casters);
         match (self.every_surface.as_ref().zip(self.with.surfaces.as_ref()), seen) {
-            (None, Seen::Centres(write)) => write(rec, frame)?,
+            (None, FacetSource::Centres(write)) => write(rec, frame)?,
             (None, _) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
             (Some((camera, with)), seen) => {
-                let given = if let Seen::Samples(given) = seen { Some(given) } else { None };
+                let given = if let FacetSource::Samples(given) = seen { Some(given) } else { None };
                 rec.clear(geometry.id_keys.raw());
                 let positions = &casters.positions;
                 camera.record(
@@ -233,7 +239,7 @@ impl FacetMasks {
         }
         for view in 0..self.capacities.views {
             // Views share the memory of the maps: of several the last would be left.
-            if maps == LightMaps::Made || self.capacities.views > 1 {
+            if maps == MapSource::Made || self.capacities.views > 1 {
                 self.record_maps(rec, casters, view)?;
             }
             self.record_view(rec, casters, view)?;
@@ -270,7 +276,7 @@ impl FacetMasks {
         }
         {
             let stage = &mut rec.stage("facet_classify");
-            let around = Surroundings {
+            let around = ClassifyInputs {
                 triangles,
                 positions: &casters.positions,
                 sat: &m.maps.sat,

@@ -16,7 +16,7 @@ use std::time::Instant;
 
 /// Inputs of a stage of such a method.
 #[derive(Clone, Copy)]
-pub struct Inputs<'a> {
+pub struct StageInputs<'a> {
     /// The frame uniform.
     pub frame: &'a Buffer<Frame>,
     /// Sample offsets, see [`sample_words`].
@@ -42,7 +42,7 @@ pub trait FixedMethod {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
-    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()>;
+    fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()>;
 
     /// Whether the frame has to be recorded once more, as the method is set now: what it left out was needed.
     ///
@@ -151,8 +151,12 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
             let mut rec = Recorder::new(&gpu.device, &mut encoder, self.timer.as_mut());
             self.geometry.record_setup(&mut rec, &self.with, &self.frame, &self.casters)?;
             self.geometry.record_camera(&mut rec, &self.with, &self.frame, &self.casters)?;
-            let inputs =
-                Inputs { frame: &self.frame, samples: &self.samples, casters: &self.casters, geometry: &self.geometry };
+            let inputs = StageInputs {
+                frame: &self.frame,
+                samples: &self.samples,
+                casters: &self.casters,
+                geometry: &self.geometry,
+            };
             self.method.record(&mut rec, inputs)?;
             dispatches += rec.dispatches();
             if let Some(timer) = &self.timer {

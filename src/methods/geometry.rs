@@ -7,7 +7,7 @@ use crate::frame::Frame;
 use crate::gpu::kernels::{camera_visibility, light_layers};
 use crate::gpu::{Buffer, Recorder};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
-use crate::stages::dispatch_args::{DispatchArgs, Request, Requests};
+use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use crate::stages::vertex_project::VertexProject;
 use crate::stages::work_owners::{ListWork, WorkOwners};
@@ -49,7 +49,7 @@ pub struct Geometry {
     pub id_keys: Buffer<u32>,
     camera_offsets: Buffer<u32>,
     light_offsets: Buffer<u32>,
-    scan_scratch: prefix_scan::Scratch,
+    scan_scratch: prefix_scan::PrefixScanScratch,
     requests: [Requests; 2],
     args: Buffer<u32>,
 }
@@ -72,7 +72,7 @@ impl Geometry {
     ) -> Result<Self> {
         let (vertices, triangles) = (casters.positions.len(), casters.triangles.len());
         let request = |group: u32, at: usize| {
-            DispatchArgs::requests(device, queue, &[Request::new(triangles, group, Request::MAX_LIMIT, at)?])
+            DispatchArgs::requests(device, queue, &[ArgsRequest::new(triangles, group, ArgsRequest::MAX_LIMIT, at)?])
         };
         let offsets = |label: &str, cells: usize| Buffer::storage(device, label, WorkOwners::words(triangles, cells));
         Ok(Self {

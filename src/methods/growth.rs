@@ -14,7 +14,7 @@ use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings};
 use super::render::{Budget, Counts, ListUse};
 use crate::stages::SortedPairs;
 use crate::stages::candidate_pairs::ROUND_LENGTH;
-use crate::stages::facet_classify::{State, Undecided};
+use crate::stages::facet_classify::{FacetState, Undecided};
 use crate::stages::pixel_texel_pairs::TALLY_WORDS;
 use crate::stages::sample_surfaces;
 use crate::status::{Status, StatusBand};
@@ -255,22 +255,22 @@ pub fn larger(a: Capacities, b: Capacities) -> Capacities {
 pub fn counts(status: &Status) -> Counts {
     let sum = |of: fn(&StatusBand) -> u32| status.bands.iter().map(|band| u64::from(of(band))).sum::<u64>();
     let head = &status.head;
-    let state = |s: State| u64::from(head.facets[s as usize]);
+    let state = |s: FacetState| u64::from(head.facets[s as usize]);
     Counts {
         silhouette_edges: u64::from(head.silhouette_edges),
         silhouette_texels: sum(|band| band.marked_texels),
-        silhouette_pixels: state(State::Undecided),
+        silhouette_pixels: state(FacetState::Undecided),
         pixel_texel_pairs: sum(|band| band.pixel_pairs.items),
         triangle_texel_pairs: sum(|band| band.triangle_pairs.items),
         candidate_tests: u64::from(head.candidate_tests[0]) | u64::from(head.candidate_tests[1]) << 32,
         visibility_evaluations: sum(|band| band.candidates),
         refined_evaluations: sum(|band| band.doubts),
-        facets: State::ALL.iter().map(|&s| state(s)).sum(),
+        facets: FacetState::ALL.iter().map(|&s| state(s)).sum(),
         complex_pixels: u64::from(head.complex_pixels.items),
-        empty_facets: state(State::Empty),
-        dark_facets: state(State::Dark),
-        lit_facets: state(State::Lit),
-        shadowed_facets: state(State::Shadowed),
+        empty_facets: state(FacetState::Empty),
+        dark_facets: state(FacetState::Dark),
+        lit_facets: state(FacetState::Lit),
+        shadowed_facets: state(FacetState::Shadowed),
     }
 }
 

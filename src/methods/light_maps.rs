@@ -7,7 +7,7 @@ use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::silhouette_mask;
 use crate::gpu::{Buffer, Recorder};
-use crate::stages::dispatch_args::{Request, Requests};
+use crate::stages::dispatch_args::{ArgsRequest, Requests};
 use crate::stages::front_layer::FrontLayer;
 use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::silhouette_mask::SilhouetteMask;
@@ -48,8 +48,8 @@ pub struct LightMaps {
     edge_rects: Buffer<[u32; 2]>,
     edge_items: Buffer<u32>,
     edge_offsets: Buffer<u32>,
-    scan_scratch: prefix_scan::Scratch,
-    sat_scratch: summed_area::Scratch,
+    scan_scratch: prefix_scan::PrefixScanScratch,
+    sat_scratch: summed_area::SummedAreaScratch,
     requests: Requests,
     args: Buffer<u32>,
 }
@@ -67,7 +67,7 @@ impl LightMaps {
         size: usize,
     ) -> Result<Self> {
         let texels = size * size;
-        let request = Request::new(edges, silhouette_mask::WORKGROUP, Request::MAX_LIMIT, 0)?;
+        let request = ArgsRequest::new(edges, silhouette_mask::WORKGROUP, ArgsRequest::MAX_LIMIT, 0)?;
         Ok(Self {
             layers: Layers::new(device, size)?,
             sat: Buffer::storage(device, "summed_area.sat", texels)?,

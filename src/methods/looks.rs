@@ -7,7 +7,7 @@ use super::spsm::Spsm;
 use super::strips::Rows;
 use crate::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::stages::facet_classify::{Facets, State};
+use crate::stages::facet_classify::{FacetState, Facets};
 use crate::stages::light_layers::Layers;
 use crate::stages::spsm_query::Class;
 
@@ -32,7 +32,7 @@ impl PixelClass {
     pub const ALL: [Self; 5] = [Self::Empty, Self::Dark, Self::Lit, Self::Shadowed, Self::Undecided];
 
     fn of_state(state: u32) -> Self {
-        const STATES: [State; 5] = State::ALL;
+        const STATES: [FacetState; 5] = FacetState::ALL;
         let at = STATES.iter().position(|s| *s as u32 == state);
         at.map_or(Self::Undecided, |k| Self::ALL[k])
     }
@@ -151,11 +151,11 @@ impl MapLook {
     }
 }
 
-/// Raises the class of each pixel to that of its facets, given as pixel and [`State`].
+/// Raises the class of each pixel to that of its facets, given as pixel and [`FacetState`].
 fn most_demanding(classes: &mut [PixelClass], facets: impl Iterator<Item = (usize, u32)>) {
     for (pixel, state) in facets {
         // Places of the list that hold no facet are empty.
-        if let (true, Some(class)) = (state != State::Empty as u32, classes.get_mut(pixel)) {
+        if let (true, Some(class)) = (state != FacetState::Empty as u32, classes.get_mut(pixel)) {
             *class = (*class).max(PixelClass::of_state(state));
         }
     }
@@ -171,15 +171,21 @@ mod tests {
 
     #[test]
     fn a_pixel_has_the_class_of_its_most_demanding_facet() {
-        let of = |facets: &[(usize, State)]| {
+        let of = |facets: &[(usize, FacetState)]| {
             let mut classes = vec![PixelClass::Empty; 3];
             most_demanding(&mut classes, facets.iter().map(|&(p, s)| (p, s as u32)));
             classes
         };
-        let facets = [(0, State::Lit), (2, State::Dark), (0, State::Undecided), (0, State::Dark), (2, State::Lit)];
+        let facets = [
+            (0, FacetState::Lit),
+            (2, FacetState::Dark),
+            (0, FacetState::Undecided),
+            (0, FacetState::Dark),
+            (2, FacetState::Lit),
+        ];
         assert_eq!(of(&facets), [PixelClass::Undecided, PixelClass::Empty, PixelClass::Lit]);
         assert_ne!(of(&facets[..2]), of(&facets));
         // Places that hold no facet name any pixel.
-        assert_eq!(of(&[(1, State::Empty), (7, State::Lit)]), [PixelClass::Empty; 3]);
+        assert_eq!(of(&[(1, FacetState::Empty), (7, FacetState::Lit)]), [PixelClass::Empty; 3]);
     }
 }

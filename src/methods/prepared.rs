@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::gpu::Buffer;
-use crate::light_view::Casters;
+use crate::light_view::MeshAndTree;
 use crate::scene::adjacency::{Adjacency, Edge};
 use crate::scene::mesh_tree::MeshTree;
 use crate::scene::{Light, Mesh};
@@ -49,8 +49,8 @@ impl Prepared {
         self.tree.get_or_init(|| MeshTree::new(&self.mesh))
     }
 
-    pub(crate) fn casters(&self) -> Casters<'_> {
-        Casters { mesh: &self.mesh, tree: self.tree() }
+    pub(crate) fn casters(&self) -> MeshAndTree<'_> {
+        MeshAndTree { mesh: &self.mesh, tree: self.tree() }
     }
 
     /// Whether `light` is outside all closed bodies that are turned outward ([`Prepared::bodies`]), and there are any: what turns away
@@ -101,7 +101,7 @@ fn marked(surfaces: &[u32]) -> Vec<u32> {
 }
 
 /// Positions and triangles of a mesh, uploaded.
-pub type Surfaces = (Buffer<[f32; 4]>, Buffer<[u32; 4]>);
+pub type MeshBuffers = (Buffer<[f32; 4]>, Buffer<[u32; 4]>);
 
 /// As kernels read them, 16 bytes each: an adapter that goes through lanes one by one pays by load, not by word.
 pub fn padded<T: Copy + Default>(elements: &[[T; 3]]) -> Vec<[T; 4]> {
@@ -125,7 +125,7 @@ pub fn surfaces(
     mesh: &Mesh,
     bodies: &[bool],
     room: usize,
-) -> Result<Surfaces> {
+) -> Result<MeshBuffers> {
     let (positions, triangles) = (padded(&mesh.positions), marked_triangles(&mesh.triangles, bodies));
     let positions = Buffer::with_room(device, queue, "casters.positions", &positions, 3 * room)?;
     let triangles = Buffer::with_room(device, queue, "casters.triangles", &triangles, room)?;

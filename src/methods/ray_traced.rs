@@ -5,7 +5,7 @@
 //! With [`RayTracedSettings::silhouettes`](super::RayTracedSettings::silhouettes) only pixels that the proof of `facet-masks` leaves undecided are traced. Memory is
 //! fixed: about 190 bytes a pixel, and the tree. The tree is built once on the CPU, which is part of no frame's time.
 
-use super::fixed::{FixedMethod, Inputs};
+use super::fixed::{FixedMethod, StageInputs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
@@ -16,7 +16,7 @@ use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
-use crate::stages::shadow_rays::{Rays, ShadowRays, Step};
+use crate::stages::shadow_rays::{RayLists, RayStep, ShadowRays};
 use crate::{Error, Result};
 
 /// The method for one mesh, image and setting.
@@ -24,7 +24,7 @@ use crate::{Error, Result};
 pub struct RayTraced {
     settled: Settled,
     rays: ShadowRays,
-    work: Rays,
+    work: RayLists,
 }
 
 impl RayTraced {
@@ -39,7 +39,7 @@ impl RayTraced {
         Ok(Self {
             settled: Settled::new(gpu, &scan, prepared, casters, settings, settle)?,
             rays: ShadowRays::new(device, &scan, settings.samples.words()),
-            work: Rays::new(device, queue, settings.pixels(), settings.samples.count())?,
+            work: RayLists::new(device, queue, settings.pixels(), settings.samples.count())?,
         })
     }
 
@@ -57,7 +57,7 @@ impl FixedMethod for RayTraced {
         Ok(())
     }
 
-    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
+    fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let facets = self.settled.facets();
         rec.clear_words(self.work.work.raw(), 0, 4);
         self.settled.record_facets(rec, inputs)?;
@@ -66,11 +66,11 @@ impl FixedMethod for RayTraced {
         {
             let stage = &mut rec.stage("shadow_rays");
             self.rays.record_list(stage, facets, &self.work)?;
-            record(stage, Step::Trace)?;
+            record(stage, RayStep::Trace)?;
         }
-        record(&mut rec.stage("shadow_rays_refine"), Step::Refine)?;
+        record(&mut rec.stage("shadow_rays_refine"), RayStep::Refine)?;
         if self.settled.validity() {
-            record(&mut rec.stage("shadow_rays_cut"), Step::Cut)?;
+            record(&mut rec.stage("shadow_rays_cut"), RayStep::Cut)?;
         }
         self.settled.record_resolve(rec);
         Ok(())

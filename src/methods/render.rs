@@ -1,7 +1,7 @@
 //! Computing one frame of `facet-masks` on the GPU and reading it back: records, submits, looks at what the lists needed,
 //! grows them and runs again until nothing is left out.
 
-use super::facet_masks::{Capacities, FacetMasks, LightMaps, Pipelines, Seen, Settings};
+use super::facet_masks::{Capacities, FacetMasks, FacetSource, MapSource, Pipelines, Settings};
 use super::growth::{self, Needs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::settings::LastView;
@@ -126,7 +126,7 @@ pub struct Renderer<'a> {
 }
 
 /// Looks at the method after each strip.
-pub type Look<'a> = &'a mut dyn FnMut(&FacetMasks, Rows) -> Result<()>;
+pub type StripLook<'a> = &'a mut dyn FnMut(&FacetMasks, Rows) -> Result<()>;
 
 impl<'a> Renderer<'a> {
     /// Uploads the mesh and builds pipelines and memory.
@@ -188,7 +188,7 @@ impl<'a> Renderer<'a> {
     ///
     /// # Errors
     /// As [`Renderer::render`], and those of `look`.
-    pub fn render_and(&mut self, camera: &Camera, light: &Light, look: Look) -> Result<Output> {
+    pub fn render_and(&mut self, camera: &Camera, light: &Light, look: StripLook) -> Result<Output> {
         let views = self.parts.of(self.view.all_of(&self.settings, self.prepared, light)?);
         'image: loop {
             let mut image: Option<Output> = None;
@@ -218,7 +218,7 @@ impl<'a> Renderer<'a> {
             self.runs = self.runs.checked_add(1).unwrap_or(1);
             let (casters, strip, stamp) = (&self.casters, self.strips.strip(rows), self.runs);
             self.method.prepare(queue, casters, camera, light, views, bounds, strip, stamp)?;
-            let maps = if rows.first == 0 { LightMaps::Made } else { LightMaps::Kept };
+            let maps = if rows.first == 0 { MapSource::Made } else { MapSource::Kept };
             let (dispatches, wall_ms) = self.run_once(maps)?;
             let status = Status::of(&self.method.status().read(self.gpu)?);
             if status.head.finished != self.runs {
@@ -247,13 +247,13 @@ impl<'a> Renderer<'a> {
     }
 
     /// Records, submits and waits; returns dispatches and milliseconds.
-    fn run_once(&mut self, maps: LightMaps) -> Result<(u32, f64)> {
+    fn run_once(&mut self, maps: MapSource) -> Result<(u32, f64)> {
         let mut encoder = self.gpu.encoder();
         if let Some(timer) = &mut self.timer {
             timer.reset();
         }
         let mut recorder = Recorder::new(&self.gpu.device, &mut encoder, self.timer.as_mut());
-        self.method.record_seen(&mut recorder, &self.casters, Seen::Found, maps)?;
+        self.method.record_seen(&mut recorder, &self.casters, FacetSource::Found, maps)?;
         let dispatches = recorder.dispatches();
         if let Some(timer) = &self.timer {
             timer.resolve(&mut encoder);

@@ -5,7 +5,7 @@ use crate::light_view::{LightView, Parts, Receivers, SplitPlan, Warp};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
 use crate::scene::Light;
-use crate::stages::pixel_texel_pairs::Places;
+use crate::stages::pixel_texel_pairs::PairTiles;
 use crate::{Error, Result};
 
 /// How many facets a pixel has.
@@ -32,10 +32,10 @@ pub enum PairVariant {
 
 impl PairVariant {
     /// Where pairs meet.
-    pub fn places(self) -> Places {
+    pub fn places(self) -> PairTiles {
         match self {
-            Self::Tiled => Places::Tiles,
-            Self::Grouped | Self::Sorted => Places::Texels,
+            Self::Tiled => PairTiles::Tiles,
+            Self::Grouped | Self::Sorted => PairTiles::Texels,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What methods of one facet a pixel share around their own work: the facets, settled early where that is proved, the tree
 //! of casters, and from the facets' masks the picture.
 
-use super::fixed::Inputs;
+use super::fixed::StageInputs;
 use super::light_maps::{LightMapPipelines, LightMaps};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
@@ -12,9 +12,9 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Groups, Recorder};
 use crate::scene::Camera;
 use crate::stages::PrefixScan;
-use crate::stages::facet_classify::{FacetClassify, Facets, State, Surroundings};
+use crate::stages::facet_classify::{ClassifyInputs, FacetClassify, FacetState, Facets};
 use crate::stages::resolve::Resolve;
-use crate::stages::shadow_rays::{Scene, TreeBuffers};
+use crate::stages::shadow_rays::{RayInputs, TreeBuffers};
 use crate::status::Status;
 use glam::DVec3;
 
@@ -114,8 +114,8 @@ impl Settled {
     }
 
     /// Inputs of rays through the tree.
-    pub fn scene<'a>(&'a self, inputs: Inputs<'a>) -> Scene<'a> {
-        Scene {
+    pub fn scene<'a>(&'a self, inputs: StageInputs<'a>) -> RayInputs<'a> {
+        RayInputs {
             samples: inputs.samples,
             tree: &self.tree_buffers,
             triangles: &inputs.casters.triangles,
@@ -147,7 +147,7 @@ impl Settled {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
-    pub fn record_facets(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
+    pub fn record_facets(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let frame = &self.frame;
         rec.clear(self.status.raw());
         let (sat, splits) = match &self.maps {
@@ -158,7 +158,7 @@ impl Settled {
             Maps::Unused { sat, splits } => (sat, splits),
         };
         let around =
-            Surroundings { triangles: &inputs.casters.triangles, positions: &inputs.casters.positions, sat, splits };
+            ClassifyInputs { triangles: &inputs.casters.triangles, positions: &inputs.casters.positions, sat, splits };
         let stage = &mut rec.stage("facet_classify");
         self.classify.record_one(stage, frame, &inputs.geometry.id_keys, &self.facets);
         self.classify.record_classify(
@@ -184,15 +184,15 @@ impl Settled {
     /// [`crate::Error::Gpu`].
     pub fn counts(&self, gpu: &Gpu) -> Result<Counts> {
         let head = Status::of(&self.status.read(gpu)?).head;
-        let of = |state: State| u64::from(head.facets[state as usize]);
+        let of = |state: FacetState| u64::from(head.facets[state as usize]);
         Ok(Counts {
             silhouette_edges: u64::from(head.silhouette_edges),
-            silhouette_pixels: of(State::Undecided),
-            facets: State::ALL.iter().map(|&s| of(s)).sum(),
-            empty_facets: of(State::Empty),
-            dark_facets: of(State::Dark),
-            lit_facets: of(State::Lit),
-            shadowed_facets: of(State::Shadowed),
+            silhouette_pixels: of(FacetState::Undecided),
+            facets: FacetState::ALL.iter().map(|&s| of(s)).sum(),
+            empty_facets: of(FacetState::Empty),
+            dark_facets: of(FacetState::Dark),
+            lit_facets: of(FacetState::Lit),
+            shadowed_facets: of(FacetState::Shadowed),
             ..Counts::default()
         })
     }

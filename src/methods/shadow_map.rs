@@ -2,7 +2,7 @@
 //! comparisons for every sample.
 //! Memory is fixed: 4 bytes a texel. Triangles that reach behind a point light cast nothing.
 
-use super::fixed::{FixedMethod, Inputs};
+use super::fixed::{FixedMethod, StageInputs};
 use super::looks::Looks;
 use super::render::Counts;
 use super::settings::{Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
@@ -11,14 +11,14 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
-use crate::stages::Seen;
+use crate::stages::PrimaryHits;
 use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::shadow_map::{self, ShadowMap};
 use crate::stages::smsr::{self, Smsr};
 
 /// Which of the methods it is, which differ in how the map is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ask {
+pub enum MapQuery {
     /// `shadow-map`.
     Nearest,
     /// `pcf`.
@@ -34,16 +34,20 @@ enum Compare {
 }
 
 impl Compare {
-    fn new(device: &wgpu::Device, settings: &Settings, ask: Ask) -> Self {
+    fn new(device: &wgpu::Device, settings: &Settings, ask: MapQuery) -> Self {
         let ShadowMapSettings { kernel, constant, slope } = settings.shadow_map;
         let depths = |options| Self::Depths(ShadowMap::new(device, options));
         match ask {
-            Ask::Nearest => depths(shadow_map::Options { kernel: 1, constant, slope, receiver_plane: false }),
-            Ask::Filtered => depths(shadow_map::Options { kernel, constant, slope: 0.0, receiver_plane: true }),
-            Ask::Revectorized => {
+            MapQuery::Nearest => {
+                depths(shadow_map::ShadowMapOptions { kernel: 1, constant, slope, receiver_plane: false })
+            }
+            MapQuery::Filtered => {
+                depths(shadow_map::ShadowMapOptions { kernel, constant, slope: 0.0, receiver_plane: true })
+            }
+            MapQuery::Revectorized => {
                 let SmsrSettings { shape, reach, slope } = settings.smsr;
                 let midpoints = shape == SmsrShape::Midpoints;
-                Self::Borders(Smsr::new(device, smsr::Options { reach, midpoints, constant, slope }))
+                Self::Borders(Smsr::new(device, smsr::SmsrOptions { reach, midpoints, constant, slope }))
             }
         }
     }
@@ -63,7 +67,7 @@ impl ShadowMapping {
     ///
     /// # Errors
     /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
-    pub fn new(gpu: &Gpu, settings: &Settings, ask: Ask) -> Result<Self> {
+    pub fn new(gpu: &Gpu, settings: &Settings, ask: MapQuery) -> Result<Self> {
         settings.check()?;
         let device = &gpu.device;
         Ok(Self {
@@ -85,12 +89,12 @@ impl FixedMethod for ShadowMapping {
         Ok(())
     }
 
-    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
+    fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.map.nearest_keys.raw());
         let blocks = geometry.in_light(inputs.casters);
         self.layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map);
-        let seen = Seen {
+        let seen = PrimaryHits {
             samples: inputs.samples,
             id_keys: &geometry.id_keys,
             triangles: &inputs.casters.triangles,

@@ -3,7 +3,7 @@
 //! (Oliveira 2009), which is warps, splits and moments together.
 //! Memory is fixed: 4 bytes a texel and split, of moments 2.7 more, and 18 a triangle and split. Triangles that reach behind a point light cast nothing.
 
-use super::fixed::{FixedMethod, Inputs};
+use super::fixed::{FixedMethod, StageInputs};
 use super::looks::Looks;
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
@@ -13,10 +13,10 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::{LightView, SeenBox, SplitPlan, Warp, unit_scale};
 use crate::scene::{Camera, Light};
-use crate::stages::Seen;
+use crate::stages::PrimaryHits;
 use crate::stages::map_moments::MapMoments;
-use crate::stages::split_maps::{Maps, Mesh, SplitMaps, SplitViews};
-use crate::stages::split_shadows::{Ask, OfMaps, SplitShadows};
+use crate::stages::split_maps::{Maps, SplitMapInputs, SplitMaps, SplitViews};
+use crate::stages::split_shadows::{OfMaps, SplitQuery, SplitShadows};
 use glam::DVec3;
 
 /// Which of the methods it is.
@@ -47,13 +47,13 @@ impl Recipe {
         SplitPlan { splits, warp, focus: f64::from(split.focus) }
     }
 
-    fn ask(self, settings: &Settings) -> Ask {
+    fn ask(self, settings: &Settings) -> SplitQuery {
         let (bias, split) = (&settings.shadow_map, &settings.split);
         match self {
             Self::Trapezoidal | Self::LightSpace | Self::ParallelSplit => {
-                Ask::Depths { constant: bias.constant, slope: bias.slope }
+                SplitQuery::Depths { constant: bias.constant, slope: bias.slope }
             }
-            Self::Variance | Self::Remix => Ask::Moments {
+            Self::Variance | Self::Remix => SplitQuery::Moments {
                 constant: bias.constant,
                 bleeding: split.bleeding,
                 grazing: if self == Self::Remix { split.grazing.to_radians().sin() } else { 0.0 },
@@ -94,7 +94,7 @@ impl SplitMapping {
         let device = &gpu.device;
         let (plan, ask) = (recipe.plan(settings), recipe.ask(settings));
         let (views, side) = (plan.splits as usize, settings.map);
-        let filters = matches!(ask, Ask::Moments { .. });
+        let filters = matches!(ask, SplitQuery::Moments { .. });
         Ok(Self {
             plan,
             size: settings.size,
@@ -128,18 +128,18 @@ impl FixedMethod for SplitMapping {
         Ok(())
     }
 
-    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
+    fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         let (triangles, points) = (&inputs.casters.triangles, &geometry.points);
         let keys = &self.maps.keys;
         rec.clear(keys.raw());
-        let mesh = Mesh { triangles, points, light_rects: &geometry.facts.light_rects };
+        let mesh = SplitMapInputs { triangles, points, light_rects: &geometry.facts.light_rects };
         self.make.record(&mut rec.stage("split_maps"), frame, &self.splits, mesh, &self.maps)?;
         if let Some(reduce) = &self.reduce {
             let (stage, views) = (&mut rec.stage("map_moments"), self.plan.splits as usize);
             reduce.record(stage, frame, &self.splits, keys, &self.moments, views, self.map);
         }
-        let seen = Seen { samples: inputs.samples, id_keys: &geometry.id_keys, triangles, points };
+        let seen = PrimaryHits { samples: inputs.samples, id_keys: &geometry.id_keys, triangles, points };
         let maps = OfMaps { splits: &self.splits, keys, moments: &self.moments };
         self.ask.record(&mut rec.stage("split_shadows"), frame, seen, maps, &self.visibility);
         Ok(())

@@ -4,7 +4,7 @@
 //!
 //! [`SpsmSettings::seen_only`]: super::settings::SpsmSettings::seen_only
 
-use super::fixed::{FixedMethod, Inputs};
+use super::fixed::{FixedMethod, StageInputs};
 use super::looks::Looks;
 use super::render::Counts;
 use super::settings::{Settings, SpsmEncoding};
@@ -14,10 +14,10 @@ use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::PrefixScan;
-use crate::stages::Seen;
+use crate::stages::PrimaryHits;
 use crate::stages::seen_texels::SeenTexels;
 use crate::stages::spsm_map::{SpsmMap, SpsmTexels};
-use crate::stages::spsm_query::{Class, Options, SpsmPixels, SpsmQuery};
+use crate::stages::spsm_query::{Class, SpsmPixels, SpsmQuery, SpsmQueryOptions};
 
 /// The method for one image, map and setting.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ impl Spsm {
         settings.check()?;
         let (device, queue) = (&gpu.device, &gpu.queue);
         let words = settings.samples.words();
-        let options = Options {
+        let options = SpsmQueryOptions {
             encoding: match settings.spsm.encoding {
                 SpsmEncoding::Paper => 0,
                 SpsmEncoding::Lines => 1,
@@ -81,11 +81,11 @@ impl FixedMethod for Spsm {
         Ok(())
     }
 
-    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
+    fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.texels.keys.raw());
         rec.clear(self.texels.marks.words.raw());
-        let seen = Seen {
+        let seen = PrimaryHits {
             samples: inputs.samples,
             id_keys: &geometry.id_keys,
             triangles: &inputs.casters.triangles,

@@ -5,7 +5,7 @@
 //! Memory is fixed: about 180 bytes a pixel, 8 a texel, and 40 MiB for a band of samples. Which samples see another surface
 //! (with [`Settings::validity`]) is found through the tree of casters of `ray-traced`.
 
-use super::fixed::{FixedMethod, Inputs};
+use super::fixed::{FixedMethod, StageInputs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
@@ -17,7 +17,7 @@ use crate::scene::{Camera, Light};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::sample_bins::{self, Bins, SampleBins};
-use crate::stages::shadow_rays::{Rays, ShadowRays, Step};
+use crate::stages::shadow_rays::{RayLists, RayStep, ShadowRays};
 use crate::{Error, Result};
 
 /// The method for one mesh, image, map and setting.
@@ -27,7 +27,7 @@ pub struct Supersampled {
     test: SampleBins,
     bins: Bins,
     cut: ShadowRays,
-    cut_work: Rays,
+    cut_work: RayLists,
 }
 
 impl Supersampled {
@@ -44,7 +44,7 @@ impl Supersampled {
             test: SampleBins::new(device, &scan, settings.samples.words()),
             bins: Bins::new(device, queue, settings.map as usize, pixels, count)?,
             cut: ShadowRays::new(device, &scan, settings.samples.words()),
-            cut_work: Rays::with_doubts(device, queue, pixels, count, 0)?,
+            cut_work: RayLists::with_doubts(device, queue, pixels, count, 0)?,
         })
     }
 
@@ -71,13 +71,13 @@ impl FixedMethod for Supersampled {
         Ok(())
     }
 
-    fn record(&self, rec: &mut Recorder, inputs: Inputs) -> Result<()> {
+    fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (casters, facets, samples) = (inputs.casters, self.settled.facets(), inputs.samples);
         let positions = &casters.positions;
         let blocks = inputs.geometry.in_light(casters);
         rec.clear_words(self.cut_work.work.raw(), 0, 4);
         self.settled.record_facets(rec, inputs)?;
-        let binned = sample_bins::Scene { samples, blocks, positions, facets };
+        let binned = sample_bins::BinInputs { samples, blocks, positions, facets };
         self.test.record_list(&mut rec.stage("sample_bins"), facets, &self.bins)?;
         let (ends, starts) = (&self.bins.texel_ends, &self.bins.texel_offsets);
         for band in 0..self.bins.frames.len() {
@@ -93,7 +93,7 @@ impl FixedMethod for Supersampled {
             let stage = &mut rec.stage("shadow_rays_cut");
             self.cut.record_list(stage, facets, &self.cut_work)?;
             let scene = self.settled.scene(inputs);
-            self.cut.record(stage, Step::Cut, self.settled.frame(), scene, facets, &self.cut_work)?;
+            self.cut.record(stage, RayStep::Cut, self.settled.frame(), scene, facets, &self.cut_work)?;
         }
         self.settled.record_resolve(rec);
         Ok(())

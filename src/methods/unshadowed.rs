@@ -10,7 +10,7 @@ use crate::frame::{Frame, sample_words};
 use crate::gpu::{Buffer, Gpu, Groups, Recorder, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
-use crate::stages::facet_classify::{FacetClassify, Facets, State, Surroundings};
+use crate::stages::facet_classify::{ClassifyInputs, FacetClassify, FacetState, Facets};
 use crate::stages::front_layer::UNCOVERED;
 use crate::stages::resolve::Resolve;
 use crate::status::Status;
@@ -35,7 +35,7 @@ pub fn nothing_seen(settings: &Settings) -> Output {
 }
 
 /// Looks at the facets of each strip of rows.
-pub type Look<'a> = &'a mut dyn FnMut(&Facets, Rows) -> Result<()>;
+pub type FacetLook<'a> = &'a mut dyn FnMut(&Facets, Rows) -> Result<()>;
 
 /// Renders a frame in which nothing casts a shadow: facets that face the light are lit, the others dark. In strips of rows where one
 /// binding does not hold the facets.
@@ -57,7 +57,7 @@ pub fn render_and(
     settings: &Settings,
     camera: &Camera,
     light: &Light,
-    look: Look,
+    look: FacetLook,
 ) -> Result<Output> {
     Unshadowed::new(gpu, prepared, settings)?.render_and(camera, light, look)
 }
@@ -98,7 +98,7 @@ impl<'a> Unshadowed<'a> {
     ///
     /// # Errors
     /// As [`render_and`].
-    pub fn render_and(&mut self, camera: &Camera, light: &Light, look: Look) -> Result<Output> {
+    pub fn render_and(&mut self, camera: &Camera, light: &Light, look: FacetLook) -> Result<Output> {
         let frame = frame(self.prepared, &self.settings, camera, light, &self.casters)?;
         'image: loop {
             let mut image: Option<Output> = None;
@@ -226,7 +226,7 @@ impl Memory {
         gpu.submit_and_wait(encoder)?;
         let wall_ms = start.elapsed().as_secs_f64() * 1e3;
         let head = Status::of(&self.status.read(gpu)?).head;
-        let state = |s: State| u64::from(head.facets[s as usize]);
+        let state = |s: FacetState| u64::from(head.facets[s as usize]);
         let stages = timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(gpu))?;
         self.timer = timer;
         Ok(Output {
@@ -235,10 +235,10 @@ impl Memory {
             words: settings.samples.words(),
             triangles: self.geometry.id_keys.read(gpu)?.into_iter().map(|key| !key).collect(),
             counts: Counts {
-                empty_facets: state(State::Empty),
-                dark_facets: state(State::Dark),
+                empty_facets: state(FacetState::Empty),
+                dark_facets: state(FacetState::Dark),
                 // Without casters a facet that is not settled is lit as well.
-                lit_facets: state(State::Lit) + state(State::Undecided),
+                lit_facets: state(FacetState::Lit) + state(FacetState::Undecided),
                 ..Counts::default()
             },
             lists: Vec::new(),
@@ -256,7 +256,7 @@ impl Memory {
         {
             let stage = &mut rec.stage("facet_classify");
             let positions = &casters.positions;
-            let around = Surroundings { triangles, positions, sat: &self.sat, splits: &self.splits };
+            let around = ClassifyInputs { triangles, positions, sat: &self.sat, splits: &self.splits };
             with.classify.record_one(stage, frame, &self.geometry.id_keys, &self.facets);
             let groups = Groups::Items(pixels as u64);
             with.classify.record_classify(stage, frame, &self.samples, around, &self.facets, groups);

@@ -3,7 +3,7 @@
 use super::Casters;
 use crate::Result;
 use crate::gpu::Buffer;
-use crate::methods::prepared::{CasterBuffers, Prepared, Surfaces};
+use crate::methods::prepared::{CasterBuffers, MeshBuffers, Prepared};
 use crate::scene::Mesh;
 use crate::scene::weld::{UNUSED, weld};
 
@@ -48,7 +48,7 @@ impl CasterSet {
     }
 
     /// Uses other memory for positions and triangles from now on.
-    pub fn take(&mut self, surfaces: Option<Surfaces>) {
+    pub fn take(&mut self, surfaces: Option<MeshBuffers>) {
         if let Some(surfaces) = surfaces {
             (self.buffers.positions, self.buffers.triangles) = surfaces;
         }

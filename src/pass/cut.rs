@@ -8,7 +8,7 @@ use super::textures::first_level;
 use crate::gpu::{Buffer, Recorder};
 use crate::light_view::Parts;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines};
-use crate::methods::prepared::{Surfaces, surfaces};
+use crate::methods::prepared::{MeshBuffers, surfaces};
 use crate::methods::render::Budget;
 use crate::methods::strips::{Rows, Strips};
 use crate::methods::{Settings, growth};
@@ -45,7 +45,7 @@ struct Whole {
 pub struct Made {
     pub image: CutImage,
     /// The casters, with room behind them for a triangle a pixel of a strip.
-    pub surfaces: Option<Surfaces>,
+    pub surfaces: Option<MeshBuffers>,
     /// Triangle keys of a strip.
     pub keys: Option<Buffer<u32>>,
 }

@@ -2,7 +2,7 @@
 
 use super::textures::{check_sampled, check_texture};
 use crate::scene::Camera;
-use crate::stages::gbuffer_triangles::Params;
+use crate::stages::gbuffer_triangles::GbufferTrianglesParams;
 use crate::{Error, Result};
 use glam::Mat4;
 use wgpu::TextureFormat;
@@ -83,8 +83,8 @@ impl<'a> SampleTexture<'a> {
     }
 
     /// What the stage is told, for a picture with samples at `ours`.
-    pub(super) fn params(&self, ours: &[[f32; 2]]) -> Result<Params> {
-        Params::new(ours, self.places, self.first, self.none)
+    pub(super) fn params(&self, ours: &[[f32; 2]]) -> Result<GbufferTrianglesParams> {
+        GbufferTrianglesParams::new(ours, self.places, self.first, self.none)
     }
 
     pub(super) fn check(&self, size: [u32; 2], ours: &[[f32; 2]]) -> Result<()> {
@@ -121,7 +121,7 @@ impl<'a> SampleTexture<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceTextures<'a> {
     /// Where the surfaces are.
-    pub place: Place<'a>,
+    pub place: SurfacePosition<'a>,
     /// Their geometric normals, world space, any length but 0, of either side; `Rgba16Float` or `Rgba32Float`, alpha is not
     /// read. `None`: reconstructed from the nearest pixels in its row and column that show no caster, of two
     /// the one whose depth differs less.
@@ -140,7 +140,7 @@ impl<'a> SurfaceTextures<'a> {
     pub const TOLERANCE: f32 = 1e-4;
 
     /// Surfaces by their place alone.
-    pub fn new(place: Place<'a>) -> Self {
+    pub fn new(place: SurfacePosition<'a>) -> Self {
         Self { place, normals: None, ids: None, tolerance: Self::TOLERANCE }
     }
 
@@ -148,7 +148,7 @@ impl<'a> SurfaceTextures<'a> {
         use TextureFormat::{Depth32Float, R32Float, Rgba16Float, Rgba32Float};
         let usage = wgpu::TextureUsages::TEXTURE_BINDING;
         match self.place {
-            Place::Depth { texture, terms, nothing } => {
+            SurfacePosition::Depth { texture, terms, nothing } => {
                 check_texture("depth", texture, &[Depth32Float, R32Float], usage, size)?;
                 terms.check()?;
                 terms.check_camera(camera, size)?;
@@ -156,7 +156,7 @@ impl<'a> SurfaceTextures<'a> {
                     return Err(Error::Config(format!("depth texture: {nothing} cannot stand for no surface")));
                 }
             }
-            Place::Position(texture) => check_texture("position", texture, &[Rgba32Float], usage, size)?,
+            SurfacePosition::Position(texture) => check_texture("position", texture, &[Rgba32Float], usage, size)?,
         }
         if let Some(normals) = self.normals {
             check_texture("normal", normals, &[Rgba16Float, Rgba32Float], usage, size)?;
@@ -173,7 +173,7 @@ impl<'a> SurfaceTextures<'a> {
 
 /// Where surfaces are.
 #[derive(Clone, Copy, Debug)]
-pub enum Place<'a> {
+pub enum SurfacePosition<'a> {
     /// A depth buffer, of any convention, of the frame's camera.
     Depth {
         /// `Depth32Float` (its depth aspect alone) or `R32Float`.

@@ -11,13 +11,13 @@ use crate::stages::visibility_texture::{LastPicture, Lists};
 
 /// The picture, and whether it is replaced. A clone is the same memory.
 #[derive(Clone)]
-pub struct Held {
+pub struct HeldPicture {
     pub visibility: Buffer<f32>,
     pub lit: Buffer<u32>,
     verdict: Buffer<u32>,
 }
 
-impl Held {
+impl HeldPicture {
     /// Memory for the picture of an image; until there is a complete one all is lit.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, settings: &Settings) -> Result<Self> {
         let (pixels, words) = (settings.pixels(), settings.samples.words() as usize);

@@ -41,7 +41,7 @@ mod textures;
 mod views;
 
 pub use crate::stages::caster_positions::Vertices;
-pub use gbuffer::{DepthTerms, GBuffer, Place, SampleTexture, SurfaceTextures, TriangleTexture};
+pub use gbuffer::{DepthTerms, GBuffer, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
 pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
@@ -50,7 +50,7 @@ use crate::gpu::buffer::filled;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
 use crate::light_view::Parts;
 use crate::methods::Settings;
-use crate::methods::facet_masks::{Capacities, LightMaps, Pipelines};
+use crate::methods::facet_masks::{Capacities, MapSource, Pipelines};
 use crate::methods::growth::{self, Together, Wanted};
 use crate::methods::render::Budget;
 pub use crate::methods::strips::Strips;
@@ -61,9 +61,9 @@ use casters::{CasterSet, checked_mesh};
 use checks::{check_limits, settled};
 use cut::{CutImage, Made, Maker};
 use futures::executor::block_on;
-use held::Held;
+use held::HeldPicture;
 use judge::stamp_of;
-use seen::{Seen, With};
+use seen::{GbufferStage, With};
 use status::{FAULT_WORDS, InFlight, Label, Staging};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -117,11 +117,11 @@ pub struct ShadowPass {
     maker: Maker,
     grows: bool,
     gather: CasterPositions,
-    seen: Seen,
+    seen: GbufferStage,
     store: VisibilityTexture,
     casters: CasterSet,
     image: CutImage,
-    last: Option<(LastPicture, Held)>,
+    last: Option<(LastPicture, HeldPicture)>,
     faults: Buffer<u32>,
     timer: Option<Timer>,
     in_flight: InFlight,
@@ -179,10 +179,10 @@ impl ShadowPass {
             let mut casters = CasterSet::new(device, queue, &config.casters, mesh)?;
             let made = maker.make(&settings, &casters, maker.first_strips(&settings), None)?;
             casters.take(made.surfaces);
-            let held = || Ok::<_, Error>((LastPicture::new(device), Held::new(device, queue, &settings)?));
+            let held = || Ok::<_, Error>((LastPicture::new(device), HeldPicture::new(device, queue, &settings)?));
             Ok(Self {
                 last: config.keep_last.then(held).transpose()?,
-                seen: Seen::new(device, &settings, made.keys)?,
+                seen: GbufferStage::new(device, &settings, made.keys)?,
                 settings,
                 maker,
                 grows: config.grow,
@@ -236,7 +236,7 @@ impl ShadowPass {
         if let Some((_, held)) = &mut self.last
             && settings.size != self.settings.size
         {
-            *held = Held::new(&self.maker.device, &self.maker.queue, &settings)?;
+            *held = HeldPicture::new(&self.maker.device, &self.maker.queue, &settings)?;
         }
         self.settings = settings;
         if let Some(casters) = casters {
@@ -335,7 +335,7 @@ impl ShadowPass {
                 let stage = &mut rec.stage("caster_positions");
                 self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
             }
-            let maps = if k == 0 { LightMaps::Made } else { LightMaps::Kept };
+            let maps = if k == 0 { MapSource::Made } else { MapSource::Kept };
             let offsets = self.settings.samples.offsets();
             self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps })?;
             match &self.last {

@@ -1,23 +1,23 @@
 //! Recording what an application's G-buffer says of the surfaces seen.
 
 use super::casters::CasterSet;
-use super::gbuffer::{GBuffer, Place, SampleTexture, SurfaceTextures, TriangleTexture};
+use super::gbuffer::{GBuffer, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
 use super::textures::{all_layers, first_level};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::every_surface::SampleIds;
-use crate::methods::facet_masks::{self, FacetMasks, LightMaps};
+use crate::methods::facet_masks::{self, FacetMasks, MapSource};
 use crate::methods::{FacetMode, Settings};
 use crate::stages::PrefixScan;
-use crate::stages::gbuffer_triangles::{GbufferTriangles, Given, Texture};
+use crate::stages::gbuffer_triangles::{GbufferTriangles, SampleGbuffer, Texture};
 use crate::stages::pixel_receivers::{
-    GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS, Params, PixelReceivers, Surfaces, Textures,
+    GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS, PixelReceivers, PixelReceiversParams, ReceiverRoom, Textures,
 };
 use crate::stages::triangle_ids::{self, TriangleIds};
 
 /// The pipelines, and memory for an image.
-pub struct Seen {
+pub struct GbufferStage {
     ids: TriangleIds,
     receivers: Option<Receivers>,
     /// With a facet for every surface.
@@ -31,7 +31,7 @@ pub struct With<'a> {
     pub casters: &'a CasterSet,
     pub faults: &'a Buffer<u32>,
     /// Whether the strip before has found what the light sees.
-    pub maps: LightMaps,
+    pub maps: MapSource,
 }
 
 /// Rows of neighbours on either side in which `pixel_receivers` looks for what a pixel shows.
@@ -45,7 +45,7 @@ struct Receivers {
     no_ids: wgpu::TextureView,
 }
 
-impl Seen {
+impl GbufferStage {
     /// With the [`keys`] of the pixels of which surfaces that are no casters are told apart, if the pass has room for them.
     ///
     /// # Errors
@@ -71,7 +71,7 @@ impl Seen {
         match (gbuffer, &self.receivers) {
             (GBuffer::TriangleIds(given), _) => {
                 let ids = |rec: &mut Recorder, frame: &Buffer<Frame>| self.record_ids(rec, frame, *given, with);
-                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&ids), maps)
+                method.record_seen(rec, buffers, facet_masks::FacetSource::Centres(&ids), maps)
             }
             (GBuffer::Surfaces(given), Some(receivers)) => {
                 let surfaces = |rec: &mut Recorder, frame: &Buffer<Frame>| {
@@ -80,29 +80,29 @@ impl Seen {
                     }
                     receivers.record(rec, frame, given, with)
                 };
-                method.record_seen(rec, buffers, facet_masks::Seen::Centres(&surfaces), maps)
+                method.record_seen(rec, buffers, facet_masks::FacetSource::Centres(&surfaces), maps)
             }
             (GBuffer::SampleIds(given), _) => self.record_samples(rec, given, ours, with),
-            _ => method.record_seen(rec, buffers, facet_masks::Seen::Found, maps),
+            _ => method.record_seen(rec, buffers, facet_masks::FacetSource::Found, maps),
         }
     }
 
     fn record_samples(&self, rec: &mut Recorder, given: &SampleTexture, ours: &[[f32; 2]], with: With) -> Result<()> {
         let With { method, casters, faults, maps } = with;
         let Some(stage) = &self.samples else {
-            return method.record_seen(rec, &casters.buffers, facet_masks::Seen::Found, maps);
+            return method.record_seen(rec, &casters.buffers, facet_masks::FacetSource::Found, maps);
         };
         let multisampled = given.is_multisampled();
         let view = if multisampled { first_level(given.texture) } else { all_layers(given.texture) };
         let texture = if multisampled { Texture::Samples(&view) } else { Texture::Layers(&view) };
-        let given = Given { texture, params: given.params(ours)?, numbers: &casters.numbers };
+        let given = SampleGbuffer { texture, params: given.params(ours)?, numbers: &casters.numbers };
         let samples = SampleIds { stage, given, faults };
-        method.record_seen(rec, &casters.buffers, facet_masks::Seen::Samples(&samples), maps)
+        method.record_seen(rec, &casters.buffers, facet_masks::FacetSource::Samples(&samples), maps)
     }
 
     fn record_ids(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: TriangleTexture, with: With) -> Result<()> {
         let view = first_level(given.texture);
-        let counted = triangle_ids::Params { first: given.first, none: given.none };
+        let counted = triangle_ids::TriangleIdsParams { first: given.first, none: given.none };
         let With { method, casters, faults, .. } = with;
         let stage = &mut rec.stage("triangle_ids");
         self.ids.record(stage, frame, &view, counted, &casters.numbers, method.id_keys(), faults)
@@ -127,10 +127,14 @@ impl Receivers {
     fn record(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: &SurfaceTextures, with: With) -> Result<()> {
         let With { method, casters, faults, .. } = with;
         let (place, mut params) = match given.place {
-            Place::Depth { texture, terms, nothing } => {
-                (first_level(texture), Params { depth: terms.words(), nothing, ..Params::default() })
-            }
-            Place::Position(texture) => (first_level(texture), Params { given: GIVEN_POSITIONS, ..Params::default() }),
+            SurfacePosition::Depth { texture, terms, nothing } => (
+                first_level(texture),
+                PixelReceiversParams { depth: terms.words(), nothing, ..PixelReceiversParams::default() },
+            ),
+            SurfacePosition::Position(texture) => (
+                first_level(texture),
+                PixelReceiversParams { given: GIVEN_POSITIONS, ..PixelReceiversParams::default() },
+            ),
         };
         params.tolerance = given.tolerance;
         let normals = given.normals.map(first_level);
@@ -147,7 +151,7 @@ impl Receivers {
         };
         let buffers = &casters.buffers;
         let surfaces =
-            Surfaces { numbers: &casters.numbers, triangles: &buffers.triangles, positions: &buffers.positions };
+            ReceiverRoom { numbers: &casters.numbers, triangles: &buffers.triangles, positions: &buffers.positions };
         {
             let (seen, stage) = (method.id_keys(), &mut rec.stage("pixel_receivers"));
             self.stage.record(stage, frame, params, textures, surfaces, seen, &self.keys, faults)?;

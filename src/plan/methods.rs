@@ -1,6 +1,6 @@
 //! Stages of methods other than `facet-masks`, and which of those a scene or setting makes needless.
 
-use super::{Extent, Plan, Step};
+use super::{Extent, Plan, PlanStep};
 use crate::Result;
 use crate::methods::MethodName;
 use crate::methods::facet_masks::{FacetMode, Settings};
@@ -89,7 +89,7 @@ impl Plan {
         let Self { extent, steps, mut settings } = Self::of(prepared, camera, light, &one, force_all)?;
         let every_texel = every_texel(wanted, force_all);
         settings.spsm.seen_only = every_texel.is_none();
-        let shadowless: Vec<Step> = steps.iter().filter(|s| !s.name.contains('.')).cloned().collect();
+        let shadowless: Vec<PlanStep> = steps.iter().filter(|s| !s.name.contains('.')).cloned().collect();
         let reason = shadowless.iter().find(|s| s.name == "light_layers").and_then(|s| s.left_out.clone());
         let filters = matches!(method, MethodName::Variance | MethodName::Remix);
         let left_out = |name| match name {
@@ -97,8 +97,8 @@ impl Plan {
             "seen_texels" | "spsm_map_around" => reason.clone().or_else(|| every_texel.clone()),
             _ => reason.clone(),
         };
-        let own = own.iter().map(|&(name, purpose)| Step { name, purpose, left_out: left_out(name) });
-        let kept = |s: &Step| match s.name {
+        let own = own.iter().map(|&(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });
+        let kept = |s: &PlanStep| match s.name {
             "triangle_setup" | "camera_visibility" => true,
             "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
             name => {
@@ -108,13 +108,13 @@ impl Plan {
                     && PROOF.contains(&name)
             }
         };
-        let mut steps: Vec<Step> = shadowless.into_iter().filter(kept).collect();
+        let mut steps: Vec<PlanStep> = shadowless.into_iter().filter(kept).collect();
         let at = if of_facets { steps.len() - 1 } else { 2 };
         steps.splice(at..at, own);
         if filters {
             let (name, purpose) = EVERY_SAMPLE;
             let once = "one lookup in the moments of the pixel's footprint stands for all".to_owned();
-            steps.push(Step { name, purpose, left_out: reason.clone().or(Some(once)) });
+            steps.push(PlanStep { name, purpose, left_out: reason.clone().or(Some(once)) });
         }
         if method == MethodName::Spsm {
             let few = (every_texel.is_none() && reason.is_none()).then(|| {
@@ -122,7 +122,7 @@ impl Plan {
                 format!("one sample a pixel and {share:.1} texels: most are never asked for")
             });
             let (name, purpose) = UNSEEN;
-            steps.push(Step { name, purpose, left_out: reason.clone().or(few) });
+            steps.push(PlanStep { name, purpose, left_out: reason.clone().or(few) });
         }
         Ok(Self { extent, steps, settings })
     }

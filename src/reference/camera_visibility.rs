@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 
 /// Surface at a pixel centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct CentreHit {
     /// The nearest triangle, of equally near ones the lowest; `None` where nothing is seen.
     pub triangle: Option<u32>,
     /// Its depth along the view direction.
@@ -20,7 +20,7 @@ pub struct Seen {
 
 /// How near to call is too near.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Doubt {
+pub struct DepthMargin {
     /// Pixels from an edge.
     pub edge: f64,
     /// Share of the depth.
@@ -28,23 +28,23 @@ pub struct Doubt {
 }
 
 /// Looks through every pixel centre.
-pub fn nearest(view: &View, triangles: &[Triangle], doubt: Doubt) -> Vec<Seen> {
+pub fn nearest(view: &View, triangles: &[Triangle], doubt: DepthMargin) -> Vec<CentreHit> {
     see(view, triangles, &[DVec2::splat(0.5)], doubt)
 }
 
 /// The nearest of `(depth, its doubt, triangle, surely covers)`.
-pub(super) fn judge(candidates: &[(f64, f64, u32, bool)]) -> Seen {
+pub(super) fn judge(candidates: &[(f64, f64, u32, bool)]) -> CentreHit {
     let best = |all: bool| {
         let chosen = candidates.iter().filter(|c| all || c.3);
         chosen.min_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)))
     };
     let covered = candidates.iter().any(|c| c.3);
     let Some(&(depth, reach, triangle, sure)) = best(true) else {
-        return Seen { triangle: None, depth: f64::INFINITY, open: false, covered };
+        return CentreHit { triangle: None, depth: f64::INFINITY, open: false, covered };
     };
     let rival = |c: &&(f64, f64, u32, bool)| c.2 != triangle && c.0 - c.1 <= depth + reach;
     let open = !sure || candidates.iter().any(|c| rival(&c));
-    Seen { triangle: Some(triangle), depth, open, covered }
+    CentreHit { triangle: Some(triangle), depth, open, covered }
 }
 
 /// Edge functions and plane of a triangle seen from the eye.
@@ -92,7 +92,7 @@ impl Shape {
 
     /// Depth at an image position, its doubt, and whether the triangle surely covers the place; `None` if it surely does
     /// not, or not beyond the near plane.
-    pub(super) fn at(&self, view: &View, at: DVec2, doubt: Doubt) -> Option<(f64, f64, bool)> {
+    pub(super) fn at(&self, view: &View, at: DVec2, doubt: DepthMargin) -> Option<(f64, f64, bool)> {
         let ray = view.rays.direction(at.x, at.y);
         let mut sure = true;
         for m in self.edges {

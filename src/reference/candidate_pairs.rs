@@ -1,6 +1,6 @@
 //! Which triangles of a facet's texels may cast on it or cut it.
 
-use super::facet_classify::{Facet, bounds};
+use super::facet_classify::{FacetAtPixel, bounds};
 use super::front_layer::Margin;
 use super::triangle_setup::{Reach, Triangle};
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// For each facet the triangles (rising, each once) that share a texel with it, touch the box of its outline and have a
 /// corner over its plane, but for rounding of `margin`. The facet's own triangle is none of them.
 pub fn candidates(
-    facets: &[Facet],
+    facets: &[FacetAtPixel],
     triangles: &[Triangle],
     pixel_pairs: &[Vec<u32>],
     triangle_pairs: &[Vec<u32>],
@@ -29,7 +29,7 @@ pub fn candidates(
 }
 
 /// Whether a triangle may cast on a facet or cut it.
-pub fn matters(facet: &Facet, triangle: &Triangle, margin: Margin) -> bool {
+pub fn matters(facet: &FacetAtPixel, triangle: &Triangle, margin: Margin) -> bool {
     let Some(corners) = triangle.corners else { return false };
     let normal = facet.plane.truncate();
     let over = corners.map(|p| normal.dot(p) - facet.plane.w);

@@ -8,20 +8,7 @@ use crate::truth::full_mask;
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::*;
 
-/// State of a facet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
-    /// No surface.
-    Empty,
-    /// Its seen side faces away from the light.
-    Dark,
-    /// Nothing lies between it and the light.
-    Lit,
-    /// One sheet covers all of it.
-    Shadowed,
-    /// To be evaluated.
-    Undecided,
-}
+pub use crate::status::FacetState;
 
 /// The footprint of a pixel on a plane as the light sees it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,7 +41,7 @@ impl Outline {
 
 /// Stands for a surface inside one pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Facet {
+pub struct FacetAtPixel {
     /// The pixel.
     pub pixel: u32,
     /// The triangle whose plane it is.
@@ -62,7 +49,7 @@ pub struct Facet {
     /// `xyz · point = w` on it, more on the side of the light and the eye.
     pub plane: DVec4,
     /// State.
-    pub state: State,
+    pub state: FacetState,
     /// Lit or shadowed by what is known of the texels around it, not because nothing is there.
     pub settled: bool,
     /// Texels its outline may touch: first and last column and row; `None` unless undecided.
@@ -91,7 +78,7 @@ const EDGE_ON: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Inputs of classification around the facets.
 #[derive(Clone, Copy, Debug)]
-pub struct Surroundings<'a> {
+pub struct MapAround<'a> {
     /// Triangles.
     pub triangles: &'a [Triangle],
     /// The mask: texels whose front layer is not one proved sheet.
@@ -119,11 +106,11 @@ pub struct Part {
 /// nothing is settled without `settle`.
 pub fn classify(
     view: &View,
-    around: &Surroundings,
+    around: &MapAround,
     listed: &[(u32, Option<u32>)],
     margin: Margin,
     settle: bool,
-) -> Vec<Facet> {
+) -> Vec<FacetAtPixel> {
     let parts: Vec<Part> = listed.iter().map(|&(pixel, triangle)| Part { pixel, triangle, seen_by: None }).collect();
     classify_parts(view, around, &marks_table(around.marked, view.map.map_size), &parts, margin, settle)
 }
@@ -138,12 +125,12 @@ pub fn marks_table(marked: &[bool], size: u32) -> Vec<u32> {
 /// these are classified by the part of the pixel that holds the samples, at the point that the first of them sees.
 pub fn classify_parts(
     view: &View,
-    around: &Surroundings,
+    around: &MapAround,
     sat: &[u32],
     parts: &[Part],
     margin: Margin,
     settle: bool,
-) -> Vec<Facet> {
+) -> Vec<FacetAtPixel> {
     parts.par_iter().map(|&part| one(view, around, sat, part, margin, settle)).collect()
 }
 
@@ -167,14 +154,14 @@ impl Span {
     }
 }
 
-fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Margin, settle: bool) -> Facet {
+fn one(view: &View, around: &MapAround, sat: &[u32], part: Part, margin: Margin, settle: bool) -> FacetAtPixel {
     let Part { pixel, triangle, seen_by } = part;
     let every = full_mask(around.samples.len() as u32);
-    let mut facet = Facet {
+    let mut facet = FacetAtPixel {
         pixel,
         triangle,
         plane: DVec4::ZERO,
-        state: State::Empty,
+        state: FacetState::Empty,
         settled: false,
         rect: None,
         outline: Outline::default(),
@@ -195,7 +182,7 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
     let (turn_to_eye, open_to_eye) = turn_to(corners, -a);
     facet.open_side = open || open_to_eye;
     facet.open = facet.open_side;
-    facet.state = State::Dark;
+    facet.state = FacetState::Dark;
     // Edge-on to either: unlit by definition. Seen from inside a closed body it is in the shadow of the rest.
     if turn * turn_to_eye <= 0.0 || (view.map.closed && turn < 0.0) {
         return facet;
@@ -227,12 +214,12 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
         let ahead = facet.outline.ahead - view.map.clear;
         facet.open |= ahead.abs() < 1e-3 * view.map.clear.abs();
         if ahead < 0.0 {
-            facet.state = State::Lit;
+            facet.state = FacetState::Lit;
             return facet;
         }
     }
     if view.beyond(&facet.outline.points) {
-        facet.state = State::Lit;
+        facet.state = FacetState::Lit;
         return facet;
     }
     let rect = if facet.outline.in_front {
@@ -241,10 +228,10 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
         Some([0, 0, size - 1, size - 1])
     };
     let Some(rect) = rect else {
-        facet.state = State::Lit;
+        facet.state = FacetState::Lit;
         return facet;
     };
-    facet.state = State::Undecided;
+    facet.state = FacetState::Undecided;
     // Of what is no caster the splits know nothing.
     let hidden = view.cull_back && of_body && turn < 0.0;
     if hidden {
@@ -263,9 +250,9 @@ fn one(view: &View, around: &Surroundings, sat: &[u32], part: Part, margin: Marg
         } else {
             settle_unmarked(view, around.splits, ray * depth, &mut facet);
         }
-        facet.settled = facet.state != State::Undecided;
+        facet.settled = facet.state != FacetState::Undecided;
     }
-    if facet.state == State::Undecided {
+    if facet.state == FacetState::Undecided {
         facet.rect = Some(rect);
     }
     facet
@@ -283,7 +270,7 @@ fn turn_to([a, b, c]: [DVec3; 3], to: DVec3) -> (f64, bool) {
 }
 
 /// The state of a facet none of whose texels is marked, by what is known at its point at the pixel centre.
-fn settle_unmarked(view: &View, splits: &[Split], point: DVec3, facet: &mut Facet) {
+fn settle_unmarked(view: &View, splits: &[Split], point: DVec3, facet: &mut FacetAtPixel) {
     let Some(at) = view.on_map(point) else { return };
     let (x, y) = (at.x.floor(), at.y.floor());
     let size = f64::from(view.map.map_size);
@@ -293,10 +280,10 @@ fn settle_unmarked(view: &View, splits: &[Split], point: DVec3, facet: &mut Face
         return;
     }
     facet.state = match splits[(y * size + x) as usize] {
-        Split::Marked | Split::Uncovered => State::Lit,
+        Split::Marked | Split::Uncovered => FacetState::Lit,
         Split::At(split) => {
             facet.open |= (at.z - split).abs() < 1e-4;
-            if at.z < split { State::Lit } else { State::Shadowed }
+            if at.z < split { FacetState::Lit } else { FacetState::Shadowed }
         }
     };
 }
@@ -306,7 +293,7 @@ const MOST_SPLITS: u32 = 256;
 
 /// The state of a facet that is no caster's, none of whose texels is marked: lit where none of them has a caster, shadowed
 /// where it lies behind the split of each.
-fn behind_splits(splits: &[Split], size: u32, [x0, y0, x1, y1]: [u32; 4], inside: bool, facet: &mut Facet) {
+fn behind_splits(splits: &[Split], size: u32, [x0, y0, x1, y1]: [u32; 4], inside: bool, facet: &mut FacetAtPixel) {
     if (x1 - x0 + 1) * (y1 - y0 + 1) > MOST_SPLITS {
         return;
     }
@@ -314,9 +301,9 @@ fn behind_splits(splits: &[Split], size: u32, [x0, y0, x1, y1]: [u32; 4], inside
     let all: Vec<Split> = rows.map(|t| splits[t]).collect();
     let nearest = facet.outline.nearest;
     if all.iter().all(|s| matches!(s, Split::Uncovered)) {
-        facet.state = State::Lit;
+        facet.state = FacetState::Lit;
     } else if inside && all.iter().all(|s| matches!(s, Split::At(split) if *split < nearest)) {
-        facet.state = State::Shadowed;
+        facet.state = FacetState::Shadowed;
     }
     facet.open |=
         all.iter().any(|s| matches!(s, Split::At(split) if (split - nearest).abs() < 1e-3 * (1.0 + nearest.abs())));
@@ -334,7 +321,7 @@ fn reach_beyond(view: &View, pixel: u32, plane: DVec4, limit: f64) -> f64 {
     offsets.into_iter().map(reach).fold(1.0, f64::max)
 }
 
-fn keep_own_triangle(view: &View, samples: &[[f32; 2]], [a, b, c]: [DVec3; 3], facet: &mut Facet) {
+fn keep_own_triangle(view: &View, samples: &[[f32; 2]], [a, b, c]: [DVec3; 3], facet: &mut FacetAtPixel) {
     let edges = [a.cross(b), b.cross(c), c.cross(a)];
     let slopes = edges.map(|e| e.dot(view.rays.step_x).hypot(e.dot(view.rays.step_y)));
     let (mut own, mut near) = (1u128, 0u128);

@@ -2,14 +2,14 @@
 
 /// What a pixel's samples show.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Pixel {
+pub struct PixelSamples {
     /// The different triangles, in the order of their first samples.
     pub triangles: Vec<u32>,
     /// All samples show the same triangle.
     pub single: bool,
 }
 
-impl Pixel {
+impl PixelSamples {
     /// Whether its samples must be looked at one by one.
     pub fn complex(&self) -> bool {
         !self.triangles.is_empty() && !self.single
@@ -18,7 +18,7 @@ impl Pixel {
 
 /// Meaning of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum TexelMeaning {
     /// No triangle.
     Nothing,
     /// A number of no triangle.
@@ -28,26 +28,26 @@ pub enum Shown {
 }
 
 /// Meaning of a texel, of an application that counts from `first` and writes `none` for no triangle.
-pub fn shown(id: u32, first: u32, none: u32, numbers: &[u32]) -> Shown {
+pub fn shown(id: u32, first: u32, none: u32, numbers: &[u32]) -> TexelMeaning {
     if id == none {
-        return Shown::Nothing;
+        return TexelMeaning::Nothing;
     }
     let named = id.checked_sub(first).and_then(|n| numbers.get(n as usize));
-    named.map_or(Shown::Unknown, |&t| Shown::Triangle(t))
+    named.map_or(TexelMeaning::Unknown, |&t| TexelMeaning::Triangle(t))
 }
 
 /// What each pixel shows, and how many samples name no triangle. `layers` has the texels of each sample.
-pub fn pixels(layers: &[Vec<u32>], first: u32, none: u32, numbers: &[u32]) -> (Vec<Pixel>, u32) {
+pub fn pixels(layers: &[Vec<u32>], first: u32, none: u32, numbers: &[u32]) -> (Vec<PixelSamples>, u32) {
     let count = layers.first().map_or(0, Vec::len);
     let mut unknown = 0;
-    let mut pixels = vec![Pixel { single: true, ..Pixel::default() }; count];
+    let mut pixels = vec![PixelSamples { single: true, ..PixelSamples::default() }; count];
     for (texel, pixel) in layers.iter().flat_map(|layer| layer.iter().zip(0..)) {
         let shown = shown(*texel, first, none, numbers);
-        unknown += u32::from(shown == Shown::Unknown);
-        let pixel: &mut Pixel = &mut pixels[pixel as usize];
+        unknown += u32::from(shown == TexelMeaning::Unknown);
+        let pixel: &mut PixelSamples = &mut pixels[pixel as usize];
         match shown {
-            Shown::Triangle(t) if !pixel.triangles.contains(&t) => pixel.triangles.push(t),
-            Shown::Triangle(_) => {}
+            TexelMeaning::Triangle(t) if !pixel.triangles.contains(&t) => pixel.triangles.push(t),
+            TexelMeaning::Triangle(_) => {}
             _ => pixel.single = false,
         }
     }
@@ -80,7 +80,7 @@ mod tests {
         let (got, unknown) = pixels(&layers, 5, 9, &[3, 1]);
         let triangles: Vec<_> = got.iter().map(|p| p.triangles.clone()).collect();
         assert_eq!(triangles, [vec![3], vec![3, 1], vec![], vec![3], vec![3]]);
-        assert_eq!(got.iter().map(Pixel::complex).collect::<Vec<_>>(), [false, true, false, true, true]);
+        assert_eq!(got.iter().map(PixelSamples::complex).collect::<Vec<_>>(), [false, true, false, true, true]);
         assert!(got[0].single && !got[2].single && unknown == 1);
         assert_eq!(nearest(&[[0.4, 0.5], [0.9, 0.9]], &[[0.5, 0.5], [0.3, 0.5], [0.99, 0.9]]), [0, 2]);
     }

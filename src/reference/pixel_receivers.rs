@@ -5,7 +5,7 @@ use glam::DVec3;
 
 /// What stands in for a surface's place.
 #[derive(Clone, Copy, Debug)]
-pub enum Places<'a> {
+pub enum PositionSource<'a> {
     /// Depths: at view depth `z`, world units, `(terms[0] z + terms[1]) / (terms[2] z + terms[3])`.
     Depths {
         /// One a pixel.
@@ -24,9 +24,9 @@ pub type Ids<'a> = (&'a [u32], u32, u32, &'a [u32]);
 
 /// An application's textures.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
+pub struct GbufferTexels<'a> {
     /// Where surfaces are.
-    pub places: Places<'a>,
+    pub places: PositionSource<'a>,
     /// Their normals.
     pub normals: Option<&'a [[f32; 4]]>,
     /// Their triangles.
@@ -37,7 +37,7 @@ pub struct Given<'a> {
 
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shown {
+pub enum PixelContent {
     /// Nothing.
     Nothing,
     /// A number that names no triangle.
@@ -59,9 +59,9 @@ pub enum Shown {
 
 /// State of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pixel {
+pub struct ReceiverPixel {
     /// What it shows.
-    pub shown: Shown,
+    pub shown: PixelContent,
     /// Rounding to 32 bits may lead to another answer.
     pub open: bool,
 }
@@ -72,7 +72,12 @@ const NEAR_EDGE: f64 = 1.0 / 32.0;
 const FARTHEST: f64 = 1e9;
 
 /// What each pixel shows; `seen` is the casters' triangle at each pixel centre, `corners` those of each caster in the frame.
-pub fn pixels(view: &View, corners: &[Option<[DVec3; 3]>], seen: &[Option<u32>], given: &Given) -> Vec<Pixel> {
+pub fn pixels(
+    view: &View,
+    corners: &[Option<[DVec3; 3]>],
+    seen: &[Option<u32>],
+    given: &GbufferTexels,
+) -> Vec<ReceiverPixel> {
     (0..seen.len()).map(|pixel| Asked { view, corners, seen, given }.pixel(pixel)).collect()
 }
 
@@ -80,13 +85,13 @@ pub fn pixels(view: &View, corners: &[Option<[DVec3; 3]>], seen: &[Option<u32>],
 const MOST_STEPS: i64 = 4;
 
 /// A surface relative to the eye, scaled.
-type Found = Result<DVec3, Shown>;
+type Found = Result<DVec3, PixelContent>;
 
 struct Asked<'a> {
     view: &'a View,
     corners: &'a [Option<[DVec3; 3]>],
     seen: &'a [Option<u32>],
-    given: &'a Given<'a>,
+    given: &'a GbufferTexels<'a>,
 }
 
 impl Asked<'_> {
@@ -104,36 +109,36 @@ impl Asked<'_> {
 
     fn place(&self, pixel: usize) -> Found {
         let point = match self.given.places {
-            Places::Depths { values, terms, nothing } => {
+            PositionSource::Depths { values, terms, nothing } => {
                 let value = values[pixel];
                 if value == nothing {
-                    return Err(Shown::Nothing);
+                    return Err(PixelContent::Nothing);
                 }
                 let ([a, b, c, d], v) = (terms.map(f64::from), f64::from(value));
                 self.ray(pixel) * ((b - v * d) / (v * c - a)) * self.view.scale
             }
-            Places::Positions(texels) => {
+            PositionSource::Positions(texels) => {
                 let [x, y, z, alpha] = texels[pixel];
                 if alpha == 0.0 {
-                    return Err(Shown::Nothing);
+                    return Err(PixelContent::Nothing);
                 }
                 if !alpha.is_finite() {
-                    return Err(Shown::Unusable);
+                    return Err(PixelContent::Unusable);
                 }
                 self.view.point([x, y, z])
             }
         };
         let usable = point.is_finite() && point.dot(self.view.rays.forward) > 0.0;
-        if usable && point.abs().max_element() < FARTHEST { Ok(point) } else { Err(Shown::Unusable) }
+        if usable && point.abs().max_element() < FARTHEST { Ok(point) } else { Err(PixelContent::Unusable) }
     }
 
-    fn pixel(&self, pixel: usize) -> Pixel {
-        let sure = |shown| Pixel { shown, open: false };
+    fn pixel(&self, pixel: usize) -> ReceiverPixel {
+        let sure = |shown| ReceiverPixel { shown, open: false };
         if let Some((ids, first, none, numbers)) = self.given.ids
             && ids[pixel] != none
         {
             let named = ids[pixel].checked_sub(first).and_then(|n| numbers.get(n as usize));
-            return sure(named.map_or(Shown::Unknown, |&t| Shown::Caster(t)));
+            return sure(named.map_or(PixelContent::Unknown, |&t| PixelContent::Caster(t)));
         }
         let point = match self.place(pixel) {
             Ok(point) => point,
@@ -147,7 +152,7 @@ impl Asked<'_> {
                 let (shows, doubt) = self.shows(t, point, self.ray(pixel), if q == pixel { 1.0 } else { NEAR_EDGE });
                 open |= doubt;
                 if shows {
-                    return Pixel { shown: Shown::Caster(t), open };
+                    return ReceiverPixel { shown: PixelContent::Caster(t), open };
                 }
             }
         }
@@ -159,10 +164,10 @@ impl Asked<'_> {
             None => self.normal(pixel, point),
         };
         if !normal.is_finite() || normal == DVec3::ZERO {
-            return Pixel { shown: Shown::Unusable, open };
+            return ReceiverPixel { shown: PixelContent::Unusable, open };
         }
         let point = self.view.eye + point / self.view.scale;
-        Pixel { shown: Shown::Plane { point, normal, doubt }, open }
+        ReceiverPixel { shown: PixelContent::Plane { point, normal, doubt }, open }
     }
 
     /// Whether a point is on triangle `t` and, seen from the eye, in it, give or take `reach` pixels; and whether that is open.
@@ -255,15 +260,18 @@ mod tests {
         let nan = f32::NAN;
         let values = [2.0, 4.0, 0.0, nan];
         // Depth as it is, nothing at 0.
-        let places = Places::Depths { values: &values, terms: [1.0, 0.0, 0.0, 1.0], nothing: 0.0 };
-        let given = Given { places, normals: None, ids: None, tolerance: 1e-4 };
+        let places = PositionSource::Depths { values: &values, terms: [1.0, 0.0, 0.0, 1.0], nothing: 0.0 };
+        let given = GbufferTexels { places, normals: None, ids: None, tolerance: 1e-4 };
         let got = pixels(&view, &corners, &[Some(0); 4], &given);
-        assert_eq!((got[0].shown, got[2].shown, got[3].shown), (Shown::Caster(0), Shown::Nothing, Shown::Unusable));
-        let Shown::Plane { point, .. } = got[1].shown else { panic!("{:?}", got[1]) };
+        assert_eq!(
+            (got[0].shown, got[2].shown, got[3].shown),
+            (PixelContent::Caster(0), PixelContent::Nothing, PixelContent::Unusable)
+        );
+        let PixelContent::Plane { point, .. } = got[1].shown else { panic!("{:?}", got[1]) };
         assert!((point.z + 4.0).abs() < 1e-12, "{point}");
         let ids = Some((&[5u32, 7, 6, 9][..], 5, 9, &[0u32][..]));
-        let got = pixels(&view, &corners, &[None; 4], &Given { ids, ..given });
-        assert_eq!((got[0].shown, got[1].shown), (Shown::Caster(0), Shown::Unknown));
-        assert_eq!((got[2].shown, got[3].shown), (Shown::Unknown, Shown::Unusable));
+        let got = pixels(&view, &corners, &[None; 4], &GbufferTexels { ids, ..given });
+        assert_eq!((got[0].shown, got[1].shown), (PixelContent::Caster(0), PixelContent::Unknown));
+        assert_eq!((got[2].shown, got[3].shown), (PixelContent::Unknown, PixelContent::Unusable));
     }
 }

@@ -1,6 +1,6 @@
 //! Which undecided facets touch which texel.
 
-use super::facet_classify::{Facet, Outline, State, bounds};
+use super::facet_classify::{FacetAtPixel, FacetState, Outline, bounds};
 use super::front_layer::{Margin, Split};
 use super::view::{MapEnds, centre};
 use glam::DVec2;
@@ -9,9 +9,15 @@ use rayon::prelude::*;
 /// The facets (by their place in the list, rising) that touch each texel of a map. A texel without
 /// casters has none; with `skip_front` nor has one whose split depth lies behind the facet by more than the margin. A facet that goes on beyond
 /// one of the ends of the map is in every texel there that it touches.
-pub fn pairs(facets: &[Facet], splits: &[Split], map: MapEnds, margin: Margin, skip_front: bool) -> Vec<Vec<u32>> {
+pub fn pairs(
+    facets: &[FacetAtPixel],
+    splits: &[Split],
+    map: MapEnds,
+    margin: Margin,
+    skip_front: bool,
+) -> Vec<Vec<u32>> {
     let pairs = facets.par_iter().enumerate().flat_map_iter(|(f, facet)| {
-        let rect = facet.rect.filter(|_| facet.state == State::Undecided).unwrap_or([1, 1, 0, 0]);
+        let rect = facet.rect.filter(|_| facet.state == FacetState::Undecided).unwrap_or([1, 1, 0, 0]);
         let [x0, y0, x1, y1] = rect;
         let beyond = facet.outline.goes_beyond(map, margin.texels);
         let texels = (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| (x, y)));
@@ -34,7 +40,7 @@ pub fn pairs(facets: &[Facet], splits: &[Split], map: MapEnds, margin: Margin, s
 }
 
 /// The farthest depth of the facets of each texel; `None` where there are none.
-pub fn deepest(facets: &[Facet], pairs: &[Vec<u32>]) -> Vec<Option<f64>> {
+pub fn deepest(facets: &[FacetAtPixel], pairs: &[Vec<u32>]) -> Vec<Option<f64>> {
     let depth = |&f: &u32| {
         let outline = &facets[f as usize].outline;
         if outline.in_front { outline.farthest.max(0.0) } else { f64::INFINITY }

@@ -1,6 +1,6 @@
 //! Which surface each sample sees, and the facets made of that.
 
-use super::camera_visibility::{Doubt, Seen, Shape, judge};
+use super::camera_visibility::{CentreHit, DepthMargin, Shape, judge};
 use super::triangle_setup::Triangle;
 use super::view::View;
 use glam::DVec2;
@@ -8,13 +8,13 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// What a sample sees: as a pixel centre.
-pub type Sample = Seen;
+pub type Sample = CentreHit;
 
 /// One surface of a pixel: triangle, and the samples that see it.
 pub type Surface = (u32, u128);
 
 /// What the samples at `offsets` (in `[0, 1]²`, from the pixel's corner) of all pixels see, pixel by pixel.
-pub fn see(view: &View, triangles: &[Triangle], offsets: &[DVec2], doubt: Doubt) -> Vec<Sample> {
+pub fn see(view: &View, triangles: &[Triangle], offsets: &[DVec2], doubt: DepthMargin) -> Vec<Sample> {
     let [width, height] = view.image;
     let mut rows: Vec<Vec<u32>> = vec![Vec::new(); height as usize];
     for (t, triangle) in triangles.iter().enumerate() {
@@ -149,7 +149,7 @@ mod tests {
             let vertices = project(&view, &scene.mesh.positions);
             let triangles = setup(&view, &vertices, &scene.mesh.triangles, &[]);
             let offsets = [[0.5, 0.5], [0.0, 0.0], [0.99, 0.01], [0.25, 0.75]].map(|[x, y]| DVec2::new(x, y));
-            let all = see(&view, &triangles, &offsets, Doubt { edge: 0.0, depth: 0.0 });
+            let all = see(&view, &triangles, &offsets, DepthMargin { edge: 0.0, depth: 0.0 });
             let all: Vec<_> = all.into_iter().map(|s| s.triangle).collect();
             let found: Vec<_> =
                 [0..5, 5..6, 6..24].into_iter().flat_map(|rows| nearest(&view, &triangles, &offsets, rows)).collect();

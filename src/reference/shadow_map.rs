@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 /// A map and how it is asked.
 #[derive(Clone, Copy, Debug)]
-pub struct Lookup<'a> {
+pub struct DepthLookup<'a> {
     /// Nearest depth of each texel, row by row; `None` where there is no caster.
     pub depths: &'a [Option<f64>],
     /// Texels a side.
@@ -19,7 +19,7 @@ pub struct Lookup<'a> {
     pub receiver_plane: bool,
 }
 
-impl Lookup<'_> {
+impl DepthLookup<'_> {
     fn lit(&self, [x, y]: [i64; 2], depth: f64) -> f64 {
         let size = i64::from(self.size);
         let held = (0..size).contains(&x) && (0..size).contains(&y);

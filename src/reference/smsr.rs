@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 /// A map and how it is asked.
 #[derive(Clone, Copy, Debug)]
-pub struct Lookup<'a> {
+pub struct SmsrLookup<'a> {
     /// Nearest depth of each texel, row by row; `None` where there is no caster.
     pub depths: &'a [Option<f64>],
     /// Texels a side.
@@ -21,7 +21,7 @@ pub struct Lookup<'a> {
 
 /// How far places and depths may be off: what depends on less is not told.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Doubt {
+pub struct SmsrMargin {
     /// Texels.
     pub place: f64,
     /// Depth.
@@ -47,10 +47,10 @@ struct Plane {
     /// Where the pixel is, from which the bias grows.
     from: DVec2,
     slope: DVec2,
-    doubt: Doubt,
+    doubt: SmsrMargin,
 }
 
-impl Lookup<'_> {
+impl SmsrLookup<'_> {
     /// Whether something lies before the plane in a texel; `None` if that is in doubt.
     fn dark(&self, plane: &Plane, [x, y]: [i64; 2]) -> Option<bool> {
         let size = i64::from(self.size);
@@ -107,7 +107,7 @@ impl Lookup<'_> {
 
     /// Whether a place (texel x, y, depth) of a receiver with this slope (depth per texel) is lit, of a pixel whose first sample is
     /// at `from`; `None` if that is in doubt.
-    pub fn is_lit(&self, at: DVec3, from: DVec2, slope: DVec2, doubt: Doubt) -> Option<bool> {
+    pub fn is_lit(&self, at: DVec3, from: DVec2, slope: DVec2, doubt: SmsrMargin) -> Option<bool> {
         let plane = Plane { at, from, slope, doubt };
         let texel = [at.x, at.y].map(|v| v.floor() as i64);
         let inside = at.truncate() - DVec2::new(texel[0] as f64, texel[1] as f64);
@@ -142,12 +142,13 @@ mod tests {
     }
 
     /// Share of places where a lookup is wrong about a line, and share of those that it draws too dark.
-    fn wrong(size: u32, lookup: &Lookup, line: impl Fn(f64) -> f64) -> [f64; 2] {
+    fn wrong(size: u32, lookup: &SmsrLookup, line: impl Fn(f64) -> f64) -> [f64; 2] {
         let (mut off, mut dark, mut all) = (0, 0, 0);
         for k in 0..250_000u32 {
             let [x, y] = [k % 500, k / 500].map(|v| (f64::from(v) + 0.5) / 500.0 * f64::from(size - 56) + 28.0);
-            let lit =
-                lookup.is_lit(DVec3::new(x, y, 0.5), DVec2::ZERO, DVec2::ZERO, Doubt::default()).expect("no doubt");
+            let lit = lookup
+                .is_lit(DVec3::new(x, y, 0.5), DVec2::ZERO, DVec2::ZERO, SmsrMargin::default())
+                .expect("no doubt");
             all += 1;
             off += u32::from(lit != (y <= line(x)));
             dark += u32::from(!lit && y <= line(x));
@@ -164,7 +165,7 @@ mod tests {
             let line = |x: f64| 48.3 + slope * (x - 48.0);
             let depths = below(size, line);
             let with =
-                |reach, midpoints| Lookup { depths: &depths, size, reach, midpoints, constant: 1e-3, slope: 0.5 };
+                |reach, midpoints| SmsrLookup { depths: &depths, size, reach, midpoints, constant: 1e-3, slope: 0.5 };
             let steps = wrong(size, &with(0, true), line);
             let middle = wrong(size, &with(20, true), line);
             let corner = wrong(size, &with(20, false), line);
@@ -187,10 +188,10 @@ mod tests {
         let size = 9;
         let dark = |x: u32, y: u32| y >= 2 && x != 1 || y >= 1 && x >= 6;
         let depths: Vec<_> = (0..81).map(|k| dark(k % 9, k / 9).then_some(0.0)).collect();
-        let lookup = |midpoints| Lookup { depths: &depths, size, reach: 8, midpoints, constant: 0.0, slope: 0.5 };
+        let lookup = |midpoints| SmsrLookup { depths: &depths, size, reach: 8, midpoints, constant: 0.0, slope: 0.5 };
         let lit = |midpoints, x, y| {
             lookup(midpoints)
-                .is_lit(DVec3::new(x, y, 0.5), DVec2::ZERO, DVec2::ZERO, Doubt::default())
+                .is_lit(DVec3::new(x, y, 0.5), DVec2::ZERO, DVec2::ZERO, SmsrMargin::default())
                 .expect("no doubt")
         };
         // Corner: height (x - 2) / 4 over the border at y of 2.
@@ -202,9 +203,9 @@ mod tests {
             assert!(!lit(true, x, 2.0 - height + 0.01) && lit(true, x, 2.0 - height - 0.01), "middle at {x}");
         }
         // What depends on a place within the doubt is not told.
-        let doubt = Doubt { place: 0.01, depth: 0.0 };
+        let doubt = SmsrMargin { place: 0.01, depth: 0.0 };
         assert_eq!(lookup(false).is_lit(DVec3::new(4.0, 1.51, 0.5), DVec2::ZERO, DVec2::ZERO, doubt), None);
-        let doubt = Doubt { place: 0.0, depth: 0.6 };
+        let doubt = SmsrMargin { place: 0.0, depth: 0.6 };
         assert_eq!(lookup(false).is_lit(DVec3::new(4.5, 1.2, 0.5), DVec2::ZERO, DVec2::ZERO, doubt), None);
     }
 }

@@ -50,7 +50,7 @@ impl Receiver {
 
 /// How moments are asked.
 #[derive(Clone, Copy, Debug)]
-pub struct Ask {
+pub struct MomentQuery {
     /// Depth that a receiver is moved towards the light.
     pub constant: f64,
     /// Share of light that is taken off.
@@ -106,7 +106,7 @@ impl Map {
     }
 
     /// Share of light in such a square around a texel.
-    pub fn share(&self, r: &Receiver, wanted: DVec2, level: f64, ask: &Ask) -> f64 {
+    pub fn share(&self, r: &Receiver, wanted: DVec2, level: f64, ask: &MomentQuery) -> f64 {
         let cell = level.ceil().exp2().min(f64::from(self.size));
         let last = ((f64::from(self.size) / cell).floor() - 0.5) * cell;
         let at = wanted.clamp(DVec2::splat(0.5 * cell), DVec2::splat(last));
@@ -119,7 +119,7 @@ impl Map {
     }
 
     /// Share of light in the footprint of a pixel; `steps` are the texels that a pixel to the right and one down take.
-    pub fn filtered(&self, r: &Receiver, steps: DMat2, ask: &Ask) -> f64 {
+    pub fn filtered(&self, r: &Receiver, steps: DMat2, ask: &MomentQuery) -> f64 {
         // A plane seen edge-on has no end.
         let steps = DMat2::from_cols_array(&steps.to_cols_array().map(|c| c.clamp(-65536.0, 65536.0)));
         // The footprint's axes, from the eigenvectors of `steps · stepsᵀ`.

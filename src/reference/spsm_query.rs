@@ -1,7 +1,7 @@
 //! Shadows from the sub-pixel shadow map, place by place.
 
 use super::spsm_map::{Coding, Sheet};
-use crate::spsm_code::Pattern;
+use crate::spsm_code::BorderPattern;
 use glam::{DVec2, DVec3};
 
 /// A map and how it is asked.
@@ -23,7 +23,7 @@ pub struct Query<'a> {
 
 /// A place (texel x, y, depth) on the plane of a pixel's triangle, and whether it is on the triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct PlanePoint {
     /// Where it is.
     pub at: DVec3,
     /// Whether the pixel's ray there meets the triangle itself.
@@ -151,7 +151,7 @@ impl Query<'_> {
     /// Whether a place on a receiver of this slope, whose triangle ends at depth `far`, is in shadow. All places of a pixel in one
     /// texel share the border that is found for the `first` of them. Beside the triangle its plane may run below the surface that
     /// is there, into a hollow: what does not lie before it at the pixel's `centre` does not count there.
-    pub fn shadowed(&self, place: Place, first: Place, centre: DVec3, slope: DVec2, far: f64) -> bool {
+    pub fn shadowed(&self, place: PlanePoint, first: PlanePoint, centre: DVec3, slope: DVec2, far: f64) -> bool {
         let at = place.at;
         let texel = texel_of(at.truncate());
         let counts = |own: bool, here: [i32; 2]| {
@@ -178,7 +178,7 @@ impl Query<'_> {
         let mask = offsets
             .enumerate()
             .fold(0, |mask, (k, [x, y])| mask | u32::from(before([texel[0] + x, texel[1] + y])) << k);
-        let pattern = Pattern::of(mask);
+        let pattern = BorderPattern::of(mask);
         let towards = &pattern.towards_lit[..pattern.count as usize];
         if pattern.covered || self.around(texel).chain(self.along(texel, towards)).any(hit) {
             return true;

@@ -3,7 +3,7 @@
 //! The predicate is that of [`crate::truth::predicate`], and what a facet's samples, shadows and validity lines are is
 //! written once in [`crate::truth::facet_truth`]; here it looks at the listed triangles alone.
 
-use super::facet_classify::Facet;
+use super::facet_classify::FacetAtPixel;
 use super::view::View;
 use crate::truth::{FacetInput, FacetResult, FacetTruth, Progress, split_mask};
 use glam::{DVec2, DVec3};
@@ -13,12 +13,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Judges each facet against its candidates, in parallel; facets without candidates keep `None`. Progress counts facets.
 pub fn masks(
     truth: &FacetTruth,
-    facets: &[Facet],
+    facets: &[FacetAtPixel],
     candidates: &[Vec<u32>],
     progress: Progress,
 ) -> Vec<Option<FacetResult>> {
     let done = AtomicUsize::new(0);
-    let judge = |(k, part): (usize, &[Facet])| -> Vec<Option<FacetResult>> {
+    let judge = |(k, part): (usize, &[FacetAtPixel])| -> Vec<Option<FacetResult>> {
         let lists = &candidates[k * PART..];
         let results = part.iter().zip(lists).map(|(facet, list)| {
             let triangle = facet.triangle?;
@@ -44,7 +44,7 @@ pub fn masks(
 /// other side does (the paper's figure 6).
 pub fn two_step(
     view: &View,
-    facet: &Facet,
+    facet: &FacetAtPixel,
     own: [DVec3; 3],
     caster: [DVec3; 3],
 ) -> Option<([DVec3; 3], Option<DVec3>)> {
@@ -89,12 +89,12 @@ const PART: usize = 512;
 mod tests {
     use super::*;
     use crate::light_view::LightView;
-    use crate::reference::facet_classify::{Part, Surroundings, classify_parts};
+    use crate::reference::facet_classify::{MapAround, Part, classify_parts};
     use crate::reference::front_layer::{Margin, Split};
     use crate::reference::triangle_setup::setup;
     use crate::reference::vertex_project::project;
     use crate::scene::{Camera, Light, Mesh};
-    use crate::truth::predicate::{Cover, Ground, Plane, Shadow};
+    use crate::truth::predicate::{Cover, FacetPlane, Plane, Shadow};
 
     /// The paper's two projections and planes through the eye bound the same shadow, also of casters that reach beneath the
     /// facet, behind the eye and beyond the light.
@@ -126,7 +126,7 @@ mod tests {
             let view = View::new(&camera, &light, &map, mesh.bounds().unwrap(), [16, 12], false);
             let triangles = setup(&view, &project(&view, &mesh.positions), &mesh.triangles, &[]);
             let [own, caster] = [0, 1].map(|t: usize| triangles[t].corners.unwrap());
-            let around = Surroundings {
+            let around = MapAround {
                 triangles: &triangles,
                 marked: &[true; 16],
                 splits: &[Split::Marked; 16],
@@ -142,7 +142,8 @@ mod tests {
                 continue;
             }
             let plane = Plane::new(own);
-            let exact = Shadow::new(Ground { plane: &plane, around: f64::INFINITY }, caster, view.light, &view.rays);
+            let exact =
+                Shadow::new(FacetPlane { plane: &plane, around: f64::INFINITY }, caster, view.light, &view.rays);
             let lines = two_step(&view, facet, own, caster);
             for k in 0..64 {
                 let (x, y) = (f64::from(k % 8) / 8.0 - 0.5, f64::from(k / 8) / 8.0 - 0.5);

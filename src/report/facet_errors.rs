@@ -5,7 +5,7 @@ use crate::methods::cpu::CpuFacet;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::strips::Rows;
 use crate::scene::{Camera, Light, PixelRays};
-use crate::stages::facet_classify::{Facet, Facets, State};
+use crate::stages::facet_classify::{Facet, FacetState, Facets};
 use crate::truth::facet_truth::FacetResult;
 use crate::truth::{FacetInput, FacetTruth, Progress, SceneTruth, Tracer, bits, full_mask, join_mask, split_mask};
 use crate::{Error, Result};
@@ -57,7 +57,7 @@ impl FacetSet {
         let size = 3 * words.max(1) as usize;
         self.words = words;
         for (facet, masks) in strip.facets.iter().zip(strip.masks.chunks(size)) {
-            if facet.state != State::Empty as u32 && facet.pixel >= rows.known * width {
+            if facet.state != FacetState::Empty as u32 && facet.pixel >= rows.known * width {
                 self.facets.push(Facet { pixel: facet.pixel + rows.first * width, ..*facet });
                 self.masks.extend_from_slice(masks);
             }
@@ -137,7 +137,8 @@ impl FacetErrors {
         if !validity {
             truth = truth.without_validity();
         }
-        let asked: Vec<usize> = (0..set.facets.len()).filter(|&f| set.facets[f].state != State::Empty as u32).collect();
+        let asked: Vec<usize> =
+            (0..set.facets.len()).filter(|&f| set.facets[f].state != FacetState::Empty as u32).collect();
         let inputs: Vec<FacetInput> = asked
             .iter()
             .map(|&f| FacetInput {
@@ -207,19 +208,19 @@ impl View<'_> {
         let count = |mask: u128| u64::from(mask.count_ones());
         let mut e = FacetErrors::default();
         // Which samples are compared for occlusion, what ours are, and which count a fault is put to.
-        let closed = state == State::Undecided as u32 && self.validity && (masks[1] | masks[2]) & met == met;
+        let closed = state == FacetState::Undecided as u32 && self.validity && (masks[1] | masks[2]) & met == met;
         // What both drop does not count, whether it is in shadow or not.
         let dropped = if self.validity { masks[2] & !join_mask(truth.valid) } else { 0 };
         let open = join_mask(truth.valid) & !occluded;
         let (asked, ours) = match state {
-            s if s == State::Dark as u32 => (met, met),
-            s if s == State::Lit as u32 => (own, 0),
-            s if s == State::Shadowed as u32 => (own, own),
+            s if s == FacetState::Dark as u32 => (met, met),
+            s if s == FacetState::Lit as u32 => (own, 0),
+            s if s == FacetState::Shadowed as u32 => (own, own),
             _ if closed => (met & open, met),
             _ => (met & !dropped, masks[1] & met),
         };
         let (doubt, compared) = match state {
-            s if s != State::Undecided as u32 => (doubt, asked),
+            s if s != FacetState::Undecided as u32 => (doubt, asked),
             _ if closed => (doubt | doubt_valid, met),
             _ => (doubt, met),
         };
@@ -234,11 +235,11 @@ impl View<'_> {
         let mut inside = wrong & doubt;
         let mut surely_wrong = wrong & !doubt;
         match state {
-            s if s == State::Dark as u32 => e.facet_wrong_dark = outside,
-            s if s == State::Lit as u32 || s == State::Shadowed as u32 => {
+            s if s == FacetState::Dark as u32 => e.facet_wrong_dark = outside,
+            s if s == FacetState::Lit as u32 || s == FacetState::Shadowed as u32 => {
                 e.facet_wrong_settled = outside;
                 let elsewhere = met & !own & join_mask(truth.valid) & !doubt & !doubt_valid;
-                let flat = if s == State::Lit as u32 { 0 } else { u128::MAX };
+                let flat = if s == FacetState::Lit as u32 { 0 } else { u128::MAX };
                 e.facet_settled_elsewhere = count((flat ^ occluded) & elsewhere);
             }
             _ => {

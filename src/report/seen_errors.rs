@@ -3,7 +3,7 @@
 use super::FacetSet;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::scene::Camera;
-use crate::stages::facet_classify::State;
+use crate::stages::facet_classify::FacetState;
 use crate::truth::{Progress, SeenTruth, Tracer, full_mask};
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -48,7 +48,7 @@ impl SeenErrors {
         let asked = if settings.facets == FacetMode::All { all } else { 1 };
         // The facets of each pixel: where they begin in the list of those that are not empty, sorted by pixel.
         let mut facets: Vec<(u32, u32, u128)> = (set.facets.iter().enumerate())
-            .filter(|(_, facet)| facet.state != State::Empty as u32)
+            .filter(|(_, facet)| facet.state != FacetState::Empty as u32)
             .map(|(f, facet)| (facet.pixel, facet.triangle, set.masks_of(f)[0] & all))
             .collect();
         facets.par_sort_unstable_by_key(|&(pixel, ..)| pixel);

@@ -11,7 +11,7 @@
 //!   invocation a pixel and triangle; or if that list, a quarter of the pixels long, has not the room, three over all blocks again. One over
 //!   the pixels.
 
-use super::dispatch_args::{DispatchArgs, Request, Requests};
+use super::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::camera_visibility as kernel;
@@ -58,7 +58,7 @@ impl Centres {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, pixels: usize) -> Result<Self> {
-        let request = |word, args| Request::new(word, kernel::WORKGROUP, Request::MAX_LIMIT, args);
+        let request = |word, args| ArgsRequest::new(word, kernel::WORKGROUP, ArgsRequest::MAX_LIMIT, args);
         let requests = [request(1, 0)?, request(2, 3)?];
         Ok(Self {
             keys: Buffer::storage(device, "camera_visibility.keys", pixels)?,

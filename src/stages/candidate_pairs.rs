@@ -12,7 +12,7 @@
 //!   for each pair about 70 flop and 12 words read.
 
 use super::facet_classify::Facets;
-use super::pixel_texel_pairs::{PairLists, Places};
+use super::pixel_texel_pairs::{PairLists, PairTiles};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::candidate_pairs as kernel;
@@ -31,19 +31,19 @@ pub mod tally {
 #[derive(Debug)]
 pub struct CandidatePairs {
     cull: kernel::CullProgram,
-    places: Places,
+    places: PairTiles,
 }
 
 impl CandidatePairs {
     /// Builds the pipeline for masks of `words` words and pairs that meet at `places`. `alone`: there may be facets whose samples all lie
     /// on their own triangle ([`Frame::CLAMP`](crate::frame::Frame::CLAMP)), on which neighbours that face the light alike cast nothing.
-    pub fn new(device: &wgpu::Device, words: u32, places: Places, alone: bool) -> Self {
+    pub fn new(device: &wgpu::Device, words: u32, places: PairTiles, alone: bool) -> Self {
         let constants = kernel::Constants { words, tile_shift: places.shift(), alone: u32::from(alone) };
         Self { cull: kernel::CullProgram::new(device, constants), places }
     }
 
     /// Where pairs meet.
-    pub fn places(&self) -> Places {
+    pub fn places(&self) -> PairTiles {
         self.places
     }
 

@@ -17,7 +17,7 @@ use crate::{Error, Result};
 
 shared_struct! {
     /// Parameters of the kernel.
-    "caster_positions" => pub struct Params {
+    "caster_positions" => pub struct CasterPositionsParams {
         /// Lowest corner of the box that holds all positions.
         pub box_low: [f32; 3],
         /// Vertices of the buffer.
@@ -127,13 +127,13 @@ impl CasterPositions {
             return Ok(());
         }
         let first = vertices.first_bound(&limits);
-        let params = Params {
+        let params = CasterPositionsParams {
             box_low: bounds[0],
             count: places.len() as u32,
             box_high: bounds[1],
             offset: ((vertices.offset - first) / 4) as u32,
             stride: (vertices.stride / 4) as u32,
-            ..Params::default()
+            ..CasterPositionsParams::default()
         };
         let params = self.uniforms.get(stage.device, &params)?;
         let bindings = kernel::Gather {

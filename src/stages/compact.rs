@@ -17,7 +17,7 @@ use crate::{Result, shared_struct};
 
 shared_struct! {
     /// Parameters of the kernel.
-    "compact" => pub struct Params {
+    "compact" => pub struct CompactParams {
         /// Items.
         pub limit: u32,
         /// Where in `counts` the number of items stands.
@@ -57,12 +57,12 @@ pub struct Compact {
 
 /// Marks and offsets for lists of up to `capacity` items: 12 bytes per 32 items.
 #[derive(Debug)]
-pub struct Scratch {
+pub struct CompactScratch {
     capacity: usize,
     marks: Buffer<u32>,
     mark_counts: Buffer<u32>,
     offsets: Buffer<u32>,
-    scan: prefix_scan::Scratch,
+    scan: prefix_scan::PrefixScanScratch,
 }
 
 impl Compact {
@@ -80,9 +80,9 @@ impl Compact {
     ///
     /// # Errors
     /// As [`PrefixScan::scratch`].
-    pub fn scratch(device: &wgpu::Device, capacity: usize) -> Result<Scratch> {
+    pub fn scratch(device: &wgpu::Device, capacity: usize) -> Result<CompactScratch> {
         let marks = capacity.div_ceil(kernel::ITEMS as usize);
-        Ok(Scratch {
+        Ok(CompactScratch {
             capacity,
             marks: Buffer::storage(device, "compact.marks", marks)?,
             mark_counts: Buffer::storage(device, "compact.mark_counts", marks)?,
@@ -104,7 +104,7 @@ impl Compact {
         values: Option<&Buffer<u32>>,
         kept: &Buffer<u32>,
         total: (&Buffer<u32>, usize),
-        scratch: &Scratch,
+        scratch: &CompactScratch,
         count: Count,
     ) -> Result<()> {
         let limit = count.limit("compact", scratch.capacity)?;
@@ -119,13 +119,13 @@ impl Compact {
         }
         let params = self.uniforms.get(
             stage.device,
-            &Params {
+            &CompactParams {
                 limit: limit as u32,
                 count_word: count.word(),
                 capacity: kept.len() as u32,
                 packed: packed.into(),
                 indices: values.is_none().into(),
-                ..Params::default()
+                ..CompactParams::default()
             },
         )?;
         let bindings = kernel::Lists {

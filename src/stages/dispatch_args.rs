@@ -1,7 +1,7 @@
 //! Arguments of indirect dispatches, made from counts on the GPU.
 //!
 //! - **Purpose.** Runs a kernel over a list whose length only the GPU knows.
-//! - **Reads** any words of a buffer of counts, and one [`Request`] a dispatch.
+//! - **Reads** any words of a buffer of counts, and one [`ArgsRequest`] a dispatch.
 //! - **Writes** three words a request ([`Groups::Indirect`] reads them).
 //! - **Guarantee.** `min(count, limit)` items, but for the first `skip`, are covered by as few workgroups as the fold over two
 //!   dimensions allows; a kernel finds its flat index with `kernels/shared/dispatch.wgsl` and must check it against the count.
@@ -18,7 +18,7 @@ use crate::{Error, Result, shared_struct};
 
 shared_struct! {
     /// Items that one dispatch is to cover.
-    "dispatch_args" => pub struct Request {
+    "dispatch_args" => pub struct ArgsRequest {
         /// Index into the counts.
         pub count_word: u32,
         /// Items that one workgroup handles.
@@ -38,7 +38,7 @@ shared_struct! {
     }
 }
 
-impl Request {
+impl ArgsRequest {
     /// Most items of a list: their flat indices, spare ones included, fit in 32 bits.
     pub const MAX_LIMIT: usize = 1 << 31;
 
@@ -46,7 +46,7 @@ impl Request {
     /// word `args_word`.
     ///
     /// # Errors
-    /// [`Error::Config`] if `per_group` is 0 or `limit` is above [`Request::MAX_LIMIT`].
+    /// [`Error::Config`] if `per_group` is 0 or `limit` is above [`ArgsRequest::MAX_LIMIT`].
     pub fn new(count_word: usize, per_group: u32, limit: usize, args_word: usize) -> Result<Self> {
         if per_group == 0 || limit > Self::MAX_LIMIT {
             return Err(Error::Config(format!("dispatch_args: {limit} items in groups of {per_group}")));
@@ -65,7 +65,7 @@ impl Request {
 /// Requests, and the check that they fit their buffers.
 #[derive(Debug)]
 pub struct Requests {
-    list: Buffer<Request>,
+    list: Buffer<ArgsRequest>,
     counts: usize,
     args: usize,
 }
@@ -87,7 +87,7 @@ impl DispatchArgs {
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn requests(device: &wgpu::Device, queue: &wgpu::Queue, requests: &[Request]) -> Result<Requests> {
+    pub fn requests(device: &wgpu::Device, queue: &wgpu::Queue, requests: &[ArgsRequest]) -> Result<Requests> {
         // A buffer is padded with nothing that could be taken for a request: each is 32 bytes.
         Ok(Requests {
             list: Buffer::from_slice(device, queue, "dispatch_args.requests", requests)?,

@@ -13,6 +13,7 @@ use crate::frame::Frame;
 use crate::gpu::kernels::facet_classify as kernel;
 use crate::gpu::{Buffer, Groups, Stage};
 use crate::shared_struct;
+pub use crate::status::FacetState;
 
 shared_struct! {
     /// Stands for a surface inside one pixel.
@@ -21,7 +22,7 @@ shared_struct! {
         pub pixel: u32,
         /// The triangle whose plane it is; `u32::MAX` if the pixel sees none.
         pub triangle: u32,
-        /// One of [`State`].
+        /// One of [`FacetState`].
         pub state: u32,
         /// Of a facet merged of several triangles, the view depth that they reach.
         pub limit: f32,
@@ -68,27 +69,6 @@ shared_struct! {
     }
 }
 
-/// State of a facet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum State {
-    /// No surface: counts as lit.
-    Empty = 0,
-    /// Its seen side faces away from the light.
-    Dark = 1,
-    /// Nothing lies between it and the light.
-    Lit = 2,
-    /// One sheet covers all of it.
-    Shadowed = 3,
-    /// To be evaluated.
-    Undecided = 4,
-}
-
-impl State {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Empty, Self::Dark, Self::Lit, Self::Shadowed, Self::Undecided];
-}
-
 /// The pipelines for one number of mask words.
 #[derive(Debug)]
 pub struct FacetClassify {
@@ -131,7 +111,7 @@ impl Facets {
 
 /// Inputs of classification besides the facets.
 #[derive(Clone, Copy, Debug)]
-pub struct Surroundings<'a> {
+pub struct ClassifyInputs<'a> {
     /// Vertex indices, 16 bytes a triangle: three, and 1 for one of a closed body.
     pub triangles: &'a Buffer<[u32; 4]>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
@@ -183,7 +163,7 @@ impl FacetClassify {
         stage: &mut Stage,
         frame: &Buffer<Frame>,
         samples: &Buffer<[f32; 4]>,
-        around: Surroundings,
+        around: ClassifyInputs,
         facets: &Facets,
         groups: Groups,
     ) {

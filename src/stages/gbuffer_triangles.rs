@@ -24,7 +24,7 @@ use crate::{Error, Result, shared_struct};
 
 shared_struct! {
     /// How an application counts samples and triangles.
-    "gbuffer_triangles" => pub struct Params {
+    "gbuffer_triangles" => pub struct GbufferTrianglesParams {
         /// Samples of the G-buffer.
         pub count: u32,
         /// The number of its first triangle.
@@ -46,7 +46,7 @@ shared_struct! {
     }
 }
 
-impl Params {
+impl GbufferTrianglesParams {
     /// Of a G-buffer with samples at `theirs`, for a picture with samples at `ours` (both offsets in the pixel).
     ///
     /// # Errors
@@ -89,11 +89,11 @@ pub enum Texture<'a> {
 
 /// An application's G-buffer and what its numbers mean.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
+pub struct SampleGbuffer<'a> {
     /// Triangle numbers, the size of the image.
     pub texture: Texture<'a>,
     /// How they are counted.
-    pub params: Params,
+    pub params: GbufferTrianglesParams,
     /// The casters' number of each triangle of the application.
     pub numbers: &'a Buffer<u32>,
 }
@@ -135,9 +135,9 @@ impl GbufferTriangles {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        given: &Given,
+        given: &SampleGbuffer,
         lists: &PixelLists,
-        scratch: &prefix_scan::Scratch,
+        scratch: &prefix_scan::PrefixScanScratch,
         status: &Buffer<u32>,
         faults: &Buffer<u32>,
     ) -> Result<()> {
@@ -206,14 +206,14 @@ impl GbufferTriangles {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        given: &Given,
+        given: &SampleGbuffer,
         [first_slot, slots]: [u32; 2],
         pixels: &Buffer<u32>,
         total: &Buffer<u32>,
         keys: &Buffer<u32>,
         groups: Groups,
     ) -> Result<()> {
-        let params = self.uniforms.get(stage.device, &Params { first_slot, slots, ..given.params })?;
+        let params = self.uniforms.get(stage.device, &GbufferTrianglesParams { first_slot, slots, ..given.params })?;
         let (frame, params, numbers) = (frame.as_uniform(), params.as_uniform(), given.numbers.as_read());
         let (complex_pixels, complex_total, sample_keys) = (pixels.as_read(), total.as_read(), keys.as_write());
         match given.texture {

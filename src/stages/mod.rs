@@ -57,7 +57,7 @@ use bytemuck::Pod;
 
 /// What stages that ask a map for shadows read of the pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
+pub struct PrimaryHits<'a> {
     /// Sample offsets.
     pub samples: &'a Buffer<[f32; 4]>,
     /// Complement of the triangle at each pixel centre.

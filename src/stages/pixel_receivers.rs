@@ -27,7 +27,7 @@ use crate::shared_struct;
 
 shared_struct! {
     /// Contents of an application's textures.
-    "pixel_receivers" => pub struct Params {
+    "pixel_receivers" => pub struct PixelReceiversParams {
         /// At view depth `z`, world units, the texture holds `([0] * z + [1]) / ([2] * z + [3])`.
         pub depth: [f32; 4],
         /// The depth that stands for no surface.
@@ -62,7 +62,7 @@ pub struct Textures<'a> {
 
 /// The casters, with room for a triangle and three vertices a pixel behind them.
 #[derive(Clone, Copy, Debug)]
-pub struct Surfaces<'a> {
+pub struct ReceiverRoom<'a> {
     /// The casters' number of each triangle of the application.
     pub numbers: &'a Buffer<u32>,
     /// Vertex indices.
@@ -93,9 +93,9 @@ impl PixelReceivers {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        params: Params,
+        params: PixelReceiversParams,
         textures: Textures,
-        surfaces: Surfaces,
+        surfaces: ReceiverRoom,
         id_keys: &Buffer<u32>,
         keys: &Buffer<u32>,
         faults: &Buffer<u32>,

@@ -1,5 +1,5 @@
 //! Pixel-texel pairs: texel by texel, the undecided facets whose light-view outline touches it (Pan 2009, section 3.3). Where
-//! pairs meet by tiles of 2 × 2 texels ([`Places::Tiles`]), those texels of a tile are one pair.
+//! pairs meet by tiles of 2 × 2 texels ([`PairTiles::Tiles`]), those texels of a tile are one pair.
 //!
 //! - **Reads** facets, the scan of their blocks, the split depths.
 //! - **Writes** on counting `place_counts` and `place_deepest`, on emitting `pixel_pairs` grouped by place; or all at once
@@ -25,12 +25,12 @@ pub struct PixelTexelPairs {
     emit_rest: kernel::EmitRestProgram,
     append: kernel::AppendProgram,
     uniforms: Uniforms,
-    places: Places,
+    places: PairTiles,
 }
 
 /// Where pairs meet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Places {
+pub enum PairTiles {
     /// At texels of the map (Pan 2009).
     Texels,
     /// At tiles of 2 × 2 texels. A pair says which part of the tile it is about, so that most pairs that share a tile and
@@ -39,7 +39,7 @@ pub enum Places {
     Tiles,
 }
 
-impl Places {
+impl PairTiles {
     /// How many there are in a map of `size` texels a side.
     pub fn count(self, size: usize) -> usize {
         size.div_ceil(1 << self.shift()).pow(2)
@@ -66,7 +66,7 @@ impl Places {
 #[derive(Debug)]
 pub struct PairLists {
     /// Where they meet.
-    pub places: Places,
+    pub places: PairTiles,
     /// Pairs of each place; 0 before each of the four runs.
     pub place_counts: Buffer<u32>,
     /// Farthest facet of each place (bits of depth plus 1), then one word for each 8 × 8 block of texels.
@@ -103,7 +103,7 @@ impl PairLists {
     pub fn new(
         device: &wgpu::Device,
         size: usize,
-        places: Places,
+        places: PairTiles,
         pixel_pairs: usize,
         triangle_pairs: usize,
         candidates: usize,
@@ -129,7 +129,7 @@ impl PairLists {
     }
 
     /// That a stage made for `places` may use them.
-    pub(super) fn check(&self, places: Places) -> Result<()> {
+    pub(super) fn check(&self, places: PairTiles) -> Result<()> {
         if self.places == places {
             return Ok(());
         }
@@ -139,7 +139,7 @@ impl PairLists {
 
 impl PixelTexelPairs {
     /// Builds the pipeline for pairs that meet at `places`.
-    pub fn new(device: &wgpu::Device, places: Places) -> Self {
+    pub fn new(device: &wgpu::Device, places: PairTiles) -> Self {
         let constants = kernel::Constants { tile_shift: places.shift() };
         Self {
             count: kernel::CountProgram::new(device, constants),
@@ -152,7 +152,7 @@ impl PixelTexelPairs {
     }
 
     /// Where pairs meet.
-    pub fn places(&self) -> Places {
+    pub fn places(&self) -> PairTiles {
         self.places
     }
 
@@ -211,9 +211,9 @@ impl PixelTexelPairs {
         args: (&wgpu::Buffer, u64),
         splits: &Buffer<f32>,
         lists: &PairLists,
-        to: &sorted_pairs::Scratch,
+        to: &sorted_pairs::SortedPairsScratch,
     ) -> Result<()> {
-        lists.check(Places::Texels)?;
+        lists.check(PairTiles::Texels)?;
         let bindings = kernel::Append {
             frame: frame.as_uniform(),
             undecided: facets.undecided.as_read(),

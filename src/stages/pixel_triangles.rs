@@ -94,7 +94,7 @@ impl PixelTriangles {
         blocks: Blocks,
         rest: (&wgpu::Buffer, u64),
         lists: &PixelLists,
-        scratch: &prefix_scan::Scratch,
+        scratch: &prefix_scan::PrefixScanScratch,
         status: &Buffer<u32>,
     ) -> Result<()> {
         let (pixels, all) = (lists.counts.len(), blocks.args);

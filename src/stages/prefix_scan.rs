@@ -18,7 +18,7 @@ use crate::{Error, Result, shared_struct};
 
 shared_struct! {
     /// Parameters of the kernel.
-    "prefix_scan" => pub struct Params {
+    "prefix_scan" => pub struct PrefixScanParams {
         /// Values to scan.
         pub limit: u32,
         /// Where in `counts` the number of values stands.
@@ -49,12 +49,12 @@ pub struct PrefixScan {
 
 /// Block sums of a scan of up to `capacity` values.
 #[derive(Debug)]
-pub struct Scratch {
+pub struct PrefixScanScratch {
     capacity: usize,
     sums: Buffer<[u32; 2]>,
 }
 
-impl Scratch {
+impl PrefixScanScratch {
     /// Most values that a scan with it can have.
     pub fn capacity(&self) -> usize {
         self.capacity
@@ -80,12 +80,12 @@ impl PrefixScan {
     ///
     /// # Errors
     /// [`Error::Config`] above [`PrefixScan::MAX_VALUES`], else as [`Buffer::storage`].
-    pub fn scratch(device: &wgpu::Device, capacity: usize) -> Result<Scratch> {
+    pub fn scratch(device: &wgpu::Device, capacity: usize) -> Result<PrefixScanScratch> {
         if capacity > Self::MAX_VALUES {
             return Err(Error::Config(format!("prefix_scan: {capacity} values, at most {}", Self::MAX_VALUES)));
         }
         let sums = Buffer::storage(device, "prefix_scan.sums", capacity.div_ceil(kernel::BLOCK as usize))?;
-        Ok(Scratch { capacity, sums })
+        Ok(PrefixScanScratch { capacity, sums })
     }
 
     /// Records the scan of `input` into `output`, and its sum and overflow flag into two words of `total` (buffer and
@@ -100,7 +100,7 @@ impl PrefixScan {
         input: &Buffer<u32>,
         output: &Buffer<u32>,
         total: (&Buffer<u32>, usize),
-        scratch: &Scratch,
+        scratch: &PrefixScanScratch,
         count: Count,
     ) -> Result<()> {
         let limit = count.limit("prefix_scan", scratch.capacity)?;
@@ -118,13 +118,13 @@ impl PrefixScan {
                 let length = segment.min(limit - first);
                 let params = self.uniforms.get(
                     stage.device,
-                    &Params {
+                    &PrefixScanParams {
                         limit: limit as u32,
                         count_word: count.word(),
                         first: first as u32,
                         length: length as u32,
                         first_block: (first / block) as u32,
-                        ..Params::default()
+                        ..PrefixScanParams::default()
                     },
                 )?;
                 let bindings = kernel::Downsweep {
@@ -146,7 +146,11 @@ impl PrefixScan {
         segments(stage, false)?;
         let params = self.uniforms.get(
             stage.device,
-            &Params { blocks: limit.div_ceil(block) as u32, total_word: total.1 as u32, ..Params::default() },
+            &PrefixScanParams {
+                blocks: limit.div_ceil(block) as u32,
+                total_word: total.1 as u32,
+                ..PrefixScanParams::default()
+            },
         )?;
         let bindings =
             kernel::Spine { params: params.as_uniform(), sums: scratch.sums.as_write(), total: total.0.as_write() };

@@ -18,7 +18,7 @@ use crate::{Error, Result, shared_struct};
 
 shared_struct! {
     /// Parameters of the kernel.
-    "radix_sort" => pub struct Params {
+    "radix_sort" => pub struct RadixSortParams {
         /// Pairs.
         pub limit: u32,
         /// Where in `counts` the number of pairs stands.
@@ -58,14 +58,14 @@ pub struct RadixSort {
 
 /// Scratch memory for sorts of up to `capacity` pairs: 8.2 bytes a pair.
 #[derive(Debug)]
-pub struct Scratch {
+pub struct RadixSortScratch {
     capacity: usize,
     keys: Buffer<u32>,
     values: Buffer<u32>,
     histogram: Buffer<u32>,
     offsets: Buffer<u32>,
     total: Buffer<u32>,
-    scan: prefix_scan::Scratch,
+    scan: prefix_scan::PrefixScanScratch,
 }
 
 /// The digits of keys of `key_bits` bits, lowest first: as few as can be, of nearly equal width. (first bit, bits)
@@ -90,9 +90,9 @@ impl RadixSort {
     ///
     /// # Errors
     /// As [`Buffer::storage`] and [`PrefixScan::scratch`].
-    pub fn scratch(device: &wgpu::Device, capacity: usize) -> Result<Scratch> {
+    pub fn scratch(device: &wgpu::Device, capacity: usize) -> Result<RadixSortScratch> {
         let counters = capacity.div_ceil(kernel::BLOCK as usize) * kernel::MAX_BINS as usize;
-        Ok(Scratch {
+        Ok(RadixSortScratch {
             capacity,
             keys: Buffer::storage(device, "radix_sort.keys", capacity)?,
             values: Buffer::storage(device, "radix_sort.values", capacity)?,
@@ -112,7 +112,7 @@ impl RadixSort {
         stage: &mut Stage,
         pairs: Pairs,
         sorted: Pairs,
-        scratch: &Scratch,
+        scratch: &RadixSortScratch,
         key_bits: u32,
         count: Count,
     ) -> Result<()> {
@@ -146,20 +146,20 @@ impl RadixSort {
         stage: &mut Stage,
         from: Pairs,
         to: Pairs,
-        scratch: &Scratch,
+        scratch: &RadixSortScratch,
         (shift, bits): (u32, u32),
         (limit, count): (usize, Count),
     ) -> Result<()> {
         let blocks = limit.div_ceil(kernel::BLOCK as usize);
         let params = self.uniforms.get(
             stage.device,
-            &Params {
+            &RadixSortParams {
                 limit: limit as u32,
                 count_word: count.word(),
                 shift,
                 bins: 1 << bits,
                 blocks: blocks as u32,
-                ..Params::default()
+                ..RadixSortParams::default()
             },
         )?;
         let bindings = kernel::Digits {

@@ -15,7 +15,7 @@
 
 use super::camera_visibility::{Blocks, Pass};
 use super::compact::{self, Compact, Flags};
-use super::dispatch_args::{DispatchArgs, Request, Requests};
+use super::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use super::facet_classify::Facets;
 use super::{Count, PrefixScan, holds, prefix_scan};
 use crate::Result;
@@ -55,8 +55,8 @@ pub struct Bins {
     wanted: Buffer<u32>,
     requests: Requests,
     args: Buffer<u32>,
-    scratch: prefix_scan::Scratch,
-    compact_scratch: compact::Scratch,
+    scratch: prefix_scan::PrefixScanScratch,
+    compact_scratch: compact::CompactScratch,
     /// Facets of a band; the last may have fewer.
     pub facets: usize,
     /// The frame of each band.
@@ -90,7 +90,7 @@ impl Bins {
         let band = facets.min(most.min(kernel::MOST_SAMPLES as usize / samples.max(1) as usize)).max(1);
         let frames = (0..facets.div_ceil(band)).map(|_| Buffer::uniform(device, "sample_bins.frame", 1));
         let requests = RUNS.iter().enumerate();
-        let requests = requests.map(|(k, &items)| Request::new(k, items, Request::MAX_LIMIT, 3 * k));
+        let requests = requests.map(|(k, &items)| ArgsRequest::new(k, items, ArgsRequest::MAX_LIMIT, 3 * k));
         Ok(Self {
             wanted: Buffer::storage(device, "sample_bins.wanted", RUNS.len())?,
             requests: DispatchArgs::requests(device, queue, &requests.collect::<Result<Vec<_>>>()?)?,
@@ -124,7 +124,7 @@ impl Bins {
 
 /// Inputs of the stage besides its bins.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct BinInputs<'a> {
     /// Sample offsets.
     pub samples: &'a Buffer<[f32; 4]>,
     /// The casters' blocks of texels.
@@ -169,7 +169,7 @@ impl SampleBins {
     ///
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
-    pub fn record_bin(&self, stage: &mut Stage, run: u32, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
+    pub fn record_bin(&self, stage: &mut Stage, run: u32, band: usize, scene: BinInputs, bins: &Bins) -> Result<()> {
         let pass = self.pass(stage.device, run)?;
         let bindings = Self::bindings(&pass, band, scene, bins)?;
         stage.run(&self.bin, bindings, Groups::Items(bins.list.len() as u64 / 5 * 4));
@@ -185,7 +185,7 @@ impl SampleBins {
     ///
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
-    pub fn record_occlude(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
+    pub fn record_occlude(&self, stage: &mut Stage, band: usize, scene: BinInputs, bins: &Bins) -> Result<()> {
         let pass = self.pass(stage.device, 0)?;
         let bindings = Self::bindings(&pass, band, scene, bins)?;
         self.record_args(stage, bindings, bins)?;
@@ -198,7 +198,7 @@ impl SampleBins {
     ///
     /// # Errors
     /// [`crate::Error::Config`] if there is no such band.
-    pub fn record_refine(&self, stage: &mut Stage, band: usize, scene: Scene, bins: &Bins) -> Result<()> {
+    pub fn record_refine(&self, stage: &mut Stage, band: usize, scene: BinInputs, bins: &Bins) -> Result<()> {
         let pass = self.pass(stage.device, 0)?;
         let bindings = Self::bindings(&pass, band, scene, bins)?;
         self.record_args(stage, bindings, bins)?;
@@ -218,9 +218,14 @@ impl SampleBins {
         self.uniforms.get(device, &Pass { index: run })
     }
 
-    fn bindings<'a>(pass: &'a Buffer<Pass>, band: usize, scene: Scene<'a>, bins: &'a Bins) -> Result<kernel::Bins<'a>> {
+    fn bindings<'a>(
+        pass: &'a Buffer<Pass>,
+        band: usize,
+        scene: BinInputs<'a>,
+        bins: &'a Bins,
+    ) -> Result<kernel::Bins<'a>> {
         holds("sample_bins", "bands", bins.frames.len(), band + 1)?;
-        let Scene { samples, blocks, positions, facets } = scene;
+        let BinInputs { samples, blocks, positions, facets } = scene;
         Ok(kernel::Bins {
             frame: bins.frames[band].as_uniform(),
             samples: samples.as_uniform(),

@@ -29,7 +29,7 @@ pub use kernel::{ROUND_LENGTH, SEVERAL, WORKGROUP};
 
 shared_struct! {
     /// Complex pixels that a dispatch takes.
-    "sample_surfaces" => pub struct Step {
+    "sample_surfaces" => pub struct SurfaceStep {
         /// Which [`ROUND_LENGTH`] triangles of each list.
         pub round: u32,
         /// First complex pixel.
@@ -69,7 +69,7 @@ pub struct SampleSurfaces {
 
 /// Inputs of the stage besides the lists.
 #[derive(Clone, Copy, Debug)]
-pub struct Mesh<'a> {
+pub struct SurfaceInputs<'a> {
     /// Sample offsets.
     pub samples: &'a Buffer<[f32; 4]>,
     /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
@@ -86,14 +86,14 @@ pub struct Mesh<'a> {
 #[derive(Clone, Copy)]
 struct Seen<'a> {
     frame: &'a Buffer<Frame>,
-    mesh: Mesh<'a>,
+    mesh: SurfaceInputs<'a>,
     lists: &'a PixelLists,
     complex: &'a ComplexPixels,
     keys: &'a Buffer<u32>,
 }
 
 impl<'s> Seen<'s> {
-    fn bindings<'a>(self, step: &'a Buffer<Step>) -> kernel::Search<'a>
+    fn bindings<'a>(self, step: &'a Buffer<SurfaceStep>) -> kernel::Search<'a>
     where
         's: 'a,
     {
@@ -126,7 +126,7 @@ impl SampleSurfaces {
         Self::with(device, scan, samples, Merging::Never)
     }
 
-    /// As [`SampleSurfaces::new`]; triangles of one surface ([`Mesh::surfaces`]) make one facet.
+    /// As [`SampleSurfaces::new`]; triangles of one surface ([`SurfaceInputs::surfaces`]) make one facet.
     pub fn merging(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
         Self::with(device, scan, samples, Merging::Always)
     }
@@ -167,12 +167,12 @@ impl SampleSurfaces {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        mesh: Mesh,
+        mesh: SurfaceInputs,
         lists: &PixelLists,
         complex: &ComplexPixels,
         args: (&wgpu::Buffer, u64),
         rounds: u32,
-        scratch: &prefix_scan::Scratch,
+        scratch: &prefix_scan::PrefixScanScratch,
         facets: &Facets,
         id_keys: &Buffer<u32>,
         fill: Option<Fill>,
@@ -192,7 +192,7 @@ impl SampleSurfaces {
         for (band, keys) in complex.bands() {
             let seen = Seen { frame, mesh, lists, complex, keys };
             for (round, word) in turns() {
-                let step = self.uniforms.get(stage.device, &Step { round, word, ..band })?;
+                let step = self.uniforms.get(stage.device, &SurfaceStep { round, word, ..band })?;
                 stage.run(&self.nearest, seen.bindings(&step), groups());
             }
             stage.run(&self.begin, kernel::Begin { crowds: complex.crowds.as_write() }, Groups::Workgroups(1));
@@ -203,7 +203,7 @@ impl SampleSurfaces {
             stage.run(&self.rivals, seen.bindings(&step), groups());
             self.fold.record(stage, &complex.crowds, &complex.crowd_requests, &complex.crowd_args)?;
             for (round, word) in turns() {
-                let step = self.uniforms.get(stage.device, &Step { round, word, ..band })?;
+                let step = self.uniforms.get(stage.device, &SurfaceStep { round, word, ..band })?;
                 stage.run(&self.crowds, seen.bindings(&step), Groups::Indirect(complex.crowd_args.raw(), 0));
             }
             self.record_names(stage, frame, &step, mesh, complex, keys, groups())?;
@@ -262,8 +262,8 @@ impl SampleSurfaces {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        step: &Buffer<Step>,
-        mesh: Mesh,
+        step: &Buffer<SurfaceStep>,
+        mesh: SurfaceInputs,
         complex: &ComplexPixels,
         keys: &Buffer<u32>,
         groups: Groups,

@@ -9,9 +9,9 @@
 //!   for listed pixels.
 //! - **Cost.** One dispatch over pixels, one over the listed ones. A quarter of a byte a texel.
 
-use super::Seen;
+use super::PrimaryHits;
 use super::spsm_map::SpsmTexels;
-use super::spsm_query::{Options, SpsmPixels};
+use super::spsm_query::{SpsmPixels, SpsmQueryOptions};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::seen_texels as kernel;
@@ -81,7 +81,7 @@ impl TexelMarks {
 
 impl SeenTexels {
     /// Builds the pipelines for what `options` ask of `texels`.
-    pub fn new(device: &wgpu::Device, options: Options, texels: &SpsmTexels) -> Self {
+    pub fn new(device: &wgpu::Device, options: SpsmQueryOptions, texels: &SpsmTexels) -> Self {
         let own = kernel::Constants { many: u32::from(options.many), ..Default::default() };
         let around = kernel::Constants {
             reach: (options.radius + options.stretch) as i32,
@@ -98,7 +98,7 @@ impl SeenTexels {
     }
 
     /// Marks the texels that all pixels fall into. The words must be 0 before.
-    pub fn record(&self, stage: &mut Stage, frame: &Buffer<Frame>, seen: Seen, texels: &SpsmTexels) {
+    pub fn record(&self, stage: &mut Stage, frame: &Buffer<Frame>, seen: PrimaryHits, texels: &SpsmTexels) {
         let bindings = kernel::Mark {
             frame: frame.as_uniform(),
             id_keys: seen.id_keys.as_read(),
@@ -121,7 +121,7 @@ impl SeenTexels {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        seen: Seen,
+        seen: PrimaryHits,
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) {

@@ -6,14 +6,14 @@
 //! - **Guarantee.** Bit-equal from run to run. Nothing is settled early and nothing is exact: the bias decides.
 //! - **Cost.** One dispatch over pixels; per sample one texel read, or as many as the kernel has.
 
-use super::Seen;
+use super::PrimaryHits;
 use crate::frame::Frame;
 use crate::gpu::kernels::shadow_map as kernel;
 use crate::gpu::{Buffer, Groups, Stage};
 
 /// Settings that the pipeline is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct ShadowMapOptions {
     /// Texels a side of the filter: 1 for none.
     pub kernel: u32,
     /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
@@ -32,7 +32,7 @@ pub struct ShadowMap {
 
 impl ShadowMap {
     /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device, options: Options) -> Self {
+    pub fn new(device: &wgpu::Device, options: ShadowMapOptions) -> Self {
         let constants = kernel::Constants {
             kernel: options.kernel,
             bias_constant: options.constant,
@@ -48,7 +48,7 @@ impl ShadowMap {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        seen: Seen,
+        seen: PrimaryHits,
         nearest_keys: &Buffer<u32>,
         visibility: &Buffer<f32>,
     ) {

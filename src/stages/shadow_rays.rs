@@ -5,7 +5,7 @@
 //! - **Guarantee.** Bit-equal from run to run. A sample farther than 1/256 pixel from every shadow edge is decided as in exact
 //!   arithmetic: what `f32` cannot decide is followed again with 46 bits. There is no bias and no self-hit: sides decide.
 //! - **Capacity.** Fixed by the number of facets. A walk through more than 60,000 nodes and triangles ends early and is
-//!   counted ([`Rays::read`]); 0 means that every answer stands.
+//!   counted ([`RayLists::read`]); 0 means that every answer stands.
 //! - **Cost.** Five dispatches to list the undecided facets, three indirect ones over them; a ray takes about as many steps as
 //!   the tree has levels, each 80 bytes and eight boxes.
 //! - **Source.** Whitted 1980; tree and traversal of Ylitie, Karras, Laine 2017, section 4; the facets of Pan 2009, section 3.1.
@@ -77,7 +77,7 @@ impl TreeBuffers {
 
 /// Which facets are traced, and what was left open of them.
 #[derive(Debug)]
-pub struct Rays {
+pub struct RayLists {
     /// The undecided facets, rising.
     pub listed: Buffer<u32>,
     /// How many; the same or 0; walks that ended early; doubts; then the samples of each facet to be followed again; then as
@@ -87,7 +87,7 @@ pub struct Rays {
     pub args: Buffer<u32>,
     facets: usize,
     requests: dispatch_args::Requests,
-    scratch: compact::Scratch,
+    scratch: compact::CompactScratch,
 }
 
 /// Arguments, by word.
@@ -96,7 +96,7 @@ const FACET_ARGS: usize = 3;
 const DOUBT_ARGS: usize = 6;
 const AGAIN_ARGS: usize = 9;
 
-impl Rays {
+impl RayLists {
     /// Memory for `facets` facets of `samples` samples.
     ///
     /// # Errors
@@ -105,7 +105,7 @@ impl Rays {
         Self::with_doubts(device, queue, facets, samples, facets * (samples as usize / 16).max(1) + 1024)
     }
 
-    /// As [`Rays::new`], with room for this many doubts. The masks are the same with less; to make them takes longer.
+    /// As [`RayLists::new`], with room for this many doubts. The masks are the same with less; to make them takes longer.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
@@ -123,10 +123,10 @@ impl Rays {
         let len = (head + 2 * doubts).next_multiple_of(4);
         let doubts = (len - head) / 2;
         let requests = [
-            dispatch_args::Request::new(0, together, facets, TRACE_ARGS)?,
-            dispatch_args::Request::new(0, kernel::WORKGROUP, facets, FACET_ARGS)?,
-            dispatch_args::Request::new(3, kernel::WORKGROUP, doubts, DOUBT_ARGS)?,
-            dispatch_args::Request::new(1, together, facets, AGAIN_ARGS)?,
+            dispatch_args::ArgsRequest::new(0, together, facets, TRACE_ARGS)?,
+            dispatch_args::ArgsRequest::new(0, kernel::WORKGROUP, facets, FACET_ARGS)?,
+            dispatch_args::ArgsRequest::new(3, kernel::WORKGROUP, doubts, DOUBT_ARGS)?,
+            dispatch_args::ArgsRequest::new(1, together, facets, AGAIN_ARGS)?,
         ];
         Ok(Self {
             listed: Buffer::storage(device, "shadow_rays.listed", facets)?,
@@ -150,7 +150,7 @@ impl Rays {
 
 /// Inputs of the stage besides the facets.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct RayInputs<'a> {
     /// Sample offsets.
     pub samples: &'a Buffer<[f32; 4]>,
     /// The tree.
@@ -163,7 +163,7 @@ pub struct Scene<'a> {
 
 /// Work on the listed facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum RayStep {
     /// Their rays in single precision.
     Trace,
     /// The rays that single precision left open, with 46 bits.
@@ -190,7 +190,7 @@ impl ShadowRays {
     ///
     /// # Errors
     /// [`crate::Error::Config`] if `rays` were made for fewer facets.
-    pub fn record_list(&self, stage: &mut Stage, facets: &Facets, rays: &Rays) -> Result<()> {
+    pub fn record_list(&self, stage: &mut Stage, facets: &Facets, rays: &RayLists) -> Result<()> {
         let (flags, count) = (Flags::Words(&facets.items), Count::Exactly(facets.list.len()));
         self.compact.record(stage, flags, None, &rays.listed, (&rays.work, 0), &rays.scratch, count)?;
         self.fold.record(stage, &rays.work, &rays.requests, &rays.args)
@@ -203,11 +203,11 @@ impl ShadowRays {
     pub fn record(
         &self,
         stage: &mut Stage,
-        step: Step,
+        step: RayStep,
         frame: &Buffer<Frame>,
-        scene: Scene,
+        scene: RayInputs,
         facets: &Facets,
-        rays: &Rays,
+        rays: &RayLists,
     ) -> Result<()> {
         super::holds("shadow_rays", "listed", rays.facets, facets.list.len())?;
         let bindings = kernel::Trace {
@@ -225,13 +225,13 @@ impl ShadowRays {
         };
         let groups = |args: usize| Groups::Indirect(rays.args.raw(), args as u64);
         match step {
-            Step::Trace => stage.run(&self.trace, bindings, groups(TRACE_ARGS)),
-            Step::Refine => {
+            RayStep::Trace => stage.run(&self.trace, bindings, groups(TRACE_ARGS)),
+            RayStep::Refine => {
                 self.fold.record(stage, &rays.work, &rays.requests, &rays.args)?;
                 stage.run(&self.refine, bindings, groups(DOUBT_ARGS));
                 stage.run(&self.refine_all, bindings, groups(AGAIN_ARGS));
             }
-            Step::Cut => stage.run(&self.cut, bindings, groups(FACET_ARGS)),
+            RayStep::Cut => stage.run(&self.cut, bindings, groups(FACET_ARGS)),
         }
         Ok(())
     }

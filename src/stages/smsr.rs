@@ -7,14 +7,14 @@
 //! - **Cost.** One dispatch over pixels. Up to 64 texel reads settle a pixel around which all texels are alike; of others five for
 //!   each texel that samples fall into, and where it lies at a border two for each texel that this is followed.
 
-use super::Seen;
+use super::PrimaryHits;
 use crate::frame::Frame;
 use crate::gpu::kernels::smsr as kernel;
 use crate::gpu::{Buffer, Groups, Stage};
 
 /// Settings that the pipeline is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct SmsrOptions {
     /// Texels to either side that a border is followed (the paper's largest search distance, section 2.2): up to 64, beyond
     /// which llvmpipe's bound of an invocation's loops may end them.
     pub reach: u32,
@@ -34,7 +34,7 @@ pub struct Smsr {
 
 impl Smsr {
     /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device, options: Options) -> Self {
+    pub fn new(device: &wgpu::Device, options: SmsrOptions) -> Self {
         let constants = kernel::Constants {
             reach: options.reach,
             midpoints: u32::from(options.midpoints),
@@ -50,7 +50,7 @@ impl Smsr {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        seen: Seen,
+        seen: PrimaryHits,
         nearest_keys: &Buffer<u32>,
         visibility: &Buffer<f32>,
     ) {

@@ -18,7 +18,7 @@ use crate::{Result, shared_struct};
 
 shared_struct! {
     /// Parameters of the kernel.
-    "sorted_pairs" => pub struct Params {
+    "sorted_pairs" => pub struct SortedPairsParams {
         /// Pairs.
         pub limit: u32,
         /// Unused.
@@ -50,7 +50,7 @@ pub struct SortedPairs {
 
 /// Pairs as they come, and memory to sort them.
 #[derive(Debug)]
-pub struct Scratch {
+pub struct SortedPairsScratch {
     capacity: usize,
     /// Pairs appended, and not 0 if there are more than 2^32. Must be 0 before pairs are appended.
     pub appended: Buffer<u32>,
@@ -60,7 +60,7 @@ pub struct Scratch {
     pub values: Buffer<u32>,
     sorted_keys: Buffer<u32>,
     sorted_values: Option<Buffer<u32>>,
-    sort: radix_sort::Scratch,
+    sort: radix_sort::RadixSortScratch,
 }
 
 impl SortedPairs {
@@ -81,9 +81,9 @@ impl SortedPairs {
     ///
     /// # Errors
     /// As [`Buffer::storage`] and [`RadixSort::scratch`].
-    pub fn scratch(device: &wgpu::Device, capacity: usize, joined: bool) -> Result<Scratch> {
+    pub fn scratch(device: &wgpu::Device, capacity: usize, joined: bool) -> Result<SortedPairsScratch> {
         let list = |label: &str| Buffer::storage(device, label, capacity);
-        Ok(Scratch {
+        Ok(SortedPairsScratch {
             capacity,
             appended: Buffer::storage(device, "sorted_pairs.appended", 2)?,
             keys: list("sorted_pairs.keys")?,
@@ -98,7 +98,13 @@ impl SortedPairs {
     ///
     /// # Errors
     /// [`crate::Error::Config`] if a list is too small, or the scratch memory was made for the other kind of list.
-    pub fn record(&self, stage: &mut Stage, scratch: &Scratch, to: Sorted, texel_counts: &Buffer<u32>) -> Result<()> {
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        scratch: &SortedPairsScratch,
+        to: Sorted,
+        texel_counts: &Buffer<u32>,
+    ) -> Result<()> {
         let limit = scratch.capacity;
         let values = match (to, &scratch.sorted_values) {
             (Sorted::Items(items), None) => items,
@@ -113,7 +119,9 @@ impl SortedPairs {
         let appended = Pairs { keys: &scratch.keys, values: &scratch.values };
         let sorted = Pairs { keys: &scratch.sorted_keys, values };
         self.sort.record(stage, appended, sorted, &scratch.sort, key_bits, count)?;
-        let params = self.uniforms.get(stage.device, &Params { limit: limit as u32, ..Params::default() })?;
+        let params = self
+            .uniforms
+            .get(stage.device, &SortedPairsParams { limit: limit as u32, ..SortedPairsParams::default() })?;
         let (params, counts, keys) = (params.as_uniform(), scratch.appended.as_read(), scratch.sorted_keys.as_read());
         let bounds = kernel::Bounds { params, counts, keys, texel_counts: texel_counts.as_write() };
         stage.run(&self.bounds, bounds, Groups::Items(limit as u64));

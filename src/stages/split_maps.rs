@@ -9,7 +9,7 @@
 //! - **Cost.** About 18 bytes a triangle and view, 4 a texel and view; one dispatch for rectangles, three of the scan of their blocks, one
 //!   to list the blocks' owners, one for arguments, one indirect over blocks.
 
-use super::dispatch_args::{DispatchArgs, Request, Requests};
+use super::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use super::work_owners::{ListWork, WorkOwners};
 use super::{PrefixScan, prefix_scan};
 use crate::frame::Frame;
@@ -114,7 +114,7 @@ pub struct Maps {
     /// How many 8 × 8 blocks these are.
     pub items: Buffer<u32>,
     offsets: Buffer<u32>,
-    scratch: prefix_scan::Scratch,
+    scratch: prefix_scan::PrefixScanScratch,
     requests: Requests,
     args: Buffer<u32>,
 }
@@ -132,7 +132,7 @@ impl Maps {
         triangles: usize,
     ) -> Result<Self> {
         let (owners, texels) = (views * triangles, views * size * size);
-        let request = Request::new(owners, kernel::WORKGROUP, Request::MAX_LIMIT, 0)?;
+        let request = ArgsRequest::new(owners, kernel::WORKGROUP, ArgsRequest::MAX_LIMIT, 0)?;
         Ok(Self {
             keys: Buffer::storage(device, "split_maps.keys", texels)?,
             rects: Buffer::storage(device, "split_maps.rects", owners)?,
@@ -147,7 +147,7 @@ impl Maps {
 
 /// The mesh as the stage takes it.
 #[derive(Clone, Copy, Debug)]
-pub struct Mesh<'a> {
+pub struct SplitMapInputs<'a> {
     /// Vertex indices.
     pub triangles: &'a Buffer<[u32; 4]>,
     /// Vertices relative to the eye, scaled.
@@ -172,7 +172,7 @@ impl SplitMaps {
         stage: &mut Stage,
         frame: &Buffer<Frame>,
         splits: &Buffer<SplitViews>,
-        mesh: Mesh,
+        mesh: SplitMapInputs,
         maps: &Maps,
     ) {
         let bindings = kernel::Measure {
@@ -196,7 +196,7 @@ impl SplitMaps {
         stage: &mut Stage,
         frame: &Buffer<Frame>,
         splits: &Buffer<SplitViews>,
-        mesh: Mesh,
+        mesh: SplitMapInputs,
         maps: &Maps,
     ) -> Result<()> {
         self.measure(stage, frame, splits, mesh, maps);

@@ -9,7 +9,7 @@
 //!   leak light.
 //! - **Cost.** One dispatch over pixels; per sample one texel, or per pixel up to 16 lookups of eight cells.
 
-use super::Seen;
+use super::PrimaryHits;
 use super::split_maps::SplitViews;
 use crate::frame::Frame;
 use crate::gpu::kernels::split_shadows as kernel;
@@ -17,7 +17,7 @@ use crate::gpu::{Buffer, Groups, Stage};
 
 /// How the maps are asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ask {
+pub enum SplitQuery {
     /// By depth comparison with the nearest texel, for every sample.
     Depths {
         /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
@@ -27,7 +27,7 @@ pub enum Ask {
     },
     /// By mean and variance.
     Moments {
-        /// As of [`Ask::Depths`].
+        /// As of [`SplitQuery::Depths`].
         constant: f32,
         /// Share of light that is taken off, against leaks: 0 for none, below 1.
         bleeding: f32,
@@ -40,7 +40,7 @@ pub enum Ask {
 #[derive(Debug)]
 pub struct SplitShadows(Program);
 
-/// The kernel's entry point for an [`Ask`].
+/// The kernel's entry point for an [`SplitQuery`].
 #[derive(Debug)]
 enum Program {
     Compare(kernel::CompareProgram),
@@ -54,19 +54,19 @@ pub struct OfMaps<'a> {
     pub splits: &'a Buffer<SplitViews>,
     /// Keys of the nearest depths, view after view.
     pub keys: &'a Buffer<u32>,
-    /// Their moments, which [`Ask::Depths`] does not read.
+    /// Their moments, which [`SplitQuery::Depths`] does not read.
     pub moments: &'a Buffer<[f32; 2]>,
 }
 
 impl SplitShadows {
     /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device, ask: Ask) -> Self {
+    pub fn new(device: &wgpu::Device, ask: SplitQuery) -> Self {
         Self(match ask {
-            Ask::Depths { constant, slope } => {
+            SplitQuery::Depths { constant, slope } => {
                 let constants = kernel::Constants { bias_constant: constant, bias_slope: slope, ..Default::default() };
                 Program::Compare(kernel::CompareProgram::new(device, constants))
             }
-            Ask::Moments { constant, bleeding, grazing } => {
+            SplitQuery::Moments { constant, bleeding, grazing } => {
                 let constants = kernel::Constants { bias_constant: constant, bleeding, grazing, ..Default::default() };
                 Program::FilterMoments(kernel::FilterMomentsProgram::new(device, constants))
             }
@@ -74,7 +74,14 @@ impl SplitShadows {
     }
 
     /// Records all pixels.
-    pub fn record(&self, stage: &mut Stage, frame: &Buffer<Frame>, seen: Seen, maps: OfMaps, visibility: &Buffer<f32>) {
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &Buffer<Frame>,
+        seen: PrimaryHits,
+        maps: OfMaps,
+        visibility: &Buffer<f32>,
+    ) {
         let bindings = kernel::Ask {
             frame: frame.as_uniform(),
             samples: seen.samples.as_uniform(),

@@ -103,8 +103,9 @@ impl SpsmTexels {
         exponent: u32,
         blocks: usize,
     ) -> Result<Self> {
-        let request =
-            |count, at| dispatch_args::Request::new(count, kernel::WORKGROUP, dispatch_args::Request::MAX_LIMIT, at);
+        let request = |count, at| {
+            dispatch_args::ArgsRequest::new(count, kernel::WORKGROUP, dispatch_args::ArgsRequest::MAX_LIMIT, at)
+        };
         let list = WonBlocks {
             won: Buffer::storage(device, "spsm_map.won", blocks)?,
             requests: DispatchArgs::requests(device, queue, &[request(Self::CHOSEN, 0)?, request(Self::AGAIN, 3)?])?,

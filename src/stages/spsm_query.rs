@@ -9,7 +9,7 @@
 //!   are not covered by their own texel's triangle; a compaction; one over pixels that writes what the classes say; one over the
 //!   uncertain pixels, which alone recover.
 
-use super::Seen;
+use super::PrimaryHits;
 use super::compact::{self, Compact, Flags};
 use super::spsm_map::SpsmTexels;
 use super::{Count, DispatchArgs, PrefixScan, dispatch_args};
@@ -17,7 +17,7 @@ use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::spsm_query as kernel;
 use crate::gpu::{Buffer, Gpu, Groups, Stage};
-use crate::spsm_code::Pattern;
+use crate::spsm_code::BorderPattern;
 
 /// State of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub enum Class {
 
 /// Settings that the pipelines are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct SpsmQueryOptions {
     /// 0 for the paper's records, 1 for edge lines.
     pub encoding: u32,
     /// Words of a mask.
@@ -52,7 +52,7 @@ pub struct Options {
     pub bias: f32,
 }
 
-impl Default for Options {
+impl Default for SpsmQueryOptions {
     /// One sample, edge lines, 3 × 3 texels.
     fn default() -> Self {
         Self { encoding: 1, words: 1, many: false, radius: 1, stretch: 0, bias: 1e-5 }
@@ -86,7 +86,7 @@ pub struct SpsmPixels {
     requests: dispatch_args::Requests,
     asked_args: Buffer<u32>,
     args: Buffer<u32>,
-    scratch: compact::Scratch,
+    scratch: compact::CompactScratch,
 }
 
 impl SpsmPixels {
@@ -109,8 +109,8 @@ impl SpsmPixels {
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, pixels: usize, words: usize) -> Result<Self> {
         let patterns = Buffer::uniform(device, "spsm_query.patterns", 512)?;
-        patterns.write(queue, &Pattern::words());
-        let request = dispatch_args::Request::new(pixels, kernel::WORKGROUP, pixels, 0)?;
+        patterns.write(queue, &BorderPattern::words());
+        let request = dispatch_args::ArgsRequest::new(pixels, kernel::WORKGROUP, pixels, 0)?;
         Ok(Self {
             visibility: Buffer::storage(device, "spsm_query.visibility", pixels)?,
             lit: Buffer::storage(device, "spsm_query.lit", pixels * words)?,
@@ -128,7 +128,7 @@ impl SpsmPixels {
 
 impl SpsmQuery {
     /// Builds the pipelines that ask `texels`; `scan` is shared.
-    pub fn new(device: &wgpu::Device, scan: &PrefixScan, options: Options, texels: &SpsmTexels) -> Self {
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan, options: SpsmQueryOptions, texels: &SpsmTexels) -> Self {
         let constants = kernel::Constants {
             encoding: options.encoding,
             split: u32::from(texels.is_split()),
@@ -157,7 +157,7 @@ impl SpsmQuery {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        seen: Seen,
+        seen: PrimaryHits,
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) -> Result<()> {
@@ -178,7 +178,7 @@ impl SpsmQuery {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        seen: Seen,
+        seen: PrimaryHits,
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) -> Result<()> {
@@ -199,7 +199,7 @@ impl SpsmQuery {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        seen: Seen,
+        seen: PrimaryHits,
         texels: &SpsmTexels,
         pixels: &SpsmPixels,
     ) {
@@ -209,7 +209,7 @@ impl SpsmQuery {
 
     fn bindings<'a>(
         frame: &'a Buffer<Frame>,
-        seen: Seen<'a>,
+        seen: PrimaryHits<'a>,
         texels: &'a SpsmTexels,
         pixels: &'a SpsmPixels,
         kept: &'a Buffer<u32>,

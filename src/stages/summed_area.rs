@@ -21,7 +21,7 @@ use crate::{Error, Result, shared_struct};
 
 shared_struct! {
     /// Parameters of the kernel.
-    "summed_area" => pub struct Params {
+    "summed_area" => pub struct SummedAreaParams {
         /// Texels a row.
         pub width: u32,
         /// Rows.
@@ -74,7 +74,7 @@ pub struct SummedArea {
 
 /// Partial sums for maps of one size.
 #[derive(Debug)]
-pub struct Scratch {
+pub struct SummedAreaScratch {
     texels: Texels,
     width: usize,
     height: usize,
@@ -117,7 +117,7 @@ impl SummedArea {
     /// # Errors
     /// [`Error::Config`] above [`SummedArea::MAX_SIDE`], [`Error::Memory`] if 64 rows exceed the binding limit, else as
     /// [`Buffer::storage`].
-    pub fn scratch(&self, device: &wgpu::Device, width: usize, height: usize) -> Result<Scratch> {
+    pub fn scratch(&self, device: &wgpu::Device, width: usize, height: usize) -> Result<SummedAreaScratch> {
         // A software adapter has few threads and likes long columns; a GPU wants thousands.
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let longest = kernel::MAX_STRIP_ROWS as usize;
@@ -136,7 +136,7 @@ impl SummedArea {
         width: usize,
         height: usize,
         strip_rows: usize,
-    ) -> Result<Scratch> {
+    ) -> Result<SummedAreaScratch> {
         if width.max(height) > Self::MAX_SIDE {
             let most = Self::MAX_SIDE;
             return Err(Error::Config(format!("summed_area: a map of {width}x{height}, at most {most} a side")));
@@ -166,7 +166,7 @@ impl SummedArea {
             Texels::Bits => width.div_ceil(32),
         };
         let strips = height.div_ceil(strip_rows).max(1);
-        Ok(Scratch {
+        Ok(SummedAreaScratch {
             texels: self.texels,
             width,
             height,
@@ -182,7 +182,13 @@ impl SummedArea {
     ///
     /// # Errors
     /// [`Error::Config`] if a buffer is too small or the scratch is for the other kind of map.
-    pub fn record(&self, stage: &mut Stage, texels: &Buffer<u32>, sat: &Buffer<u32>, scratch: &Scratch) -> Result<()> {
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        texels: &Buffer<u32>,
+        sat: &Buffer<u32>,
+        scratch: &SummedAreaScratch,
+    ) -> Result<()> {
         let (width, height) = (scratch.width, scratch.height);
         let stride = self.texels.row_words(width);
         if scratch.texels != self.texels {
@@ -203,14 +209,14 @@ impl SummedArea {
                 let rows = scratch.band_rows.min(height - first);
                 let params = self.uniforms.get(
                     stage.device,
-                    &Params {
+                    &SummedAreaParams {
                         width: width as u32,
                         height: scratch.height as u32,
                         row_words: scratch.row_words as u32,
                         strip_rows: scratch.strip_rows as u32,
                         first_row: first as u32,
                         rows: rows as u32,
-                        ..Params::default()
+                        ..SummedAreaParams::default()
                     },
                 )?;
                 let bindings = kernel::Columns {
@@ -252,8 +258,12 @@ impl SummedArea {
     ) -> Result<()> {
         holds("summed_area", "sat", sat.len(), width * height)?;
         holds("summed_area", "sums", sums.len(), rects.len())?;
-        let params =
-            Params { width: width as u32, height: height as u32, rects: rects.len() as u32, ..Params::default() };
+        let params = SummedAreaParams {
+            width: width as u32,
+            height: height as u32,
+            rects: rects.len() as u32,
+            ..SummedAreaParams::default()
+        };
         let params = self.uniforms.get(stage.device, &params)?;
         let bindings = kernel::Query {
             params: params.as_uniform(),

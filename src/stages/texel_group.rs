@@ -21,7 +21,7 @@ use crate::{Result, shared_struct};
 
 shared_struct! {
     /// Parameters of the kernel.
-    "texel_group" => pub struct Params {
+    "texel_group" => pub struct TexelGroupParams {
         /// Pairs.
         pub limit: u32,
         /// Where in `counts` the number of pairs stands.
@@ -64,12 +64,12 @@ pub struct TexelGroup {
 
 /// Counters and ranks for up to `capacity` pairs in a fixed number of groups.
 #[derive(Debug)]
-pub struct Scratch {
+pub struct TexelGroupScratch {
     capacity: usize,
     groups: usize,
     ranks: Buffer<u32>,
     key_counts: Buffer<u32>,
-    scan: prefix_scan::Scratch,
+    scan: prefix_scan::PrefixScanScratch,
 }
 
 impl TexelGroup {
@@ -88,8 +88,8 @@ impl TexelGroup {
     ///
     /// # Errors
     /// As [`Buffer::storage`] and [`PrefixScan::scratch`].
-    pub fn scratch(device: &wgpu::Device, capacity: usize, groups: usize) -> Result<Scratch> {
-        Ok(Scratch {
+    pub fn scratch(device: &wgpu::Device, capacity: usize, groups: usize) -> Result<TexelGroupScratch> {
+        Ok(TexelGroupScratch {
             capacity,
             groups,
             ranks: Buffer::storage(device, "texel_group.ranks", capacity)?,
@@ -109,7 +109,7 @@ impl TexelGroup {
         keys: &Buffer<u32>,
         values: Option<&Buffer<u32>>,
         to: Grouping,
-        scratch: &Scratch,
+        scratch: &TexelGroupScratch,
         count: Count,
     ) -> Result<()> {
         let limit = count.limit("texel_group", scratch.capacity)?;
@@ -119,13 +119,13 @@ impl TexelGroup {
         }
         let params = self.uniforms.get(
             stage.device,
-            &Params {
+            &TexelGroupParams {
                 limit: limit as u32,
                 count_word: count.word(),
                 groups: scratch.groups as u32,
                 capacity: to.grouped.len() as u32,
                 indices: values.is_none().into(),
-                ..Params::default()
+                ..TexelGroupParams::default()
             },
         )?;
         let bindings = kernel::Group {

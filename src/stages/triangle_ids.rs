@@ -17,7 +17,7 @@ use crate::shared_struct;
 
 shared_struct! {
     /// How an application counts triangles.
-    "triangle_ids" => pub struct Params {
+    "triangle_ids" => pub struct TriangleIdsParams {
         /// The number of its first.
         pub first: u32,
         /// Stands for no triangle.
@@ -49,7 +49,7 @@ impl TriangleIds {
         stage: &mut Stage,
         frame: &Buffer<Frame>,
         ids: &wgpu::TextureView,
-        counted: Params,
+        counted: TriangleIdsParams,
         numbers: &Buffer<u32>,
         id_keys: &Buffer<u32>,
         faults: &Buffer<u32>,

@@ -1,5 +1,5 @@
 //! Triangle-texel pairs: place by place, the casters that touch it, where pixel-texel pairs are (Pan 2009, section 3.3). A place
-//! is a texel, or a tile of 2 × 2 texels ([`Places`]).
+//! is a texel, or a tile of 2 × 2 texels ([`PairTiles`]).
 //!
 //! - **Reads** the casters' blocks, `place_deepest` of the pixel-texel pairs.
 //! - **Writes** on counting `place_counts`, on emitting `triangle_pairs` grouped by place; or all at once the pairs as they
@@ -11,7 +11,7 @@
 //!   [`PairLists::touched`] has room for what it found.
 
 use super::camera_visibility::{Blocks, Pass};
-use super::pixel_texel_pairs::{PairLists, Places};
+use super::pixel_texel_pairs::{PairLists, PairTiles};
 use super::sorted_pairs;
 use crate::Result;
 use crate::frame::Frame;
@@ -26,12 +26,12 @@ pub struct TriangleTexelPairs {
     emit_rest: kernel::EmitRestProgram,
     append: kernel::AppendProgram,
     uniforms: Uniforms,
-    places: Places,
+    places: PairTiles,
 }
 
 impl TriangleTexelPairs {
     /// Builds the pipeline for pairs that meet at `places`.
-    pub fn new(device: &wgpu::Device, places: Places) -> Self {
+    pub fn new(device: &wgpu::Device, places: PairTiles) -> Self {
         let constants = kernel::Constants { tile_shift: places.shift() };
         Self {
             count: kernel::CountProgram::new(device, constants),
@@ -44,7 +44,7 @@ impl TriangleTexelPairs {
     }
 
     /// Where pairs meet.
-    pub fn places(&self) -> Places {
+    pub fn places(&self) -> PairTiles {
         self.places
     }
 
@@ -97,9 +97,9 @@ impl TriangleTexelPairs {
         frame: &Buffer<Frame>,
         blocks: Blocks,
         lists: &PairLists,
-        to: &sorted_pairs::Scratch,
+        to: &sorted_pairs::SortedPairsScratch,
     ) -> Result<()> {
-        lists.check(Places::Texels)?;
+        lists.check(PairTiles::Texels)?;
         let bindings = kernel::Append {
             frame: frame.as_uniform(),
             triangles: blocks.triangles.as_read(),

@@ -25,7 +25,7 @@ pub struct VisibilityMasks {
 
 /// Inputs of evaluation besides facets and lists.
 #[derive(Clone, Copy, Debug)]
-pub struct Casters<'a> {
+pub struct EvaluationInputs<'a> {
     /// Sample offsets.
     pub samples: &'a Buffer<[f32; 4]>,
     /// Lookup table of masks; not read if its size is 0.
@@ -80,7 +80,7 @@ impl VisibilityMasks {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        casters: Casters,
+        casters: EvaluationInputs,
         facets: &Facets,
         lists: &PairLists,
         args: (&wgpu::Buffer, u64),
@@ -99,7 +99,7 @@ impl VisibilityMasks {
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        casters: Casters,
+        casters: EvaluationInputs,
         facets: &Facets,
         lists: &PairLists,
         args: (&wgpu::Buffer, u64),
@@ -110,7 +110,7 @@ impl VisibilityMasks {
 
     fn bindings<'a>(
         frame: &'a Buffer<Frame>,
-        casters: Casters<'a>,
+        casters: EvaluationInputs<'a>,
         facets: &'a Facets,
         lists: &'a PairLists,
     ) -> kernel::Evaluate<'a> {

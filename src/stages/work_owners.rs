@@ -9,7 +9,7 @@
 //! - **Cost.** One dispatch, a search for every eighth item.
 
 use super::dispatch_args::{DispatchArgs, Requests};
-use super::prefix_scan::{PrefixScan, Scratch};
+use super::prefix_scan::{PrefixScan, PrefixScanScratch};
 use super::{Count, holds};
 use crate::gpu::kernels::work_owners as kernel;
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
@@ -19,7 +19,7 @@ pub use kernel::STRIDE;
 
 shared_struct! {
     /// Parameters of the kernel.
-    "work_owners" => pub struct Params {
+    "work_owners" => pub struct WorkOwnersParams {
         /// Owners.
         pub owners: u32,
         /// Places that the table has room for.
@@ -58,7 +58,7 @@ impl WorkOwners {
         let head = owners + kernel::HEAD as usize;
         holds("work_owners", "work_offsets", offsets.len(), head)?;
         let room = offsets.len() - head;
-        let params = Params { owners: owners as u32, room: room as u32, ..Params::default() };
+        let params = WorkOwnersParams { owners: owners as u32, room: room as u32, ..WorkOwnersParams::default() };
         let params = self.uniforms.get(stage.device, &params)?;
         let bindings = kernel::List { params: params.as_uniform(), work_offsets: offsets.as_write() };
         stage.run(&self.list, bindings, Groups::Items(room.max(1) as u64));
@@ -90,7 +90,7 @@ impl ListWork {
         stage: &mut Stage,
         (items, count): (&Buffer<u32>, usize),
         offsets: &Buffer<u32>,
-        scratch: &Scratch,
+        scratch: &PrefixScanScratch,
         (requests, args): (&Requests, &Buffer<u32>),
     ) -> Result<()> {
         self.scan.record(stage, items, offsets, (offsets, count), scratch, Count::Exactly(count))?;

@@ -19,7 +19,7 @@
 //! ambiguous, too: whether it rises at all is left to rounding.
 
 use super::beam::Beam;
-use super::predicate::{Cover, Ground, Line, Plane, Shadow};
+use super::predicate::{Cover, FacetPlane, Line, Plane, Shadow};
 use super::{AMBIGUITY, Progress, Tracer, bits, full_mask, join_mask, split_mask};
 use crate::samples::Samples;
 use crate::scene::{Camera, Light, PixelRays};
@@ -281,8 +281,8 @@ impl<'a> Judge<'a> {
         out
     }
 
-    fn ground(&self) -> Ground<'_> {
-        Ground { plane: &self.plane, around: self.around }
+    fn ground(&self) -> FacetPlane<'_> {
+        FacetPlane { plane: &self.plane, around: self.around }
     }
 
     /// The box of the facet over its part of the pixel, widened; `None` if it reaches the horizon of its plane.

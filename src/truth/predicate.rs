@@ -111,7 +111,7 @@ pub struct Line {
 
 /// A facet's plane, and how far from its first corner points of it are asked for: lines are as exact as that is near, however far the eye is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground<'a> {
+pub struct FacetPlane<'a> {
     /// The plane.
     pub plane: &'a Plane,
     /// The distance; may be infinite.
@@ -124,7 +124,7 @@ impl Line {
     ///
     /// With the facet's `n·p = d`, `N = k·n + t` and the height `h = n·(point − corner)` it is `d·t − (t·point + k·h)·n`: where the two planes
     /// nearly coincide `t` is small, and with it what is lost to their distance from the eye.
-    fn new(ground: Ground, normal: DVec3, point: DVec3, size: f64, orientation: f64, rays: &PixelRays) -> Self {
+    fn new(ground: FacetPlane, normal: DVec3, point: DVec3, size: f64, orientation: f64, rays: &PixelRays) -> Self {
         let facet = ground.plane;
         let along = normal.dot(facet.normal) / facet.normal.length_squared();
         // A facet of no area has no lines.
@@ -143,7 +143,7 @@ impl Line {
     }
 
     /// The line where the plane of another triangle cuts the facet's, positive where that plane's normal points.
-    pub fn of_plane(ground: Ground, plane: &Plane, rays: &PixelRays) -> Self {
+    pub fn of_plane(ground: FacetPlane, plane: &Plane, rays: &PixelRays) -> Self {
         Self::new(ground, plane.normal, plane.corners[0], plane.size, 1.0, rays)
     }
 }
@@ -171,7 +171,7 @@ pub struct Shadow {
 
 impl Shadow {
     /// The shadow of the triangle `corners` on a facet from `light`, all relative to the eye.
-    pub fn new(ground: Ground, corners: [DVec3; 3], light: DVec4, rays: &PixelRays) -> Self {
+    pub fn new(ground: FacetPlane, corners: [DVec3; 3], light: DVec4, rays: &PixelRays) -> Self {
         let caster = Plane::new(corners);
         let side = caster.side_of_light(light);
         // The light is on the side `side` of the triangle's plane; shadowed points on the other. The edge planes'
@@ -290,8 +290,8 @@ mod tests {
     }
 
     /// Points of it are asked for wherever they are.
-    fn far(plane: &Plane) -> Ground<'_> {
-        Ground { plane, around: f64::INFINITY }
+    fn far(plane: &Plane) -> FacetPlane<'_> {
+        FacetPlane { plane, around: f64::INFINITY }
     }
 
     fn rays() -> PixelRays {
@@ -379,7 +379,7 @@ mod tests {
             // Both by numbers about the place, of which all are small.
             let [near, from] = [caster.map(|c| c - eye), [p - eye; 3]];
             let Some(truth) = brute(from[0], light, near) else { continue };
-            let ground = Ground { plane: &facet, around: 60.0 };
+            let ground = FacetPlane { plane: &facet, around: 60.0 };
             let r = p / p.dot(rays.forward);
             let shadow = Shadow::new(ground, caster, light, &rays);
             let length = r.length();

@@ -5,10 +5,10 @@ use crate::support::geometry::{Case, MESHES, Ran, add, ball, fan, light, mesh, r
 use crate::support::{gpu, sizes_around, small_gpu};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::camera_visibility::{Doubt, nearest};
+use subpixel_shadows::reference::camera_visibility::{DepthMargin, nearest};
 use subpixel_shadows::scene::Mesh;
 
-const DOUBT: Doubt = Doubt { edge: 1e-3, depth: 1e-5 };
+const DOUBT: DepthMargin = DepthMargin { edge: 1e-3, depth: 1e-5 };
 
 /// Where the stage departs from its definition, else how many pixels are left open.
 fn compare(case: &Case, ran: &Ran) -> Result<usize, String> {
@@ -218,7 +218,7 @@ fn overflow_by_one() {
         (case.camera.near, case.camera.vertical_fov_degrees) = (1e-3, 50.0);
         let ran = run_all(gpu(), &case);
         let wanted = case.wanted();
-        let seen = nearest(&wanted.view, &wanted.triangles, Doubt { edge: 1e-3, depth: 1e-10 });
+        let seen = nearest(&wanted.view, &wanted.triangles, DepthMargin { edge: 1e-3, depth: 1e-10 });
         let (mut open, mut of_each) = (0, [0; 6]);
         for (pixel, want) in seen.iter().enumerate() {
             if want.open {

@@ -11,15 +11,15 @@ use crate::support::shadow::{
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::candidate_pairs::matters;
-use subpixel_shadows::reference::facet_classify::{Facet, Surroundings, classify};
+use subpixel_shadows::reference::facet_classify::{FacetAtPixel, MapAround, classify};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::pixel_texel_pairs::pairs;
 use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, tile_pairs};
 use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::Mesh;
 use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
-use subpixel_shadows::stages::facet_classify::State;
-use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, Places, TALLY_WORDS};
+use subpixel_shadows::stages::facet_classify::FacetState;
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles, TALLY_WORDS};
 use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
 
 /// What the GPU made of the lists: (facet, triangle) rising, the tally, and the facets it settled.
@@ -72,11 +72,11 @@ fn cull_lists(
     let gpu = world.gpu;
     let facets = world.classify(listed, &[true; MAP * MAP], &[Split::Marked; MAP * MAP]);
     let states = facets.list.read(gpu).expect("readback");
-    let undecided = |f: &u32| states[*f as usize].state == State::Undecided as u32;
+    let undecided = |f: &u32| states[*f as usize].state == FacetState::Undecided as u32;
     let undecided: Vec<u32> = (0..listed.len() as u32).filter(undecided).collect();
     let (once, offsets, mut words) = match stage.places() {
-        Places::Texels => in_one_texel(world, &undecided),
-        Places::Tiles => in_tiles(world, listed, &undecided),
+        PairTiles::Texels => in_one_texel(world, &undecided),
+        PairTiles::Tiles => in_tiles(world, listed, &undecided),
     };
     change(&mut words);
     let pairs = once.repeat(times);
@@ -125,8 +125,7 @@ fn in_tiles(world: &World, listed: &[(u32, Option<u32>)], undecided: &[u32]) -> 
     let mut facets = classified(world, listed, margin);
     // What the GPU knows as undecided is listed, and nothing else.
     for (f, facet) in facets.iter_mut().enumerate() {
-        use subpixel_shadows::reference::facet_classify::State as Reference;
-        facet.state = if undecided.contains(&(f as u32)) { Reference::Undecided } else { Reference::Empty };
+        facet.state = if undecided.contains(&(f as u32)) { FacetState::Undecided } else { FacetState::Empty };
     }
     let texels = pairs(&facets, &[Split::Marked; MAP * MAP], MapEnds::of(&world.view.map), margin, false);
     let mut parts = std::collections::BTreeMap::<(u32, usize), u32>::new();
@@ -146,8 +145,8 @@ fn in_tiles(world: &World, listed: &[(u32, Option<u32>)], undecided: &[u32]) -> 
 }
 
 /// Facets by their definition.
-fn classified(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> Vec<Facet> {
-    let around = Surroundings {
+fn classified(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> Vec<FacetAtPixel> {
+    let around = MapAround {
         triangles: &world.triangles,
         marked: &[true; MAP * MAP],
         splits: &[Split::Marked; MAP * MAP],
@@ -165,8 +164,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], got: &Got) -> [usize; 3]
     let truth = FacetTruth::new(&tracer, &world.camera, &world.light, &world.samples, w, h).expect("truth");
     let mut faults = [0; 3];
     for (f, facet) in exact.iter().enumerate() {
-        let Some(own) = facet.triangle.filter(|_| facet.state == State::Undecided.into_reference() && !facet.open)
-        else {
+        let Some(own) = facet.triangle.filter(|_| facet.state == FacetState::Undecided && !facet.open) else {
             continue;
         };
         let input = FacetInput { pixel: facet.pixel, triangle: own, coverage: split_mask(full_mask(32)) };
@@ -271,18 +269,7 @@ fn what_turns_away_stays_where_it_cuts() {
     assert!(left_out > 1000 && cutting > 20, "{left_out} left out, {cutting} that cut");
 }
 
-trait IntoReference {
-    fn into_reference(self) -> subpixel_shadows::reference::facet_classify::State;
-}
-
-impl IntoReference for State {
-    fn into_reference(self) -> subpixel_shadows::reference::facet_classify::State {
-        use subpixel_shadows::reference::facet_classify::State as R;
-        [R::Empty, R::Dark, R::Lit, R::Shadowed, R::Undecided][self as usize]
-    }
-}
-
-const PLACES: [Places; 2] = [Places::Texels, Places::Tiles];
+const PLACES: [PairTiles; 2] = [PairTiles::Texels, PairTiles::Tiles];
 
 /// One for each kind of places.
 fn stages() -> &'static [CandidatePairs; 2] {

@@ -6,7 +6,7 @@ use subpixel_shadows::gpu::bindings::{Read, Write};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder};
 use subpixel_shadows::reference::dispatch_args::{MAX_GROUPS, fold};
 use subpixel_shadows::stages::DispatchArgs;
-use subpixel_shadows::stages::dispatch_args::Request;
+use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 
 /// Adds one to the word of every item that an invocation stands for.
 const TOUCH: &str = concat!(
@@ -29,15 +29,15 @@ entry_point! { "touch", "touch", [64, 1, 1], TOUCH, () => Touch, TouchProgram {
 /// The arguments of each `(count, per_group, limit, skip)`, made on the GPU; then one word of poison.
 fn folded(gpu: &Gpu, cases: &[[u32; 4]]) -> Vec<u32> {
     let stage = DispatchArgs::new(&gpu.device);
-    let requests: Vec<Request> = (0u32..)
+    let requests: Vec<ArgsRequest> = (0u32..)
         .zip(cases)
-        .map(|(i, &[_, per_group, limit, skip])| Request {
+        .map(|(i, &[_, per_group, limit, skip])| ArgsRequest {
             count_word: i,
             per_group,
             limit,
             args_word: i * 3,
             skip,
-            ..Request::default()
+            ..ArgsRequest::default()
         })
         .collect();
     let requests = DispatchArgs::requests(&gpu.device, &gpu.queue, &requests).expect("requests");
@@ -63,7 +63,7 @@ fn check(gpu: &Gpu, cases: &[[u32; 4]]) {
 #[track_caller]
 fn touches_each_once(gpu: &Gpu, program: &TouchProgram, items: usize, indirect: bool) {
     let stage = DispatchArgs::new(&gpu.device);
-    let request = Request::new(0, 64, items, 0).expect("a request");
+    let request = ArgsRequest::new(0, 64, items, 0).expect("a request");
     let requests = DispatchArgs::requests(&gpu.device, &gpu.queue, &[request]).expect("requests");
     let args = Buffer::<u32>::indirect(&gpu.device, "test.args", 3).expect("arguments");
     let counts = upload(gpu, &[items as u32]);
@@ -136,12 +136,12 @@ fn overflow_by_one() {
         gpu(),
         &[[99, 10, 100, 0], [100, 10, 100, 0], [101, 10, 100, 0], [u32::MAX, 10, 100, 0], [u32::MAX, 1, u32::MAX, 0]],
     );
-    assert!(Request::new(0, 64, Request::MAX_LIMIT, 0).is_ok());
-    assert!(Request::new(0, 64, Request::MAX_LIMIT + 1, 0).is_err());
-    assert!(Request::new(0, 0, 5, 0).is_err());
+    assert!(ArgsRequest::new(0, 64, ArgsRequest::MAX_LIMIT, 0).is_ok());
+    assert!(ArgsRequest::new(0, 64, ArgsRequest::MAX_LIMIT + 1, 0).is_err());
+    assert!(ArgsRequest::new(0, 0, 5, 0).is_err());
     let device = &gpu().device;
     let stage = DispatchArgs::new(device);
-    let request = Request::new(4, 64, 10, 3).expect("a request");
+    let request = ArgsRequest::new(4, 64, 10, 3).expect("a request");
     let requests = DispatchArgs::requests(device, &gpu().queue, &[request]).expect("requests");
     let mut encoder = gpu().encoder();
     let mut recorder = Recorder::new(device, &mut encoder, None);

@@ -7,14 +7,15 @@ use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
-use subpixel_shadows::reference::facet_classify::{self as reference, State, Surroundings, classify, pixel_ray};
+use subpixel_shadows::reference::facet_classify::{self as reference, FacetState, MapAround, classify, pixel_ray};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::view::block_count;
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets, Undecided};
 use subpixel_shadows::truth::Tracer;
 
-const STATES: [State; 5] = [State::Empty, State::Dark, State::Lit, State::Shadowed, State::Undecided];
+const STATES: [FacetState; 5] =
+    [FacetState::Empty, FacetState::Dark, FacetState::Lit, FacetState::Shadowed, FacetState::Undecided];
 
 /// What the GPU made of a list.
 struct Got {
@@ -48,7 +49,7 @@ fn within(inner: Option<[u32; 4]>, outer: Option<[u32; 4]>) -> bool {
 /// What is wrong with each facet, and how many were open to rounding.
 fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits: &[Split], got: &Got) -> Vec<String> {
     let (casters, samples) = (world.frame.triangle_count, world.samples.offsets());
-    let around = Surroundings { triangles: &world.triangles, marked, splits, samples, casters };
+    let around = MapAround { triangles: &world.triangles, marked, splits, samples, casters };
     let m = world.margin();
     let by = |times: f64| classify(&world.view, &around, listed, m.times(times), world.frame.flags & 8 == 0);
     let (exact, wide) = (by(0.0), by(2.0));
@@ -63,7 +64,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
             fault(format!("state {}", facet.state));
             continue;
         };
-        let undecided = state == State::Undecided;
+        let undecided = state == FacetState::Undecided;
         let items = if undecided { block_count(Some(rect(more.rect))) } else { 0 };
         if got.items[k] != items {
             fault(format!("{} items, {items} expected", got.items[k]));
@@ -72,8 +73,8 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
         if mask(1) != 0 || mask(2) != 0 {
             fault("occluded and invalid are not cleared".into());
         }
-        let dark = same[k].state == State::Dark;
-        if !same[k].open_side && dark != (state == State::Dark) {
+        let dark = same[k].state == FacetState::Dark;
+        if !same[k].open_side && dark != (state == FacetState::Dark) {
             fault(format!("{state:?}, expected {:?}", same[k].state));
             continue;
         }
@@ -103,7 +104,8 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
             }
             misplaced(world, &exact[k], more).into_iter().for_each(&mut fault);
         }
-        if matches!(state, State::Undecided | State::Lit) && (mask(0) ^ same[k].coverage) & !same[k].open_coverage != 0
+        if matches!(state, FacetState::Undecided | FacetState::Lit)
+            && (mask(0) ^ same[k].coverage) & !same[k].open_coverage != 0
         {
             fault(format!("coverage {:x}, {:x} expected", mask(0), same[k].coverage));
         }
@@ -117,7 +119,7 @@ fn faults(world: &World, listed: &[(u32, Option<u32>)], marked: &[bool], splits:
 }
 
 /// What is wrong with the places and depths that evaluation is told of a facet.
-fn misplaced(world: &World, exact: &reference::Facet, told: &Undecided) -> Vec<String> {
+fn misplaced(world: &World, exact: &reference::FacetAtPixel, told: &Undecided) -> Vec<String> {
     let mut out = Vec::new();
     let m = world.margin();
     let (plane, at) = (exact.plane, DVec3::from(told.at.map(f64::from)));
@@ -343,7 +345,7 @@ fn sides_are_exact() {
         let listed: Vec<_> = (0..300u32).map(|t| (random.below(24 * 18), Some(t))).collect();
         let (marked, splits) = any_map(&world, 10, &mut random);
         let got = read(gpu(), &world.classify(&listed, &marked, &splits));
-        let around = Surroundings {
+        let around = MapAround {
             triangles: &world.triangles,
             marked: &marked,
             splits: &splits,
@@ -356,8 +358,8 @@ fn sides_are_exact() {
             if facet.open_side {
                 continue;
             }
-            let is_dark = facet.state == State::Dark;
-            assert_eq!(is_dark, got.facets[k].state == State::Dark as u32, "round {round}, facet {k}");
+            let is_dark = facet.state == FacetState::Dark;
+            assert_eq!(is_dark, got.facets[k].state == FacetState::Dark as u32, "round {round}, facet {k}");
             // What the roundings of three points make of the side.
             let to_light = world.view.light.truncate() - a * world.view.light.w;
             let reach = a.length() * ((b - a).length() + (c - a).length()) * to_light.length() / f64::from(1 << 24);
@@ -390,7 +392,7 @@ fn overflow_by_one() {
 fn words_of(got: &Got, count: usize) -> Vec<u32> {
     let of = |f: usize| {
         let (facet, more) = (&got.facets[f], &got.undecided[f]);
-        let rect = if facet.state == State::Undecided as u32 { more.rect } else { [0; 2] };
+        let rect = if facet.state == FacetState::Undecided as u32 { more.rect } else { [0; 2] };
         [facet.state, rect[0], rect[1], facet.pixel, facet.triangle]
     };
     (0..count).flat_map(of).collect()
@@ -423,20 +425,20 @@ fn detects_corruption() {
     let mut got = read(gpu(), &facets);
     let check = |got: &Got| faults(&world, &seen, &marked, &splits, got).len();
     assert_eq!(check(&got), 0);
-    let around = Surroundings {
+    let around = MapAround {
         triangles: &world.triangles,
         marked: &marked,
         splits: &splits,
         samples: world.samples.offsets(),
         casters: world.frame.triangle_count,
     };
-    let wanted: Vec<reference::Facet> = classify(&world.view, &around, &seen, Margin::default(), true);
-    let k = wanted.iter().position(|f| f.state == State::Undecided && !f.open).expect("an undecided facet");
+    let wanted: Vec<reference::FacetAtPixel> = classify(&world.view, &around, &seen, Margin::default(), true);
+    let k = wanted.iter().position(|f| f.state == FacetState::Undecided && !f.open).expect("an undecided facet");
     got.undecided[k].rect[1] -= 1;
     got.undecided[k].rect[0] += 2;
     assert!(check(&got) > 0, "a shrunken rectangle passes");
     got = read(gpu(), &facets);
-    got.facets[k].state = State::Lit as u32;
+    got.facets[k].state = FacetState::Lit as u32;
     assert!(check(&got) > 0, "a wrong state passes");
     got = read(gpu(), &facets);
     got.masks[3 * k] ^= 4;
@@ -480,8 +482,8 @@ fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5
         for facet in facets {
             states[facet.state as usize] += 1;
             let shadowed = match STATES[facet.state as usize] {
-                State::Lit => false,
-                State::Shadowed => true,
+                FacetState::Lit => false,
+                FacetState::Shadowed => true,
                 _ => continue,
             };
             let [a, b, c] = tracer.corners(facet.triangle).map(|p| p - rays.eye);

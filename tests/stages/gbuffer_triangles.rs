@@ -6,9 +6,11 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
-use subpixel_shadows::reference::gbuffer_triangles::{Shown, nearest, pixels, shown};
+use subpixel_shadows::reference::gbuffer_triangles::{TexelMeaning, nearest, pixels, shown};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::gbuffer_triangles::{FAULT_UNKNOWN, GbufferTriangles, Given, Params, Texture};
+use subpixel_shadows::stages::gbuffer_triangles::{
+    FAULT_UNKNOWN, GbufferTriangles, GbufferTrianglesParams, SampleGbuffer, Texture,
+};
 use subpixel_shadows::stages::pixel_triangles::PixelLists;
 use subpixel_shadows::status_word;
 use subpixel_shadows::wgpu;
@@ -132,8 +134,8 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
     };
     let (frame, numbers) = (uniform(gpu, &frame), upload(gpu, &case.numbers));
     let scratch = PrefixScan::scratch(device, pixels).expect("memory");
-    let params = Params::new(ours.offsets(), &case.places, case.first, case.none).expect("parameters");
-    let given = Given { texture, params, numbers: &numbers };
+    let params = GbufferTrianglesParams::new(ours.offsets(), &case.places, case.first, case.none).expect("parameters");
+    let given = SampleGbuffer { texture, params, numbers: &numbers };
     let stage = stage(gpu);
     run(gpu, |s| stage.record(s, &frame, &given, &lists, &scratch, &status, &faults));
     // Two bands, the second of which has room for more than there are.
@@ -164,7 +166,7 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
     }
 }
 
-fn wanted_pixels(case: &Case) -> (Vec<subpixel_shadows::reference::gbuffer_triangles::Pixel>, u32) {
+fn wanted_pixels(case: &Case) -> (Vec<subpixel_shadows::reference::gbuffer_triangles::PixelSamples>, u32) {
     pixels(&case.layers, case.first, case.none, &case.numbers)
 }
 
@@ -190,7 +192,7 @@ fn wanted(case: &Case) -> Got {
             return before;
         }
         let id = case.layers[near[k]][complex[slot] as usize];
-        if let Shown::Triangle(t) = shown(id, case.first, case.none, &case.numbers) { t } else { u32::MAX }
+        if let TexelMeaning::Triangle(t) = shown(id, case.first, case.none, &case.numbers) { t } else { u32::MAX }
     };
     let longest = pixels.iter().filter(|p| p.complex()).map(|p| p.triangles.len() as u32).max().unwrap_or(0);
     Got {
@@ -281,9 +283,12 @@ fn degenerate() {
     case.places.fill([0.5; 2]);
     check(gpu(), &case);
     for bad in [[1.0, 0.5], [-0.1, 0.5], [f32::NAN, 0.5], [0.5, f32::INFINITY]] {
-        assert!(Params::new(&[[0.5; 2]], &[[0.5; 2], bad], 0, 1).is_err(), "{bad:?}");
+        assert!(GbufferTrianglesParams::new(&[[0.5; 2]], &[[0.5; 2], bad], 0, 1).is_err(), "{bad:?}");
     }
-    assert!(Params::new(&[[0.5; 2]], &[], 0, 1).is_err() && Params::new(&[[0.5; 2]], &[[0.5; 2]; 129], 0, 1).is_err());
+    assert!(
+        GbufferTrianglesParams::new(&[[0.5; 2]], &[], 0, 1).is_err()
+            && GbufferTrianglesParams::new(&[[0.5; 2]], &[[0.5; 2]; 129], 0, 1).is_err()
+    );
 }
 
 #[test]

@@ -6,11 +6,13 @@ use std::sync::OnceLock;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::prepared::padded;
-use subpixel_shadows::reference::pixel_receivers::{Given, Ids, Pixel, Places, Shown, pixels};
+use subpixel_shadows::reference::pixel_receivers::{
+    GbufferTexels, Ids, PixelContent, PositionSource, ReceiverPixel, pixels,
+};
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::pixel_receivers::{
-    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, Params, PixelReceivers, Surfaces,
-    Textures,
+    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, PixelReceivers, PixelReceiversParams,
+    ReceiverRoom, Textures,
 };
 use subpixel_shadows::wgpu;
 
@@ -98,16 +100,16 @@ impl Case {
         self
     }
 
-    fn given(&self) -> Given<'_> {
+    fn given(&self) -> GbufferTexels<'_> {
         let places = match &self.depths {
-            Some((values, terms, nothing)) => Places::Depths { values, terms: *terms, nothing: *nothing },
-            None => Places::Positions(&self.positions),
+            Some((values, terms, nothing)) => PositionSource::Depths { values, terms: *terms, nothing: *nothing },
+            None => PositionSource::Positions(&self.positions),
         };
         let ids: Option<Ids> = self.ids.as_ref().map(|(t, first, none, n)| (&t[..], *first, *none, &n[..]));
-        Given { places, normals: self.normals.as_deref(), ids, tolerance: f64::from(TOLERANCE) }
+        GbufferTexels { places, normals: self.normals.as_deref(), ids, tolerance: f64::from(TOLERANCE) }
     }
 
-    fn wanted(&self, world: &World) -> Vec<Pixel> {
+    fn wanted(&self, world: &World) -> Vec<ReceiverPixel> {
         let corners: Vec<_> = world.triangles.iter().map(|t| t.corners).collect();
         pixels(&world.view, &corners, &self.seen, &self.given())
     }
@@ -149,12 +151,12 @@ fn ask(world: &World, case: &Case) -> Got {
     let size = world.view.image;
     let (mesh, device, queue) = (world.prepared.mesh(), &gpu.device, &gpu.queue);
     let given = |on: bool, flag: u32| if on { flag } else { 0 };
-    let mut params = Params {
+    let mut params = PixelReceiversParams {
         tolerance: TOLERANCE,
         given: given(case.depths.is_none(), GIVEN_POSITIONS)
             | given(case.normals.is_some(), GIVEN_NORMALS)
             | given(case.ids.is_some(), GIVEN_IDS),
-        ..Params::default()
+        ..PixelReceiversParams::default()
     };
     let place = match &case.depths {
         Some((values, terms, nothing)) => {
@@ -182,7 +184,7 @@ fn ask(world: &World, case: &Case) -> Got {
     let frame = uniform(gpu, &world.frame);
     run(gpu, |s| {
         let textures = Textures { place: &place, normals: normals.as_ref().unwrap_or(&place), ids: &ids };
-        let surfaces = Surfaces { numbers: &numbers, triangles: &triangles, positions: &positions };
+        let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
         stage.record(s, &frame, params, textures, surfaces, &id_keys, &keys, &faults)
     });
     // What lies behind the casters is not seen through buffers of their length.
@@ -224,19 +226,19 @@ fn faults(world: &World, case: &Case, got: &Got) -> (Vec<String>, usize) {
         }
         let mut fault = |what: String| out.push(format!("pixel {pixel}: {what}, expected {want:?}"));
         match want.shown {
-            Shown::Nothing | Shown::Unknown | Shown::Unusable => {
-                counts[0] += u32::from(want.shown == Shown::Unknown);
-                counts[1] += u32::from(want.shown == Shown::Unusable);
+            PixelContent::Nothing | PixelContent::Unknown | PixelContent::Unusable => {
+                counts[0] += u32::from(want.shown == PixelContent::Unknown);
+                counts[1] += u32::from(want.shown == PixelContent::Unusable);
                 if shown.is_some() {
                     fault(format!("{shown:?}"));
                 }
             }
-            Shown::Caster(t) => {
+            PixelContent::Caster(t) => {
                 if shown != Some(t) {
                     fault(format!("{shown:?}"));
                 }
             }
-            Shown::Plane { point, normal, doubt } => {
+            PixelContent::Plane { point, normal, doubt } => {
                 let first = vertices + 3 * pixel as u32;
                 if shown != Some(casters + pixel as u32) || got.triangles[pixel] != [first, first + 1, first + 2] {
                     fault(format!("{shown:?} of {:?}", got.triangles[pixel]));
@@ -343,8 +345,8 @@ fn random_seeded() {
         check(&world, &with_ids);
         for pixel in with_normals.wanted(&world) {
             match pixel.shown {
-                Shown::Nothing => shown[0] += 1,
-                Shown::Caster(_) => shown[1] += 1,
+                PixelContent::Nothing => shown[0] += 1,
+                PixelContent::Caster(_) => shown[1] += 1,
                 _ => shown[2] += 1,
             }
         }
@@ -456,8 +458,9 @@ fn overflow_by_one() {
         let positions = Buffer::with_room(device, queue, "test", &[], v).expect("memory");
         run(gpu(), |s| {
             let textures = Textures { place: &view, normals: &view, ids: &ids };
-            let surfaces = Surfaces { numbers: &numbers, triangles: &triangles, positions: &positions };
-            let asked = stage.record(s, &frame, Params::default(), textures, surfaces, &id_keys, &keys, &faults);
+            let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
+            let asked =
+                stage.record(s, &frame, PixelReceiversParams::default(), textures, surfaces, &id_keys, &keys, &faults);
             if !enough {
                 assert!(asked.is_err(), "{t} triangles and {v} vertices pass for eight pixels");
             }
@@ -489,9 +492,9 @@ fn detects_corruption() {
     let wanted = case.wanted(&world);
     let plane = wanted
         .iter()
-        .position(|p| matches!(p.shown, Shown::Plane { doubt, .. } if doubt < 1e-3) && !p.open)
+        .position(|p| matches!(p.shown, PixelContent::Plane { doubt, .. } if doubt < 1e-3) && !p.open)
         .expect("a plane");
-    let caster = wanted.iter().position(|p| matches!(p.shown, Shown::Caster(_)) && !p.open).expect("a caster");
+    let caster = wanted.iter().position(|p| matches!(p.shown, PixelContent::Caster(_)) && !p.open).expect("a caster");
     let mut off = got.clone();
     off.keys[caster] ^= 1;
     assert!(!faults(&world, &case, &off).0.is_empty(), "a wrong caster passes");

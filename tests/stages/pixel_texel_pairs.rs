@@ -7,18 +7,19 @@ use crate::support::{POISON, Random, difference, gpu, sizes_around};
 use std::sync::OnceLock;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::facet_classify::{Facet, State, Surroundings, classify, outline};
+use subpixel_shadows::reference::facet_classify::{FacetAtPixel, FacetState, MapAround, classify, outline};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::pixel_texel_pairs::pairs;
 use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{self, Facets};
-use subpixel_shadows::stages::pixel_texel_pairs::{PixelTexelPairs, Places};
+use subpixel_shadows::stages::pixel_texel_pairs::{PairTiles, PixelTexelPairs};
 
 /// One for each kind of places.
 fn stages() -> &'static [PixelTexelPairs; 2] {
     static STAGES: OnceLock<[PixelTexelPairs; 2]> = OnceLock::new();
-    STAGES.get_or_init(|| [Places::Texels, Places::Tiles].map(|places| PixelTexelPairs::new(&gpu().device, places)))
+    STAGES
+        .get_or_init(|| [PairTiles::Texels, PairTiles::Tiles].map(|places| PixelTexelPairs::new(&gpu().device, places)))
 }
 
 /// As `check`, with pairs that meet by texel and by tile.
@@ -38,10 +39,10 @@ fn world(gpu: &'static Gpu, kind: u32, random: &mut Random) -> World {
 }
 
 /// Facets as the GPU classified them with every texel marked, and by their definition with a margin.
-fn facets(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> (Facets, Vec<Facet>) {
+fn facets(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> (Facets, Vec<FacetAtPixel>) {
     let texels = (world.view.map.map_size as usize).pow(2);
     let (marked, splits) = (vec![true; texels], vec![Split::Marked; texels]);
-    let around = Surroundings {
+    let around = MapAround {
         triangles: &world.triangles,
         marked: &marked,
         splits: &splits,
@@ -82,8 +83,8 @@ fn check(world: &World, stage: &PixelTexelPairs, listed: &[(u32, Option<u32>)], 
     let undecided = on_gpu.undecided.read(world.gpu).expect("readback");
     // Facets whose state is open to rounding, or differs by the margin, are not compared.
     let clear = |f: usize| {
-        let undecided = states[f].state == facet_classify::State::Undecided as u32;
-        let same = |x: &Facet| (x.state == State::Undecided) == undecided;
+        let undecided = states[f].state == facet_classify::FacetState::Undecided as u32;
+        let same = |x: &FacetAtPixel| (x.state == FacetState::Undecided) == undecided;
         same(&exact[f]) && same(&wide[f]) && !exact[f].open
     };
     let map = MapEnds::of(&world.view.map);
@@ -234,7 +235,7 @@ fn overflow_by_one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
     let mut random = Random::new(27);
-    let small = [Places::Texels, Places::Tiles].map(|places| PixelTexelPairs::new(&folding_gpu().device, places));
+    let small = [PairTiles::Texels, PairTiles::Tiles].map(|places| PixelTexelPairs::new(&folding_gpu().device, places));
     let mut found = 0;
     for kind in 0..4 {
         let world = world(folding_gpu(), kind, &mut random);
@@ -263,7 +264,7 @@ fn detects_corruption() {
         let by = |texels| pairs(&facets, &splits, MapEnds::of(&world.view.map), Margin { texels, depth: 0.0 }, false);
         let (least, most) = (by(0.0), by(0.5));
         changed += faults(&most, &least, &most).0;
-        let f = facets.iter().find(|f| f.state == State::Undecided);
+        let f = facets.iter().find(|f| f.state == FacetState::Undecided);
         let Some(f) = f else { continue };
         assert!(outline(&world.view, f.pixel, f.plane, 10.0).corners.len() >= 3);
     }

@@ -6,7 +6,7 @@ use crate::support::surfaces::{Found, find, find_within, pattern, square};
 use crate::support::{gpu, small_gpu};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::camera_visibility::Doubt;
+use subpixel_shadows::reference::camera_visibility::DepthMargin;
 use subpixel_shadows::reference::pixel_triangles::{may_touch, pixels};
 use subpixel_shadows::scene::Mesh;
 
@@ -14,7 +14,7 @@ use subpixel_shadows::scene::Mesh;
 fn compare(case: &Case, found: &Found) -> Result<usize, String> {
     let wanted = case.wanted();
     let places: Vec<DVec2> = (0..49).map(|k| DVec2::new(f64::from(k % 7) / 6.0, f64::from(k / 7) / 6.0)).collect();
-    let must = pixels(&wanted.view, &wanted.triangles, &places, Doubt { edge: 1e-4, depth: 1e-5 });
+    let must = pixels(&wanted.view, &wanted.triangles, &places, DepthMargin { edge: 1e-4, depth: 1e-5 });
     if must.len() != found.lists.len() {
         return Err("another number of pixels".to_owned());
     }

@@ -4,19 +4,20 @@ use crate::support::shadow::{folding_gpu, full_word, uniform};
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, upload};
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::reference::facet_classify::State;
-use subpixel_shadows::reference::resolve::{Masks, pixel};
+use subpixel_shadows::reference::facet_classify::FacetState;
+use subpixel_shadows::reference::resolve::{FacetBits, pixel};
 use subpixel_shadows::stages::facet_classify::{Facet, Facets};
 use subpixel_shadows::stages::resolve::Resolve;
 use subpixel_shadows::status_word;
 use subpixel_shadows::truth::{join_mask, split_mask};
 
-const STATES: [State; 5] = [State::Empty, State::Dark, State::Lit, State::Shadowed, State::Undecided];
+const STATES: [FacetState; 5] =
+    [FacetState::Empty, FacetState::Dark, FacetState::Lit, FacetState::Shadowed, FacetState::Undecided];
 const STAMP: u32 = 0xdecade;
 const COUNTS: [u32; 6] = [1, 8, 16, 32, 64, 128];
 
 /// Facets of each pixel.
-fn any(pixels: usize, count: u32, most: u32, random: &mut Random) -> Vec<Vec<Masks>> {
+fn any(pixels: usize, count: u32, most: u32, random: &mut Random) -> Vec<Vec<FacetBits>> {
     let full = (0..count.div_ceil(32)).map(|w| full_word(count, w)).collect::<Vec<_>>();
     let mask = |random: &mut Random| {
         let mut words = [0; 4];
@@ -25,7 +26,7 @@ fn any(pixels: usize, count: u32, most: u32, random: &mut Random) -> Vec<Vec<Mas
         }
         join_mask(words)
     };
-    let one = |random: &mut Random| Masks {
+    let one = |random: &mut Random| FacetBits {
         state: STATES[random.below(5) as usize],
         coverage: mask(random),
         occluded: mask(random),
@@ -35,14 +36,14 @@ fn any(pixels: usize, count: u32, most: u32, random: &mut Random) -> Vec<Vec<Mas
 }
 
 /// Visibility bits, lit words, and the counts by state, from the GPU.
-fn resolve(gpu: &Gpu, stage: &Resolve, count: u32, pixels: &[Vec<Masks>]) -> Vec<u32> {
+fn resolve(gpu: &Gpu, stage: &Resolve, count: u32, pixels: &[Vec<FacetBits>]) -> Vec<u32> {
     let words = count.div_ceil(32) as usize;
-    let all: Vec<Masks> = pixels.iter().flatten().copied().collect();
+    let all: Vec<FacetBits> = pixels.iter().flatten().copied().collect();
     let memory = Facets::new(&gpu.device, all.len(), pixels.len(), words).expect("memory");
-    let state = |m: &Masks| STATES.iter().position(|s| *s == m.state).expect("a state") as u32;
+    let state = |m: &FacetBits| STATES.iter().position(|s| *s == m.state).expect("a state") as u32;
     let facets: Vec<Facet> = all.iter().map(|m| Facet { state: state(m), ..Facet::default() }).collect();
     memory.list.write(&gpu.queue, &facets);
-    let masks = |m: &Masks| [m.coverage, m.occluded, m.invalid].map(|m| split_mask(m)[..words].to_vec()).concat();
+    let masks = |m: &FacetBits| [m.coverage, m.occluded, m.invalid].map(|m| split_mask(m)[..words].to_vec()).concat();
     memory.masks.write(&gpu.queue, &all.iter().flat_map(masks).collect::<Vec<_>>());
     let mut firsts = vec![0];
     pixels.iter().for_each(|p| firsts.push(firsts.last().unwrap_or(&0) + p.len() as u32));
@@ -60,7 +61,7 @@ fn resolve(gpu: &Gpu, stage: &Resolve, count: u32, pixels: &[Vec<Masks>]) -> Vec
     out
 }
 
-fn wanted(count: u32, pixels: &[Vec<Masks>]) -> Vec<u32> {
+fn wanted(count: u32, pixels: &[Vec<FacetBits>]) -> Vec<u32> {
     let words = count.div_ceil(32) as usize;
     let all: Vec<_> = pixels.iter().map(|p| pixel(p)).collect();
     let mut out: Vec<u32> = all.iter().map(|p| p.0.to_bits()).collect();
@@ -75,7 +76,7 @@ fn wanted(count: u32, pixels: &[Vec<Masks>]) -> Vec<u32> {
 }
 
 #[track_caller]
-fn check(gpu: &Gpu, count: u32, pixels: &[Vec<Masks>]) {
+fn check(gpu: &Gpu, count: u32, pixels: &[Vec<FacetBits>]) {
     let stage = Resolve::new(&gpu.device, count.div_ceil(32));
     let got = resolve(gpu, &stage, count, pixels);
     // Software and hardware alike round the quotient of small integers as IEEE does, or one step beside it (2.5 ulp).
@@ -133,7 +134,7 @@ fn degenerate() {
     let mut pixels = Vec::new();
     for state in STATES {
         for (coverage, occluded, invalid) in [(all, 0, all), (all, all, 0), (0, 0, 0), (1, 0, 0), (all, all, all)] {
-            pixels.push(vec![Masks { state, coverage, occluded, invalid }]);
+            pixels.push(vec![FacetBits { state, coverage, occluded, invalid }]);
         }
     }
     check(gpu(), 32, &pixels);

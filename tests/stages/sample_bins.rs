@@ -17,8 +17,8 @@ use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::camera_visibility::Blocks;
-use subpixel_shadows::stages::facet_classify::State;
-use subpixel_shadows::stages::sample_bins::{Bins, SampleBins, Scene};
+use subpixel_shadows::stages::facet_classify::FacetState;
+use subpixel_shadows::stages::sample_bins::{BinInputs, Bins, SampleBins};
 
 fn stage(gpu: &Gpu, words: usize) -> &'static SampleBins {
     static MADE: Pipelines<SampleBins> = Pipelines::new();
@@ -57,7 +57,7 @@ fn test(world: &World, listed: &List, band: usize) -> Ran {
         args: (args.raw(), 0),
     };
     let patterns = world.sample_offsets();
-    let scene = Scene { samples: &patterns, blocks, positions: &world.casters.positions, facets: &facets };
+    let scene = BinInputs { samples: &patterns, blocks, positions: &world.casters.positions, facets: &facets };
     let stage = stage(gpu, world.words());
     let (mut binned, mut doubts) = (Vec::new(), 0);
     run(gpu, |s| stage.record_list(s, &facets, &bins));
@@ -95,7 +95,7 @@ fn fault_in_bins(world: &World, listed: &List, ran: &Ran) -> Option<String> {
         let (state, [coverage, ..]) = ran.masks[f];
         let corners = triangle.and_then(|t| world.triangles[t as usize].corners);
         let (mut sure, mut possible) = (HashMap::new(), HashMap::new());
-        if let Some([a, b, c]) = corners.filter(|_| state == State::Undecided as u32) {
+        if let Some([a, b, c]) = corners.filter(|_| state == FacetState::Undecided as u32) {
             let normal = (b - a).cross(c - a);
             let covered = world.samples.offsets().iter().enumerate().filter(|(k, _)| coverage >> k & 1 == 1);
             for (_, o) in covered {
@@ -308,6 +308,6 @@ fn detects_corruption() {
     let at_end = [Some(0), Some(3 * map), Some(3 * map), Some(map * map - 1), None, Some(11 * map + 7)];
     assert_eq!(texels([true, false, true, true]), at_end);
     // Nearly every sample of a facet that faces the light is in a bin: few lie beside the map.
-    let undecided = got.iter().filter(|m| m.0 == State::Undecided as u32).count();
+    let undecided = got.iter().filter(|m| m.0 == FacetState::Undecided as u32).count();
     assert!(ran.binned.len() > 24 * undecided, "{} samples of {undecided} facets", ran.binned.len());
 }

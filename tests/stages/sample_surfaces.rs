@@ -6,20 +6,20 @@ use crate::support::surfaces::{Found, find, find_in_bands, find_merged, find_wit
 use crate::support::{gpu, sizes_around, small_gpu};
 use subpixel_shadows::glam::{DQuat, DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::camera_visibility::Doubt;
+use subpixel_shadows::reference::camera_visibility::DepthMargin;
 use subpixel_shadows::reference::sample_surfaces::{Sample, merged, see, surfaces};
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Mesh, builtin};
 use subpixel_shadows::stages::sample_surfaces::ROUND_LENGTH;
 use subpixel_shadows::truth::{AMBIGUITY, SceneTruth, Tracer, join_mask};
 
-const DOUBT: Doubt = Doubt { edge: AMBIGUITY, depth: 1e-5 };
+const DOUBT: DepthMargin = DepthMargin { edge: AMBIGUITY, depth: 1e-5 };
 
 fn wanted(case: &Case, samples: &Samples) -> Vec<Sample> {
     wanted_by(case, samples, DOUBT)
 }
 
-fn wanted_by(case: &Case, samples: &Samples, doubt: Doubt) -> Vec<Sample> {
+fn wanted_by(case: &Case, samples: &Samples, doubt: DepthMargin) -> Vec<Sample> {
     let wanted = case.wanted();
     let offsets: Vec<DVec2> = samples.offsets().iter().map(|o| DVec2::new(o[0].into(), o[1].into())).collect();
     see(&wanted.view, &wanted.triangles, &offsets, doubt)
@@ -265,7 +265,7 @@ fn several_rounds() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn crowds() {
     // No edge is in sight.
-    let strict = Doubt { edge: 1e-10, depth: 1e-11 };
+    let strict = DepthMargin { edge: 1e-10, depth: 1e-11 };
     let (x, y) = (DVec3::new(0.8, 0.23, -0.31), DVec3::new(0.17, 0.41, 0.83));
     let up = y.cross(x).normalize();
     for (sheets, image, count) in [(2, [33, 25], 32), (3, [33, 25], 32), (9, [17, 13], 128), (600, [5, 4], 64)] {

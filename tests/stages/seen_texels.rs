@@ -11,10 +11,10 @@ use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::reference::seen_texels::asked;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::Seen;
+use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::seen_texels::{SeenTexels, TexelMarks};
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
-use subpixel_shadows::stages::spsm_query::{Class, Options, SpsmPixels, SpsmQuery};
+use subpixel_shadows::stages::spsm_query::{Class, SpsmPixels, SpsmQuery, SpsmQueryOptions};
 
 const REACH: u32 = 3;
 
@@ -35,14 +35,16 @@ fn ask_spoilt(world: &World, spoil: &dyn Fn(&mut Vec<u32>)) -> Ran {
     let count = pixels(world);
     let size = world.view.map.map_size as usize;
     let many = world.samples.count() > 1;
-    let options = Options { words: world.words() as u32, many, stretch: REACH - 1, ..Options::default() };
+    let options =
+        SpsmQueryOptions { words: world.words() as u32, many, stretch: REACH - 1, ..SpsmQueryOptions::default() };
     let texels = SpsmTexels::new(&gpu.device, &gpu.queue, size, count, 5).expect("memory");
     let out = SpsmPixels::new(&gpu.device, &gpu.queue, count, world.words()).expect("memory");
     let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
     let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
     let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
     let (points, frame, offsets) = (world.points(), uniform(gpu, &world.frame), world.sample_offsets());
-    let from = Seen { samples: &offsets, id_keys: &id_keys, triangles: &world.casters.triangles, points: &points };
+    let from =
+        PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles: &world.casters.triangles, points: &points };
     let stage = SeenTexels::new(&gpu.device, options, &texels);
     let map = SpsmMap::new(&gpu.device, 1, &texels);
     let query = SpsmQuery::new(&gpu.device, &PrefixScan::new(&gpu.device), options, &texels);

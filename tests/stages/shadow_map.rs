@@ -8,22 +8,22 @@ use crate::support::shadow::{
 };
 use crate::support::{POISON, Random, gpu, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
-use subpixel_shadows::reference::shadow_map::Lookup;
+use subpixel_shadows::reference::shadow_map::DepthLookup;
 use subpixel_shadows::scene::{Light, Mesh};
-use subpixel_shadows::stages::shadow_map::{Options, ShadowMap};
+use subpixel_shadows::stages::shadow_map::{ShadowMap, ShadowMapOptions};
 
-const PLAIN: Options = Options { kernel: 1, constant: 5e-5, slope: 1.05, receiver_plane: false };
+const PLAIN: ShadowMapOptions = ShadowMapOptions { kernel: 1, constant: 5e-5, slope: 1.05, receiver_plane: false };
 
-fn filtered(kernel: u32) -> Options {
-    Options { kernel, slope: 0.0, receiver_plane: true, ..PLAIN }
+fn filtered(kernel: u32) -> ShadowMapOptions {
+    ShadowMapOptions { kernel, slope: 0.0, receiver_plane: true, ..PLAIN }
 }
 
 struct Ran {
-    options: Options,
+    options: ShadowMapOptions,
     on: OnMap,
 }
 
-fn ask(world: &World, options: Options) -> Ran {
+fn ask(world: &World, options: ShadowMapOptions) -> Ran {
     let stage = ShadowMap::new(&world.gpu.device, options);
     let on = OnMap::of(world, |s, frame, seen, depths, visibility| stage.record(s, frame, seen, depths, visibility));
     Ran { options, on }
@@ -31,7 +31,7 @@ fn ask(world: &World, options: Options) -> Ran {
 
 /// Where the stage departs from its definition; how many pixels were compared and how many of them closely.
 fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
-    let lookup = |doubt: f64| Lookup {
+    let lookup = |doubt: f64| DepthLookup {
         depths: &ran.on.depths,
         size: world.view.map.map_size,
         kernel: ran.options.kernel,
@@ -51,7 +51,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
 }
 
 #[track_caller]
-fn check(world: &World, options: Options) -> Ran {
+fn check(world: &World, options: ShadowMapOptions) -> Ran {
     let ran = ask(world, options);
     match fault(world, &ran) {
         Ok([compared, close]) => assert!(close * 2 + 9 >= compared, "{close} of {compared} pixels compared closely"),
@@ -122,7 +122,7 @@ fn degenerate() {
         for options in [PLAIN, filtered(2), filtered(3), filtered(5), filtered(7)] {
             assert_eq!(dark(options), 0, "{options:?}, {degrees} degrees: pixels of acne");
         }
-        unbiased += dark(Options { constant: 0.0, slope: 0.0, ..PLAIN });
+        unbiased += dark(ShadowMapOptions { constant: 0.0, slope: 0.0, ..PLAIN });
     }
     assert!(unbiased > 0, "the bias is not needed");
 }

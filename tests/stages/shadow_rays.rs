@@ -15,7 +15,7 @@ use subpixel_shadows::reference::shadow_rays;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::shadow_rays::{Rays, Scene, ShadowRays, Step, TreeBuffers};
+use subpixel_shadows::stages::shadow_rays::{RayInputs, RayLists, RayStep, ShadowRays, TreeBuffers};
 
 fn stage(gpu: &Gpu, words: usize) -> &'static ShadowRays {
     static MADE: Pipelines<ShadowRays> = Pipelines::new();
@@ -36,8 +36,8 @@ fn trace(world: &World, listed: &List, doubts: usize) -> (Masks, [u32; 3]) {
     frame.facets_total = listed.len() as u32;
     let (frame, offsets) = (uniform(gpu, &frame), world.sample_offsets());
     let count = world.samples.count();
-    let rays = Rays::with_doubts(&gpu.device, &gpu.queue, listed.len(), count, doubts).expect("memory");
-    let scene = Scene {
+    let rays = RayLists::with_doubts(&gpu.device, &gpu.queue, listed.len(), count, doubts).expect("memory");
+    let scene = RayInputs {
         samples: &offsets,
         tree: &buffers,
         triangles: &world.casters.triangles,
@@ -50,7 +50,7 @@ fn trace(world: &World, listed: &List, doubts: usize) -> (Masks, [u32; 3]) {
     let most = gpu.device.limits().max_compute_workgroups_per_dimension;
     let groups = |per: u64| recorder::fold_within(listed_count.div_ceil(per), most);
     rays.args.write(&gpu.queue, &[groups(64 / u64::from(count.min(32))), groups(64)].concat());
-    for step in [Step::Trace, Step::Cut, Step::Refine] {
+    for step in [RayStep::Trace, RayStep::Cut, RayStep::Refine] {
         run(gpu, |s| stage.record(s, step, &frame, scene, &facets, &rays));
     }
     (masks::read(world, &facets), rays.read(gpu).expect("readback"))
@@ -165,7 +165,7 @@ fn padding_holds_no_doubts() {
     let gpu = gpu();
     for facets in 1..9 {
         for doubts in 0..5 {
-            let rays = Rays::with_doubts(&gpu.device, &gpu.queue, facets, 8, doubts).expect("memory");
+            let rays = RayLists::with_doubts(&gpu.device, &gpu.queue, facets, 8, doubts).expect("memory");
             assert_eq!(rays.work.bytes(), 4 * rays.work.len() as u64, "{facets} facets, room for {doubts} doubts");
         }
     }

@@ -8,19 +8,19 @@ use crate::support::shadow::{
 };
 use crate::support::{POISON, Random, gpu, sizes_around};
 use subpixel_shadows::glam::DVec3;
-use subpixel_shadows::reference::smsr::{Doubt, Lookup};
+use subpixel_shadows::reference::smsr::{SmsrLookup, SmsrMargin};
 use subpixel_shadows::scene::{Light, Mesh};
-use subpixel_shadows::stages::smsr::{Options, Smsr};
+use subpixel_shadows::stages::smsr::{Smsr, SmsrOptions};
 
-const MIDDLE: Options = Options { reach: 16, midpoints: true, constant: 5e-5, slope: 0.5 };
-const CORNER: Options = Options { midpoints: false, ..MIDDLE };
+const MIDDLE: SmsrOptions = SmsrOptions { reach: 16, midpoints: true, constant: 5e-5, slope: 0.5 };
+const CORNER: SmsrOptions = SmsrOptions { midpoints: false, ..MIDDLE };
 
 struct Ran {
-    options: Options,
+    options: SmsrOptions,
     on: OnMap,
 }
 
-fn ask(world: &World, options: Options) -> Ran {
+fn ask(world: &World, options: SmsrOptions) -> Ran {
     let stage = Smsr::new(&world.gpu.device, options);
     let on = OnMap::of(world, |s, frame, seen, depths, visibility| stage.record(s, frame, seen, depths, visibility));
     Ran { options, on }
@@ -28,7 +28,7 @@ fn ask(world: &World, options: Options) -> Ran {
 
 /// Where the stage departs from its definition; how many pixels were compared and how many of them closely.
 fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
-    let lookup = Lookup {
+    let lookup = SmsrLookup {
         depths: &ran.on.depths,
         size: world.view.map.map_size,
         reach: ran.options.reach,
@@ -37,13 +37,13 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
         slope: f64::from(ran.options.slope),
     };
     ran.on.fault(world, |p, first, slope, place, depth| {
-        let lit = lookup.is_lit(p, first, slope, Doubt { place, depth });
+        let lit = lookup.is_lit(p, first, slope, SmsrMargin { place, depth });
         lit.map_or([0.0, 1.0], |lit| [f64::from(u8::from(lit)); 2])
     })
 }
 
 #[track_caller]
-fn check(world: &World, options: Options) -> Ran {
+fn check(world: &World, options: SmsrOptions) -> Ran {
     let ran = ask(world, options);
     match fault(world, &ran) {
         Ok([compared, close]) => assert!(close * 4 + 9 >= compared, "{close} of {compared} pixels compared closely"),
@@ -68,12 +68,12 @@ fn one() {
     add_triangle(&mut mesh, [[-1.0, 0.8, -1.0], [1.0, 0.8, -0.8], [0.1, 0.8, 1.0]]);
     let world = world(gpu(), &mesh, above(), [240, 180], 32, 1);
     let dark = |ran: &Ran| ran.on.visibility.iter().map(|&v| v == 0.0).collect::<Vec<_>>();
-    let steps = dark(&check(&world, Options { reach: 1, ..CORNER }));
+    let steps = dark(&check(&world, SmsrOptions { reach: 1, ..CORNER }));
     let corner = dark(&check(&world, CORNER));
     let middle = dark(&check(&world, MIDDLE));
     let more = |a: &[bool], b: &[bool]| a.iter().zip(b).filter(|(a, b)| **a && !**b).count();
     // With nothing followed all borders are open: the steps stay.
-    let plain = dark(&check(&world, Options { reach: 0, ..MIDDLE }));
+    let plain = dark(&check(&world, SmsrOptions { reach: 0, ..MIDDLE }));
     assert_eq!(more(&plain, &corner), 0, "corners grow the light");
     let grown = [more(&corner, &plain), more(&corner, &steps)];
     assert!(grown[0] > 20 && grown[1] > 0, "corners grow shadows by {grown:?} pixels");
@@ -95,8 +95,8 @@ fn every_size_around_workgroup() {
 fn random_seeded() {
     let mut random = Random::new(43);
     for kind in 0..4 {
-        let short = Options { reach: 3, ..MIDDLE };
-        for (k, options) in [MIDDLE, CORNER, short, Options { reach: 64, ..CORNER }].into_iter().enumerate() {
+        let short = SmsrOptions { reach: 3, ..MIDDLE };
+        for (k, options) in [MIDDLE, CORNER, short, SmsrOptions { reach: 64, ..CORNER }].into_iter().enumerate() {
             let mesh = random_scene(kind, &mut random);
             let light = random_light((kind + k as u32).is_multiple_of(2), &mut random);
             check(&world(gpu(), &mesh, light, [40, 30], [64, 150][k / 2], [1, 32, 8, 128][k]), options);
@@ -134,7 +134,7 @@ fn degenerate() {
         for options in [MIDDLE, CORNER] {
             assert_eq!(dark(options), 0, "{options:?}, {degrees} degrees: pixels of acne");
         }
-        unbiased += dark(Options { constant: 0.0, slope: 0.0, ..MIDDLE });
+        unbiased += dark(SmsrOptions { constant: 0.0, slope: 0.0, ..MIDDLE });
     }
     assert!(unbiased > 0, "the bias is not needed");
 }

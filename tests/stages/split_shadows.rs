@@ -11,24 +11,24 @@ use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DMat2, DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, kernels};
 use subpixel_shadows::light_view::Warp;
-use subpixel_shadows::reference::split_shadows::{Ask as Asked, Map, Receiver};
+use subpixel_shadows::reference::split_shadows::{Map, MomentQuery, Receiver};
 use subpixel_shadows::scene::{Light, Mesh};
-use subpixel_shadows::stages::Seen;
+use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::map_moments::MapMoments;
-use subpixel_shadows::stages::split_shadows::{Ask, OfMaps, SplitShadows};
+use subpixel_shadows::stages::split_shadows::{OfMaps, SplitQuery, SplitShadows};
 
-const DEPTHS: Ask = Ask::Depths { constant: 5e-5, slope: 1.05 };
-const MOMENTS: Ask = Ask::Moments { constant: 5e-5, bleeding: 0.0, grazing: 0.0 };
-const REDUCED: Ask = Ask::Moments { constant: 5e-5, bleeding: 0.3, grazing: 0.4 };
+const DEPTHS: SplitQuery = SplitQuery::Depths { constant: 5e-5, slope: 1.05 };
+const MOMENTS: SplitQuery = SplitQuery::Moments { constant: 5e-5, bleeding: 0.0, grazing: 0.0 };
+const REDUCED: SplitQuery = SplitQuery::Moments { constant: 5e-5, bleeding: 0.3, grazing: 0.4 };
 
 struct Ran {
-    ask: Ask,
+    ask: SplitQuery,
     on: OnSplits,
     seen: Vec<Option<u32>>,
     visibility: Vec<f32>,
 }
 
-fn ask(world: &World, ask: Ask, splits: u32, warp: Warp) -> Ran {
+fn ask(world: &World, ask: SplitQuery, splits: u32, warp: Warp) -> Ran {
     static REDUCE: Pipelines<MapMoments> = Pipelines::new();
     let gpu = world.gpu;
     let on = OnSplits::of(world, &plan(splits, warp));
@@ -45,7 +45,7 @@ fn ask(world: &World, ask: Ask, splits: u32, warp: Warp) -> Ran {
     let stage = SplitShadows::new(&gpu.device, ask);
     run(gpu, |s| {
         reduce.record(s, &frame, &on.splits, &on.maps.keys, &moments, views, size);
-        let from = Seen { samples: &offsets, id_keys: &id_keys, triangles, points: &points };
+        let from = PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles, points: &points };
         let maps = OfMaps { splits: &on.splits, keys: &on.maps.keys, moments: &moments };
         stage.record(s, &frame, from, maps, &visibility);
     });
@@ -80,7 +80,7 @@ fn wanted(world: &World, ran: &Ran, maps: &[Map], pixel: u32, t: u32) -> Option<
     let forward = world.view.rays.forward;
     let point = |offset: DVec2| on_plane(world, pixel, t, offset);
     match ran.ask {
-        Ask::Depths { constant, slope: bias } => {
+        SplitQuery::Depths { constant, slope: bias } => {
             let [constant, bias] = [constant, bias].map(f64::from);
             let (mut sum, mut seen) = ([0.0, 0.0], 0.0);
             for offset in world.samples.offsets() {
@@ -105,7 +105,7 @@ fn wanted(world: &World, ran: &Ran, maps: &[Map], pixel: u32, t: u32) -> Option<
             }
             (seen > 0.0).then(|| sum.map(|s| s / seen))
         }
-        Ask::Moments { constant, bleeding, grazing } => {
+        SplitQuery::Moments { constant, bleeding, grazing } => {
             let [a, b, c] = world.triangles[t as usize].corners?;
             let normal = (b - a).cross(c - a).normalize();
             let to_light = world.view.light.truncate() - a * world.view.light.w;
@@ -117,7 +117,7 @@ fn wanted(world: &World, ran: &Ran, maps: &[Map], pixel: u32, t: u32) -> Option<
                 return Some([0.5; 2]);
             }
             let p = point(DVec2::ZERO)?;
-            let asked = Asked {
+            let asked = MomentQuery {
                 constant: f64::from(constant),
                 bleeding: f64::from(bleeding),
                 most_probes: f64::from(kernels::split_shadows::MOST_PROBES),
@@ -180,7 +180,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[usize; 2], String> {
 }
 
 #[track_caller]
-fn check(world: &World, how: Ask, splits: u32, warp: Warp) -> Ran {
+fn check(world: &World, how: SplitQuery, splits: u32, warp: Warp) -> Ran {
     let ran = ask(world, how, splits, warp);
     match fault(world, &ran) {
         Ok([compared, close]) => assert!(close * 3 + 9 >= compared, "{close} of {compared} pixels compared closely"),
@@ -258,7 +258,7 @@ fn smallest() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn degenerate() {
-    let unbiased = Ask::Depths { constant: 0.0, slope: 0.0 };
+    let unbiased = SplitQuery::Depths { constant: 0.0, slope: 0.0 };
     let mut spoilt = 0;
     for degrees in [0.0f64, 10.0, 45.0, 75.0, 85.0, 88.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
@@ -335,9 +335,9 @@ fn detects_corruption() {
         assert!(spoilt(&|r| r.on.views.iter_mut().for_each(|v| v.rows[0] += v.rows[2] * 20.0)));
     }
     for other in [
-        Ask::Moments { constant: 0.02, bleeding: 0.0, grazing: 0.0 },
-        Ask::Moments { constant: 5e-5, bleeding: 0.2, grazing: 0.0 },
-        Ask::Moments { constant: 5e-5, bleeding: 0.0, grazing: 0.9 },
+        SplitQuery::Moments { constant: 0.02, bleeding: 0.0, grazing: 0.0 },
+        SplitQuery::Moments { constant: 5e-5, bleeding: 0.2, grazing: 0.0 },
+        SplitQuery::Moments { constant: 5e-5, bleeding: 0.0, grazing: 0.9 },
     ] {
         let ran = Ran { ask: other, ..ask(&world, MOMENTS, 3, Warp::Trapezoid) };
         assert!(fault(&world, &ran).is_err(), "{other:?}");

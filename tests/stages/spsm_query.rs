@@ -11,11 +11,11 @@ use crate::support::{POISON, Random, gpu, run, sizes_around};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::reference::facet_classify::pixel_ray;
-use subpixel_shadows::reference::spsm_query::{Place, Query, texel_of};
+use subpixel_shadows::reference::spsm_query::{PlanePoint, Query, texel_of};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
-use subpixel_shadows::stages::Seen;
-use subpixel_shadows::stages::spsm_query::{Class, Options, SpsmPixels, SpsmQuery};
+use subpixel_shadows::stages::PrimaryHits;
+use subpixel_shadows::stages::spsm_query::{Class, SpsmPixels, SpsmQuery, SpsmQueryOptions};
 use subpixel_shadows::truth::{SceneTruth, Tracer};
 
 const BIAS: f32 = 1e-5;
@@ -48,7 +48,7 @@ fn ask(world: &World, lines: bool, search: Search) -> Ran {
     let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
     let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
     let points = world.points();
-    let options = Options {
+    let options = SpsmQueryOptions {
         encoding: u32::from(lines),
         words: words as u32,
         many: world.samples.count() > 1,
@@ -58,7 +58,8 @@ fn ask(world: &World, lines: bool, search: Search) -> Ran {
     };
     let query = SpsmQuery::new(&gpu.device, &PrefixScan::new(&gpu.device), options, &made.texels);
     let (frame, offsets) = (uniform(gpu, &world.frame), world.sample_offsets());
-    let from = Seen { samples: &offsets, id_keys: &id_keys, triangles: &world.casters.triangles, points: &points };
+    let from =
+        PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles: &world.casters.triangles, points: &points };
     run(gpu, |s| {
         query.record_classify(s, &frame, from, &made.texels, &out)?;
         query.record_settle(s, &frame, from, &made.texels, &out)
@@ -186,7 +187,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
             let known = owned[k as usize].iter().flat_map(|o| owned[first].iter().map(move |f| [*o, *f]));
             let at_depth = |q: &Query, x: f64, y: f64, z: f64| {
                 let step = DVec3::new(x, y, slope.dot(DVec2::new(x, y)) + z);
-                let place = |at: DVec3, own| Place { at: at + step, own };
+                let place = |at: DVec3, own| PlanePoint { at: at + step, own };
                 let mut answers =
                     known.clone().map(|[o, f]| q.shadowed(place(p, o), place(start, f), centre + step, slope, far));
                 let first = answers.next();

@@ -4,10 +4,10 @@ use crate::support::{POISON, Random, assert_same, difference, gpu, run, sizes_ar
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::reference::summed_area::{pack, rect_sum, table, unpack};
 use subpixel_shadows::stages::SummedArea;
-use subpixel_shadows::stages::summed_area::{Scratch, Texels};
+use subpixel_shadows::stages::summed_area::{SummedAreaScratch, Texels};
 
 /// The table on the GPU, with one word of poison behind it.
-fn sat(gpu: &Gpu, stage: &SummedArea, texels: &[u32], len: usize, scratch: &Scratch) -> Vec<u32> {
+fn sat(gpu: &Gpu, stage: &SummedArea, texels: &[u32], len: usize, scratch: &SummedAreaScratch) -> Vec<u32> {
     let input = upload(gpu, texels);
     let sat = Buffer::banded(&gpu.device, "test.sat", len + 1).expect("memory for the table");
     sat.write(&gpu.queue, &vec![POISON; len + 1]);

@@ -4,7 +4,7 @@ use crate::support::{
     POISON, Random, assert_same, gpu, padded, poisoned, read_padded, run, sizes_around, small_gpu, upload,
 };
 use subpixel_shadows::gpu::{Gpu, Recorder};
-use subpixel_shadows::reference::texel_group::{Groups, canonical, group};
+use subpixel_shadows::reference::texel_group::{Grouped, canonical, group};
 use subpixel_shadows::stages::texel_group::Grouping;
 use subpixel_shadows::stages::{Count, PrefixScan, TexelGroup};
 
@@ -184,5 +184,5 @@ fn detects_corruption() {
     got.grouped.swap(border - 1, border);
     got.offsets[1] += 1;
     assert_ne!(canonical(&got.offsets, &got.grouped), Some(want));
-    assert_eq!(canonical(&[1, 2], &[5, 6]), None::<Groups>);
+    assert_eq!(canonical(&[1, 2], &[5, 6]), None::<Grouped>);
 }

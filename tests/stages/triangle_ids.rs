@@ -7,7 +7,7 @@ use crate::support::{
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::triangle_ids::triangles;
-use subpixel_shadows::stages::triangle_ids::{FAULT_UNKNOWN, Params, TriangleIds};
+use subpixel_shadows::stages::triangle_ids::{FAULT_UNKNOWN, TriangleIds, TriangleIdsParams};
 use subpixel_shadows::wgpu;
 
 /// A picture of triangle numbers.
@@ -16,7 +16,7 @@ struct Case {
     size: [u32; 2],
     texels: Vec<u32>,
     numbers: Vec<u32>,
-    counted: Params,
+    counted: TriangleIdsParams,
 }
 
 impl Case {
@@ -33,7 +33,7 @@ impl Case {
             .collect();
         let mut numbers: Vec<u32> = (0..count).collect();
         (1..count).rev().for_each(|i| numbers.swap(i as usize, random.below(i + 1) as usize));
-        Self { size, texels, numbers, counted: Params { first, none } }
+        Self { size, texels, numbers, counted: TriangleIdsParams { first, none } }
     }
 
     /// Keys, padding included, and the count of unknown texels.
@@ -118,11 +118,11 @@ fn degenerate() {
         size: [4, 2],
         texels: vec![0, 9, 10, 12, 13, u32::MAX, 11, 0x8000_0000],
         numbers: vec![2, 0, 1],
-        counted: Params { first: 10, none: 9 },
+        counted: TriangleIdsParams { first: 10, none: 9 },
     };
     let got = check(gpu(), &case);
     assert_eq!(got[8 + FAULT_UNKNOWN as usize], 4);
-    let wraps = Case { counted: Params { first: u32::MAX - 1, none: 0 }, ..case };
+    let wraps = Case { counted: TriangleIdsParams { first: u32::MAX - 1, none: 0 }, ..case };
     check(gpu(), &wraps);
 }
 

@@ -12,13 +12,15 @@ use subpixel_shadows::reference::triangle_setup::Reach;
 use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, pairs, tile_pairs};
 use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::{Light, Mesh};
-use subpixel_shadows::stages::pixel_texel_pairs::Places;
+use subpixel_shadows::stages::pixel_texel_pairs::PairTiles;
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
 
 /// One for each kind of places.
 fn stages() -> &'static [TriangleTexelPairs; 2] {
     static STAGES: OnceLock<[TriangleTexelPairs; 2]> = OnceLock::new();
-    STAGES.get_or_init(|| [Places::Texels, Places::Tiles].map(|places| TriangleTexelPairs::new(&gpu().device, places)))
+    STAGES.get_or_init(|| {
+        [PairTiles::Texels, PairTiles::Tiles].map(|places| TriangleTexelPairs::new(&gpu().device, places))
+    })
 }
 
 /// As `check`, with pairs that meet by texel and by tile.
@@ -58,8 +60,8 @@ fn faults(least: &[Vec<u32>], got: &[Vec<u32>], most: &[Vec<u32>]) -> (usize, us
 #[track_caller]
 fn check(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> usize {
     match stage.places() {
-        Places::Texels => check_texels(world, stage, deepest),
-        Places::Tiles => check_tiles(world, stage, deepest),
+        PairTiles::Texels => check_texels(world, stage, deepest),
+        PairTiles::Tiles => check_tiles(world, stage, deepest),
     }
 }
 
@@ -94,7 +96,7 @@ fn check_texels(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32
 fn check_tiles(world: &World, stage: &TriangleTexelPairs, deepest: &[Option<f32>]) -> usize {
     let size = world.view.map.map_size;
     let exact: Vec<Option<f64>> = deepest.iter().map(|d| d.map(f64::from)).collect();
-    let exact = deepest_of(Places::Tiles, size as usize, &exact);
+    let exact = deepest_of(PairTiles::Tiles, size as usize, &exact);
     let by = |margin: Margin| tile_pairs(&world.triangles, &exact, MapEnds::of(&world.view.map), margin);
     let (least, most) = (by(Margin::default()), by(world.margin().times(2.0)));
     let needed: usize = world.triangle_pairs(stage, deepest, 0).counts.iter().map(|&c| c as usize).sum();
@@ -273,7 +275,7 @@ fn overflow_by_one() {
             assert!(inside.iter().all(|p| p.0 != POISON), "capacity {capacity}: a pair is not written");
             assert!(beyond.iter().all(|p| p.0 == POISON), "capacity {capacity}: written past the end");
             let mut parts = listed.parts[inside.len()..].iter();
-            assert!(stage.places() == Places::Texels || parts.all(|&p| p == POISON), "capacity {capacity}: a word");
+            assert!(stage.places() == PairTiles::Texels || parts.all(|&p| p == POISON), "capacity {capacity}: a word");
         }
     }
 }
@@ -282,7 +284,8 @@ fn overflow_by_one() {
 #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
 fn two_d_dispatch() {
     let mut random = Random::new(37);
-    let small = [Places::Texels, Places::Tiles].map(|places| TriangleTexelPairs::new(&folding_gpu().device, places));
+    let small =
+        [PairTiles::Texels, PairTiles::Tiles].map(|places| TriangleTexelPairs::new(&folding_gpu().device, places));
     let mesh = crate::support::shadow::soup(150, 0.1, &mut random);
     let light = random_light(true, &mut random);
     let world = of_mesh(folding_gpu(), &mesh, light, 33, &mut random);

@@ -22,9 +22,9 @@ use subpixel_shadows::reference::front_layer::Split;
 use subpixel_shadows::reference::visibility_masks::two_step;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
-use subpixel_shadows::stages::facet_classify::State;
-use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, Places, TALLY_WORDS};
-use subpixel_shadows::stages::visibility_masks::{Casters, VisibilityMasks};
+use subpixel_shadows::stages::facet_classify::FacetState;
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles, TALLY_WORDS};
+use subpixel_shadows::stages::visibility_masks::{EvaluationInputs, VisibilityMasks};
 use subpixel_shadows::truth::AMBIGUITY;
 
 fn stage(gpu: &Gpu, samples: u32) -> &'static VisibilityMasks {
@@ -54,13 +54,13 @@ fn evaluate_with(
     let gpu = world.gpu;
     let facets = classify(world, listed);
     let list = facets.list.read(gpu).expect("readback");
-    let undecided = |f: &usize| list[*f].state == State::Undecided as u32;
+    let undecided = |f: &usize| list[*f].state == FacetState::Undecided as u32;
     let triangles = world.prepared.mesh().triangles.len() as u32;
     let pairs: Vec<[u32; 2]> = (0..list.len())
         .filter(undecided)
         .flat_map(|f| (0..triangles).filter(move |&t| t != list_triangle(listed, f)).map(move |t| [f as u32, t]))
         .collect();
-    let lists = PairLists::new(&gpu.device, 1, Places::default(), 1, 1, pairs.len()).expect("memory");
+    let lists = PairLists::new(&gpu.device, 1, PairTiles::default(), 1, 1, pairs.len()).expect("memory");
     let mut content = vec![0; TALLY_WORDS];
     content[1] = pairs.len() as u32;
     content.extend(pairs.iter().flatten());
@@ -70,8 +70,12 @@ fn evaluate_with(
     frame.facets_total = listed.len() as u32;
     frame.candidate_capacity = pairs.len() as u32;
     let (frame, offsets) = (uniform(gpu, &frame), world.sample_offsets());
-    let casters =
-        Casters { samples: &offsets, table, triangles: &world.casters.triangles, positions: &world.casters.positions };
+    let casters = EvaluationInputs {
+        samples: &offsets,
+        table,
+        triangles: &world.casters.triangles,
+        positions: &world.casters.positions,
+    };
     let mut doubts = 0;
     if !pairs.is_empty() {
         let args = indirect(gpu, pairs.len() as u32);
@@ -194,7 +198,7 @@ fn degenerate() {
 
 /// Of a facet's samples those in the shadow of any caster by the definition of the two projections, and those within the
 /// ambiguity band of one of its lines.
-fn by_two_steps(world: &World, facet: &reference::Facet) -> [u128; 2] {
+fn by_two_steps(world: &World, facet: &reference::FacetAtPixel) -> [u128; 2] {
     let (mut shadowed, mut near) = (0, 0);
     let Some(own) = facet.triangle else { return [0, 0] };
     let corners = |t: u32| world.triangles[t as usize].corners;
@@ -234,7 +238,7 @@ fn tables_hold_nearly_the_exact_masks() {
                 assert_eq!(got.len(), exact.len());
                 for ((_, [coverage, ours, _]), (state, [_, sure, _])) in got.iter().zip(exact) {
                     let partial =
-                        *state == State::Undecided as u32 && sure & coverage != 0 && sure & coverage != *coverage;
+                        *state == FacetState::Undecided as u32 && sure & coverage != 0 && sure & coverage != *coverage;
                     bits += if partial { ((ours ^ sure) & coverage).count_ones() } else { 0 };
                     facets += u32::from(partial);
                 }
@@ -268,7 +272,7 @@ fn two_projections_are_as_defined() {
         let (got, _) = evaluate_by(&two_step, &world, &listed, false);
         let texels = (world.view.map.map_size as usize).pow(2);
         let (marked, splits) = (vec![true; texels], vec![Split::Marked; texels]);
-        let around = reference::Surroundings {
+        let around = reference::MapAround {
             triangles: &world.triangles,
             marked: &marked,
             splits: &splits,
@@ -278,7 +282,7 @@ fn two_projections_are_as_defined() {
         let facets = reference::classify(&world.view, &around, &listed, world.margin(), false);
         let (mut wrong, mut corrupted) = (0, 0);
         for (facet, (state, [coverage, occluded, _])) in facets.iter().zip(&got) {
-            if *state != State::Undecided as u32 || facet.open {
+            if *state != FacetState::Undecided as u32 || facet.open {
                 continue;
             }
             let [wanted, near] = by_two_steps(&world, facet);
@@ -326,7 +330,7 @@ fn tessellated_floors_do_not_shadow_themselves() {
         assert!(listed.iter().filter(|l| l.1.is_some()).count() > 200);
         let (got, _) = evaluate(&world, &listed, true);
         judge(&world, &listed, &got, true).assert_right(&format!("offset {offset}"));
-        let undecided = got.iter().filter(|m| m.0 == State::Undecided as u32);
+        let undecided = got.iter().filter(|m| m.0 == FacetState::Undecided as u32);
         let acne: u32 = undecided.map(|(_, [cover, dark, lost])| (cover & dark & !lost).count_ones()).sum();
         println!("offset {offset}: {acne} samples of acne");
         assert!(acne == 0 || offset > 0.0, "offset {offset}: {acne} samples of acne");
@@ -355,7 +359,7 @@ fn cuts_through_the_pixel_centre() {
         judge(&world, &listed, &got, true).assert_right(&format!("step {step}"));
         for (k, (state, [coverage, _, invalid])) in got.iter().enumerate() {
             let kept = coverage & 1 == 1 && invalid & 1 == 0;
-            assert!(*state != State::Undecided as u32 || kept, "step {step}: pixel {k} loses its centre");
+            assert!(*state != FacetState::Undecided as u32 || kept, "step {step}: pixel {k} loses its centre");
         }
     }
 }
@@ -428,7 +432,7 @@ fn overflow_by_one() {
     let stage = stage(gpu(), 32);
     let reach = |capacity: u32, counted: u32| {
         let facets = classify(&world, &listed);
-        let lists = PairLists::new(&gpu().device, 1, Places::default(), 1, 1, 8).expect("memory");
+        let lists = PairLists::new(&gpu().device, 1, PairTiles::default(), 1, 1, 8).expect("memory");
         let mut content = vec![0; TALLY_WORDS];
         content[1] = counted;
         // A facet on a triangle in the same place eight times over: candidates 3 and later are some other facet's.
@@ -438,7 +442,7 @@ fn overflow_by_one() {
         let mut frame = world.frame;
         frame.candidate_capacity = capacity;
         let (frame, offsets) = (uniform(gpu(), &frame), world.sample_offsets());
-        let casters = Casters {
+        let casters = EvaluationInputs {
             samples: &offsets,
             table: &upload(gpu(), &[0u32]),
             triangles: &world.casters.triangles,

@@ -11,7 +11,7 @@ use subpixel_shadows::methods::prepared::CasterBuffers;
 use subpixel_shadows::reference::prefix_scan;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Camera, Light, Mesh};
-use subpixel_shadows::stages::Seen;
+use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
@@ -116,9 +116,9 @@ pub fn samples(gpu: &Gpu, count: u32) -> Result<Buffer<[f32; 4]>> {
 
 impl Setup {
     /// What the pixels of the frame see, with these samples.
-    pub fn seen_with<'a>(&'a self, samples: &'a Buffer<[f32; 4]>) -> Seen<'a> {
+    pub fn seen_with<'a>(&'a self, samples: &'a Buffer<[f32; 4]>) -> PrimaryHits<'a> {
         let triangles = &self.casters.triangles;
-        Seen { samples: &samples, id_keys: &self.id_keys, triangles, points: &self.points }
+        PrimaryHits { samples: &samples, id_keys: &self.id_keys, triangles, points: &self.points }
     }
 
     /// A frame of about `size` triangles; `None` above [`MOST`].

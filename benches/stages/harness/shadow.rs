@@ -8,12 +8,12 @@ use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder, Stage, recorder};
 use subpixel_shadows::reference::prefix_scan;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
-use subpixel_shadows::stages::facet_classify::{FacetClassify, Facets, Surroundings};
-use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, Places, TALLY_WORDS};
+use subpixel_shadows::stages::facet_classify::{ClassifyInputs, FacetClassify, Facets};
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles, PixelTexelPairs, TALLY_WORDS};
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
 
 /// Where pairs meet, as by default.
-pub const PLACES: Places = Places::Tiles;
+pub const PLACES: PairTiles = PairTiles::Tiles;
 
 /// Everything that the stages read and write.
 pub struct Shadow {
@@ -72,7 +72,7 @@ impl Shadow {
         let splits = Buffer::from_slice(device, queue, "bench.splits", &vec![-2.0; texels])?;
         let facets = Facets::new(device, pixels, pixels, 1)?;
         let classify = FacetClassify::new(device, 1);
-        let around = Surroundings {
+        let around = ClassifyInputs {
             triangles: &setup.casters.triangles,
             positions: &setup.casters.positions,
             sat: &sat,

@@ -6,7 +6,7 @@ use subpixel_shadows::gpu::{Buffer, Gpu, Recorder};
 use subpixel_shadows::light_view::{LightView, SeenBox, SplitPlan, Warp, unit_scale};
 use subpixel_shadows::scene::{Camera, Light};
 use subpixel_shadows::stages::map_moments::MapMoments;
-use subpixel_shadows::stages::split_maps::{Maps, Mesh, SplitMaps, SplitViews};
+use subpixel_shadows::stages::split_maps::{Maps, SplitMapInputs, SplitMaps, SplitViews};
 use subpixel_shadows::{Error, Result};
 
 /// Slices.
@@ -58,8 +58,11 @@ impl Splits {
     /// Records the maps.
     pub fn record_maps(&self, stage: &mut subpixel_shadows::gpu::Stage) -> Result<()> {
         let setup = &self.setup;
-        let mesh =
-            Mesh { triangles: &setup.casters.triangles, points: &setup.points, light_rects: &setup.facts.light_rects };
+        let mesh = SplitMapInputs {
+            triangles: &setup.casters.triangles,
+            points: &setup.points,
+            light_rects: &setup.facts.light_rects,
+        };
         self.make.record(stage, &setup.frame, &self.views, mesh, &self.maps)
     }
 

@@ -1,13 +1,13 @@
 //! Facets in one view of the light, and how several views are put together.
 
 use super::shadows::{Known, Pairs};
-use super::{Clock, MARGIN, Request};
+use super::{Clock, CpuRequest, MARGIN};
 use crate::light_view::LightView;
 use crate::methods::prepared::Prepared;
 use crate::methods::render::Counts;
 use crate::methods::settings::Settings;
-use crate::reference::facet_classify::{Part, State, Surroundings, classify_parts, marks_table};
-use crate::reference::resolve::Masks;
+use crate::reference::facet_classify::{FacetState, MapAround, Part, classify_parts, marks_table};
+use crate::reference::resolve::FacetBits;
 use crate::reference::triangle_setup::{Triangle, setup};
 use crate::reference::vertex_project::project;
 use crate::reference::view::{MapEnds, View};
@@ -31,7 +31,7 @@ impl LightSide {
         camera: &Camera,
         light: &Light,
         map: &LightView,
-        request: &Request,
+        request: &CpuRequest,
     ) -> Self {
         let mesh = &prepared.mesh;
         let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
@@ -68,8 +68,8 @@ impl LightSide {
         (truth, validity): (&FacetTruth, bool),
         unshadowed: bool,
         progress: Progress,
-    ) -> Vec<(Masks, bool)> {
-        let around = Surroundings {
+    ) -> Vec<(FacetBits, bool)> {
+        let around = MapAround {
             triangles: &self.triangles,
             marked: &self.known.marked,
             splits: &self.known.splits,
@@ -79,7 +79,7 @@ impl LightSide {
         let mut facets = clock
             .time("facet_classify", || classify_parts(&self.view, &around, &self.sat, parts, MARGIN, settings.settle));
         if unshadowed {
-            facets.iter_mut().filter(|f| f.state == State::Undecided).for_each(|f| f.state = State::Lit);
+            facets.iter_mut().filter(|f| f.state == FacetState::Undecided).for_each(|f| f.state = FacetState::Lit);
         }
         let skip_front = settings.settle && !validity;
         let map = MapEnds::of(&self.view.map);
@@ -88,7 +88,7 @@ impl LightSide {
             let (occluded, invalid) = result
                 .as_ref()
                 .map_or((0, 0), |r| (join_mask(r.occluded), if validity { !join_mask(r.valid) } else { 0 }));
-            (Masks { state: facet.state, coverage: facet.coverage, occluded, invalid }, facet.settled)
+            (FacetBits { state: facet.state, coverage: facet.coverage, occluded, invalid }, facet.settled)
         });
         masks.collect()
     }
@@ -96,11 +96,11 @@ impl LightSide {
 
 /// Adds what a further view tells: settled in one view a facet is so; to be evaluated in one, though there is nothing before it in
 /// another.
-pub(super) fn join((known, settled): &mut (Masks, bool), (further, settles): (Masks, bool)) {
+pub(super) fn join((known, settled): &mut (FacetBits, bool), (further, settles): (FacetBits, bool)) {
     if *settled {
         return;
     }
-    if settles || known.state == State::Lit {
+    if settles || known.state == FacetState::Lit {
         known.state = further.state;
     }
     *settled = settles;

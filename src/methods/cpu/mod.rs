@@ -13,9 +13,9 @@ use super::looks::{Looks, MapLook, PixelClass};
 use super::prepared::Prepared;
 use super::render::{Counts, ListUse, Output};
 use super::unshadowed::nothing_seen;
-use crate::reference::facet_classify::State;
+use crate::reference::facet_classify::FacetState;
 use crate::reference::front_layer::Margin;
-use crate::reference::resolve::{Masks, pixel};
+use crate::reference::resolve::{FacetBits, pixel};
 use crate::scene::{Camera, Light};
 use crate::truth::{FacetTruth, Progress, Tracer, split_mask};
 use crate::{Error, Result};
@@ -30,12 +30,12 @@ const BAND: u32 = 1 << 19;
 
 /// Request of a frame.
 #[derive(Clone, Copy, Default)]
-pub struct Request<'a> {
+pub struct CpuRequest<'a> {
     /// Nothing casts a shadow: facets that face the light are lit, and no caster is looked at.
     pub unshadowed: bool,
-    /// Keep [`Frame::facets`].
+    /// Keep [`CpuFrame::facets`].
     pub facets: bool,
-    /// Keep [`Frame::looks`].
+    /// Keep [`CpuFrame::looks`].
     pub looks: bool,
     /// Takes pixels done, and all.
     pub progress: Progress<'a>,
@@ -49,7 +49,7 @@ pub struct CpuFacet {
     /// The triangle of the prepared mesh whose plane it is.
     pub triangle: u32,
     /// Its state and its masks.
-    pub masks: Masks,
+    pub masks: FacetBits,
 }
 
 /// Wall time of a stage.
@@ -63,7 +63,7 @@ pub struct CpuTime {
 
 /// A frame.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct CpuFrame {
     /// The picture.
     pub output: Output,
     /// The stages that ran.
@@ -93,8 +93,8 @@ pub fn render(
     settings: &Settings,
     camera: &Camera,
     light: &Light,
-    request: Request,
-) -> Result<Frame> {
+    request: CpuRequest,
+) -> Result<CpuFrame> {
     let start = Instant::now();
     settings.check()?;
     camera.check()?;
@@ -117,7 +117,7 @@ pub fn render(
     let validity = settings.keeps_validity();
     let truth = if validity { truth } else { truth.without_validity() };
 
-    let mut frame = Frame {
+    let mut frame = CpuFrame {
         output: nothing_seen(settings),
         stages: Vec::new(),
         facets: Vec::new(),
@@ -136,7 +136,7 @@ pub fn render(
         let band = first..(first + rows).min(height);
         let seen = seen::Seen::new(&mut clock, &first_side.view, &first_side.triangles, settings, band.clone());
         let (done, of_band) = ((first * width) as usize, (band.end - first) as usize * width as usize);
-        let mut masks: Vec<(Masks, bool)> = Vec::new();
+        let mut masks: Vec<(FacetBits, bool)> = Vec::new();
         for k in 0..maps.len() {
             let further = (k > 0).then(|| side(&mut clock, &further_maps[k - 1]));
             if let Some(further) = further.as_ref().filter(|_| first == 0) {
@@ -191,7 +191,7 @@ impl Clock {
 
 impl seen::Seen {
     /// Writes the band's pixels, masks of `words` words, and keeps its facets if asked to; `of` gives the masks of each.
-    fn add_to(&self, frame: &mut Frame, words: usize, keep: bool, of: &dyn Fn(usize) -> Masks) {
+    fn add_to(&self, frame: &mut CpuFrame, words: usize, keep: bool, of: &dyn Fn(usize) -> FacetBits) {
         let (output, mut masks) = (&mut frame.output, Vec::new());
         for (k, range) in self.of_pixels().enumerate() {
             masks.clear();
@@ -204,11 +204,11 @@ impl seen::Seen {
             for (f, &masks) in range.zip(&masks) {
                 let (counts, part) = (&mut output.counts, &self.parts[f]);
                 let (count, class) = match masks.state {
-                    State::Empty => (&mut counts.empty_facets, PixelClass::Empty),
-                    State::Dark => (&mut counts.dark_facets, PixelClass::Dark),
-                    State::Lit => (&mut counts.lit_facets, PixelClass::Lit),
-                    State::Shadowed => (&mut counts.shadowed_facets, PixelClass::Shadowed),
-                    State::Undecided => (&mut counts.silhouette_pixels, PixelClass::Undecided),
+                    FacetState::Empty => (&mut counts.empty_facets, PixelClass::Empty),
+                    FacetState::Dark => (&mut counts.dark_facets, PixelClass::Dark),
+                    FacetState::Lit => (&mut counts.lit_facets, PixelClass::Lit),
+                    FacetState::Shadowed => (&mut counts.shadowed_facets, PixelClass::Shadowed),
+                    FacetState::Undecided => (&mut counts.silhouette_pixels, PixelClass::Undecided),
                 };
                 *count += 1;
                 if let Some(looks) = &mut frame.looks {

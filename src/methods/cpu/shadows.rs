@@ -3,7 +3,7 @@
 use super::{Clock, MARGIN, list};
 use crate::methods::render::{Counts, ListUse};
 use crate::reference::candidate_pairs::candidates;
-use crate::reference::facet_classify::{Facet, State};
+use crate::reference::facet_classify::{FacetAtPixel, FacetState};
 use crate::reference::front_layer::{self, Split};
 use crate::reference::light_layers::{Layer, any_everywhere, layers};
 use crate::reference::silhouette_mask::{self, silhouettes};
@@ -83,7 +83,7 @@ impl Pairs {
         clock: &mut Clock,
         known: &Known,
         truth: &FacetTruth,
-        facets: &[Facet],
+        facets: &[FacetAtPixel],
         triangles: &[Triangle],
         map: MapEnds,
         skip_front: bool,
@@ -93,7 +93,7 @@ impl Pairs {
         for part in parts(facets) {
             let done = results.len();
             let part = &facets[part];
-            if !part.iter().any(|f| f.state == State::Undecided) {
+            if !part.iter().any(|f| f.state == FacetState::Undecided) {
                 results.resize(done + part.len(), None);
                 continue;
             }
@@ -139,7 +139,7 @@ impl Pairs {
 }
 
 /// Facets in parts whose rectangles hold at most [`PAIRS`] texels, or one facet.
-fn parts(facets: &[Facet]) -> Vec<std::ops::Range<usize>> {
+fn parts(facets: &[FacetAtPixel]) -> Vec<std::ops::Range<usize>> {
     let (mut parts, mut first, mut texels) = (Vec::new(), 0, 0u64);
     for (f, facet) in facets.iter().enumerate() {
         let [x0, y0, x1, y1] = facet.rect.unwrap_or([1, 1, 0, 0]).map(u64::from);
@@ -162,11 +162,11 @@ mod tests {
 
     #[test]
     fn parts_hold_what_fits() {
-        let facet = |rect| Facet {
+        let facet = |rect| FacetAtPixel {
             pixel: 0,
             triangle: None,
             plane: DVec4::ZERO,
-            state: State::Undecided,
+            state: FacetState::Undecided,
             rect,
             outline: Outline::default(),
             coverage: 1,
@@ -179,7 +179,7 @@ mod tests {
         let whole = facet(Some([0, 0, 8191, 8191]));
         let list = [none.clone(), half.clone(), half.clone(), none.clone(), half, whole.clone(), whole, none];
         assert_eq!(parts(&list), [0..4, 4..5, 5..6, 6..7, 7..8]);
-        let only = |list: &[Facet]| (parts(list).len(), parts(list)[0].clone());
+        let only = |list: &[FacetAtPixel]| (parts(list).len(), parts(list)[0].clone());
         assert_eq!((only(&list[..1]), only(&[])), ((1, 0..1), (1, 0..0)));
     }
 }

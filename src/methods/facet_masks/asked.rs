@@ -25,7 +25,7 @@ impl Strip {
 
 /// Whether a frame finds what the light sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LightMaps {
+pub enum MapSource {
     /// It does.
     Made,
     /// What the frame before found is right for this one too, as for another strip of its image: with one view it is kept, and
@@ -35,7 +35,7 @@ pub enum LightMaps {
 
 /// Where it is known from what pixels show.
 #[derive(Clone, Copy, Default)]
-pub enum Seen<'a> {
+pub enum FacetSource<'a> {
     /// Found among the triangles.
     #[default]
     Found,

@@ -9,7 +9,7 @@ use crate::methods::prepared::CasterBuffers;
 use crate::stages::camera_visibility::Blocks;
 use crate::stages::candidate_pairs::tally;
 use crate::stages::sorted_pairs::{self, Sorted};
-use crate::stages::visibility_masks::Casters;
+use crate::stages::visibility_masks::EvaluationInputs;
 use crate::status::StatusBand;
 use crate::status_word;
 use std::mem::offset_of;
@@ -59,7 +59,7 @@ impl FacetMasks {
         }
         {
             let stage = &mut rec.stage("visibility_masks");
-            let casters = Casters { samples: &m.samples, table: &m.table, triangles, positions };
+            let casters = EvaluationInputs { samples: &m.samples, table: &m.table, triangles, positions };
             let frame = frame_of(0);
             self.args(stage, Arg::Candidates, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Candidates.word());
@@ -67,7 +67,7 @@ impl FacetMasks {
         }
         {
             let stage = &mut rec.stage("visibility_refine");
-            let casters = Casters { samples: &m.samples, table: &m.table, triangles, positions };
+            let casters = EvaluationInputs { samples: &m.samples, table: &m.table, triangles, positions };
             let frame = frame_of(0);
             self.args(stage, Arg::Doubts, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Doubts.word());
@@ -145,13 +145,13 @@ impl FacetMasks {
         rec: &mut Recorder,
         frame: &Buffer<Frame>,
         in_light: Blocks,
-        [of_pixels, of_triangles]: &[sorted_pairs::Scratch; 2],
+        [of_pixels, of_triangles]: &[sorted_pairs::SortedPairsScratch; 2],
     ) -> Result<()> {
         let m = &self.memory;
         let Some(sorted) = &self.with.sorted else { return Ok(()) };
         let (counts, args) = (&m.lists.place_counts, (m.args.raw(), Arg::Facets.word()));
         let (places, splits) = (counts.len(), &m.maps.layers.splits);
-        let counted = |rec: &mut Recorder, from: &sorted_pairs::Scratch, offsets: &Buffer<u32>| {
+        let counted = |rec: &mut Recorder, from: &sorted_pairs::SortedPairsScratch, offsets: &Buffer<u32>| {
             // Of pairs beyond the capacity it is known only that they are there.
             rec.copy_words(from.appended.raw(), 0, offsets.raw(), places as u64, 2);
         };

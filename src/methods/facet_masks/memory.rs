@@ -10,7 +10,7 @@ use crate::methods::geometry::Geometry;
 use crate::methods::light_maps::{LightMapPipelines, LightMaps};
 use crate::methods::prepared::CasterBuffers;
 use crate::stages::candidate_pairs::tally;
-use crate::stages::dispatch_args::{DispatchArgs, Request, Requests};
+use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::stages::facet_classify::Facets;
 use crate::stages::pixel_texel_pairs::PairLists;
 use crate::stages::{PrefixScan, SortedPairs, WorkOwners, prefix_scan, sorted_pairs};
@@ -84,8 +84,8 @@ pub struct Memory {
     pub facet_offsets: Buffer<u32>,
     pub lists: PairLists,
     /// Pairs as they come, of facets and of triangles, where they are sorted.
-    pub unsorted: Option<[sorted_pairs::Scratch; 2]>,
-    pub scan_scratch: prefix_scan::Scratch,
+    pub unsorted: Option<[sorted_pairs::SortedPairsScratch; 2]>,
+    pub scan_scratch: prefix_scan::PrefixScanScratch,
     pub args: Buffer<u32>,
     pub requests: Vec<Requests>,
     pub status: Buffer<u32>,
@@ -137,7 +137,7 @@ pub fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>
 /// Buffers whose length is that of the lists of pairs and candidates.
 pub struct PairMemory {
     pub lists: PairLists,
-    pub unsorted: Option<[sorted_pairs::Scratch; 2]>,
+    pub unsorted: Option<[sorted_pairs::SortedPairsScratch; 2]>,
 }
 
 impl PairMemory {
@@ -160,7 +160,7 @@ impl PairMemory {
 pub struct FacetMemory {
     pub facets: Facets,
     pub offsets: Buffer<u32>,
-    pub scan_scratch: prefix_scan::Scratch,
+    pub scan_scratch: prefix_scan::PrefixScanScratch,
 }
 
 impl FacetMemory {
@@ -184,7 +184,7 @@ pub fn requests(
     c: Capacities,
 ) -> Result<Vec<Requests>> {
     let [listed, facets, casters] = totals;
-    let all = Request::MAX_LIMIT;
+    let all = ArgsRequest::MAX_LIMIT;
     let found_once = PairLists::touched_words(c.pixel_pairs, c.triangle_pairs);
     let all = [
         (listed, facet_classify::WORKGROUP, c.facets, 0),
@@ -196,7 +196,7 @@ pub fn requests(
         (casters, triangle_texel_pairs::WORKGROUP, all, found_once),
     ];
     let request = |(k, (count, group, limit, skip)): (usize, (usize, u32, usize, usize))| {
-        DispatchArgs::requests(device, queue, &[Request::new(count, group, limit, 3 * k)?.after(skip)])
+        DispatchArgs::requests(device, queue, &[ArgsRequest::new(count, group, limit, 3 * k)?.after(skip)])
     };
     all.into_iter().enumerate().map(request).collect()
 }

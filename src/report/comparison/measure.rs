@@ -1,7 +1,7 @@
 //! Measuring rows.
 
 use super::row::{ListRow, Row, Timing};
-use super::variant::Variant;
+use super::variant::ReportVariant;
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::methods::render::{Budget, Output};
@@ -76,7 +76,7 @@ impl SceneCase {
     }
 
     /// Key of a row, known before it is measured.
-    pub fn row(&self, variant: &Variant) -> Row {
+    pub fn row(&self, variant: &ReportVariant) -> Row {
         Row {
             scene: self.scene.name.clone(),
             tessellation: self.tessellation,
@@ -97,7 +97,7 @@ impl SceneCase {
     pub fn row_of_truth(&mut self, settings: &Settings, progress: Progress) -> Result<Row> {
         let picture = self.matched(settings, progress)?.visibility().to_vec();
         let (matched, converged) = self.errors(settings, &picture, progress)?;
-        let like = Variant { method: MethodName::FacetMasks, setting: String::new(), settings: settings.clone() };
+        let like = ReportVariant { method: MethodName::FacetMasks, setting: String::new(), settings: settings.clone() };
         Ok(Row { method: Self::TRUTH.to_owned(), matched, converged, ..self.row(&like) })
     }
 
@@ -129,7 +129,7 @@ enum Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    fn new(gpu: &'a Gpu, case: &'a SceneCase, variant: &Variant, budget: Budget) -> Result<Self> {
+    fn new(gpu: &'a Gpu, case: &'a SceneCase, variant: &ReportVariant, budget: Budget) -> Result<Self> {
         let scene = &case.scene;
         let plan =
             Plan::of_method(variant.method, &case.prepared, &scene.camera, &scene.light, &variant.settings, false)?;
@@ -154,7 +154,7 @@ impl<'a> Subject<'a> {
 }
 
 /// How rows are measured.
-pub struct Bench<'a> {
+pub struct Measuring<'a> {
     /// Where.
     pub gpu: &'a Gpu,
     /// Frames of each row that count; one more comes first and does not, whatever it takes: it compiles.
@@ -173,7 +173,7 @@ pub struct Measured {
     pub visibility: Vec<f32>,
 }
 
-impl Bench<'_> {
+impl Measuring<'_> {
     /// Rows that are measured together: so many that memory suffices.
     pub const GROUP: usize = 5;
 
@@ -182,7 +182,12 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails, and what the reference fails of.
-    pub fn measure(&self, case: &SceneCase, reference: &Variant, group: &[Variant]) -> Result<Vec<Measured>> {
+    pub fn measure(
+        &self,
+        case: &SceneCase,
+        reference: &ReportVariant,
+        group: &[ReportVariant],
+    ) -> Result<Vec<Measured>> {
         let mut first = Subject::new(self.gpu, case, reference, self.budget)?;
         first.render(case)?;
         let mut subjects = Vec::new();
@@ -225,7 +230,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub fn picture(&self, case: &SceneCase, variant: &Variant) -> Result<Option<Vec<f32>>> {
+    pub fn picture(&self, case: &SceneCase, variant: &ReportVariant) -> Result<Option<Vec<f32>>> {
         match Subject::new(self.gpu, case, variant, self.budget).and_then(|mut s| s.render(case)) {
             Ok(output) => Ok(Some(output.visibility)),
             Err(error) if error.is_gpu() => Err(error),
@@ -234,7 +239,12 @@ impl Bench<'_> {
     }
 
     /// Sets up a variant and renders its first frame, in which lists grow.
-    fn set_up<'c>(&'c self, case: &'c SceneCase, variant: &Variant, row: &mut Row) -> Result<(Subject<'c>, Output)> {
+    fn set_up<'c>(
+        &'c self,
+        case: &'c SceneCase,
+        variant: &ReportVariant,
+        row: &mut Row,
+    ) -> Result<(Subject<'c>, Output)> {
         let before = self.allocated();
         let mut subject = Subject::new(self.gpu, case, variant, self.budget)?;
         let output = subject.render(case)?;

@@ -18,6 +18,6 @@ pub mod row;
 pub mod variant;
 
 pub use journal::Journal;
-pub use measure::{Bench, SceneCase};
+pub use measure::{Measuring, SceneCase};
 pub use row::{Machine, Row, Spread};
-pub use variant::{Scope, Variant, variants};
+pub use variant::{ReportVariant, Scope, variants};

@@ -26,7 +26,7 @@ pub struct Scope {
 
 /// One method with one setting.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Variant {
+pub struct ReportVariant {
     /// The method.
     pub method: MethodName,
     /// Settings beyond samples and map, such as `facets=all`.
@@ -50,10 +50,10 @@ impl Scope {
     ///
     /// # Errors
     /// [`crate::Error::Config`] for samples, map or image that cannot be.
-    pub fn reference(&self) -> Result<Variant> {
+    pub fn reference(&self) -> Result<ReportVariant> {
         let settings = self.settings(self.usual_samples(), self.maps.first().copied().unwrap_or(512))?;
         settings.check()?;
-        Ok(Variant { method: MethodName::FacetMasks, setting: "facets=one".to_owned(), settings })
+        Ok(ReportVariant { method: MethodName::FacetMasks, setting: "facets=one".to_owned(), settings })
     }
 }
 
@@ -61,7 +61,7 @@ impl Scope {
 ///
 /// # Errors
 /// As [`Scope::reference`].
-pub fn variants(scope: &Scope) -> Result<Vec<Variant>> {
+pub fn variants(scope: &Scope) -> Result<Vec<ReportVariant>> {
     let usual = scope.usual_samples();
     let mut found = Vec::new();
     let places = scope.maps.iter().enumerate().flat_map(|(m, &map)| {
@@ -82,9 +82,9 @@ pub fn variants(scope: &Scope) -> Result<Vec<Variant>> {
 }
 
 /// The settings in which a method is compared.
-fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Vec<Variant>) {
+fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Vec<ReportVariant>) {
     let mut add = |setting: &str, settings: Settings| {
-        found.push(Variant { method, setting: setting.to_owned(), settings });
+        found.push(ReportVariant { method, setting: setting.to_owned(), settings });
     };
     match method {
         MethodName::FacetMasks => {

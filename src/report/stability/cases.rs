@@ -7,20 +7,20 @@ use glam::{DQuat, DVec3};
 
 /// A case with its steps, from harmless to extreme.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct StiffCase {
     /// Its name.
     pub name: &'static str,
     /// Quantity that is pushed, and the fault that it could cause.
     pub about: &'static str,
     /// Its steps.
-    pub steps: Vec<Step>,
+    pub steps: Vec<StiffFrame>,
     /// Whether all steps must give one picture, bit for bit.
     pub same_bits: bool,
 }
 
 /// One frame of a case.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct StiffFrame {
     /// Quantity and how far it was pushed.
     pub label: String,
     /// The scene.
@@ -35,7 +35,7 @@ pub struct Step {
     pub budget: Budget,
 }
 
-impl Step {
+impl StiffFrame {
     fn new(label: impl std::fmt::Display, mesh: Mesh) -> Self {
         Self {
             label: label.to_string(),
@@ -99,12 +99,12 @@ fn tens(first: i32, last: i32) -> Vec<(String, f64)> {
     all.into_iter().map(|k| (format!("1e{k}"), 10f64.powi(k))).collect()
 }
 
-fn case(name: &'static str, about: &'static str, steps: Vec<Step>) -> Case {
-    Case { name, about, steps, same_bits: false }
+fn case(name: &'static str, about: &'static str, steps: Vec<StiffFrame>) -> StiffCase {
+    StiffCase { name, about, steps, same_bits: false }
 }
 
 /// All cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<StiffCase> {
     let mut all = vec![
         case(
             "grazing-light",
@@ -112,13 +112,17 @@ pub fn cases() -> Vec<Case> {
             [vec![("0.3".to_owned(), 0.3)], tens(-1, -7), vec![("0".to_owned(), 0.0)]]
                 .concat()
                 .into_iter()
-                .map(|(label, a)| Step::new(label, still_life()).lit(towards(at(-a.cos(), a.sin(), 0.2 * a.cos()))))
+                .map(|(label, a)| {
+                    StiffFrame::new(label, still_life()).lit(towards(at(-a.cos(), a.sin(), 0.2 * a.cos())))
+                })
                 .collect(),
         ),
         case(
             "light-below",
             "the light shines from beneath the floor: what is seen is dark, nothing leaks through",
-            [-1.0, -0.1, -1e-3].map(|y| Step::new(format!("y {y}"), still_life()).lit(towards(at(0.3, y, 0.2)))).into(),
+            [-1.0, -0.1, -1e-3]
+                .map(|y| StiffFrame::new(format!("y {y}"), still_life()).lit(towards(at(0.3, y, 0.2))))
+                .into(),
         ),
         case(
             "light-in-plane",
@@ -129,7 +133,7 @@ pub fn cases() -> Vec<Case> {
                 .map(|(label, d)| {
                     let mut mesh = floor(2);
                     sheet(&mut mesh, at(-0.8, 0.2, d), at(1.6, 0.0, 0.0), at(0.0, 0.9, -d), 1);
-                    Step::new(label, mesh).lit(towards(at(0.25, 1.0, 0.0)))
+                    StiffFrame::new(label, mesh).lit(towards(at(0.25, 1.0, 0.0)))
                 })
                 .collect(),
         ),
@@ -141,7 +145,7 @@ pub fn cases() -> Vec<Case> {
                     let mut mesh = floor(2);
                     block(&mut mesh, at(-0.4, 0.0, -0.4), at(0.4, 0.3, 0.4));
                     let position = at(0.05, 0.3 + h, 0.02).as_vec3().into();
-                    Step::new(h, mesh).lit(Light::Point { position })
+                    StiffFrame::new(h, mesh).lit(Light::Point { position })
                 })
                 .into(),
         ),
@@ -154,7 +158,7 @@ pub fn cases() -> Vec<Case> {
                     let mut mesh = floor(4);
                     sheet(&mut mesh, at(-2.0, 2.0, 4.0), at(0.7, 0.0, 0.0), at(0.0, 0.0, -6.0), 1);
                     block(&mut mesh, at(0.4, 0.0, -1.5), at(0.8, 0.6, -1.1));
-                    Step::new(label, mesh).seen(camera(at(0.0, h, 2.0), at(0.0, h + 0.02, 0.0)))
+                    StiffFrame::new(label, mesh).seen(camera(at(0.0, h, 2.0), at(0.0, h + 0.02, 0.0)))
                 })
                 .collect(),
         ),
@@ -166,7 +170,7 @@ pub fn cases() -> Vec<Case> {
                     let mut mesh = floor(n);
                     block(&mut mesh, at(-0.5, 0.3, -0.5), at(0.5, 0.8, 0.5));
                     let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.1237, 0.7713, -0.0931);
-                    Step::new(n, mapped(&mesh, |p| turn * p))
+                    StiffFrame::new(n, mapped(&mesh, |p| turn * p))
                 })
                 .into(),
         ),
@@ -179,7 +183,7 @@ pub fn cases() -> Vec<Case> {
                 .map(|(label, d)| {
                     let mut mesh = floor(2);
                     sheet(&mut mesh, at(-0.8, -d, 0.3), at(1.6, 0.0, -0.5), at(0.1, 0.9, 0.2), 1);
-                    Step::new(label, mesh)
+                    StiffFrame::new(label, mesh)
                 })
                 .collect(),
         ),
@@ -192,7 +196,7 @@ pub fn cases() -> Vec<Case> {
                 .map(|(label, d)| {
                     let mut mesh = floor(2);
                     block(&mut mesh, at(-0.5, d, -0.5), at(0.5, 0.6 + d, 0.5));
-                    Step::new(label, mesh)
+                    StiffFrame::new(label, mesh)
                 })
                 .collect(),
         ),
@@ -201,7 +205,9 @@ pub fn cases() -> Vec<Case> {
             "the camera sinks to the floor: a facet's footprint runs to the horizon",
             tens(0, -6)
                 .into_iter()
-                .map(|(label, h)| Step::new(label, still_life()).seen(camera(at(0.3, h, 3.8), at(0.0, 0.5 * h, 0.0))))
+                .map(|(label, h)| {
+                    StiffFrame::new(label, still_life()).seen(camera(at(0.3, h, 3.8), at(0.0, 0.5 * h, 0.0)))
+                })
                 .collect(),
         ),
         case(
@@ -218,7 +224,7 @@ pub fn cases() -> Vec<Case> {
                         let wide = numbers.vector() / aspect;
                         add(&mut mesh, &[start, start + along, start + along * 0.5 + wide], &[[0, 1, 2]]);
                     }
-                    Step::new(label, mesh)
+                    StiffFrame::new(label, mesh)
                 })
                 .collect(),
         ),
@@ -245,7 +251,7 @@ pub fn cases() -> Vec<Case> {
                         .flat_map(|k| [[2 * k, 2 * k + 1, 2 * k + 2], [2 * k + 2, 2 * k + 1, 2 * k + 3]])
                         .collect();
                     add(&mut mesh, &corners, &strip);
-                    Step::new(n, mesh)
+                    StiffFrame::new(n, mesh)
                 })
                 .into(),
         ),
@@ -263,7 +269,7 @@ pub fn cases() -> Vec<Case> {
                     corners.extend((0..n).map(ring));
                     let sides: Vec<[u32; 3]> = (0..n).map(|k| [0, 1 + (k + 1) % n, 1 + k]).collect();
                     add(&mut mesh, &corners, &sides);
-                    Step::new(n, mesh)
+                    StiffFrame::new(n, mesh)
                 })
                 .into(),
         ),
@@ -274,7 +280,7 @@ pub fn cases() -> Vec<Case> {
                 .map(|n| {
                     let mut mesh = floor(2);
                     ball(&mut mesh, at(0.0, 0.4, 0.0), 0.25, 2 * n, n);
-                    Step { map: Some(16), ..Step::new(4 * n * n, mesh) }
+                    StiffFrame { map: Some(16), ..StiffFrame::new(4 * n * n, mesh) }
                 })
                 .into(),
         ),
@@ -286,7 +292,7 @@ pub fn cases() -> Vec<Case> {
                 .map(|(label, half)| {
                     let mut mesh = still_life();
                     sheet(&mut mesh, at(-half, -0.01, half), at(2.0 * half, 0.0, 0.0), at(0.0, 0.0, -2.0 * half), 1);
-                    Step::new(label, mesh)
+                    StiffFrame::new(label, mesh)
                 })
                 .collect(),
         ),
@@ -304,14 +310,14 @@ pub fn cases() -> Vec<Case> {
                         let tip = foot + at(0.0, 0.4 + 0.2 * numbers.unit(), 0.0) + lean;
                         add(&mut mesh, &[foot - wide, foot + wide, tip], &[[0, 1, 2]]);
                     }
-                    Step::new(n, mesh)
+                    StiffFrame::new(n, mesh)
                 })
                 .into(),
         ),
         case(
             "small-map",
             "a map of so many texels a side: everything lies in few texels",
-            [64u32, 16, 4, 2, 1].map(|map| Step { map: Some(map), ..Step::new(map, still_life()) }).into(),
+            [64u32, 16, 4, 2, 1].map(|map| StiffFrame { map: Some(map), ..StiffFrame::new(map, still_life()) }).into(),
         ),
     ];
     all.extend(same_picture());
@@ -319,10 +325,10 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// Cases whose steps are one scene in other guise.
-fn same_picture() -> Vec<Case> {
+fn same_picture() -> Vec<StiffCase> {
     let scaled = |k: i32| {
         let s = 2f64.powi(k);
-        let mut step = Step::new(format!("2^{k}"), mapped(&still_life(), |p| p * s));
+        let mut step = StiffFrame::new(format!("2^{k}"), mapped(&still_life(), |p| p * s));
         let mul = |v: [f32; 3]| v.map(|c| c * s as f32);
         step.camera = Camera {
             eye: mul(step.camera.eye),
@@ -343,12 +349,12 @@ fn same_picture() -> Vec<Case> {
         for t in &mut mesh.triangles {
             t.rotate_left((numbers.unit() * 3.0) as usize);
         }
-        Step::new(format!("order {seed}"), mesh)
+        StiffFrame::new(format!("order {seed}"), mesh)
     };
     let far_away = |k: i32| {
         // Far offsets round the vertices: each step is a scene of its own, judged by its own truth.
         let o = at(1.0, 2.0, 3.0) * 10f64.powi(k);
-        let mut step = Step::new(format!("1e{k}"), mapped(&still_life(), |p| p + o));
+        let mut step = StiffFrame::new(format!("1e{k}"), mapped(&still_life(), |p| p + o));
         let shift = |v: [f32; 3]| (DVec3::from_array(v.map(f64::from)) + o).as_vec3().into();
         step.camera = Camera { eye: shift(step.camera.eye), target: shift(step.camera.target), ..step.camera };
         step
@@ -359,7 +365,7 @@ fn same_picture() -> Vec<Case> {
             "the scene stands this far from the origin: coordinates lose their last bits",
             (0..=6).map(far_away).collect(),
         ),
-        Case {
+        StiffCase {
             same_bits: true,
             ..case(
                 "scale",
@@ -367,7 +373,7 @@ fn same_picture() -> Vec<Case> {
                 [0, -40, -20, 20, 40].map(scaled).into(),
             )
         },
-        Case {
+        StiffCase {
             same_bits: true,
             ..case(
                 "order",
@@ -375,7 +381,7 @@ fn same_picture() -> Vec<Case> {
                 (0..3).map(shuffled).collect(),
             )
         },
-        Case {
+        StiffCase {
             same_bits: true,
             ..case(
                 "overflow",
@@ -387,7 +393,7 @@ fn same_picture() -> Vec<Case> {
                             start.map_or("ample".to_owned(), |n: usize| n.to_string()),
                             bytes >> 10
                         );
-                        Step { budget: Budget { start, bytes }, ..Step::new(label, still_life()) }
+                        StiffFrame { budget: Budget { start, bytes }, ..StiffFrame::new(label, still_life()) }
                     })
                     .into(),
             )
@@ -395,7 +401,7 @@ fn same_picture() -> Vec<Case> {
     ]
 }
 
-fn broken() -> Vec<Step> {
+fn broken() -> Vec<StiffFrame> {
     let mut collapsed = still_life();
     let count = collapsed.positions.len() as u32;
     for k in 0..count.min(200) {
@@ -424,6 +430,6 @@ fn broken() -> Vec<Step> {
         ("turned", turned),
         ("fins", fins),
     ]
-    .map(|(label, mesh)| Step::new(label, mesh))
+    .map(|(label, mesh)| StiffFrame::new(label, mesh))
     .into()
 }

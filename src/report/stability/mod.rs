@@ -3,7 +3,7 @@
 pub mod cases;
 pub mod shapes;
 
-pub use cases::{Case, Step, cases};
+pub use cases::{StiffCase, StiffFrame, cases};
 
 use crate::gpu::Gpu;
 use crate::mask_table::MaskVariant;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// A way to compute the shadows.
 #[derive(Clone, Debug)]
-pub struct Variant {
+pub struct StabilityVariant {
     /// Its name.
     pub name: &'static str,
     /// Whether no sample may be wrong. The table of masks rounds, and the two projections of the paper bound no rounding.
@@ -31,13 +31,13 @@ pub struct Variant {
 
 /// The variants of `facet-masks` that are compared, with the pipelines of each: one facet a pixel, several, the table of
 /// masks, and the paper's two projections.
-pub fn variants(gpu: &Gpu, settings: &Settings) -> Vec<Variant> {
+pub fn variants(gpu: &Gpu, settings: &Settings) -> Vec<StabilityVariant> {
     let [one, all] = [FacetMode::One, FacetMode::All].map(|facets| Settings { facets, ..settings.clone() });
     let table = Settings { masks: MaskVariant::TABLE, ..one.clone() };
     let two_step = Settings { projection: ProjectionVariant::TwoStep, ..one.clone() };
     let made = |(name, exact, settings)| {
         let pipelines = Arc::new(Pipelines::new(&gpu.device, &settings));
-        Variant { name, exact, settings, pipelines }
+        StabilityVariant { name, exact, settings, pipelines }
     };
     [
         ("facets=one", true, one),
@@ -95,7 +95,7 @@ impl Outcome {
 ///
 /// # Errors
 /// [`Error::Gpu`] if the device fails. What the program refuses becomes an outcome that says so.
-pub fn run(gpu: &Gpu, case: &Case, variant: &Variant) -> Result<Vec<Outcome>> {
+pub fn run(gpu: &Gpu, case: &StiffCase, variant: &StabilityVariant) -> Result<Vec<Outcome>> {
     let mut first: Option<Vec<u32>> = None;
     case.steps
         .iter()
@@ -131,7 +131,7 @@ pub fn run(gpu: &Gpu, case: &Case, variant: &Variant) -> Result<Vec<Outcome>> {
         .collect()
 }
 
-fn measure(gpu: &Gpu, step: &Step, variant: &Variant, outcome: &mut Outcome) -> Result<Vec<f32>> {
+fn measure(gpu: &Gpu, step: &StiffFrame, variant: &StabilityVariant, outcome: &mut Outcome) -> Result<Vec<f32>> {
     step.mesh.check(&step.label)?;
     let prepared = Prepared::new(&step.mesh)?;
     let wanted = Settings { map: step.map.unwrap_or(variant.settings.map), ..variant.settings.clone() };
@@ -175,7 +175,7 @@ fn measure(gpu: &Gpu, step: &Step, variant: &Variant, outcome: &mut Outcome) -> 
 }
 
 /// The outcomes as a page of Markdown: a table a case.
-pub fn markdown(command: &str, machine: &str, cases: &[Case], outcomes: &[Outcome]) -> String {
+pub fn markdown(command: &str, machine: &str, cases: &[StiffCase], outcomes: &[Outcome]) -> String {
     use std::fmt::Write;
     let mut out = format!("# Numerical stability\n\n`{command}`\n\n{machine}.\n\n");
     out += "Wrong samples are those farther than 1/256 pixel from every edge, against the method's own model in `f64` (facet \
@@ -242,7 +242,7 @@ pub fn row(o: &Outcome) -> Vec<String> {
 ///
 /// # Errors
 /// [`Error::Config`] for a name that no case has.
-pub fn named(names: &[String]) -> Result<Vec<Case>> {
+pub fn named(names: &[String]) -> Result<Vec<StiffCase>> {
     let all = cases();
     if let Some(unknown) = names.iter().find(|n| all.iter().all(|c| c.name != **n)) {
         let known: Vec<&str> = all.iter().map(|c| c.name).collect();

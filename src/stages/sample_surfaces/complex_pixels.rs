@@ -1,6 +1,6 @@
 //! Pixels that show several surfaces, and what is known of their samples.
 
-use super::{Step, WORKGROUP};
+use super::{SurfaceStep, WORKGROUP};
 use crate::Result;
 use crate::gpu::Buffer;
 use crate::stages::{DispatchArgs, dispatch_args};
@@ -48,7 +48,7 @@ impl ComplexPixels {
     ) -> Result<Self> {
         let bands = count.div_ceil(most.max(1)).max(1);
         let band = count.div_ceil(bands);
-        let request = dispatch_args::Request::new(0, WORKGROUP, band, 0)?;
+        let request = dispatch_args::ArgsRequest::new(0, WORKGROUP, band, 0)?;
         Ok(Self {
             pixels: Buffer::storage(device, "sample_surfaces.pixels", count)?,
             total: Buffer::storage(device, "sample_surfaces.total", 2)?,
@@ -64,8 +64,12 @@ impl ComplexPixels {
     }
 
     /// The bands: what all dispatches but those of further rounds are told, and the triangles of the samples.
-    pub(super) fn bands(&self) -> impl Iterator<Item = (Step, &Buffer<u32>)> {
-        let step = |n: usize| Step { first_slot: (n * self.band) as u32, slots: self.band as u32, ..Step::default() };
+    pub(super) fn bands(&self) -> impl Iterator<Item = (SurfaceStep, &Buffer<u32>)> {
+        let step = |n: usize| SurfaceStep {
+            first_slot: (n * self.band) as u32,
+            slots: self.band as u32,
+            ..SurfaceStep::default()
+        };
         self.keys.iter().enumerate().map(move |(n, keys)| (step(n), keys))
     }
 }

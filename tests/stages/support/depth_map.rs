@@ -6,7 +6,7 @@ use super::{POISON, run};
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Stage};
-use subpixel_shadows::stages::Seen;
+use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
 
@@ -19,7 +19,10 @@ pub struct OnMap {
 
 impl OnMap {
     /// Makes the map, and records what takes it: the frame, what pixels see, the depths, and where visibility goes.
-    pub fn of(world: &World, record: impl Fn(&mut Stage, &Buffer<Frame>, Seen, &Buffer<u32>, &Buffer<f32>)) -> Self {
+    pub fn of(
+        world: &World,
+        record: impl Fn(&mut Stage, &Buffer<Frame>, PrimaryHits, &Buffer<u32>, &Buffer<f32>),
+    ) -> Self {
         let gpu = world.gpu;
         let size = world.view.map.map_size as usize;
         let map = Layers::nearest_only(&gpu.device, size).expect("memory");
@@ -42,7 +45,7 @@ impl OnMap {
         let layers = LightLayers::nearest_only(&gpu.device);
         run(gpu, |s| {
             layers.record(s, &frame, blocks, &map);
-            let from = Seen { samples: &offsets, id_keys: &id_keys, triangles, points: &points };
+            let from = PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles, points: &points };
             record(s, &frame, from, &map.nearest_keys, &visibility);
         });
         let depth = |key: u32| (key != 0).then(|| f64::from(f32::from_bits(!key)));

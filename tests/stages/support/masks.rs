@@ -11,7 +11,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::front_layer::Split;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
-use subpixel_shadows::stages::facet_classify::{Facets, State};
+use subpixel_shadows::stages::facet_classify::{FacetState, Facets};
 use subpixel_shadows::truth::{FacetInput, FacetResult, FacetTruth, Tracer, full_mask, join_mask, split_mask};
 
 /// Facets: pixel and triangle.
@@ -92,7 +92,7 @@ pub fn mask_of(masks: &[u32], words: usize, f: usize, part: usize) -> u128 {
 
 /// The first undecided facet with this occluded mask.
 pub fn undecided_with(got: &Masks, occluded: u128) -> usize {
-    got.iter().position(|m| m.0 == State::Undecided as u32 && m.1[1] == occluded).expect("a facet")
+    got.iter().position(|m| m.0 == FacetState::Undecided as u32 && m.1[1] == occluded).expect("a facet")
 }
 
 /// The listed facets that have a triangle, with all their samples.
@@ -116,7 +116,7 @@ pub fn assert_defined(
     let tracer = Tracer::new(world.prepared.mesh()).expect("a tracer");
     let wanted = definition(&truth(world, &tracer), &inputs(world, listed)).expect("masks");
     let wanted: u32 = wanted.iter().map(|r| r.occluded[0].count_ones()).sum();
-    let ours: u32 = got.iter().filter(|m| m.0 == State::Undecided as u32).map(|m| m.1[1].count_ones()).sum();
+    let ours: u32 = got.iter().filter(|m| m.0 == FacetState::Undecided as u32).map(|m| m.1[1].count_ones()).sum();
     assert!(ours > 100 && wanted >= ours, "{ours}, {wanted}");
 }
 
@@ -146,12 +146,12 @@ pub fn judge(world: &World, listed: &List, got: &Masks, validity: bool) -> Tally
             _ => continue,
         };
         let facing_is_open =
-            state == State::Dark as u32 && join_mask(truth.ambiguous_occluded) == join_mask(truth.valid);
-        if facing_is_open || (state == State::Dark as u32 && is_edge_on(world, list_triangle(listed, f))) {
+            state == FacetState::Dark as u32 && join_mask(truth.ambiguous_occluded) == join_mask(truth.valid);
+        if facing_is_open || (state == FacetState::Dark as u32 && is_edge_on(world, list_triangle(listed, f))) {
             continue;
         }
         // Evaluation ends at a facet that has no open sample left: why each of them is closed is then not told.
-        if validity && state == State::Undecided as u32 && coverage & !occluded & !invalid == 0 {
+        if validity && state == FacetState::Undecided as u32 && coverage & !occluded & !invalid == 0 {
             let cut = cuts.as_ref().map_or(0, |c| !join_mask(c[k].valid) | join_mask(c[k].ambiguous_valid));
             let open = sure & !shadowed & !cut;
             tally.samples += sure.count_ones() as usize;
@@ -169,7 +169,7 @@ pub fn judge(world: &World, listed: &List, got: &Masks, validity: bool) -> Tally
         tally.wrong_occluded += wrong.count_ones() as usize;
         tally.leaks += (shadowed & !ours & sure).count_ones() as usize;
         if let Some(cuts) = &cuts
-            && state == State::Undecided as u32
+            && state == FacetState::Undecided as u32
         {
             let sure = coverage & met & !join_mask(cuts[k].ambiguous_valid);
             tally.wrong_valid += (((!invalid) ^ join_mask(cuts[k].valid)) & sure).count_ones() as usize;

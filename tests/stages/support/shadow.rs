@@ -9,7 +9,7 @@ use subpixel_shadows::gpu::{Buffer, Gpu, Groups, recorder};
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
-use subpixel_shadows::reference::camera_visibility::{Doubt, nearest};
+use subpixel_shadows::reference::camera_visibility::{DepthMargin, nearest};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::prefix_scan::exclusive;
 use subpixel_shadows::reference::summed_area::table;
@@ -19,9 +19,9 @@ use subpixel_shadows::reference::view::View;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::camera_visibility::Blocks;
-use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets, Surroundings};
+use subpixel_shadows::stages::facet_classify::{ClassifyInputs, Facet, FacetClassify, Facets};
 use subpixel_shadows::stages::front_layer::{MARKED, UNCOVERED};
-use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PixelTexelPairs, Places};
+use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles, PixelTexelPairs};
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
 use subpixel_shadows::stages::vertex_project::VertexProject;
@@ -232,7 +232,7 @@ impl World {
 
     /// One facet a pixel: the triangle at its centre.
     pub fn seen(&self) -> Vec<(u32, Option<u32>)> {
-        let seen = nearest(&self.view, &self.triangles, Doubt { edge: 0.0, depth: 0.0 });
+        let seen = nearest(&self.view, &self.triangles, DepthMargin { edge: 0.0, depth: 0.0 });
         (0u32..).zip(seen).map(|(pixel, s)| (pixel, s.triangle)).collect()
     }
 
@@ -283,7 +283,7 @@ impl World {
         let mut frame = self.frame;
         frame.facets_total = listed.len() as u32;
         let (frame, offsets) = (uniform(gpu, &frame), self.sample_offsets());
-        let around = Surroundings {
+        let around = ClassifyInputs {
             triangles: &self.casters.triangles,
             positions: &self.casters.positions,
             sat: &sat,
@@ -358,7 +358,7 @@ impl World {
         }
         assert!(counts.iter().all(|c| *c == counts[0]), "all runs find the same pairs");
         let list = lists.pixel_pairs.read(gpu).expect("readback");
-        if places == Places::Texels {
+        if places == PairTiles::Texels {
             // Appended instead, they are the same.
             lists.place_deepest.write(&gpu.queue, &vec![0; deepest.len()]);
             let unsorted = unsorted(gpu, capacity);
@@ -470,7 +470,7 @@ impl World {
             .enumerate()
             .map(|(k, (t, part))| ((t, if t == POISON { POISON } else { owner(k) }), part))
             .unzip();
-        if places == Places::Texels {
+        if places == PairTiles::Texels {
             // Appended instead, they are the same.
             let unsorted = unsorted(gpu, capacity);
             if total > 0 {
@@ -518,8 +518,8 @@ impl Listed {
     }
 
     /// Facets of each texel, rising, whatever places they met at.
-    pub fn texel_sets(&self, places: Places, map: usize) -> Vec<Vec<u32>> {
-        if places == Places::Texels {
+    pub fn texel_sets(&self, places: PairTiles, map: usize) -> Vec<Vec<u32>> {
+        if places == PairTiles::Texels {
             return self.sets();
         }
         let (offsets, across) = (with_total(&self.counts), map.div_ceil(2));
@@ -540,15 +540,15 @@ impl Listed {
 }
 
 /// The place of a texel.
-pub fn place_of(places: Places, map: usize, texel: usize) -> usize {
+pub fn place_of(places: PairTiles, map: usize, texel: usize) -> usize {
     match places {
-        Places::Texels => texel,
-        Places::Tiles => texel / map / 2 * map.div_ceil(2) + texel % map / 2,
+        PairTiles::Texels => texel,
+        PairTiles::Tiles => texel / map / 2 * map.div_ceil(2) + texel % map / 2,
     }
 }
 
 /// The greatest depth of each place.
-pub fn deepest_of<T: Copy + PartialOrd>(places: Places, map: usize, texels: &[Option<T>]) -> Vec<Option<T>> {
+pub fn deepest_of<T: Copy + PartialOrd>(places: PairTiles, map: usize, texels: &[Option<T>]) -> Vec<Option<T>> {
     let mut deepest = vec![None; places.count(map)];
     for (texel, &depth) in texels.iter().enumerate() {
         let place = &mut deepest[place_of(places, map, texel)];
@@ -563,13 +563,13 @@ pub fn deepest_of<T: Copy + PartialOrd>(places: Places, map: usize, texels: &[Op
 fn triangle_list(gpu: &Gpu, lists: &PairLists) -> Vec<(u32, u32)> {
     let words = lists.triangle_pairs.read(gpu).expect("readback");
     match lists.places {
-        Places::Texels => words.into_iter().map(|t| (t, 0)).collect(),
-        Places::Tiles => words.chunks_exact(2).map(|w| (w[1], w[0])).collect(),
+        PairTiles::Texels => words.into_iter().map(|t| (t, 0)).collect(),
+        PairTiles::Tiles => words.chunks_exact(2).map(|w| (w[1], w[0])).collect(),
     }
 }
 
 /// Poisoned memory for `capacity` pairs as they come, and a few more.
-fn unsorted(gpu: &Gpu, capacity: usize) -> sorted_pairs::Scratch {
+fn unsorted(gpu: &Gpu, capacity: usize) -> sorted_pairs::SortedPairsScratch {
     let unsorted = SortedPairs::scratch(&gpu.device, capacity + 4, false).expect("memory");
     unsorted.keys.write(&gpu.queue, &vec![POISON; capacity + 4]);
     unsorted.values.write(&gpu.queue, &vec![POISON; capacity + 4]);
@@ -580,7 +580,7 @@ fn unsorted(gpu: &Gpu, capacity: usize) -> sorted_pairs::Scratch {
 #[track_caller]
 fn check_appended(
     gpu: &Gpu,
-    unsorted: &sorted_pairs::Scratch,
+    unsorted: &sorted_pairs::SortedPairsScratch,
     capacity: usize,
     counts: &[u32],
     grouped: impl Iterator<Item = (u32, u32)>,

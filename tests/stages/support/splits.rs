@@ -6,7 +6,7 @@ use subpixel_shadows::glam::{DVec2, DVec3, DVec4};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::light_view::{SeenBox, SplitPlan, SplitView, Warp};
 use subpixel_shadows::reference::facet_classify::pixel_ray;
-use subpixel_shadows::stages::split_maps::{Maps, Mesh, SplitMaps, SplitViews};
+use subpixel_shadows::stages::split_maps::{Maps, SplitMapInputs, SplitMaps, SplitViews};
 
 /// How the texels lie over a slice.
 pub const WARPS: [Warp; 5] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted];
@@ -51,7 +51,11 @@ impl OnSplits {
         let count = world.casters.triangles.len();
         let maps = Maps::new(&gpu.device, &gpu.queue, views.len(), size, count).expect("memory");
         let (frame, points) = (uniform(gpu, &world.frame), world.points());
-        let mesh = Mesh { triangles: &world.casters.triangles, points: &points, light_rects: &world.facts.light_rects };
+        let mesh = SplitMapInputs {
+            triangles: &world.casters.triangles,
+            points: &points,
+            light_rects: &world.facts.light_rects,
+        };
         let stage = MADE.get(gpu, 0, || SplitMaps::new(&gpu.device));
         run(gpu, |s| match raster {
             true => stage.record(s, &frame, &splits, mesh, &maps),

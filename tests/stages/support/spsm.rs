@@ -12,7 +12,7 @@ use subpixel_shadows::spsm_code::SlopeCode;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::seen_texels::{SeenTexels, TexelMarks};
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels, depth_of_key};
-use subpixel_shadows::stages::spsm_query::{Options, SpsmPixels};
+use subpixel_shadows::stages::spsm_query::{SpsmPixels, SpsmQueryOptions};
 
 /// A map, read back.
 pub struct Made {
@@ -53,7 +53,7 @@ impl Made {
             half.write(&gpu.queue, &vec![[POISON; 4]; half.len()]);
         }
         let stage = SpsmMap::new(&gpu.device, u32::from(lines), &texels);
-        let all = SeenTexels::new(&gpu.device, Options::default(), &texels);
+        let all = SeenTexels::new(&gpu.device, SpsmQueryOptions::default(), &texels);
         with_blocks(world, |blocks| {
             run(gpu, |s| {
                 all.record_all(s, &frame, &texels.marks);

@@ -12,7 +12,9 @@ use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::compact::{Compact, Flags};
 use subpixel_shadows::stages::facet_classify::{Facet, Facets};
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, Mesh, ROUND_LENGTH, SampleSurfaces, WORKGROUP};
+use subpixel_shadows::stages::sample_surfaces::{
+    ComplexPixels, ROUND_LENGTH, SampleSurfaces, SurfaceInputs, WORKGROUP,
+};
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::vertex_project::VertexProject;
 use subpixel_shadows::stages::{Count, PrefixScan};
@@ -168,7 +170,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     let found = complex.total.read(gpu).expect("readback")[0].min(room[1] as u32);
     cover(&args[1], [found.div_ceil(WORKGROUP), 0]);
     let casters = case.prepared.upload(device, &gpu.queue).expect(memory);
-    let mesh = Mesh {
+    let mesh = SurfaceInputs {
         samples: &offsets_of_samples,
         triangles: &triangles,
         points: &points,
