@@ -277,6 +277,58 @@ fn every_stage_has_the_standard_cases() {
     }
 }
 
+/// Names of the public types of a source file.
+fn public_types(text: &str) -> Vec<&str> {
+    let starts = ["pub struct ", "pub enum ", "pub trait ", "pub type ", "pub union "];
+    let lines = text.split("\n#[cfg(test)]").next().unwrap_or_default().lines();
+    lines
+        .filter_map(|line| {
+            // As they stand, and in `shared_struct!`.
+            let line = line.trim_start();
+            let line =
+                line.split_once("=> ").filter(|(kernel, _)| kernel.starts_with('"')).map_or(line, |(_, rest)| rest);
+            starts.iter().find_map(|start| line.strip_prefix(start))
+        })
+        .filter_map(|rest| rest.split(|c: char| !c.is_alphanumeric() && c != '_').next())
+        // Names that a macro is given.
+        .filter(|name| !name.is_empty())
+        .collect()
+}
+
+/// The Rust files of a folder and of those in it.
+fn rust_files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            found.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// A name is one thing. The bindings of kernels are named by their entry points, in a module a kernel.
+#[test]
+fn no_two_public_types_share_a_name() {
+    let mut known = std::collections::BTreeMap::new();
+    for file in rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")) {
+        if file.ends_with("gpu/kernels.rs") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&file).expect("a text file");
+        for name in public_types(&text) {
+            if let Some(other) = known.insert(name.to_owned(), file.clone()) {
+                panic!("{name} is in {} and in {}", other.display(), file.display());
+            }
+        }
+    }
+    assert!(known.len() > 200 && known.contains_key("Frame") && known.contains_key("ShadowPass"), "{}", known.len());
+    let text = "pub struct A;\n    \"k\" => pub struct B {\npub enum C<T> {}\n#[cfg(test)]\npub struct D;";
+    assert_eq!(public_types(text), ["A", "B", "C"]);
+}
+
 /// Kernels stay within 200 lines, the host side of a stage within 300.
 #[test]
 fn files_stay_readable() {

@@ -5,7 +5,7 @@
 mod device;
 
 use device::gpu;
-use subpixel_shadows::methods::fixed::FixedMethod;
+use subpixel_shadows::methods::fixed_memory::FixedMethod;
 use subpixel_shadows::methods::render::{Budget, Output};
 use subpixel_shadows::methods::spsm::Spsm;
 use subpixel_shadows::methods::{

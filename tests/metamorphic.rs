@@ -11,7 +11,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Pipelines, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
-use subpixel_shadows::methods::{Looks, Prepared, unshadowed};
+use subpixel_shadows::methods::{DebugViews, Prepared, unshadowed};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
@@ -370,7 +370,7 @@ fn strips_do_not_matter_where_nothing_casts() {
     let small = Gpu::open_with_limits(None, Some(limits)).expect("a GPU");
     let settings = Settings { size: [131, 97], ..settings(true) };
     let render = |gpu: &Gpu| {
-        let (mut looks, mut strips) = (Looks::default(), 0);
+        let (mut looks, mut strips) = (DebugViews::default(), 0);
         let output =
             unshadowed::render_and(gpu, &prepared, &settings, &scene.camera, &scene.light, &mut |made, rows| {
                 strips += 1;

@@ -9,7 +9,7 @@ use device::gpu;
 use frames::status_of;
 use std::sync::{Arc, Mutex};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::light_view::Parts;
+use subpixel_shadows::light_view::MapTiles;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::render::{Budget, Counts, Output, Renderer};
 use subpixel_shadows::methods::{FacetMode, PairVariant, Prepared, Settings};
@@ -448,7 +448,7 @@ fn a_map_larger_than_a_binding_is_cut() {
     let small = settings(FacetMode::One);
     let (output, _) = rendered(&scene.mesh, &scene.camera, &scene.light, &small);
     let settings = Settings { map: 5800, ..small };
-    let parts = Parts::within(settings.map, &gpu().device.limits()).across();
+    let parts = MapTiles::within(settings.map, &gpu().device.limits()).across();
     let bound = gpu().device.limits().max_storage_buffer_binding_size;
     assert!(parts == 2 || bound > 128 << 20, "{parts} parts a side where {bound} bytes are bound");
     let visibility: Vec<u32> = output.visibility.iter().map(|v| v.to_bits()).collect();

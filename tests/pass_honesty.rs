@@ -10,7 +10,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::Pipelines;
-use subpixel_shadows::methods::growth::larger;
+use subpixel_shadows::methods::list_sizing::larger;
 use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Settings};
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};

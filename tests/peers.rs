@@ -4,8 +4,8 @@
 mod device;
 
 use device::gpu;
-use subpixel_shadows::methods::any::AnyRenderer;
-use subpixel_shadows::methods::fixed::{FixedMethod, FixedRenderer};
+use subpixel_shadows::methods::any_renderer::AnyRenderer;
+use subpixel_shadows::methods::fixed_memory::{FixedMethod, FixedRenderer};
 use subpixel_shadows::methods::ray_traced::RayTraced;
 use subpixel_shadows::methods::render::{Budget, Output};
 use subpixel_shadows::methods::supersampled::Supersampled;

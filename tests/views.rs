@@ -8,7 +8,7 @@ use device::gpu;
 use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
-use subpixel_shadows::light_view::{LightView, Parts};
+use subpixel_shadows::light_view::{LightView, MapTiles};
 use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, cpu};
@@ -243,7 +243,7 @@ fn parts_of_a_map_tell_the_same() {
             let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
             let views = wanted.light_views(&prepared, &scene.light).expect("views");
             for across in [2, 3] {
-                let parts = Parts::new(wanted.map, NonZeroU32::new(across).expect("some"));
+                let parts = MapTiles::new(wanted.map, NonZeroU32::new(across).expect("some"));
                 let wanted = Settings { map: parts.texels(), ..wanted.clone() };
                 let mut cut = parts.of(views.clone());
                 assert!(

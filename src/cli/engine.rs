@@ -9,7 +9,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::cpu::{self, CpuTime};
 use subpixel_shadows::methods::render::{Output, Renderer};
 use subpixel_shadows::methods::unshadowed::{self, Unshadowed};
-use subpixel_shadows::methods::{AnyRenderer, Looks, MethodName, PixelClass, Prepared};
+use subpixel_shadows::methods::{AnyRenderer, DebugViews, MethodName, PixelClass, Prepared};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::scene::Scene;
@@ -25,7 +25,7 @@ pub enum Engine {
 pub struct Rendered {
     pub output: Output,
     pub facets: Option<FacetSet>,
-    pub looks: Option<Looks>,
+    pub looks: Option<DebugViews>,
     /// The stages that ran on the CPU; `None` on a GPU.
     pub cpu_stages: Option<Vec<CpuTime>>,
     /// Frames whose median time each time is; 0 where nothing ran, or no time was asked for.
@@ -94,7 +94,7 @@ impl Engine {
         let [classes, _] = options.method.keeps();
         match (plan.extent, self) {
             (Extent::Nothing, _) => {
-                let looks = Looks { classes: vec![PixelClass::Empty; settings.pixels()], map: None };
+                let looks = DebugViews { classes: vec![PixelClass::Empty; settings.pixels()], map: None };
                 Ok(Rendered {
                     output: unshadowed::nothing_seen(settings),
                     facets: Some(FacetSet { words, ..FacetSet::default() }),
@@ -105,7 +105,7 @@ impl Engine {
                 })
             }
             (Extent::Facing, Self::Gpu(gpu)) => {
-                let (mut facets, mut looks) = (None, (options.looks && classes).then(Looks::default));
+                let (mut facets, mut looks) = (None, (options.looks && classes).then(DebugViews::default));
                 let (width, scene) = (settings.size[0], (&scene.camera, &scene.light));
                 let mut renderer = Unshadowed::new(gpu, prepared, settings)?;
                 let output = renderer.render_and(scene.0, scene.1, &mut |made, rows| {
@@ -137,7 +137,7 @@ impl Engine {
             }
             (Extent::Everything, Self::Gpu(gpu)) => {
                 let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
-                let (mut facets, mut looks) = (None, options.looks.then(Looks::default));
+                let (mut facets, mut looks) = (None, options.looks.then(DebugViews::default));
                 let width = settings.size[0];
                 let output = renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
                     let start = Instant::now();

@@ -3,7 +3,7 @@
 use super::{FuzzCase, How};
 use crate::Result;
 use crate::gpu::{Gpu, KeptPrograms};
-use crate::methods::fixed::{FixedMethod, FixedRenderer};
+use crate::methods::fixed_memory::{FixedMethod, FixedRenderer};
 use crate::methods::ray_traced::RayTraced;
 use crate::methods::render::{Output, Renderer};
 use crate::methods::supersampled::Supersampled;

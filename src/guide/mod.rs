@@ -1,7 +1,10 @@
-//! Guides: the program, use in an application, what was measured, limits, the other methods, departures from the papers.
+//! Guides: the program, use in an application, what was measured, limits, the other methods, departures from the papers, words.
 
 #[doc = include_str!("application.md")]
 pub mod application {}
+
+#[doc = include_str!("glossary.md")]
+pub mod glossary {}
 
 #[doc = include_str!("limits.md")]
 pub mod limits {}

@@ -3,12 +3,12 @@
 mod casters;
 mod cube;
 mod fit;
-mod parts;
+mod map_tiles;
 mod points;
 mod seen_box;
 mod splits;
 
-pub use parts::Parts;
+pub use map_tiles::MapTiles;
 pub(crate) use points::MeshAndTree;
 pub use seen_box::SeenBox;
 pub use splits::{SplitPlan, SplitView, Warp};

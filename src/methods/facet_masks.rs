@@ -1,7 +1,7 @@
 //! `facet-masks`: the flagship (Pan, Wang, Chen, Zhou, Bao 2009), one page of calls to stages.
 
-mod asked;
 mod bands;
+mod frame_source;
 mod memory;
 mod pipelines;
 
@@ -19,7 +19,7 @@ use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::{PairLists, TALLY_COUNTERS, TALLY_WORDS};
 use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
-pub use asked::{FacetSource, MapSource, Strip};
+pub use frame_source::{FacetSource, MapSource, Strip};
 use glam::{DVec3, Vec3};
 pub use memory::Capacities;
 use memory::{Arg, FacetMemory, Memory, PairMemory, frames, requests};

@@ -1,18 +1,20 @@
 //! The methods: each a page of calls to stages, in order.
 
 #[cfg(feature = "baselines")]
-pub mod any;
+pub mod any_renderer;
 #[cfg(feature = "oracle")]
 pub mod cpu;
+#[cfg(feature = "baselines")]
+pub mod debug_views;
+#[cfg(feature = "baselines")]
+pub mod early_out;
 pub mod every_surface;
 pub mod facet_masks;
 #[cfg(feature = "baselines")]
-pub mod fixed;
+pub mod fixed_memory;
 pub mod geometry;
-pub mod growth;
 pub mod light_maps;
-#[cfg(feature = "baselines")]
-pub mod looks;
+pub mod list_sizing;
 pub mod names;
 pub mod options;
 pub mod prepared;
@@ -20,8 +22,6 @@ pub mod prepared;
 pub mod ray_traced;
 pub mod render;
 pub mod settings;
-#[cfg(feature = "baselines")]
-pub mod settled;
 #[cfg(feature = "baselines")]
 pub mod shadow_map;
 #[cfg(feature = "baselines")]
@@ -35,10 +35,10 @@ pub mod supersampled;
 pub mod unshadowed;
 
 #[cfg(feature = "baselines")]
-pub use any::AnyRenderer;
-pub use facet_masks::FacetMasks;
+pub use any_renderer::AnyRenderer;
 #[cfg(feature = "baselines")]
-pub use looks::{Looks, MapLook, PixelClass};
+pub use debug_views::{DebugMap, DebugViews, PixelClass};
+pub use facet_masks::FacetMasks;
 pub use names::{METHODS, MethodName, MethodRow};
 pub use options::{METHOD_OPTIONS, MethodOption};
 pub use prepared::Prepared;

@@ -5,11 +5,11 @@
 //! With [`RayTracedSettings::silhouettes`](super::RayTracedSettings::silhouettes) only pixels that the proof of `facet-masks` leaves undecided are traced. Memory is
 //! fixed: about 190 bytes a pixel, and the tree. The tree is built once on the CPU, which is part of no frame's time.
 
-use super::fixed::{FixedMethod, StageInputs};
+use super::early_out::EarlyOut;
+use super::fixed_memory::{FixedMethod, StageInputs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
-use super::settled::Settled;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder, Stage};
 use crate::light_view::LightView;
@@ -22,7 +22,7 @@ use crate::{Error, Result};
 /// The method for one mesh, image and setting.
 #[derive(Debug)]
 pub struct RayTraced {
-    settled: Settled,
+    settled: EarlyOut,
     rays: ShadowRays,
     work: RayLists,
 }
@@ -31,13 +31,13 @@ impl RayTraced {
     /// Builds the tree, pipelines and memory.
     ///
     /// # Errors
-    /// As [`Settled::new`].
+    /// As [`EarlyOut::new`].
     pub fn new(gpu: &Gpu, prepared: &Prepared, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let scan = PrefixScan::new(device);
         let settle = settings.ray_traced.silhouettes && settings.settle;
         Ok(Self {
-            settled: Settled::new(gpu, &scan, prepared, casters, settings, settle)?,
+            settled: EarlyOut::new(gpu, &scan, prepared, casters, settings, settle)?,
             rays: ShadowRays::new(device, &scan, settings.samples.words()),
             work: RayLists::new(device, queue, settings.pixels(), settings.samples.count())?,
         })

@@ -2,12 +2,12 @@
 //! grows them and runs again until nothing is left out.
 
 use super::facet_masks::{Capacities, FacetMasks, FacetSource, MapSource, Pipelines, Settings};
-use super::growth::{self, Needs};
+use super::list_sizing::{self, Needs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::settings::LastView;
 use super::strips::{Rows, Strips};
 use crate::gpu::{Gpu, Recorder, StageTime, Timer};
-use crate::light_view::{LightView, Parts};
+use crate::light_view::{LightView, MapTiles};
 use crate::scene::{Camera, Light};
 use crate::status::Status;
 use crate::{Error, Result};
@@ -108,7 +108,7 @@ impl Default for Budget {
 ///
 /// An image whose facets do not fit what the device can bind is rendered in strips of rows, one after the other, with the
 /// same samples as in one piece. What the light sees is found once, if it has one view. A map that does not fit is cut into
-/// [`Parts`], each a view of its own, which all strips go through.
+/// [`MapTiles`], each a view of its own, which all strips go through.
 pub struct Renderer<'a> {
     gpu: &'a Gpu,
     prepared: &'a Prepared,
@@ -116,7 +116,7 @@ pub struct Renderer<'a> {
     pipelines: Arc<Pipelines>,
     method: FacetMasks,
     strips: Strips,
-    parts: Parts,
+    parts: MapTiles,
     budget: Budget,
     timer: Option<Timer>,
     settings: Settings,
@@ -167,7 +167,7 @@ impl<'a> Renderer<'a> {
         settings.check()?;
         let casters = prepared.upload(&gpu.device, &gpu.queue)?;
         let strips = Strips::new(settings.size, strips);
-        let parts = Parts::within(settings.map, &gpu.device.limits());
+        let parts = MapTiles::within(settings.map, &gpu.device.limits());
         let (strips, method) = fitting(gpu, &casters, &settings.of_part(parts), budget, &pipelines, strips)?;
         gpu.check()?;
         let (timer, settings) = (Timer::new(gpu)?, settings.clone());
@@ -226,11 +226,11 @@ impl<'a> Renderer<'a> {
             }
             let (now, limits) = (self.method.capacities(), device.limits());
             let needs = Needs::of(&status);
-            let Some(wanted) = growth::wanted(&needs, now, &self.settings, &limits, self.budget.bytes)? else {
+            let Some(wanted) = list_sizing::wanted(&needs, now, &self.settings, &limits, self.budget.bytes)? else {
                 return self.read(&status, runs, dispatches, wall_ms).map(Some);
             };
             let triangles = self.prepared.mesh.triangles.len();
-            let wanted = growth::in_reach(&needs, now, wanted, &self.settings, self.budget.bytes, triangles)?;
+            let wanted = list_sizing::in_reach(&needs, now, wanted, &self.settings, self.budget.bytes, triangles)?;
             log::info!("lists overflowed: running again with {wanted:?}");
             match self.method.resize(device, queue, wanted) {
                 Err(error @ Error::Memory { .. }) => {
@@ -270,8 +270,8 @@ impl<'a> Renderer<'a> {
             lit: self.method.lit().read(self.gpu)?,
             words: self.settings.samples.words(),
             triangles: self.method.id_keys().read(self.gpu)?.into_iter().map(|key| !key).collect(),
-            counts: growth::counts(status),
-            lists: growth::lists(&Needs::of(status), now, self.settings.facets, runs),
+            counts: list_sizing::counts(status),
+            lists: list_sizing::lists(&Needs::of(status), now, self.settings.facets, runs),
             stages: self.timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(self.gpu))?,
             wall_ms,
             dispatches,
@@ -299,7 +299,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Parts into which the light's map is cut.
-    pub fn parts(&self) -> Parts {
+    pub fn parts(&self) -> MapTiles {
         self.parts
     }
 
@@ -320,7 +320,7 @@ fn fitting(
 ) -> Result<(Strips, FacetMasks)> {
     loop {
         let settings = Settings { size: strips.size(), ..settings.clone() };
-        let capacities = growth::first(&settings, budget);
+        let capacities = list_sizing::first(&settings, budget);
         match FacetMasks::new(&gpu.device, &gpu.queue, pipelines.clone(), casters, &settings, capacities) {
             Err(error @ Error::Memory { .. }) => strips = strips.more().ok_or(error)?,
             made => return made.map(|method| (strips, method)),

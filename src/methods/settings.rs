@@ -1,7 +1,7 @@
 //! Uniform of a frame.
 
 use super::prepared::Prepared;
-use crate::light_view::{LightView, Parts, Receivers, SplitPlan, Warp};
+use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan, Warp};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
 use crate::scene::Light;
@@ -334,7 +334,7 @@ impl Settings {
     }
 
     /// The settings of each of the views that a map is cut into.
-    pub(crate) fn of_part(&self, parts: Parts) -> Self {
+    pub(crate) fn of_part(&self, parts: MapTiles) -> Self {
         Self { map: parts.texels(), ..self.clone() }
     }
 

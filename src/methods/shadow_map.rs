@@ -2,8 +2,8 @@
 //! comparisons for every sample.
 //! Memory is fixed: 4 bytes a texel. Triangles that reach behind a point light cast nothing.
 
-use super::fixed::{FixedMethod, StageInputs};
-use super::looks::Looks;
+use super::debug_views::DebugViews;
+use super::fixed_memory::{FixedMethod, StageInputs};
 use super::render::Counts;
 use super::settings::{Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::Result;
@@ -120,7 +120,7 @@ impl FixedMethod for ShadowMapping {
         Ok(Counts { facets: self.visibility.len() as u64, ..Counts::default() })
     }
 
-    fn looks(&self, gpu: &Gpu) -> Result<Option<Looks>> {
-        Looks::of_shadow_map(gpu, self).map(Some)
+    fn looks(&self, gpu: &Gpu) -> Result<Option<DebugViews>> {
+        DebugViews::of_shadow_map(gpu, self).map(Some)
     }
 }

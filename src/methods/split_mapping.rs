@@ -3,8 +3,8 @@
 //! (Oliveira 2009), which is warps, splits and moments together.
 //! Memory is fixed: 4 bytes a texel and split, of moments 2.7 more, and 18 a triangle and split. Triangles that reach behind a point light cast nothing.
 
-use super::fixed::{FixedMethod, StageInputs};
-use super::looks::Looks;
+use super::debug_views::DebugViews;
+use super::fixed_memory::{FixedMethod, StageInputs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
@@ -157,7 +157,7 @@ impl FixedMethod for SplitMapping {
         Ok(Counts { facets: self.visibility.len() as u64, ..Counts::default() })
     }
 
-    fn looks(&self, gpu: &Gpu) -> Result<Option<Looks>> {
-        Looks::of_split_maps(gpu, self).map(Some)
+    fn looks(&self, gpu: &Gpu) -> Result<Option<DebugViews>> {
+        DebugViews::of_split_maps(gpu, self).map(Some)
     }
 }

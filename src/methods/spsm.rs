@@ -4,8 +4,8 @@
 //!
 //! [`SpsmSettings::seen_only`]: super::settings::SpsmSettings::seen_only
 
-use super::fixed::{FixedMethod, StageInputs};
-use super::looks::Looks;
+use super::debug_views::DebugViews;
+use super::fixed_memory::{FixedMethod, StageInputs};
 use super::render::Counts;
 use super::settings::{Settings, SpsmEncoding};
 use crate::Result;
@@ -141,7 +141,7 @@ impl FixedMethod for Spsm {
         })
     }
 
-    fn looks(&self, gpu: &Gpu) -> Result<Option<Looks>> {
-        Looks::of_spsm(gpu, self).map(Some)
+    fn looks(&self, gpu: &Gpu) -> Result<Option<DebugViews>> {
+        DebugViews::of_spsm(gpu, self).map(Some)
     }
 }

@@ -5,11 +5,11 @@
 //! Memory is fixed: about 180 bytes a pixel, 8 a texel, and 40 MiB for a band of samples. Which samples see another surface
 //! (with [`Settings::validity`]) is found through the tree of casters of `ray-traced`.
 
-use super::fixed::{FixedMethod, StageInputs};
+use super::early_out::EarlyOut;
+use super::fixed_memory::{FixedMethod, StageInputs};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
 use super::settings::Settings;
-use super::settled::Settled;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
 use crate::light_view::LightView;
@@ -23,7 +23,7 @@ use crate::{Error, Result};
 /// The method for one mesh, image, map and setting.
 #[derive(Debug)]
 pub struct Supersampled {
-    settled: Settled,
+    settled: EarlyOut,
     test: SampleBins,
     bins: Bins,
     cut: ShadowRays,
@@ -34,13 +34,13 @@ impl Supersampled {
     /// Builds pipelines and memory, and the tree.
     ///
     /// # Errors
-    /// As [`Settled::new`].
+    /// As [`EarlyOut::new`].
     pub fn new(gpu: &Gpu, prepared: &Prepared, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let (count, pixels) = (settings.samples.count(), settings.pixels());
         let scan = PrefixScan::new(device);
         Ok(Self {
-            settled: Settled::new(gpu, &scan, prepared, casters, settings, false)?,
+            settled: EarlyOut::new(gpu, &scan, prepared, casters, settings, false)?,
             test: SampleBins::new(device, &scan, settings.samples.words()),
             bins: Bins::new(device, queue, settings.map as usize, pixels, count)?,
             cut: ShadowRays::new(device, &scan, settings.samples.words()),

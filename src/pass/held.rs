@@ -1,6 +1,6 @@
 //! The last complete picture, which stands until the next one.
 
-use super::cut::CutImage;
+use super::image_strips::ImageStrips;
 use crate::Result;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::Settings;
@@ -41,7 +41,7 @@ impl HeldPicture {
         &self,
         rec: &mut Recorder,
         with: &LastPicture,
-        image: &CutImage,
+        image: &ImageStrips,
         faults: &Buffer<u32>,
     ) -> Result<()> {
         let (method, c) = (&image.method, image.method.capacities());
@@ -51,7 +51,7 @@ impl HeldPicture {
     }
 
     /// Takes over the picture of all strips, if nothing is missing in it.
-    pub fn record_hold(&self, rec: &mut Recorder, with: &LastPicture, image: &CutImage) {
+    pub fn record_hold(&self, rec: &mut Recorder, with: &LastPicture, image: &ImageStrips) {
         let stage = &mut rec.stage("visibility_texture");
         with.record_hold(stage, &self.verdict, image.visibility(), &self.visibility);
         with.record_hold(stage, &self.verdict, image.lit(), &self.lit);

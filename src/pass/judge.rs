@@ -1,9 +1,9 @@
 //! How a finished frame came out, by its counters.
 
 use super::status::{Faults, Finished, FrameStatus, Label};
-use super::{ShadowPass, growth};
+use super::{ShadowPass, list_sizing};
 use crate::methods::facet_masks::Capacities;
-use crate::methods::growth::Needs;
+use crate::methods::list_sizing::Needs;
 use crate::methods::render::Counts;
 use crate::status::Status;
 
@@ -54,11 +54,11 @@ impl ShadowPass {
         // What the lists must hold is what the largest strip needs of each.
         let mut needs = Needs::default();
         for strip in &strips {
-            status.counts = status.counts.with_rows(growth::counts(strip));
+            status.counts = status.counts.with_rows(list_sizing::counts(strip));
             needs = needs.or(Needs::of(strip));
         }
-        status.lists = growth::lists(&needs, capacities, facets, 1);
-        match growth::wanted(&needs, capacities, &self.settings, &limits, budget) {
+        status.lists = list_sizing::lists(&needs, capacities, facets, 1);
+        match list_sizing::wanted(&needs, capacities, &self.settings, &limits, budget) {
             Ok(wanted) => status.overflowed = wanted.is_some(),
             Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
         }

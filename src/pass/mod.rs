@@ -30,12 +30,12 @@
 
 mod casters;
 mod checks;
-mod cut;
 mod gbuffer;
+mod gbuffer_stage;
 mod held;
+mod image_strips;
 mod inputs;
 mod judge;
-mod seen;
 mod status;
 mod textures;
 mod views;
@@ -48,10 +48,10 @@ pub use status::{Faults, FrameStatus};
 use crate::frame::Frame;
 use crate::gpu::buffer::filled;
 use crate::gpu::{Buffer, Gpu, Recorder, Timer};
-use crate::light_view::Parts;
+use crate::light_view::MapTiles;
 use crate::methods::Settings;
 use crate::methods::facet_masks::{Capacities, MapSource, Pipelines};
-use crate::methods::growth::{self, Together, Wanted};
+use crate::methods::list_sizing::{self, Together, Wanted};
 use crate::methods::render::Budget;
 pub use crate::methods::strips::Strips;
 use crate::stages::caster_positions::CasterPositions;
@@ -59,11 +59,11 @@ use crate::stages::visibility_texture::{LastPicture, VisibilityTexture};
 use crate::{Error, Result};
 use casters::{CasterSet, checked_mesh};
 use checks::{check_limits, settled};
-use cut::{CutImage, Made, Maker};
 use futures::executor::block_on;
+use gbuffer_stage::{GbufferStage, With};
 use held::HeldPicture;
+use image_strips::{ImageStrips, NewStrips, StripMaker};
 use judge::stamp_of;
-use seen::{GbufferStage, With};
 use status::{FAULT_WORDS, InFlight, Label, Staging};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -114,13 +114,13 @@ impl<'a> PassConfig<'a> {
 /// Shadows as a pass of an application's frame: see the [module](self).
 pub struct ShadowPass {
     settings: Settings,
-    maker: Maker,
+    maker: StripMaker,
     grows: bool,
     gather: CasterPositions,
     seen: GbufferStage,
     store: VisibilityTexture,
     casters: CasterSet,
-    image: CutImage,
+    image: ImageStrips,
     last: Option<(LastPicture, HeldPicture)>,
     faults: Buffer<u32>,
     timer: Option<Timer>,
@@ -167,11 +167,11 @@ impl ShadowPass {
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let made = (|| {
             let build = if config.receivers { Pipelines::with_receivers } else { Pipelines::new };
-            let maker = Maker {
+            let maker = StripMaker {
                 device: device.clone(),
                 queue: queue.clone(),
                 pipelines: Arc::new(build(device, &settings)),
-                parts: Parts::within(settings.map, &device.limits()),
+                parts: MapTiles::within(settings.map, &device.limits()),
                 budget: config.budget,
                 receivers: config.receivers,
                 strips: config.strips,
@@ -248,7 +248,7 @@ impl ShadowPass {
     }
 
     /// Uses other memory from now on. What frames in flight will say of their lists no longer matters.
-    fn take(&mut self, made: Made) {
+    fn take(&mut self, made: NewStrips) {
         self.casters.take(made.surfaces);
         self.seen.take(made.keys);
         self.image = made.image;

@@ -2,7 +2,7 @@
 
 use super::picture::write_png_rgb;
 use crate::Result;
-use crate::methods::{MapLook, PixelClass};
+use crate::methods::{DebugMap, PixelClass};
 use std::path::Path;
 
 /// The colour of each class, with the word for it.
@@ -34,7 +34,7 @@ pub fn write_classes(path: &Path, width: u32, height: u32, classes: &[PixelClass
 ///
 /// # Errors
 /// As [`write_png_rgb`].
-pub fn write_map(path: &Path, map: &MapLook) -> Result<()> {
+pub fn write_map(path: &Path, map: &DebugMap) -> Result<()> {
     let held = map.depths.iter().filter(|d| d.is_finite()).map(|d| d.clamp(0.0, 1.0));
     let (low, high) = held.fold((1.0f32, 0.0f32), |(low, high), d| (low.min(d), high.max(d)));
     let colour = |texel: usize| {
@@ -82,20 +82,20 @@ mod tests {
     #[test]
     fn near_casters_are_bright_and_neighbours_differ() {
         let path = std::env::temp_dir().join(format!("subpixel-shadows-looks-{}.png", std::process::id()));
-        let map = MapLook {
+        let map = DebugMap {
             size: 2,
             depths: vec![0.2, 0.8, f32::NAN, f32::NAN],
             marks: vec![false, false, true, false],
-            ..MapLook::default()
+            ..DebugMap::default()
         };
-        let read = |map: &MapLook| {
+        let read = |map: &DebugMap| {
             write_map(&path, map).expect("written");
             image::open(&path).expect("read").into_rgb8().pixels().map(|p| p.0).collect::<Vec<_>>()
         };
         let plain = read(&map);
         assert_eq!((plain[0], plain[1], plain[3]), ([255; 3], [64; 3], NO_CASTER));
         assert_eq!(plain[2], [255, 115, 26]);
-        let coloured = read(&MapLook { triangles: vec![0, 1, u32::MAX, u32::MAX], marks: Vec::new(), ..map });
+        let coloured = read(&DebugMap { triangles: vec![0, 1, u32::MAX, u32::MAX], marks: Vec::new(), ..map });
         assert_eq!(coloured[2..], [NO_CASTER; 2]);
         let ways: HashSet<_> = (0..64).map(|n| hue(n).map(|c| (c * 31.0) as u8)).collect();
         assert!(coloured[0] != plain[0] && ways.len() > 32, "{}", ways.len());

@@ -5,11 +5,11 @@
 //! matters of the GPU: here every sample is decided.
 
 mod light_side;
-mod seen;
+mod primary_hits;
 mod shadows;
 
+use super::debug_views::{DebugMap, DebugViews, PixelClass};
 use super::facet_masks::Settings;
-use super::looks::{Looks, MapLook, PixelClass};
 use super::prepared::Prepared;
 use super::render::{Counts, ListUse, Output};
 use super::unshadowed::nothing_seen;
@@ -71,7 +71,7 @@ pub struct CpuFrame {
     /// The facets of pixels that see something, if they were asked for.
     pub facets: Vec<CpuFacet>,
     /// Looks, if they were asked for.
-    pub looks: Option<Looks>,
+    pub looks: Option<DebugViews>,
 }
 
 /// Why the CPU runs a stage of the plan as no stage of its own, if so.
@@ -121,7 +121,7 @@ pub fn render(
         output: nothing_seen(settings),
         stages: Vec::new(),
         facets: Vec::new(),
-        looks: request.looks.then(|| Looks {
+        looks: request.looks.then(|| DebugViews {
             classes: vec![PixelClass::Empty; settings.pixels()],
             map: (!request.unshadowed && maps.len() == 1).then(|| first_side.known.look(size)),
         }),
@@ -134,7 +134,7 @@ pub fn render(
     let mut first = 0;
     while first < height {
         let band = first..(first + rows).min(height);
-        let seen = seen::Seen::new(&mut clock, &first_side.view, &first_side.triangles, settings, band.clone());
+        let seen = primary_hits::Seen::new(&mut clock, &first_side.view, &first_side.triangles, settings, band.clone());
         let (done, of_band) = ((first * width) as usize, (band.end - first) as usize * width as usize);
         let mut masks: Vec<(FacetBits, bool)> = Vec::new();
         for k in 0..maps.len() {
@@ -189,7 +189,7 @@ impl Clock {
     }
 }
 
-impl seen::Seen {
+impl primary_hits::Seen {
     /// Writes the band's pixels, masks of `words` words, and keeps its facets if asked to; `of` gives the masks of each.
     fn add_to(&self, frame: &mut CpuFrame, words: usize, keep: bool, of: &dyn Fn(usize) -> FacetBits) {
         let (output, mut masks) = (&mut frame.output, Vec::new());
@@ -230,7 +230,7 @@ fn list(name: &'static str, needed: u64) -> ListUse {
 }
 
 impl shadows::Known {
-    fn look(&self, size: u32) -> MapLook {
-        MapLook { size, depths: self.depths.clone(), triangles: Vec::new(), marks: self.marked.clone() }
+    fn look(&self, size: u32) -> DebugMap {
+        DebugMap { size, depths: self.depths.clone(), triangles: Vec::new(), marks: self.marked.clone() }
     }
 }

@@ -1,8 +1,8 @@
 //! Computing a frame of a method whose memory the settings alone decide: no list can overflow, so one run is the frame, unless
 //! what the method left out turns out to be needed.
 
+use super::debug_views::DebugViews;
 use super::geometry::{Geometry, GeometryPipelines};
-use super::looks::Looks;
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
 use super::settings::{FacetMode, LastView, Settings};
@@ -68,7 +68,7 @@ pub trait FixedMethod {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`].
-    fn looks(&self, _: &Gpu) -> Result<Option<Looks>> {
+    fn looks(&self, _: &Gpu) -> Result<Option<DebugViews>> {
         Ok(None)
     }
 }
@@ -186,7 +186,7 @@ impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`].
-    pub fn looks(&self) -> Result<Option<Looks>> {
+    pub fn looks(&self) -> Result<Option<DebugViews>> {
         self.method.looks(self.gpu)
     }
 

@@ -2,26 +2,26 @@
 //! of them use one after the other, and of more than one the whole image beside it.
 
 use super::casters::CasterSet;
+use super::gbuffer_stage::{HALO, keys};
 use super::inputs::Target;
-use super::seen::{HALO, keys};
 use super::textures::first_level;
 use crate::gpu::{Buffer, Recorder};
-use crate::light_view::Parts;
+use crate::light_view::MapTiles;
 use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines};
 use crate::methods::prepared::{MeshBuffers, surfaces};
 use crate::methods::render::Budget;
 use crate::methods::strips::{Rows, Strips};
-use crate::methods::{Settings, growth};
+use crate::methods::{Settings, list_sizing};
 use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
 use std::sync::Arc;
 
 /// What makes it.
-pub struct Maker {
+pub struct StripMaker {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub pipelines: Arc<Pipelines>,
-    pub parts: Parts,
+    pub parts: MapTiles,
     pub budget: Budget,
     /// Room for surfaces that are no casters.
     pub receivers: bool,
@@ -30,7 +30,7 @@ pub struct Maker {
 }
 
 /// An image in strips.
-pub struct CutImage {
+pub struct ImageStrips {
     pub strips: Strips,
     pub method: FacetMasks,
     whole: Option<Whole>,
@@ -41,16 +41,16 @@ struct Whole {
     lit: Buffer<u32>,
 }
 
-/// What [`Maker::make`] makes.
-pub struct Made {
-    pub image: CutImage,
+/// What [`StripMaker::make`] makes.
+pub struct NewStrips {
+    pub image: ImageStrips,
     /// The casters, with room behind them for a triangle a pixel of a strip.
     pub surfaces: Option<MeshBuffers>,
     /// Triangle keys of a strip.
     pub keys: Option<Buffer<u32>>,
 }
 
-impl Maker {
+impl StripMaker {
     /// An image in no more strips than it takes to begin with.
     pub fn first_strips(&self, settings: &Settings) -> Strips {
         Strips::with_halo(settings.size, self.strips, if self.receivers { HALO } else { 0 })
@@ -66,12 +66,12 @@ impl Maker {
         settings: &Settings,
         casters: &CasterSet,
         mut strips: Strips,
-        before: Option<(&CutImage, Capacities)>,
-    ) -> Result<Made> {
+        before: Option<(&ImageStrips, Capacities)>,
+    ) -> Result<NewStrips> {
         let mut made = loop {
             let start = before.map(|(image, wanted)| {
                 let share = f64::from(strips.size()[1]) / f64::from(image.strips.size()[1]);
-                growth::of_rows(wanted, share, settings.facets)
+                list_sizing::of_rows(wanted, share, settings.facets)
             });
             match self.make_strips(settings, casters, strips, start) {
                 Err(error @ Error::Memory { .. }) => strips = strips.more().ok_or(error)?,
@@ -91,17 +91,17 @@ impl Maker {
         casters: &CasterSet,
         strips: Strips,
         start: Option<Capacities>,
-    ) -> Result<Made> {
+    ) -> Result<NewStrips> {
         let (device, queue) = (&self.device, &self.queue);
         let of_strip = Settings { size: strips.size(), ..settings.of_part(self.parts) };
         let pixels = of_strip.pixels();
-        let first = growth::first_for(&of_strip, self.budget, casters.buffers.triangles.len());
-        let first = start.map_or(first, |start| growth::larger(first, start));
-        let first = growth::within(&device.limits(), &of_strip, self.budget, first);
+        let first = list_sizing::first_for(&of_strip, self.budget, casters.buffers.triangles.len());
+        let first = start.map_or(first, |start| list_sizing::larger(first, start));
+        let first = list_sizing::within(&device.limits(), &of_strip, self.budget, first);
         let method = FacetMasks::new(device, queue, self.pipelines.clone(), &casters.buffers, &of_strip, first)?;
         let room = |_| surfaces(device, queue, &casters.prepared.mesh, &casters.prepared.bodies, pixels);
-        Ok(Made {
-            image: CutImage { strips, method, whole: None },
+        Ok(NewStrips {
+            image: ImageStrips { strips, method, whole: None },
             surfaces: self.receivers.then_some(()).map(room).transpose()?,
             keys: self.receivers.then(|| keys(device, pixels)).transpose()?,
         })
@@ -119,7 +119,7 @@ impl Whole {
     }
 }
 
-impl CutImage {
+impl ImageStrips {
     /// Visibility of the whole image.
     pub fn visibility(&self) -> &Buffer<f32> {
         self.whole.as_ref().map_or(self.method.visibility(), |whole| &whole.visibility)

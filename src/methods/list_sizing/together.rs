@@ -84,7 +84,7 @@ impl Together {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::growth::first_for;
+    use crate::methods::list_sizing::first_for;
     use crate::methods::render::Budget;
     use crate::samples::{Pattern, Samples};
 

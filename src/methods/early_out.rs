@@ -1,7 +1,7 @@
 //! What methods of one facet a pixel share around their own work: the facets, settled early where that is proved, the tree
 //! of casters, and from the facets' masks the picture.
 
-use super::fixed::StageInputs;
+use super::fixed_memory::StageInputs;
 use super::light_maps::{LightMapPipelines, LightMaps};
 use super::prepared::{CasterBuffers, Prepared};
 use super::render::Counts;
@@ -20,7 +20,7 @@ use glam::DVec3;
 
 /// Facets, the tree of casters, and the way from masks to the picture.
 #[derive(Debug)]
-pub struct Settled {
+pub struct EarlyOut {
     settings: Settings,
     frame: Buffer<Frame>,
     classify: FacetClassify,
@@ -62,7 +62,7 @@ impl Maps {
     }
 }
 
-impl Settled {
+impl EarlyOut {
     /// Builds the tree, memory and pipelines for one mesh, image and map; with `settle` facets are settled early on proof.
     ///
     /// # Errors

@@ -42,7 +42,7 @@ pub fn in_reach(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::growth::first;
+    use crate::methods::list_sizing::first;
     use crate::methods::render::Budget;
     use crate::samples::{Pattern, Samples};
 

@@ -1,8 +1,8 @@
 //! Any of the methods behind one door, as the program and the report take them.
 
+use super::debug_views::DebugViews;
 use super::facet_masks::FacetMasks;
-use super::fixed::FixedRenderer;
-use super::looks::Looks;
+use super::fixed_memory::FixedRenderer;
 use super::names::MethodName;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
@@ -111,9 +111,9 @@ impl<'a> AnyRenderer<'a> {
     ///
     /// # Errors
     /// As [`AnyRenderer::render`].
-    pub fn render_and_look(&mut self, camera: &Camera, light: &Light) -> Result<(Output, Option<Looks>)> {
+    pub fn render_and_look(&mut self, camera: &Camera, light: &Light) -> Result<(Output, Option<DebugViews>)> {
         if let Self::FacetMasks(renderer) = self {
-            let (gpu, width, mut looks) = (renderer.gpu(), renderer.settings().size[0], Looks::default());
+            let (gpu, width, mut looks) = (renderer.gpu(), renderer.settings().size[0], DebugViews::default());
             let look = &mut |method: &FacetMasks, rows| looks.add_rows(gpu, method, width, rows);
             let output = renderer.render_and(camera, light, look)?;
             return Ok((output, Some(looks)));

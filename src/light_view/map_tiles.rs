@@ -5,12 +5,12 @@ use std::num::NonZeroU32;
 
 /// How a light view's map is cut: into so many parts a side, each with a map of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Parts {
+pub struct MapTiles {
     across: u32,
     texels: u32,
 }
 
-impl Parts {
+impl MapTiles {
     /// A map of `map` texels a side in `across` parts a side, as far as it has texels.
     pub fn new(map: u32, across: NonZeroU32) -> Self {
         let texels = map.div_ceil(across.get()).max(1);
@@ -45,7 +45,7 @@ impl Parts {
         self.texels
     }
 
-    /// The views of all parts of `views`, each with a map of [`Parts::texels`] a side, whose texels are those of the whole map. The
+    /// The views of all parts of `views`, each with a map of [`MapTiles::texels`] a side, whose texels are those of the whole map. The
     /// last of a side may reach beyond it.
     pub fn of(self, views: Vec<LightView>) -> Vec<LightView> {
         if self.across == 1 {
@@ -82,19 +82,19 @@ mod tests {
 
     #[test]
     fn as_few_parts_as_fit() {
-        let parts = |map, bytes| Parts::that_fit(map, bytes);
-        assert_eq!(parts(8192, 128 << 20), Parts { across: 2, texels: 4096 });
-        assert_eq!(parts(5744, 128 << 20), Parts { across: 1, texels: 5744 });
-        assert_eq!(parts(5793, 128 << 20), Parts { across: 2, texels: 2897 });
-        let whole = Parts::largest_binding(512);
-        assert_eq!(parts(512, whole), Parts { across: 1, texels: 512 });
-        assert_eq!(parts(512, whole - 1), Parts { across: 2, texels: 256 });
-        assert_eq!(parts(u32::MAX, u64::MAX), Parts { across: 1, texels: u32::MAX });
-        assert_eq!(parts(7, 0), Parts { across: 7, texels: 1 });
-        assert_eq!(Parts::new(10, NonZeroU32::new(7).unwrap()), Parts { across: 5, texels: 2 });
+        let parts = |map, bytes| MapTiles::that_fit(map, bytes);
+        assert_eq!(parts(8192, 128 << 20), MapTiles { across: 2, texels: 4096 });
+        assert_eq!(parts(5744, 128 << 20), MapTiles { across: 1, texels: 5744 });
+        assert_eq!(parts(5793, 128 << 20), MapTiles { across: 2, texels: 2897 });
+        let whole = MapTiles::largest_binding(512);
+        assert_eq!(parts(512, whole), MapTiles { across: 1, texels: 512 });
+        assert_eq!(parts(512, whole - 1), MapTiles { across: 2, texels: 256 });
+        assert_eq!(parts(u32::MAX, u64::MAX), MapTiles { across: 1, texels: u32::MAX });
+        assert_eq!(parts(7, 0), MapTiles { across: 7, texels: 1 });
+        assert_eq!(MapTiles::new(10, NonZeroU32::new(7).unwrap()), MapTiles { across: 5, texels: 2 });
         for (map, bytes) in [(8191, 1 << 20), (1, 3), (333, 4000), (8192, 4)] {
             let of = parts(map, bytes);
-            assert!(Parts::largest_binding(of.texels) <= bytes.max(16), "{of:?} in {bytes}");
+            assert!(MapTiles::largest_binding(of.texels) <= bytes.max(16), "{of:?} in {bytes}");
             assert!(of.texels * of.across >= map && of.texels * (of.across - 1) < map, "{of:?} of {map}");
         }
     }
@@ -105,7 +105,7 @@ mod tests {
         let mesh = scene();
         for light in [Light::Directional { direction: [0.3, 1.0, 0.2] }, Light::Point { position: [0.5, 6.0, 0.5] }] {
             let whole = LightView::fit(&mesh, &light, 100).unwrap();
-            let parts = Parts::new(100, NonZeroU32::new(3).unwrap());
+            let parts = MapTiles::new(100, NonZeroU32::new(3).unwrap());
             let views = parts.of(vec![whole]);
             assert_eq!((views.len(), parts.texels()), (9, 34));
             assert!(views.iter().all(|v| v.one_of_several && v.map_size == 34));
@@ -124,6 +124,6 @@ mod tests {
             assert!(met.iter().filter(|&&m| m).count() >= 2, "{light:?}: points in {met:?}");
         }
         let one = LightView::fit(&mesh, &Light::Directional { direction: [0.3, 1.0, 0.2] }, 100).unwrap();
-        assert_eq!(Parts::that_fit(100, 1 << 20).of(vec![one]), vec![one]);
+        assert_eq!(MapTiles::that_fit(100, 1 << 20).of(vec![one]), vec![one]);
     }
 }

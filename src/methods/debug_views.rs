@@ -46,7 +46,7 @@ impl PixelClass {
 
 /// A light-view map, texel by texel, row by row; of several slices of the view one map below the other, the nearest first.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct MapLook {
+pub struct DebugMap {
     /// Texels a side.
     pub size: u32,
     /// Depth of the nearest caster: at the texel's centre, with `spsm` its least over the texel; not a number where there is
@@ -60,14 +60,14 @@ pub struct MapLook {
 
 /// Pictures of a frame's inside.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Looks {
+pub struct DebugViews {
     /// Class of each pixel, row by row from the top; empty where the method has no classes.
     pub classes: Vec<PixelClass>,
     /// The map, where one was made; none where `facet-masks` has several views.
-    pub map: Option<MapLook>,
+    pub map: Option<DebugMap>,
 }
 
-impl Looks {
+impl DebugViews {
     /// Adds the strip of rows of an image `width` pixels wide, of whose facets nothing casts a shadow; without a map. Row 0 begins anew.
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl Looks {
         if rows.first == 0 {
             // Several views have no one map.
             let one = method.capacities().views == 1;
-            let map = one.then(|| MapLook::of_layers(gpu, method.layers())).transpose()?;
+            let map = one.then(|| DebugMap::of_layers(gpu, method.layers())).transpose()?;
             *self = Self { classes: Vec::new(), map };
         }
         self.add_classes(gpu, method.facets(), method.visibility().len(), width, rows)
@@ -110,7 +110,7 @@ impl Looks {
     pub(super) fn of_spsm(gpu: &Gpu, method: &Spsm) -> Result<Self> {
         let texels = method.texels();
         let closest = texels.closest(gpu)?;
-        let map = MapLook {
+        let map = DebugMap {
             size: side(closest.len()),
             depths: closest.iter().map(|c| c.map_or(f32::NAN, |(_, depth)| depth)).collect(),
             triangles: closest.iter().map(|c| c.map_or(u32::MAX, |(triangle, _)| triangle)).collect(),
@@ -122,15 +122,15 @@ impl Looks {
 
     pub(super) fn of_split_maps(gpu: &Gpu, method: &SplitMapping) -> Result<Self> {
         let (keys, size) = method.maps();
-        Ok(Self { classes: Vec::new(), map: Some(MapLook { size, ..MapLook::of_keys(gpu, keys)? }) })
+        Ok(Self { classes: Vec::new(), map: Some(DebugMap { size, ..DebugMap::of_keys(gpu, keys)? }) })
     }
 
     pub(super) fn of_shadow_map(gpu: &Gpu, method: &ShadowMapping) -> Result<Self> {
-        Ok(Self { classes: Vec::new(), map: Some(MapLook::nearest(gpu, method.map())?) })
+        Ok(Self { classes: Vec::new(), map: Some(DebugMap::nearest(gpu, method.map())?) })
     }
 }
 
-impl MapLook {
+impl DebugMap {
     fn nearest(gpu: &Gpu, layers: &Layers) -> Result<Self> {
         Self::of_keys(gpu, &layers.nearest_keys)
     }
