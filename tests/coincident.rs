@@ -5,6 +5,7 @@
 mod device;
 
 use device::gpu;
+use gpu_test::gpu_test;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::methods::{Prepared, cpu};
@@ -169,24 +170,21 @@ impl World {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn thin_plates_show_their_upper_side() {
     for thickness in [1e-7, 2e-7, 1e-6, 3e-6, 1e-5, 1e-4, 1e-3] {
         plate(thickness).check(0.998);
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn leaves_at_a_common_corner_are_told_apart() {
     for ulps in [1, 2, 5, 100] {
         leaves(ulps).check(0.998);
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn bodies_that_stand_twice_are_told_apart() {
     for ulps in [1, 2, 7] {
         doubled(ulps).check(0.998);
@@ -194,8 +192,7 @@ fn bodies_that_stand_twice_are_told_apart() {
 }
 
 /// A light within 2^-40 of the ground's plane lies in it, and the ground is dark; a light above shines along it.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_light_along_the_ground_is_in_it_or_above() {
     for (height, lit) in [(0.0, false), (1e-15, false), (1e-14, false), (1e-13, false), (1e-11, true), (1e-9, true)] {
         let light = Light::Directional { direction: [0.3e-3, height, 1.0] };
@@ -213,8 +210,7 @@ fn a_light_along_the_ground_is_in_it_or_above() {
 }
 
 /// A sample that is put on the surface behind its own is noticed, though facet truth finds nothing wrong with it.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn another_surface_is_noticed() {
     let world = doubled(7);
     let prepared = Prepared::new(&world.mesh).expect("a mesh");

@@ -1,5 +1,6 @@
 //! The GPU engine against the CPU engine on small pictures of the built-in scenes.
 
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::render::{Budget, Output, Renderer};
@@ -126,28 +127,24 @@ fn compare(own_only: bool, of_gpu: &Settings, of_cpu: &Settings) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn engines_agree_where_all_is_evaluated() {
     compare(false, &settings(false, false), &settings(false, false));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn engines_agree_on_validity() {
     compare(false, &settings(false, true), &settings(false, true));
 }
 
 /// A settled facet stands for its sheet, and the engines may settle different facets: alike on the own triangle.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn engines_agree_on_settled_facets() {
     compare(true, &settings(true, false), &settings(false, false));
     compare(true, &settings(true, false), &settings(true, false));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn engines_agree_on_every_surface() {
     let all = |settle| Settings { facets: FacetMode::All, ..settings(settle, false) };
     compare(false, &all(true), &all(true));

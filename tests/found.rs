@@ -4,6 +4,7 @@
 mod device;
 
 use device::gpu;
+use gpu_test::gpu_test;
 use std::path::Path;
 use subpixel_shadows::fuzz::{FuzzCase, FuzzDevice, How, Kind, World, judge};
 use subpixel_shadows::methods::render::Budget;
@@ -91,8 +92,7 @@ fn case(found: &Found) -> FuzzCase {
     FuzzCase { seed: 0, number: 0, kind: Kind::ALL[0], world, how }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_was_wrong_once_is_right() {
     let bench = FuzzDevice::new(gpu());
     for found in &FOUND {

@@ -4,6 +4,7 @@
 mod device;
 
 use device::gpu;
+use gpu_test::gpu_test;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
@@ -21,8 +22,7 @@ fn cases() -> impl Iterator<Item = FuzzCase> {
     (0..).map(|number| FuzzCase::of(SEED, number).expect("a case"))
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn no_sample_of_random_worlds_is_wrong() {
     let bench = FuzzDevice::new(gpu());
     let asked = Run { seed: SEED, first: 0, cases: CASES, patience: None, out: None, shrink: Duration::ZERO };
@@ -61,8 +61,7 @@ fn turn_masks(shot: &mut Shot) {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn spoiled_frames_are_failures() {
     let bench = FuzzDevice::new(gpu());
     for (method, facets) in [
@@ -104,8 +103,7 @@ fn spoiled_frames_are_failures() {
 }
 
 /// With masks from a table a few samples may be wrong, not many.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn tables_are_held_to_their_bound() {
     let bench = FuzzDevice::new(gpu());
     let wanted = |case: &FuzzCase| !case.how.is_exact() && case.how.settings.samples.count() >= 32;
@@ -125,8 +123,7 @@ fn program(arguments: &[&str]) -> (i32, String) {
     (output.status.code().expect("a status"), text)
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn the_program_runs_cases() {
     let folder = std::env::temp_dir().join(format!("subpixel-shadows-fuzz-program-{}", std::process::id()));
     let page: PathBuf = folder.join("page.md");

@@ -8,6 +8,7 @@ mod frames;
 
 use device::gpu;
 use frames::status_of;
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
@@ -272,8 +273,7 @@ fn assert_same_shadows(what: &str, got: &Picture, want: &Picture) {
 
 /// Every convention of depth, in either format, and positions: where all surfaces are casters the picture is that of the
 /// triangle numbers, and that of the pass alone. A depth that is off, or of another convention, is another picture.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn surfaces_of_casters_are_the_casters() {
     for name in ["windmill", "spheres", "bicycle"] {
         let scene = scene(name);
@@ -394,8 +394,7 @@ fn sheets() -> Scene {
 }
 
 /// Casters and what only receives, in one another's midst: what is settled early is as light as evaluation says.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn settled_receivers_are_as_evaluated() {
     for name in ["sheets", "spheres", "plant", "cage"] {
         let scene = if name == "sheets" { sheets() } else { scene(name) };
@@ -447,8 +446,7 @@ fn settled_receivers_are_as_evaluated() {
 
 /// A ground that is taken out of the casters and given as depth or position only has the shadows that it has as a caster, for
 /// every kind of light, also far beyond the casters' box and behind the light.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_ground_that_casts_nothing_receives() {
     let (mut compared, mut in_shadow, mut noticed) = (0, 0, 0);
     for (name, lights) in [("bicycle", [1.0, 0.3]), ("spheres", [0.4, 1.5]), ("plant", [1.0, 0.15])] {
@@ -537,8 +535,7 @@ fn a_ground_that_casts_nothing_receives() {
 }
 
 /// Texels that are no number, infinite, behind the eye or without direction are counted, and count as nothing.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn texels_that_are_no_place_are_faults() {
     let (all, casters, scene) = grounded("spheres", 0.01);
     let seen = raster(&all, &scene.camera);
@@ -599,8 +596,7 @@ fn refused(what: &str, result: Result<u64, Error>) {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn bad_surfaces_are_refused() {
     let scene = scene("plane");
     let mut pass = pass(settings(FacetMode::One, 32), &scene.mesh);
@@ -682,8 +678,7 @@ fn layer_texture(layers: &[Vec<u32>]) -> wgpu::Texture {
 }
 
 /// A G-buffer with the samples of the picture is the full search, bit for bit; one with fewer is not, but nearly.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn the_samples_of_the_picture_are_the_full_search() {
     for (name, count) in [("windmill", 32), ("bicycle", 32), ("plant", 128), ("spheres", 8)] {
         let scene = scene(name);
@@ -722,8 +717,7 @@ fn the_samples_of_the_picture_are_the_full_search() {
 
 /// In strips of rows a pixel shows what it shows in one piece, though neighbours are looked at that other strips hold; faults are
 /// counted once.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn surfaces_in_strips_are_the_whole() {
     let (all, casters, scene) = grounded("spheres", 0.01);
     let seen = raster(&all, &scene.camera);
@@ -778,8 +772,7 @@ fn surfaces_in_strips_are_the_whole() {
 }
 
 /// Numbers of no triangle count as nothing, and are said.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn samples_that_name_no_triangle_are_faults() {
     let scene = scene("spheres");
     let settings = settings(FacetMode::All, 32);
@@ -808,8 +801,7 @@ fn samples_that_name_no_triangle_are_faults() {
     assert_same("four strips", &got, &want);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn bad_samples_are_refused() {
     let scene = scene("plane");
     let mut pass = pass(settings(FacetMode::All, 32), &scene.mesh);

@@ -265,6 +265,7 @@ fn set_up_is_a_line_of_its_own() {
 
 mod gpu {
     use super::*;
+    use gpu_test::gpu_test;
     use subpixel_shadows::gpu::Gpu;
     use subpixel_shadows::methods::render::{Budget, Output};
     use subpixel_shadows::methods::unshadowed::{self, Unshadowed};
@@ -272,8 +273,7 @@ mod gpu {
     use subpixel_shadows::samples::{Pattern, Samples};
     use subpixel_shadows::scene::{Scene, SceneOptions};
 
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn frames_are_repeated_bit_for_bit() {
         let folder = Folder::new("repeat");
         let (first, again) = (folder.path("first"), folder.path("again"));
@@ -349,8 +349,7 @@ mod gpu {
     }
 
     /// One frame before the clock starts, on every way, with one frame, too.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn some_frame_is_timed_on_every_way() {
         let folder = Folder::new("timed");
         let out = folder.path("out");
@@ -371,8 +370,7 @@ mod gpu {
     }
 
     /// Memory that is kept from frame to frame leaves nothing behind.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn unshadowed_frames_are_as_fresh_ones() {
         let gpu = Gpu::open(None).expect("a GPU");
         let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
@@ -423,8 +421,7 @@ mod gpu {
     }
 
     /// What a method does not take changes nothing of its picture, and what it takes changes picture or stages.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn the_table_of_options_is_true() {
         let gpu = Gpu::open(None).expect("a GPU");
         let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");

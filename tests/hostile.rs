@@ -4,6 +4,7 @@
 #[path = "shared/hostile.rs"]
 mod hostile;
 
+use gpu_test::gpu_test;
 use hostile::{Folder, Random, gltf_buffer, is_one_line_that_names, sound, write_companions};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -336,8 +337,7 @@ fn huge_counts_take_no_memory() {
 
 /// Ends of the ranges of options, on the GPU: a whole picture of shares, or one line. All options and methods:
 /// `cargo run --release --example hostile`.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn ends_of_ranges_on_the_gpu() {
     let folder = Folder::new("ends").unwrap();
     let out = folder.0.join("out");

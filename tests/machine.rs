@@ -2,6 +2,7 @@
 //! killed.
 #![cfg(all(feature = "cli", unix))]
 
+use gpu_test::gpu_test;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -136,8 +137,7 @@ fn files_of_two_runs_do_not_mix() {
 }
 
 /// A folder that another run holds for long is refused in one line, and free again when that run is gone.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn the_second_run_is_refused() {
     let folder = Folder::new("held");
     let out = folder.path("out");
@@ -253,8 +253,7 @@ fn kill_and_resume(kills: u64) -> (u64, u64) {
     (at_work, halves)
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_report_killed_twenty_times_goes_on_without_a_row_lost_or_twice() {
     let start = Instant::now();
     let (at_work, halves) = kill_and_resume(20);

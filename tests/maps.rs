@@ -5,6 +5,7 @@
 mod device;
 
 use device::gpu;
+use gpu_test::gpu_test;
 use subpixel_shadows::methods::fixed_memory::FixedMethod;
 use subpixel_shadows::methods::render::{Budget, Output};
 use subpixel_shadows::methods::spsm::Spsm;
@@ -104,8 +105,7 @@ fn disordered(mesh: &Mesh) -> Mesh {
     out
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn frames_repeat() {
     let plain = scene("windmill");
     let prepared = Prepared::new(&plain.mesh).expect("a sound mesh");
@@ -120,14 +120,12 @@ fn frames_repeat() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn order_does_not_matter() {
     unchanged_by("in another order", |scene| Scene { mesh: disordered(&scene.mesh), ..scene.clone() });
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn duplicates_do_not_matter() {
     unchanged_by("doubled", |scene| {
         let mut other = scene.clone();
@@ -136,8 +134,7 @@ fn duplicates_do_not_matter() {
     });
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn scale_does_not_matter() {
     unchanged_by("scaled", |scene| {
         let mut other = scene.clone();
@@ -158,8 +155,7 @@ fn scale_does_not_matter() {
 
 /// That `spsm` makes only the texels that are asked for changes nothing, with maps finer and coarser than the image; a texel that is
 /// missed has the frame run again with all.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn unseen_texels_do_not_matter() {
     for name in SCENES {
         let plain = scene(name);
@@ -186,8 +182,7 @@ fn unseen_texels_do_not_matter() {
 }
 
 /// Images and maps of one cell and of a few, and a scene without anything in it.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn small_and_empty() {
     let plain = scene("spheres");
     let bare = Scene { mesh: Mesh::default(), ..plain.clone() };

@@ -6,6 +6,7 @@ mod frames;
 mod refused;
 
 use frames::status_of;
+use gpu_test::gpu_test;
 use refused::Told;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::faults::Refusal;
@@ -22,8 +23,7 @@ fn scene(name: &str) -> Scene {
 
 /// Of the smallest scene many requests, with both ways to refuse and both facet modes; of each other scene some of a renderer's.
 /// `cargo run --release --example refused_memory` refuses each of all scenes.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_refused_request_is_an_error_and_no_more() {
     let gpu = Gpu::open(None).expect("a GPU");
     let mut all = [0, 0];
@@ -50,8 +50,7 @@ fn a_refused_request_is_an_error_and_no_more() {
 }
 
 /// Some of the requests of a pass as it is made, with pipelines of its own.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_pass_that_cannot_be_made_is_an_error() {
     let gpu = Gpu::open(None).expect("a GPU");
     for (facets, first, step) in [(FacetMode::One, 3, 41), (FacetMode::All, 5, 47)] {
@@ -68,8 +67,7 @@ fn settings(facets: FacetMode, size: [u32; 2]) -> Settings {
 
 /// A device that is destroyed while a renderer waits for its frame: an error that says so, and no frame after it. A new renderer on a new
 /// device gives the bits that the first frames had.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_renderer_whose_device_is_lost_says_so() {
     let scene = scene("windmill");
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
@@ -98,8 +96,7 @@ fn a_renderer_whose_device_is_lost_says_so() {
 
 /// A device that is destroyed while frames of a pass are in flight, some recorded and not submitted: each frame that was submitted
 /// has a status that says so, none is complete that is not, and a new pass on a new device gives the same bits.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_pass_whose_device_is_lost_says_so() {
     let scene = scene("windmill");
     let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };

@@ -5,6 +5,7 @@
 mod device;
 
 use device::gpu;
+use gpu_test::gpu_test;
 use std::sync::{Arc, Mutex};
 use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
@@ -162,8 +163,7 @@ fn scaled(scene: &Scene, factor: f32) -> Scene {
 
 /// A hundred frames of the first scene and five of the others; of every scene a hundred, with one facet a pixel and with all,
 /// with `SUBPIXEL_SHADOWS_ALL_SCENES=1`.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn frames_repeat() {
     let mut failures = Failures::default();
     let modes = if all_scenes() { vec![FacetMode::One, FacetMode::All] } else { vec![FacetMode::One] };
@@ -186,8 +186,7 @@ fn frames_repeat() {
 }
 
 /// A renderer keeps the light's view while the light is the same, and no longer.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn earlier_lights_do_not_matter() {
     let mut failures = Failures::default();
     let scene = scene("spheres");
@@ -205,8 +204,7 @@ fn earlier_lights_do_not_matter() {
     failures.report();
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn order_does_not_matter() {
     let mut failures = Failures::default();
     for name in scenes() {
@@ -224,8 +222,7 @@ fn order_does_not_matter() {
 
 /// Every triangle twice. Where a sheet is doubled its texels are marked, so fewer facets are settled; all are evaluated
 /// here. (A settled facet of a pixel stands for its sheet, an evaluated one for its plane.)
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn duplicates_do_not_matter() {
     let mut failures = Failures::default();
     for name in scenes() {
@@ -238,8 +235,7 @@ fn duplicates_do_not_matter() {
     failures.report();
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn scale_does_not_matter() {
     let mut failures = Failures::default();
     for name in scenes() {
@@ -253,8 +249,7 @@ fn scale_does_not_matter() {
     failures.report();
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn list_sizes_do_not_matter() {
     let mut failures = Failures::default();
     let mut short_of_memory = 0;
@@ -299,8 +294,7 @@ fn list_sizes_do_not_matter() {
 }
 
 /// An image in strips of rows, which overlap where they do not divide it, is the image in one piece.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn strips_do_not_matter() {
     let mut failures = Failures::default();
     for (name, facets) in scenes().flat_map(|name| [(name, FacetMode::One), (name, FacetMode::All)]) {
@@ -330,8 +324,7 @@ fn strips_do_not_matter() {
 }
 
 /// A device that binds little renders in strips by itself, and cuts the light's map into parts.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_device_that_binds_little_renders_in_strips_and_parts() {
     let scene = scene("spheres");
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
@@ -361,8 +354,7 @@ fn a_device_that_binds_little_renders_in_strips_and_parts() {
 }
 
 /// Also where nothing casts a shadow.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn strips_do_not_matter_where_nothing_casts() {
     let scene = scene("spheres");
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
@@ -387,8 +379,7 @@ fn strips_do_not_matter_where_nothing_casts() {
 
 /// By tiles or by texels, sorted or grouped, what comes of the pairs is the same, with room for all from the start, with none, and
 /// in bands.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn how_pairs_are_brought_together_does_not_matter() {
     let mut failures = Failures::default();
     for (name, facets) in scenes().flat_map(|name| [(name, FacetMode::One), (name, FacetMode::All)]) {
@@ -418,8 +409,7 @@ fn how_pairs_are_brought_together_does_not_matter() {
 
 /// What the plan leaves out of a scene changes no pixel. (The mask of a facet that was settled holds all of its samples, of
 /// one that was evaluated those that are valid.)
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_is_left_out_does_not_matter() {
     let mut failures = Failures::default();
     let mut left_out = 0;
@@ -443,8 +433,7 @@ fn what_is_left_out_does_not_matter() {
 }
 
 /// With nothing settled, the light-view map only lists candidates: its size changes no answer.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn map_size_does_not_matter() {
     let mut failures = Failures::default();
     for name in scenes() {
@@ -459,8 +448,7 @@ fn map_size_does_not_matter() {
 }
 
 /// The samples of a shorter pattern are the first of a longer one, and each is decided by itself.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn samples_do_not_influence_each_other() {
     for name in scenes() {
         let scene = scene(name);
@@ -517,8 +505,7 @@ fn own_samples(prepared: &Prepared, output: &Output, scene: &Scene, samples: &Sa
 
 /// Settled facets are answered as evaluation would, at the samples on the triangle itself, whatever the size of the map.
 /// A settled facet stands for its sheet and keeps no validity mask, so elsewhere the two may differ.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn settling_does_not_matter_on_the_own_triangle() {
     let mut failures = Failures::default();
     for name in scenes() {
@@ -544,8 +531,7 @@ fn settling_does_not_matter_on_the_own_triangle() {
     failures.report();
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn tiny_images_obey_the_same() {
     let mut failures = Failures::default();
     for name in ["windmill", "spheres"] {
@@ -568,8 +554,7 @@ fn tiny_images_obey_the_same() {
     failures.report();
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn nothing_is_lit() {
     let scene = scene("plane");
     for mesh in [Mesh::default(), Mesh { positions: vec![[0.0; 3]; 4], triangles: Vec::new() }] {
@@ -583,8 +568,7 @@ fn nothing_is_lit() {
 }
 
 /// The largest map is rendered as any other, in parts where the device binds too little.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn the_largest_map_is_rendered() {
     let scene = scene("plane");
     let of = |map| Settings { map, ..settings(false) };
@@ -594,8 +578,7 @@ fn the_largest_map_is_rendered() {
 }
 
 /// Settings that cannot be rendered are refused, and the same device renders the next frame.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn impossible_settings_are_errors() {
     let scene = scene("plane");
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");

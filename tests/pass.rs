@@ -7,6 +7,7 @@ mod frames;
 
 use device::gpu;
 use frames::status_of;
+use gpu_test::gpu_test;
 use std::sync::{Arc, Mutex};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::MapTiles;
@@ -168,8 +169,7 @@ fn assert_same(what: &str, got: &Picture, want: &Picture) {
     assert!(want.0.iter().any(|&v| v == 1.0f32.to_bits()) && want.0.contains(&0), "{what}: nothing to see");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn the_picture_is_the_renderers() {
     for facets in [FacetMode::One, FacetMode::All] {
         let settings = settings(facets);
@@ -213,8 +213,7 @@ fn id_texture(ids: &[u32]) -> wgpu::Texture {
     texture
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn triangle_ids_stand_in_for_camera_visibility() {
     let settings = settings(FacetMode::One);
     let scene = scene("spheres");
@@ -253,8 +252,7 @@ fn complete_or_faulty(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, Frame
     frames.into_iter().find(|f| !f.1.overflowed).expect("lists that suffice by the third frame")
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn an_overflow_is_said_and_the_next_frame_is_whole() {
     for facets in [FacetMode::One, FacetMode::All] {
         let settings = settings(facets);
@@ -280,8 +278,7 @@ fn an_overflow_is_said_and_the_next_frame_is_whole() {
 /// a few times only. Without growth of their own they stay as they are until they are told.
 /// A frame in which less is seen than in the one before looks at nothing that is left of that: it counts what a frame of a fresh pass
 /// does, and draws the same.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_frame_after_a_fuller_one_counts_as_the_first() {
     let scene = scene("windmill");
     let far = Camera { eye: scene.camera.eye.map(|x| 4.0 * x), far: 4.0 * scene.camera.far, ..scene.camera };
@@ -300,8 +297,7 @@ fn a_frame_after_a_fuller_one_counts_as_the_first() {
 }
 
 /// An application that never asks how its frames came out does not gather them.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn frames_nobody_asks_about_are_let_go() {
     let scene = scene("plane");
     for grow in [false, true] {
@@ -319,8 +315,7 @@ fn frames_nobody_asks_about_are_let_go() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn lists_grow_from_one_element() {
     let scene = scene("spheres");
     let inputs = Inputs::new(&scene.camera, &scene.light);
@@ -371,8 +366,7 @@ fn bounds(mesh: &Mesh) -> [[f32; 3]; 2] {
 }
 
 /// A light that goes in among its casters and out again, with casters that stand and with casters that move.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_light_among_its_casters_has_a_cube_of_views() {
     let settings = settings(FacetMode::All);
     let scene = scene("cage");
@@ -401,8 +395,7 @@ fn a_light_among_its_casters_has_a_cube_of_views() {
 
 /// Frames of other lights and cameras that take turns, two in flight, come to lists that hold them all: with other numbers of views,
 /// and where the lists may not grow as they like.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn frames_in_turns_come_to_lists_for_all() {
     let (settings, scene) = (settings(FacetMode::All), scene("cage"));
     let far = Camera { eye: scene.camera.eye.map(|x| 1.7 * x), far: 4.0 * scene.camera.far, ..scene.camera };
@@ -441,8 +434,7 @@ fn frames_in_turns_come_to_lists_for_all() {
 }
 
 /// A map that is more than a binding holds, which is 128 MiB of a device that has no more than WebGPU's defaults.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_map_larger_than_a_binding_is_cut() {
     let scene = scene("plane");
     let small = settings(FacetMode::One);
@@ -470,8 +462,7 @@ fn a_map_larger_than_a_binding_is_cut() {
 
 /// In strips of rows, as many as there may be, the picture is that of one piece: also of moved casters, with a cube of views, with
 /// lists that grow from nothing, in another size, and with triangle numbers, whose faults are counted once.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn strips_are_the_whole() {
     let scene = scene("spheres");
     let mesh = &scene.mesh;
@@ -553,8 +544,7 @@ fn strips_are_the_whole() {
 }
 
 /// A device whose bindings do not hold the image has it in strips, from the start, or once its lists do not fit any more.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_device_that_binds_little_has_strips() {
     let scene = scene("windmill");
     let inputs = Inputs::new(&scene.camera, &scene.light);
@@ -608,8 +598,7 @@ fn read_words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<u32> {
     bytemuck::pod_collect_to_vec(&staging.get_mapped_range(..).expect("mapped"))
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_moved_vertex_buffer_is_a_fresh_mesh() {
     let settings = settings(FacetMode::One);
     let scene = scene("windmill");
@@ -659,8 +648,7 @@ fn a_moved_vertex_buffer_is_a_fresh_mesh() {
 }
 
 /// Two frames in one encoder have each their own camera; an encoder that is dropped leaves nothing behind.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn frames_of_one_submission_do_not_mix() {
     let settings = settings(FacetMode::One);
     let scene = scene("spheres");
@@ -715,8 +703,7 @@ fn refused(what: &str, result: Result<u64, Error>) {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn bad_input_is_refused() {
     let (device, queue) = (&gpu().device, &gpu().queue);
     let scene = scene("plane");

@@ -6,6 +6,7 @@ mod frames;
 mod soak;
 
 use frames::status_of;
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::methods::Prepared;
@@ -37,8 +38,7 @@ fn pass_on(gpu: &Gpu, config: &PassConfig) -> ShadowPass {
 
 /// Commands that the device refuses, because of what the application recorded beside the frame, run nothing. The counters of
 /// such a frame are zeros, or those of the frame that used their buffer before.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn refused_commands_are_no_frame() {
     // Of its own: other tests ask theirs for errors.
     let gpu = Gpu::open(None).expect("a GPU");
@@ -92,8 +92,7 @@ fn frame(gpu: &Gpu, pass: &mut ShadowPass, inputs: &Inputs, target: &Target) -> 
 
 /// Whatever becomes of a pass, its pipelines are those it was made with: another size, casters that have surfaces to merge and that have
 /// none, casters that move, lists that grow from one element, more strips, more views of the light.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn pipelines_are_made_once() {
     let gpu = Gpu::open(None).expect("a GPU");
     let mut scenes = ["windmill", "plant", "spheres"].map(scene);
@@ -133,8 +132,7 @@ fn pipelines_are_made_once() {
 }
 
 /// Pipelines of another number of samples are no others with a word alike: what is beyond their samples is not in them.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn pipelines_of_other_samples_are_refused() {
     let gpu = Gpu::open(None).expect("a GPU");
     let of = |count: u32| {
@@ -152,8 +150,7 @@ fn pipelines_of_other_samples_are_refused() {
 
 /// A camera that goes round a scene, a step a frame: only the first frame may find its lists too short. Lists grow and never shrink,
 /// a few times only.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn lists_grow_before_they_overflow() {
     let gpu = Gpu::open(None).expect("a GPU");
     let mut grown = 0;
@@ -195,8 +192,7 @@ fn words(gpu: &Gpu, from: &wgpu::Buffer) -> Vec<u32> {
 
 /// With lists that begin at one element no target ever shows anything but the picture of the last frame whose status says complete,
 /// or, before there is one, light everywhere: in one piece and in strips, also after other casters came.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn the_last_complete_picture_stands() {
     let gpu = Gpu::open(None).expect("a GPU");
     // Rows of 256 bytes, as copies of textures want them.
@@ -285,8 +281,7 @@ fn turned(scene: &Scene, by: f32) -> Camera {
 }
 
 /// A short soak: memory of the device is not more after the second half than after the first, and the last frame is that of a fresh pass.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_short_soak_is_flat() {
     for facets in [FacetMode::One, FacetMode::All] {
         let gpu = Gpu::open(None).expect("a GPU");

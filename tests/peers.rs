@@ -4,6 +4,7 @@
 mod device;
 
 use device::gpu;
+use gpu_test::gpu_test;
 use subpixel_shadows::methods::any_renderer::AnyRenderer;
 use subpixel_shadows::methods::fixed_memory::{FixedMethod, FixedRenderer};
 use subpixel_shadows::methods::ray_traced::RayTraced;
@@ -105,8 +106,7 @@ fn check_against_facet_masks(name: &str, settings: &Settings, output: &Output) {
 }
 
 /// Triangles at an edge that face the light alike do not shadow each other: no pixel is dark whose centre rounding puts beyond the edge.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn creases_are_lit() {
     let scene = scene("bumpy", false);
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
@@ -126,8 +126,7 @@ fn creases_are_lit() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn ray_traced() {
     for name in ["plane", "windmill", "knot"] {
         let all = check(name, MethodName::RayTraced, false, &settings(32));
@@ -139,16 +138,14 @@ fn ray_traced() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn ray_traced_otherwise() {
     check("knot", MethodName::RayTraced, true, &settings(128));
     check("plane", MethodName::RayTraced, true, &Settings { validity: false, settle: false, ..settings(64) });
 }
 
 /// The same question a third time, whatever the size of the map.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn supersampled() {
     for name in ["plane", "windmill"] {
         let frame = check(name, MethodName::Supersampled, false, &settings(32));

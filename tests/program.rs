@@ -419,9 +419,9 @@ fn an_empty_scene_is_fully_lit_without_an_adapter() {
 /// What needs an adapter.
 mod with_a_gpu {
     use super::*;
+    use gpu_test::gpu_test;
 
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn all_files_are_written_and_keep_the_contract() {
         let folder = Folder::new("gpu");
         let out = folder.path("out");
@@ -448,8 +448,7 @@ mod with_a_gpu {
     }
 
     /// Every method renders, explains itself, and leaves out what is not needed, under its own name.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn every_method_keeps_the_contract() {
         let folder = Folder::new("methods");
         let out = folder.path("out");
@@ -484,8 +483,7 @@ mod with_a_gpu {
     }
 
     /// What `smsr` is told of its lines reaches them: corners only darken, and the farther they reach the more.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn smsr_takes_its_options() {
         let folder = Folder::new("smsr");
         let of = |name: &str, more: &[&str]| {
@@ -502,8 +500,7 @@ mod with_a_gpu {
     }
 
     /// What the methods of fitted and filtered maps are told reaches them.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn remix_takes_its_options() {
         let folder = Folder::new("remix");
         let in_scene = |scene: &str, method: &str, more: &[&str]| {
@@ -558,8 +555,7 @@ mod with_a_gpu {
     }
 
     /// `--looks` adds pictures of what was known, in the colours of the key.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn looks_show_what_was_counted() {
         let folder = Folder::new("looks");
         // A roof over a floor, and a sail that shows its dark side; sky around them.
@@ -623,8 +619,7 @@ mod with_a_gpu {
         }
     }
 
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn adapters_are_listed_and_unknown_ones_are_status_3() {
         let text = stdout(&run(&["adapters"]));
         assert!(text.contains("backend") && text.contains("path"), "{text}");
@@ -637,8 +632,7 @@ mod with_a_gpu {
         assert!(!Path::new(&out).exists());
     }
 
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn odd_sizes_work() {
         let folder = Folder::new("gpu-odd");
         let out = folder.path("out");
@@ -652,8 +646,7 @@ mod with_a_gpu {
     }
 
     /// The engines share only the definition of the method; samples on an edge may fall to either side.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn both_engines_give_one_picture() {
         let folder = Folder::new("engines");
         let (ours, theirs) = (folder.path("gpu"), folder.path("cpu"));
@@ -667,8 +660,7 @@ mod with_a_gpu {
     }
 
     /// What the plan leaves out changes nothing, rule by rule.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn the_plan_changes_no_bit() {
         let folder = Folder::new("plan");
         let (planned, forced) = (folder.path("planned"), folder.path("forced"));
@@ -749,8 +741,7 @@ mod with_a_gpu {
 
     /// One view cannot hold what is all around a light: `facet-masks` takes a cube of them, and of the methods with one no picture
     /// is better than one with shadows missing.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn a_light_among_its_casters_is_rendered_or_refused() {
         let folder = Folder::new("among");
         let (out, rendered) = (folder.path("out"), folder.path("rendered"));
@@ -766,8 +757,7 @@ mod with_a_gpu {
     }
 
     /// Lists that overflow, and a frame split for want of memory, give the same picture.
-    #[test]
-    #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+    #[gpu_test]
     fn overflow_is_harmless() {
         let folder = Folder::new("overflow");
         let (ample, tight) = (folder.path("ample"), folder.path("tight"));

@@ -1,6 +1,7 @@
 //! `report` as its users meet it: what it writes, that its rows are the truth, that it goes on where it stopped.
 #![cfg(feature = "cli")]
 
+use gpu_test::gpu_test;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -49,8 +50,7 @@ fn report(out: &str, args: &[&str]) -> Output {
     done
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_row_agrees_with_render() {
     let folder = Folder::new("rows");
     let (out, frame) = (folder.path("report"), folder.path("frame"));
@@ -93,8 +93,7 @@ fn every_row_agrees_with_render() {
     assert_eq!(csv.lines().count(), rows.len() + 1);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn goes_on_where_it_stopped() {
     let folder = Folder::new("resume");
     let out = folder.path("report");
@@ -123,8 +122,7 @@ fn goes_on_where_it_stopped() {
 }
 
 /// A method that is added later finds the others in the picture.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn pictures_show_all_rows() {
     let folder = Folder::new("pictures");
     let (out, whole) = (folder.path("added"), folder.path("whole"));
@@ -138,8 +136,7 @@ fn pictures_show_all_rows() {
     assert!(picture(&out) != first, "nothing was added");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn bad_input_is_one_line_and_leaves_nothing() {
     let folder = Folder::new("bad");
     let out = folder.path("report");
@@ -159,8 +156,7 @@ fn bad_input_is_one_line_and_leaves_nothing() {
 }
 
 /// Cases that must give one picture do, and no sample is wrong; what is not known is refused in one line.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn stiff_cases_hold() {
     let folder = Folder::new("stability");
     let out = folder.path("out");

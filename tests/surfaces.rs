@@ -5,6 +5,7 @@
 mod device;
 
 use device::gpu;
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DQuat, DVec3};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
@@ -130,8 +131,7 @@ fn check(name: &str) {
 
 macro_rules! scenes {
     ($($name:ident)*) => { $(
-        #[test]
-        #[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+        #[gpu_test]
         fn $name() {
             assert!(SCENES.contains(&stringify!($name)));
             check(stringify!($name));
@@ -141,8 +141,7 @@ macro_rules! scenes {
 scenes! { windmill cage bicycle plant spheres knot bumpy plane }
 
 /// With one facet a pixel the same comparison fails: it is not blind.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one_facet_is_wrong() {
     let scene = scene("bicycle", false);
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
@@ -154,8 +153,7 @@ fn one_facet_is_wrong() {
 
 /// Two triangles at an edge that face the light alike do not shadow each other, whichever of them rounding gives a sample near the
 /// edge to: where every facet is evaluated no sample is lost at a crease.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn creases_are_lit() {
     for (name, facets) in [("knot", FacetMode::All), ("bumpy", FacetMode::All), ("bumpy", FacetMode::One)] {
         let scene = scene(name, false);
@@ -175,8 +173,7 @@ fn creases_are_lit() {
 
 /// From inside a closed body all is dark, by every method, and with a facet for every surface without evaluation; also if the mesh
 /// as a whole is open, and casters that turn away are left out.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn seen_from_inside_a_body() {
     let given = scene("spheres", false);
     let prepared = Prepared::new(&given.mesh).expect("a sound mesh");
@@ -227,8 +224,7 @@ fn seen_from_inside_a_body() {
 
 /// A box over a floor far below, seen from inside it: its bottom, which is no caster, lies nearer to its top than to the floor, and is
 /// in shadow all the same.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn the_bottom_of_a_box_from_inside() {
     let corners = (0..8u8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|c| 4.0 * f32::from(c) - 2.0));
     let mut mesh = Mesh { positions: corners.collect(), triangles: Vec::new() };
@@ -259,8 +255,7 @@ fn the_bottom_of_a_box_from_inside() {
 
 /// Sheets that lie on each other within the rounding of single precision, tilted so that their vertices round: of two such
 /// sheets the one that is seen is lit, and the other would be in its shadow.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn touching_surfaces() {
     let (x, y) = (DVec3::new(0.8, 0.23, -0.31), DVec3::new(0.17, 0.41, 0.83));
     let up = x.cross(y).normalize() * -1.0;
@@ -293,8 +288,7 @@ fn touching_surfaces() {
 
 /// The same bits from lists that start at one element, from bands, in later frames, with nothing settled early, and with
 /// casters culled or not.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_way_gives_the_same_bits() {
     for name in ["plane", "spheres", "knot", "windmill"] {
         let scene = scene(name, false);
@@ -332,8 +326,7 @@ fn every_way_gives_the_same_bits() {
 
 /// Bodies that stick in a floor and in each other, a torn one and one turned inside out among them: casters of whole bodies that
 /// turn away are left out, those of the others are not.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn bodies_in_sheets_and_in_each_other() {
     let body = Scene::open("spheres", &SceneOptions::default()).expect("a built-in scene").mesh;
     let (lo, hi) = body.bounds().expect("a mesh");

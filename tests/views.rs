@@ -5,6 +5,7 @@
 mod device;
 
 use device::gpu;
+use gpu_test::gpu_test;
 use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
@@ -135,8 +136,7 @@ fn cube(scene: &Scene) -> Vec<LightView> {
 }
 
 /// No sample is wrong against facet truth, with one facet and with all; a picture that lacks a view is noticed.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn no_sample_is_wrong() {
     let (mut found, mut settled) = (Vec::new(), 0);
     for (name, scene) in scenes() {
@@ -167,8 +167,7 @@ fn no_sample_is_wrong() {
 }
 
 /// With a facet for every surface each sample is what a traced ray says. A picture without one of the views is not.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_sample_is_what_rays_say() {
     let settings = settings(FacetMode::All, 32);
     let mut missed = 0;
@@ -206,8 +205,7 @@ fn every_sample_is_what_rays_say() {
 }
 
 /// Where one view holds all casters, six tell the same, to the bit. So do they in another order, and each of them twice.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn views_tell_the_same_in_any_number_and_order() {
     for name in ["spheres", "cage", "plane"] {
         let mut scene = builtin(name).expect("a built-in scene");
@@ -229,8 +227,7 @@ fn views_tell_the_same_in_any_number_and_order() {
 }
 
 /// Parts of a map tell what the whole does, to the bit. Without one of them something is missing.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn parts_of_a_map_tell_the_same() {
     let scenes = ["windmill", "spheres", "plane"].map(|name| builtin(name).expect("a built-in scene"));
     let [mut missed, mut left_out] = [0; 2];
@@ -261,8 +258,7 @@ fn parts_of_a_map_tell_the_same() {
 }
 
 /// Not even size of map, lists and strips, nor what is settled, show.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn how_it_is_computed_does_not_matter() {
     let scene = room();
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
@@ -295,8 +291,7 @@ fn how_it_is_computed_does_not_matter() {
 }
 
 /// The CPU engine takes the same views.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn engines_agree() {
     for (name, scene) in scenes().into_iter().take(4) {
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
@@ -319,8 +314,7 @@ fn engines_agree() {
 }
 
 /// Methods of one view say so.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn methods_of_one_view_refuse() {
     let scene = room();
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");

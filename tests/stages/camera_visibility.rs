@@ -3,6 +3,7 @@
 
 use crate::support::geometry::{Case, MESHES, Ran, add, ball, fan, light, mesh, run_all};
 use crate::support::{gpu, sizes_around, small_gpu};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::camera_visibility::{DepthMargin, nearest};
@@ -73,15 +74,13 @@ fn assert_no_holes(case: &Case, ran: &Ran, inside: impl Fn(DVec3) -> bool) {
     assert!(covered > 1000, "the test looks at {covered} pixels");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let ran = check(gpu(), &Case::new(&Mesh::default(), light(0), [5, 3], 1), 0.0);
     assert!(ran.id_keys.iter().all(|&k| k == 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut mesh = Mesh::default();
     add(&mut mesh, &[DVec3::ZERO, DVec3::X, DVec3::Z], &[[0, 1, 2]]);
@@ -93,8 +92,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     // Sizes of the image around a block, and of the work around a workgroup.
     for size in [sizes_around(8), vec![1]].concat() {
@@ -111,8 +109,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     for name in MESHES {
         for seed in 0..3 {
@@ -132,8 +129,7 @@ fn random_seeded() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     // A tessellated square whose lines run exactly through rows and columns of pixel centres, seen from above.
     for (n, image) in [(7u32, [63u32, 63u32]), (31, [65, 65]), (16, [129, 127]), (100, [401, 401])] {
@@ -206,8 +202,7 @@ fn crossing_sheets(half: f64) -> Mesh {
 }
 
 /// Pixels that are open are settled to the nearest triangle by the list and, where that has not the room, through all blocks.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let image = [64, 48];
     let room = image[0] * image[1] / 4 + 64;
@@ -237,8 +232,7 @@ fn overflow_by_one() {
 }
 
 /// Nothing is written past the last pixel (see `run_all`), whatever the image's size.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn no_pixel_too_many() {
     for image in [[1, 1], [7, 1], [8, 8], [9, 7], [63, 65], [64, 64]] {
         let mut case = Case::new(&mesh("closed balls", 3), light(0), image, 8);
@@ -248,8 +242,7 @@ fn no_pixel_too_many() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(24, 1 << 20);
     let mut dense = Mesh::default();
@@ -261,8 +254,7 @@ fn two_d_dispatch() {
 }
 
 /// More work items than a dispatch has workgroups along one dimension.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn very_many_items() {
     let mut mesh = Mesh::default();
     ball(&mut mesh, DVec3::ZERO, 1.0, 300, 180);
@@ -270,8 +262,7 @@ fn very_many_items() {
     assert!(ran.camera_items.iter().map(|&n| n as usize).sum::<usize>() > 65_535);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&mesh("closed balls", 5), light(0), [99, 77], 8);
     let ran = check(gpu(), &case, 0.02);

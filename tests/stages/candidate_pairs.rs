@@ -9,6 +9,7 @@ use crate::support::shadow::{
     with_total,
 };
 use crate::support::{POISON, Random, gpu, run, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::candidate_pairs::matters;
 use subpixel_shadows::reference::facet_classify::{FacetAtPixel, MapAround, classify};
@@ -201,8 +202,7 @@ fn share_edge(world: &World, s: u32, t: u32) -> bool {
 
 /// Of facets whose samples all lie on their own triangle a neighbour at an edge that faces the light alike is no candidate; of others,
 /// and where the two face it differently, it is.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn neighbours_at_an_edge() {
     use subpixel_shadows::frame::Frame;
     let mut random = Random::new(79);
@@ -229,8 +229,7 @@ fn neighbours_at_an_edge() {
 }
 
 /// Where what turns away of closed bodies is no caster, such triangles are left out, no others, and none that cuts a facet.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_turns_away_stays_where_it_cuts() {
     use subpixel_shadows::frame::Frame;
     let mut random = Random::new(80);
@@ -298,8 +297,7 @@ fn check(world: &World, stage: &CandidatePairs, listed: &[(u32, Option<u32>)]) -
     (got.kept.len(), got.settled.iter().filter(|s| **s).count())
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let mut random = Random::new(71);
     let world = world(gpu(), &random_scene(0, &mut random), &mut random);
@@ -307,8 +305,7 @@ fn empty() {
     assert_eq!(check_both(&world, &[(3, None)]), (0, 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut random = Random::new(72);
     for kind in 0..4 {
@@ -318,8 +315,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(73);
     let world = world(gpu(), &crate::support::shadow::soup(20, 0.6, &mut random), &mut random);
@@ -329,8 +325,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(74);
     let (mut kept, mut settled) = (0, 0);
@@ -342,8 +337,7 @@ fn random_seeded() {
     assert!(kept > 1_000 && settled > 0, "{kept} kept, {settled} settled");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut random = Random::new(75);
     for round in 0..8 {
@@ -360,8 +354,7 @@ fn degenerate() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut random = Random::new(76);
     let world = world(gpu(), &crate::support::shadow::soup(40, 0.8, &mut random), &mut random);
@@ -391,8 +384,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn repetitions_are_left_out_and_nothing_else() {
     let mut random = Random::new(79);
     for stage in stages() {
@@ -415,8 +407,7 @@ fn repetitions_are_left_out_and_nothing_else() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mut random = Random::new(77);
     let small = PLACES.map(|places| CandidatePairs::new(&folding_gpu().device, 1, places, true));
@@ -428,8 +419,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mut random = Random::new(78);
     let (mut seen, mut spoilt, mut needless) = (0, 0, 0);

@@ -1,6 +1,7 @@
 //! Positions out of vertex buffers of any stride and offset.
 
 use crate::support::{POISON, Random, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::reference::caster_positions::{Gathered, gather};
 use subpixel_shadows::stages::caster_positions::{CasterPositions, FAULT_OUTSIDE, FAULT_PARTED, NO_PLACE, Vertices};
@@ -87,15 +88,13 @@ fn check(gpu: &Gpu, case: &Case) -> Gathered {
     got
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let none = Case { vertices: Vec::new(), places: Vec::new(), count: 0, layout: [0, 3] };
     assert_eq!(check(gpu(), &none), Gathered::default());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     for layout in [[0, 3], [1, 3], [70, 8]] {
         let one = Case { vertices: vec![[0.5, -0.0, 1.5]], places: vec![[0, 0]], count: 1, layout };
@@ -103,16 +102,14 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for count in sizes_around(64) {
         check(gpu(), &Case::new(count, [0, 3], &mut Random::new(count as u64)));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(11);
     for layout in [[0, 3], [0, 8], [5, 4], [64, 3], [131, 17]] {
@@ -122,8 +119,7 @@ fn random_seeded() {
 }
 
 /// No numbers, values far outside, vertices that have parted: counted, and what is written lies in the box.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut case = Case::new(400, [2, 5], &mut Random::new(21));
     let bad = [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1.0f32.next_up(), -2.5];
@@ -143,8 +139,7 @@ fn degenerate() {
 }
 
 /// The stage has no list: nothing is written past the last place, whatever the size of the last workgroup.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     for count in [63, 64, 65, 127, 128, 129] {
         check(gpu(), &Case::new(count, [1, 6], &mut Random::new(31)));
@@ -160,8 +155,7 @@ fn overflow_by_one() {
     assert!(check(Vertices { stride: u64::MAX / 4 * 4, ..Vertices::packed(buffer.raw()) }).is_err());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(7, 1 << 20);
     for count in [64 * 7, 64 * 7 + 1, 64 * 33 + 5] {
@@ -169,8 +163,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(200, [0, 3], &mut Random::new(51));
     let got = check(gpu(), &case);

@@ -3,6 +3,7 @@
 use crate::support::{
     POISON, Random, assert_same, difference, gpu, padded, poisoned, read_padded, run, sizes_around, small_gpu, upload,
 };
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::{Gpu, Recorder};
 use subpixel_shadows::reference::{compact, summed_area::pack};
 use subpixel_shadows::stages::compact::Flags;
@@ -57,15 +58,13 @@ fn check(gpu: &Gpu, stage: &Compact, flags: &[u32], values: &[u32], count: Optio
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     check(gpu(), &stage(gpu()), &[], &[], None, 3);
     check(gpu(), &stage(gpu()), &[1; 40], &[5; 40], Some(0), 3);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let stage = stage(gpu());
     for flag in [0, 1, u32::MAX] {
@@ -73,8 +72,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let stage = stage(gpu());
     let mut random = Random::new(21);
@@ -84,8 +82,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let stage = stage(gpu());
     let mut random = Random::new(22);
@@ -102,8 +99,7 @@ fn random_seeded() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let stage = stage(gpu());
     let values = Random::new(23).words(5000);
@@ -115,8 +111,7 @@ fn degenerate() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let stage = stage(gpu());
     let mut random = Random::new(24);
@@ -136,8 +131,7 @@ fn overflow_by_one() {
     assert!(short(Count::At(&list, 9)).is_err());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let gpu = small_gpu(3, 1 << 20);
     let mut random = Random::new(25);
@@ -147,8 +141,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mut random = Random::new(26);
     let (flags, values) = (random.list(500, 2), random.words(500));

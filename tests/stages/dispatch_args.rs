@@ -1,6 +1,7 @@
 //! Indirect arguments against their definition, and by running what they say.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::gpu::bindings::{Read, Write};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder};
@@ -80,23 +81,20 @@ fn touches_each_once(gpu: &Gpu, program: &TouchProgram, items: usize, indirect: 
     assert_same(&format!("{items} items, indirect {indirect}"), &touched.read(gpu).expect("readback"), &want);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     check(gpu(), &[]);
     check(gpu(), &[[0, 64, 100, 0], [5, 64, 0, 0], [5, 0, 5, 0], [5, 64, 5, 5]]);
     touches_each_once(gpu(), &TouchProgram::new(&gpu().device, ()), 0, true);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     check(gpu(), &[[1, 64, 100, 0], [1, 64, 100, 1]]);
     touches_each_once(gpu(), &TouchProgram::new(&gpu().device, ()), 1, true);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for size in sizes_around(64) {
         let cases: Vec<_> = (0..size as u32).map(|i| [i, 64, 150, i % 70]).collect();
@@ -104,8 +102,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(51);
     let mut word = || random.word() >> random.below(32);
@@ -114,8 +111,7 @@ fn random_seeded() {
     check(gpu(), &cases);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let edges = [0, 1, 2, 63, 64, 65, MAX_GROUPS - 1, MAX_GROUPS, MAX_GROUPS + 1, 1 << 31, u32::MAX - 1, u32::MAX];
     let mut cases = Vec::new();
@@ -128,8 +124,7 @@ fn degenerate() {
     check(gpu(), &cases);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     // A count beyond the capacity runs the capacity.
     check(
@@ -153,8 +148,7 @@ fn overflow_by_one() {
     assert!(!fits(5, 5));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let program = TouchProgram::new(&gpu().device, ());
     let max = MAX_GROUPS as usize;
@@ -170,8 +164,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let cases = [[70_000, 1, 80_000, 0], [5, 64, 5, 0]];
     let (mut got, want) = (folded(gpu(), &cases), wanted(&cases));

@@ -3,6 +3,7 @@
 use crate::support::masks::mask_of;
 use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, soup, unit, vector};
 use crate::support::{Random, assert_same, gpu, poisoned, run, sizes_around, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::render::{Budget, Renderer};
@@ -199,8 +200,7 @@ fn world(gpu: &'static Gpu, kind: u32, random: &mut Random) -> World {
     World::new(gpu, &mesh, camera(eye, vector(random) * 0.3, 50.0), light, [24, 18], 40, samples(count))
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let mut random = Random::new(1);
     let world = world(gpu(), 0, &mut random);
@@ -209,8 +209,7 @@ fn empty() {
 }
 
 /// The list of one facet a pixel.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     for (words, count) in [(1, 32), (1, 8), (2, 64), (4, 128)] {
         let stage = FacetClassify::new(&gpu().device, words);
@@ -240,8 +239,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(4);
     let world = world(gpu(), 1, &mut random);
@@ -251,8 +249,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(5);
     for round in 0..48 {
@@ -263,8 +260,7 @@ fn random_seeded() {
 
 /// Triangles behind those of the casters, in maps of all kinds: settled by every texel of their rectangles, or by lying nearer
 /// to the light than any caster.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_only_receives() {
     let mut random = Random::new(13);
     let mut states = [0; 5];
@@ -293,8 +289,7 @@ fn what_only_receives() {
 }
 
 /// Light along a facet, behind the eye, in a triangle's plane; slivers; a floor up to the horizon.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut random = Random::new(6);
     let floor = crate::support::shadow::sheet(1, 50.0, |_, _| 0.0, |p| p);
@@ -319,8 +314,7 @@ fn degenerate() {
 
 /// Small triangles far away, so nearly in a plane with the light, or with the eye, that the side is lost in the rounding of
 /// single precision, but not in the vertices as given: dark and seen as `f64` says.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn sides_are_exact() {
     let mut random = Random::new(12);
     let (mut within, mut dark, mut total) = (0, 0, 0);
@@ -372,8 +366,7 @@ fn sides_are_exact() {
 }
 
 /// There is no list to overflow here: the last facet of a buffer with nothing behind it.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut random = Random::new(7);
     let world = world(gpu(), 1, &mut random);
@@ -398,8 +391,7 @@ fn words_of(got: &Got, count: usize) -> Vec<u32> {
     (0..count).flat_map(of).collect()
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mut random = Random::new(8);
     let small = folding_gpu();
@@ -414,8 +406,7 @@ fn world_on(gpu: &'static Gpu, random: &mut Random) -> World {
     World::new(gpu, &mesh, camera(eye, eye * 0.0, 50.0), light, [24, 18], 40, samples(32))
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mut random = Random::new(9);
     let world = world_on(gpu(), &mut random);
@@ -508,8 +499,7 @@ fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5
     (looked_at, wrong, states)
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn settled_facets_are_never_wrong() {
     let mut total = 0;
     for kind in 0..4 {
@@ -521,8 +511,7 @@ fn settled_facets_are_never_wrong() {
 }
 
 /// The reference's rays are those of the truth.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn rays_are_the_cameras() {
     let world = world(gpu(), 0, &mut Random::new(11));
     let rays = world.camera.rays(24, 18);

@@ -6,6 +6,7 @@ use crate::support::geometry::{
     Case, MESHES, Place, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away, world,
 };
 use crate::support::{Random, gpu, sizes_around, small_gpu};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::front_layer::{Margin, Split, marks, settle};
@@ -152,8 +153,7 @@ fn check(gpu: &Gpu, case: &Case, bounded: bool) -> Ran {
     ran
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     for map in [1, 8, 33] {
         let ran = check(gpu(), &Case::new(&Mesh::default(), light(0), [1, 1], map), true);
@@ -161,8 +161,7 @@ fn empty() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut mesh = Mesh::default();
     add(&mut mesh, &[DVec3::ZERO, DVec3::X, DVec3::Z], &[[0, 1, 2]]);
@@ -174,8 +173,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for size in [sizes_around(8), vec![63, 64, 65]].concat() {
         check(gpu(), &Case::new(&mesh("closed balls", size as u64), light(size as u64), [1, 1], size as u32), true);
@@ -187,8 +185,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Place(Random::new(77));
     let (mut places, mut points) = (0, 0);
@@ -205,8 +202,7 @@ fn random_seeded() {
     assert!(places > 100_000 && points > 10_000, "{places} places and {points} points were looked at");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut random = Place(Random::new(78));
     // A ground that nothing is behind, under every light; also where it reaches behind the light.
@@ -250,8 +246,7 @@ fn degenerate() {
 }
 
 /// The stage has no list; a large map is settled to its last texel.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let case = Case::new(&mesh("closed balls", 4), light(0), [1, 1], 4096);
     let ran = run_all(gpu(), &case);
@@ -261,8 +256,7 @@ fn overflow_by_one() {
     assert!(ran.marks[2].iter().filter(|m| **m).count() < 1 << 20, "marks are few");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(40, 1 << 20);
     let mut dense = Mesh::default();
@@ -272,8 +266,7 @@ fn two_d_dispatch() {
     assert!(ran.words() == run_all(gpu(), &case).words(), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&mesh("closed balls", 5), light(0), [1, 1], 64);
     let ran = check(gpu(), &case, true);
@@ -299,8 +292,7 @@ fn detects_corruption() {
 }
 
 /// What turns away of a closed body may keep its texels, since it may cut a facet: it is held against no layer.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_only_cuts_is_left_out() {
     let mut others = 0;
     for seed in 0..6 {

@@ -2,6 +2,7 @@
 
 use crate::support::shadow::{folding_gpu, samples, uniform};
 use crate::support::{POISON, Random, difference, gpu, padded, poisoned, read_padded, run, sizes_around, upload};
+use gpu_test::gpu_test;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use subpixel_shadows::frame::Frame;
@@ -234,31 +235,27 @@ fn assert_same(got: &Got, want: &Got) {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let got = check(gpu(), &Case::new([5, 3], 4, 32, 0, 0, &mut Random::new(1)));
     assert!(got.counts[..15].iter().all(|&c| c == 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     for samples in [1, 2, 4] {
         check(gpu(), &Case::new([1, 1], samples, 8, 1, 0, &mut Random::new(samples as u64)));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for pixels in sizes_around(64) {
         check(gpu(), &Case::new([pixels as u32, 1], 3, 16, 40, 0, &mut Random::new(pixels as u64)));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(2);
     for (samples, ours) in [(1, 32), (4, 32), (8, 128), (32, 64), (128, 1), (128, 128), (5, 16)] {
@@ -270,8 +267,7 @@ fn random_seeded() {
 }
 
 /// As many triangles in a pixel as samples; only unknown ones; samples at one place.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut case = Case::new([9, 2], 128, 128, 200, 0, &mut Random::new(3));
     let first = case.first;
@@ -291,8 +287,7 @@ fn degenerate() {
     );
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut case = Case::new([20, 13], 4, 32, 50, 0, &mut Random::new(5));
     let needed = wanted(&case).offsets[case.pixels()] as usize;
@@ -302,8 +297,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     // Nine workgroups of pixels in three rows, and as many of complex ones, of which there are six.
     let mut case = Case::new([24, 24], 4, 32, 50, 0, &mut Random::new(6));
@@ -315,8 +309,7 @@ fn two_d_dispatch() {
     assert!(check(folding_gpu(), &case) == check(gpu(), &case), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new([20, 13], 4, 32, 50, 40, &mut Random::new(7));
     let got = check(gpu(), &case);
@@ -332,8 +325,7 @@ fn detects_corruption() {
 }
 
 /// A texture of four samples and two channels, written sample by sample as hardware would, gives what layers give.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn multisampled() {
     for (format, count) in [(wgpu::TextureFormat::Rg16Uint, 100_000), (wgpu::TextureFormat::R16Uint, 300)] {
         let mut case = Case::new([37, 21], 4, 32, count, 60, &mut Random::new(8));

@@ -3,6 +3,7 @@
 
 use crate::support::geometry::{Case, MESHES, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away};
 use crate::support::{gpu, sizes_around, small_gpu};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::triangle_setup::Reach;
@@ -77,8 +78,7 @@ fn check(gpu: &Gpu, case: &Case) -> Ran {
     ran
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     for map in [1, 8, 33] {
         let ran = check(gpu(), &Case::new(&Mesh::default(), light(0), [1, 1], map));
@@ -86,8 +86,7 @@ fn empty() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut mesh = Mesh::default();
     add(&mut mesh, &[DVec3::ZERO, DVec3::X, DVec3::Z], &[[0, 1, 2]]);
@@ -96,8 +95,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for size in [sizes_around(8), sizes_around(64)[7..10].to_vec()].concat() {
         check(gpu(), &Case::new(&mesh("closed balls", size as u64), light(size as u64), [1, 1], size as u32));
@@ -109,8 +107,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     for (k, name) in MESHES.iter().enumerate() {
         for (seed, map) in [1, 3, 8, 33, 150].into_iter().enumerate() {
@@ -122,8 +119,7 @@ fn random_seeded() {
     check(gpu(), &Case::new(&mesh("closed balls", 7), light(2), [1, 1], 512));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     // Two sheets in one place: both keys are the same wherever they cover a centre, and front_layer marks the texel.
     let doubled = Case::new(&mesh("doubled", 0), light(0), [1, 1], 64);
@@ -149,8 +145,7 @@ fn degenerate() {
 }
 
 /// The stage has no list. At most 65,535 work items fit one dimension of a dispatch of single invocations; here are more.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut mesh = Mesh::default();
     crate::support::geometry::ball(&mut mesh, DVec3::ZERO, 1.0, 200, 120);
@@ -158,8 +153,7 @@ fn overflow_by_one() {
     assert!(ran.light_items.iter().map(|&n| n as usize).sum::<usize>() > 65_535);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(40, 1 << 20);
     let mut dense = Mesh::default();
@@ -170,8 +164,7 @@ fn two_d_dispatch() {
     assert!(ran.words() == run_all(gpu(), &case).words(), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&mesh("closed balls", 5), light(0), [1, 1], 64);
     let ran = check(gpu(), &case);
@@ -199,8 +192,7 @@ fn detects_corruption() {
 }
 
 /// What turns away of a closed body may keep its texels, since it may cut a facet: it is no layer.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_only_cuts_is_left_out() {
     let mut others = 0;
     for seed in 0..6 {

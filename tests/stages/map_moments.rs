@@ -2,6 +2,7 @@
 
 use crate::support::shadow::{Pipelines, folding_gpu};
 use crate::support::{POISON, Random, gpu, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::reference::map_moments::moments;
@@ -73,24 +74,21 @@ fn keys(size: u32, views: u32, random: &mut Random) -> Vec<u32> {
     (0..size * size * views).map(key).collect()
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let ran = check(20, vec![0; 400]);
     assert!(ran.moments.iter().all(|m| *m == [FAR, 0.0]));
     assert!(check(4, Vec::new()).moments.is_empty());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     // A map of one texel has no level above it.
     assert!(check(1, vec![!0.5f32.to_bits()]).moments.is_empty());
     assert_eq!(check(2, [0.0f32, 0.5, 0.5, 1.0].map(|d| !d.to_bits()).to_vec()).moments, [[0.5, 0.125]]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(1);
     for size in sizes_around(32).into_iter().chain(sizes_around(16)) {
@@ -99,8 +97,7 @@ fn every_size_around_workgroup() {
 }
 
 /// Sizes that take two and three dispatches.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(2);
     for (size, views) in [(100, 4), (257, 3), (511, 2), (1023, 1), (1025, 1), (1100, 2)] {
@@ -109,8 +106,7 @@ fn random_seeded() {
 }
 
 /// Depths that differ by little, far from 0, where two moments would cancel.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut random = Random::new(3);
     let near = |_| !(0.9f32 + random.below(256) as f32 * 2f32.powi(-22)).to_bits();
@@ -122,23 +118,20 @@ fn degenerate() {
 }
 
 /// More than 65,535 workgroups could hold in one dimension of single invocations; the stage has no list.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let ran = check(300, keys(300, 3, &mut Random::new(4)));
     assert!(ran.moments.iter().flatten().all(|v| v.to_bits() != POISON) && ran.moments.len() > 65_535);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let keys = keys(60, 2, &mut Random::new(5));
     let of = |gpu| reduce(gpu, 60, keys.clone()).moments;
     assert!(of(folding_gpu()) == of(gpu()), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let made = keys(45, 2, &mut Random::new(6));
     let of = || reduce(gpu(), 45, made.clone());

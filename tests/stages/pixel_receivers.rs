@@ -2,6 +2,7 @@
 
 use crate::support::shadow::{World, camera, folding_gpu, random_scene, samples, uniform, unit, vector};
 use crate::support::{Random, difference, gpu, poisoned, read_padded, run, sizes_around, upload};
+use gpu_test::gpu_test;
 use std::sync::OnceLock;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
@@ -280,8 +281,7 @@ fn check(world: &World, case: &Case) -> Got {
     got
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let world = world(gpu(), [5, 3], &mut Random::new(1));
     let nothing = Case {
@@ -295,8 +295,7 @@ fn empty() {
     assert!(check(&world, &nothing.by_position()).keys[..15].iter().all(|&k| k == 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut random = Random::new(2);
     let world = world(gpu(), [1, 1], &mut random);
@@ -314,8 +313,7 @@ fn one() {
     check(&world, &alone.with_normals(&mut random));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(3);
     for pixels in sizes_around(64) {
@@ -326,8 +324,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(4);
     let mut shown = [0; 3];
@@ -355,8 +352,7 @@ fn random_seeded() {
 }
 
 /// What is no number, infinite, behind the eye, too far away or without direction, in each texture.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut random = Random::new(5);
     let world = world(gpu(), [16, 12], &mut random);
@@ -419,8 +415,7 @@ fn case_far(random: &mut Random) -> (World, Case) {
 }
 
 /// A plane across an axis keeps its coordinate to the last bit.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn planes_across_an_axis_are_exact() {
     let (world, mut case) = case_far(&mut Random::new(6));
     case.positions.iter_mut().for_each(|p| p[1] = 0.1);
@@ -438,8 +433,7 @@ fn planes_across_an_axis_are_exact() {
 }
 
 /// There is no list: nothing is written past the room of the last pixel, and too little room is refused.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut random = Random::new(7);
     for pixels in [63, 65, 127] {
@@ -469,8 +463,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     // Nine workgroups in three rows.
     let make = |gpu| {
@@ -482,8 +475,7 @@ fn two_d_dispatch() {
     assert!(make(folding_gpu()) == make(gpu()), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mut random = Random::new(9);
     let world = world(gpu(), [40, 30], &mut random);

@@ -4,6 +4,7 @@ use crate::support::shadow::{
     World, camera, folding_gpu, place_of, random_light, random_scene, samples, sheet, unit, vector,
 };
 use crate::support::{POISON, Random, difference, gpu, sizes_around};
+use gpu_test::gpu_test;
 use std::sync::OnceLock;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
@@ -114,8 +115,7 @@ fn check(world: &World, stage: &PixelTexelPairs, listed: &[(u32, Option<u32>)], 
     got.iter().map(Vec::len).sum()
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let mut random = Random::new(21);
     let world = world(gpu(), 0, &mut random);
@@ -125,8 +125,7 @@ fn empty() {
     assert_eq!(check_both(&world, &world.seen(), &splits), 0, "where no caster is, there is no pair");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut random = Random::new(22);
     let mut found = 0;
@@ -140,8 +139,7 @@ fn one() {
     assert!(found > 0);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(23);
     let world = world(gpu(), 1, &mut random);
@@ -151,8 +149,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(24);
     let mut found = 0;
@@ -166,8 +163,7 @@ fn random_seeded() {
 }
 
 /// Facets of what casts nothing lie anywhere between two layers: no texel is skipped before its split.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_only_receives() {
     let mut random = Random::new(26);
     let mut found = 0;
@@ -181,8 +177,7 @@ fn what_only_receives() {
 }
 
 /// A floor seen at a grazing angle, up to the horizon, and a light that grazes it.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let floor = sheet(3, 4.0, |_, _| 0.0, |p| p);
     for height in [1.0, 0.1, 1e-2, 1e-3] {
@@ -205,8 +200,7 @@ fn degenerate() {
 }
 
 /// The list one short, exact, and one longer: the counts stay right and nothing is written past the capacity.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut random = Random::new(26);
     let world = world(gpu(), 1, &mut random);
@@ -231,8 +225,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mut random = Random::new(27);
     let small = [PairTiles::Texels, PairTiles::Tiles].map(|places| PixelTexelPairs::new(&folding_gpu().device, places));
@@ -246,8 +239,7 @@ fn two_d_dispatch() {
     assert!(found > 0);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let (least, most) = (vec![vec![1, 4]], vec![vec![0, 1, 4]]);
     assert_eq!(faults(&least, &[vec![1, 4]], &most), (0, 0));

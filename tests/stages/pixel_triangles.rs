@@ -4,6 +4,7 @@
 use crate::support::geometry::{Case, MESHES, add, ball, light, mesh};
 use crate::support::surfaces::{Found, find, find_within, pattern, square};
 use crate::support::{gpu, small_gpu};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::camera_visibility::DepthMargin;
@@ -54,15 +55,13 @@ fn check(gpu: &Gpu, case: &Case) -> (Found, usize) {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let (found, _) = check(gpu(), &Case::new(&Mesh::default(), light(0), [5, 3], 1));
     assert!(found.lists.iter().all(Vec::is_empty) && !found.complex.contains(&true));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut mesh = Mesh::default();
     add(&mut mesh, &[DVec3::ZERO, DVec3::X, DVec3::Z], &[[0, 1, 2]]);
@@ -74,16 +73,14 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for size in [1, 2, 3, 7, 8, 9, 15, 16, 17, 63, 64, 65] {
         check(gpu(), &Case::new(&mesh("closed balls", size), light(0), [size as u32, 2 * size as u32 + 1], 8));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     for name in MESHES {
         for seed in 0..2 {
@@ -93,8 +90,7 @@ fn random_seeded() {
 }
 
 /// A flat square of two triangles: all pixels inside are single but those that a line crosses. And the near plane.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut case = Case::new(&square(1), light(0), [64, 64], 8);
     (case.camera.eye, case.camera.target, case.camera.up) = ([0.0, 2.5, 0.0], [0.0; 3], [0.0, 0.0, -1.0]);
@@ -114,8 +110,7 @@ fn degenerate() {
 }
 
 /// The list keeps counting beyond its room, and what is written is right.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let case = Case::new(&mesh("leaves", 3), light(0), [31, 23], 8);
     let all = find(gpu(), &case, &pattern(8));
@@ -129,8 +124,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(24, 1 << 24);
     let mut dense = Mesh::default();
@@ -142,8 +136,7 @@ fn two_d_dispatch() {
     assert!(found.lists == all.lists && found.complex == all.complex, "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&mesh("leaves", 5), light(0), [99, 77], 8);
     let (found, singles) = check(gpu(), &case);

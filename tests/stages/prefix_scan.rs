@@ -1,6 +1,7 @@
 //! The exclusive scan against its definition.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels};
 use subpixel_shadows::reference::prefix_scan::exclusive;
 use subpixel_shadows::stages::{Count, PrefixScan};
@@ -31,8 +32,7 @@ fn check(gpu: &Gpu, stage: &PrefixScan, values: &[u32]) {
     assert_same(&format!("scan of {}", values.len()), &got, &wanted(values));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let stage = PrefixScan::new(&gpu().device);
     check(gpu(), &stage, &[]);
@@ -41,16 +41,14 @@ fn empty() {
     assert_same("count of 0 in a buffer", &got, &wanted(&[0, 0, 0]));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let stage = PrefixScan::new(&gpu().device);
     check(gpu(), &stage, &[u32::MAX]);
     check(gpu(), &stage, &[3]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let stage = PrefixScan::new(&gpu().device);
     let values = Random::new(1).list(3 * BLOCK + 1, 1000);
@@ -59,8 +57,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let stage = PrefixScan::new(&gpu().device);
     let mut random = Random::new(2);
@@ -77,8 +74,7 @@ fn random_seeded() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let stage = PrefixScan::new(&gpu().device);
     for fill in [0, 1, u32::MAX] {
@@ -100,8 +96,7 @@ fn degenerate() {
     assert_same("count above the capacity", &got, &wanted(&values));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let stage = PrefixScan::new(&gpu().device);
     // The sum reaches, or passes by one, u32::MAX: inside a thread, a workgroup, across blocks, at the very end.
@@ -130,8 +125,7 @@ fn overflow_by_one() {
     assert!(PrefixScan::scratch(device, PrefixScan::MAX_VALUES + 1).is_err());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     // Three workgroups a dimension, and segments of 4 blocks: every fold and every segment border at small sizes.
     let gpu = small_gpu(3, 4 * 4 * BLOCK as u64);
@@ -149,16 +143,14 @@ fn two_d_dispatch() {
 }
 
 /// Above one binding of the adapter (2^25 values where it holds 128 MiB).
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn above_the_binding_limit() {
     let stage = PrefixScan::new(&gpu().device);
     let values: Vec<u32> = (0..1u32 << 26).map(|i| (i ^ i >> 7) & 63).collect();
     check(gpu(), &stage, &values);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let stage = PrefixScan::new(&gpu().device);
     let values = Random::new(5).list(BLOCK + 77, 9);

@@ -1,6 +1,7 @@
 //! The stable sort against its definition.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::{Gpu, Recorder, kernels};
 use subpixel_shadows::reference::radix_sort::sort;
 use subpixel_shadows::stages::radix_sort::{Pairs, digits};
@@ -56,15 +57,13 @@ fn digits_cover_the_key_once() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     check(gpu(), &stage(gpu()), &[], 32, None);
     check(gpu(), &stage(gpu()), &[3, 2, 1], 32, Some(0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let stage = stage(gpu());
     for key_bits in [0, 1, 6, 7, 32] {
@@ -72,8 +71,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let stage = stage(gpu());
     let keys = Random::new(31).list(3 * BLOCK + 1, 1 << 9);
@@ -82,8 +80,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let stage = stage(gpu());
     let mut random = Random::new(32);
@@ -98,8 +95,7 @@ fn random_seeded() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let stage = stage(gpu());
     let len = 2 * BLOCK + 99;
@@ -116,8 +112,7 @@ fn degenerate() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let stage = stage(gpu());
     let device = &gpu().device;
@@ -139,8 +134,7 @@ fn overflow_by_one() {
     assert!(!sort(pairs, Pairs { keys: &a, values: &d }, 32, ten), "in place");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let gpu = small_gpu(2, 1 << 20);
     let stage = stage(&gpu);
@@ -149,8 +143,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let keys = Random::new(34).list(1000, 8);
     let (mut got, want) = (sorted(gpu(), &stage(gpu()), &keys, 3, None), wanted(&keys, 3, None));

@@ -2,6 +2,7 @@
 
 use crate::support::shadow::{folding_gpu, full_word, uniform};
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::reference::facet_classify::FacetState;
@@ -87,15 +88,13 @@ fn check(gpu: &Gpu, count: u32, pixels: &[Vec<FacetBits>]) {
     assert_same("lit and status", &got[pixels.len()..], &want[pixels.len()..]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     check(gpu(), 32, &[vec![], vec![], vec![]]);
     check(gpu(), 128, &[vec![]]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut random = Random::new(51);
     for count in COUNTS {
@@ -104,8 +103,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(52);
     let stage = Resolve::new(&gpu().device, 1);
@@ -116,8 +114,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(53);
     for count in COUNTS {
@@ -127,8 +124,7 @@ fn random_seeded() {
 }
 
 /// All samples invalid, all occluded, none covered: a pixel that nothing counts in is lit.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let all = u128::MAX >> 96;
     let mut pixels = Vec::new();
@@ -141,8 +137,7 @@ fn degenerate() {
 }
 
 /// There is no list to overflow: what lies behind the last pixel stays as it was.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut random = Random::new(54);
     for size in [3, 63, 64, 65] {
@@ -162,15 +157,13 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mut random = Random::new(55);
     check(folding_gpu(), 32, &any(64 * 8 + 5, 32, 2, &mut random));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mut random = Random::new(56);
     let pixels = any(100, 64, 2, &mut random);

@@ -7,6 +7,7 @@ use crate::support::masks::{
 };
 use crate::support::shadow::{Pipelines, World, add_triangle, camera, folding_gpu, random_light, samples, sheet};
 use crate::support::{Random, gpu, run, sizes_around};
+use gpu_test::gpu_test;
 use std::collections::HashMap;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
@@ -137,8 +138,7 @@ fn world((mesh, camera, light): Case, size: [u32; 2], map: u32, samples: Samples
     World::new(gpu(), &mesh, camera, light, size, map, samples)
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let light = Light::Directional { direction: [0.2, 1.0, 0.1] };
     let look = camera(DVec3::new(0.0, 1.0, 2.0), DVec3::ZERO, 50.0);
@@ -149,8 +149,7 @@ fn empty() {
     assert!(!ran.binned.is_empty() && ran.masks.iter().all(|m| m.1[1] == 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut random = Random::new(61);
     let mut total = Tally::default();
@@ -162,8 +161,7 @@ fn one() {
     assert!(total.occluded > 50, "{total:?}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(62);
     let case = soup_case(9, 1.5, &mut random);
@@ -176,8 +174,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(63);
     let mut total = Tally::default();
@@ -200,8 +197,7 @@ fn random_seeded() {
     assert!(total.occluded > 10_000, "{total:?}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let cases = masks::degenerate(&[1e-1, 1e-3, 1e-5, 1e-7, 0.0], &[], &[3, 5, 7]);
     for (what, case) in cases.into_iter().chain(on_axis_and_far_away()) {
@@ -211,8 +207,7 @@ fn degenerate() {
 }
 
 /// Bands that end inside the list, down to one facet each; with room for less than the doubts that come up.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     for count in [1, 32, 128] {
         let world = world(boxes_case(), [48, 36], 24, samples(count));
@@ -250,8 +245,7 @@ fn overflow_by_one() {
     tally.assert_right("doubts without room");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mut random = Random::new(67);
     let (mesh, look, light) = soup_case(20, 1.0, &mut random);
@@ -265,8 +259,7 @@ fn two_d_dispatch() {
     assert!(test(&folded, &listed, 14).masks == test(&flat, &listed, 14).masks, "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let map = 24;
     let world = world(boxes_case(), [24, 18], map, samples(32));

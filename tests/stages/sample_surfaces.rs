@@ -4,6 +4,7 @@
 use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
 use crate::support::surfaces::{Found, find, find_in_bands, find_merged, find_within, pattern, square};
 use crate::support::{gpu, sizes_around, small_gpu};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DQuat, DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::camera_visibility::DepthMargin;
@@ -95,15 +96,13 @@ fn check_truth(case: &Case, found: &Found, count: u32) {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let found = check(gpu(), &Case::new(&Mesh::default(), light(0), [5, 3], 1), 32, 0.0);
     assert_eq!(found.needed, [0; 3]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut mesh = Mesh::default();
     add(&mut mesh, &[DVec3::ZERO, DVec3::X, DVec3::Z], &[[0, 1, 2]]);
@@ -115,8 +114,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for (size, count) in [(1, 32), (2, 64), (3, 128), (4, 16), (5, 32), (7, 8), (8, 32), (9, 64), (17, 1)] {
         let case = Case::new(&mesh("closed balls", size), light(0), [size as u32, 2 * size as u32 + 1], 8);
@@ -130,8 +128,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     for name in MESHES {
         for seed in 0..2 {
@@ -146,8 +143,7 @@ fn random_seeded() {
 
 /// Closed fans seen from above, their hub and their spokes through samples: of ten million samples inside none is missed, and
 /// none lies in two facets.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn no_sample_of_a_closed_fan_is_missed() {
     let grid = Samples::new(subpixel_shadows::samples::Pattern::Grid, 16).expect("a grid");
     let mut looked = 0u64;
@@ -179,8 +175,7 @@ fn no_sample_of_a_closed_fan_is_missed() {
 }
 
 /// Samples exactly on edges and vertices: closed fans and squares have no holes and no sample twice, however they are cut.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let grid = Samples::new(subpixel_shadows::samples::Pattern::Grid, 16).expect("a grid");
     let mut looked = 0;
@@ -244,8 +239,7 @@ fn degenerate() {
 }
 
 /// More triangles in a pixel than a dispatch takes: what the first round found is kept.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn several_rounds() {
     let mut dense = Mesh::default();
     ball(&mut dense, DVec3::ZERO, 1.0, 90, 60);
@@ -261,8 +255,7 @@ fn several_rounds() {
 }
 
 /// Sheets that single precision does not tell apart, two to more than a round holds: each sample sees the nearest.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn crowds() {
     // No edge is in sight.
     let strict = DepthMargin { edge: 1e-10, depth: 1e-11 };
@@ -296,8 +289,7 @@ fn crowds() {
 }
 
 /// What the samples see may lie in several buffers: the result is the same, in one round and in several.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn bands_do_not_matter() {
     let mut dense = Mesh::default();
     ball(&mut dense, DVec3::ZERO, 1.0, 90, 60);
@@ -355,8 +347,7 @@ fn compare_merged(case: &Case, alone: &Found, found: &Found, samples: &Samples) 
 }
 
 /// Neighbouring triangles of one plane make one facet, in one band of complex pixels and in several.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one_plane_is_one_facet() {
     let boxes = ["cage", "windmill"].map(|name| builtin(name).expect("a scene"));
     let mut cases: Vec<Case> = [1, 7, 31].map(|n| Case::new(&square(n), light(0), [33, 29], 8)).into();
@@ -396,8 +387,7 @@ fn one_plane_is_one_facet() {
 }
 
 /// Needs are counted in full, and nothing is written past the end (see `find_within`).
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let case = Case::new(&mesh("closed balls", 3), light(0), [31, 23], 8);
     let samples = pattern(32);
@@ -415,8 +405,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(24, 1 << 24);
     let mut dense = Mesh::default();
@@ -426,8 +415,7 @@ fn two_d_dispatch() {
     assert!(found == find(gpu(), &case, &pattern(32)), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&mesh("closed balls", 5), light(0), [49, 37], 8);
     let samples = pattern(32);

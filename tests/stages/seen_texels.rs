@@ -6,6 +6,7 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{footprint, pixels, take_list, with_blocks};
 use crate::support::{Random, gpu, run, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::reference::seen_texels::asked;
@@ -165,23 +166,20 @@ fn check(world: &World) -> Ran {
     ran
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 9, 8));
     assert!(ran.then.iter().all(|&w| w == 0), "an empty scene asks for nothing");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mesh = sheet(1, 2.0, |_, _| 0.0, |p| p);
     let ran = check(&world(gpu(), &mesh, above(), [1, 1], 63, 1));
     assert_eq!(ran.first[TexelMarks::HEADER..].iter().map(|w| w.count_ones()).sum::<u32>(), 1, "one pixel, one texel");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mesh = random_scene(1, &mut Random::new(31));
     for pixels in sizes_around(64) {
@@ -192,8 +190,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(43);
     for kind in 0..4 {
@@ -206,8 +203,7 @@ fn random_seeded() {
 }
 
 /// A plane seen almost from its edge, whose footprints have no end, and one that the light almost misses.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mesh = sheet(3, 30.0, |_, _| 0.0, |p| p);
     for height in [1e-3, 0.2] {
@@ -223,16 +219,14 @@ fn degenerate() {
 }
 
 /// The stage has no list but that of the pixels: more of them than one dimension of a dispatch of single invocations holds.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mesh = random_scene(1, &mut Random::new(51));
     let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1));
     assert_eq!(ran.classes.len(), 65_537);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mesh = random_scene(1, &mut Random::new(61));
     // Nine workgroups in three rows.
@@ -242,8 +236,7 @@ fn two_d_dispatch() {
     assert!(a.first[bits.clone()] == b.first[bits], "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));
     let world = world(gpu(), &mesh, above(), [48, 36], 200, 1);

@@ -7,6 +7,7 @@ use crate::support::shadow::{
     sheet,
 };
 use crate::support::{POISON, Random, gpu, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::reference::shadow_map::DepthLookup;
 use subpixel_shadows::scene::{Light, Mesh};
@@ -60,15 +61,13 @@ fn check(world: &World, options: ShadowMapOptions) -> Ran {
     ran
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 8, 8), PLAIN);
     assert!(ran.on.visibility.iter().all(|&v| v == 1.0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     // A floor under a roof, one sample: a plain map knows two answers, a filtered one more.
     let mut mesh = sheet(1, 2.0, |_, _| 0.0, |p| p);
@@ -85,8 +84,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mesh = random_scene(1, &mut Random::new(31));
     for pixels in sizes_around(64) {
@@ -94,8 +92,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(43);
     for kind in 0..4 {
@@ -108,8 +105,7 @@ fn random_seeded() {
 }
 
 /// At the default bias a bare plane does not shadow itself up to 89 degrees, filtered or not; without a bias it does.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut unbiased = 0;
     for degrees in [0.0f64, 10.0, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0, 87.0, 88.0, 89.0] {
@@ -128,16 +124,14 @@ fn degenerate() {
 }
 
 /// More pixels than one dimension of a dispatch of single invocations holds.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mesh = random_scene(1, &mut Random::new(51));
     let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), PLAIN);
     assert!(ran.on.visibility.iter().all(|v| v.to_bits() != POISON));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mesh = random_scene(1, &mut Random::new(61));
     // Nine workgroups in three rows.
@@ -145,8 +139,7 @@ fn two_d_dispatch() {
     assert!(of(folding_gpu()).on.visibility == of(gpu()).on.visibility, "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));
     let world = world(gpu(), &mesh, above(), [48, 36], 64, 32);

@@ -7,6 +7,7 @@ use crate::support::masks::{
 };
 use crate::support::shadow::{Pipelines, World, camera, folding_gpu, samples, sheet, uniform};
 use crate::support::{Random, gpu, run, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::caster_tree::CasterTree;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec3, Vec3};
@@ -66,8 +67,7 @@ fn world((mesh, camera, light): Case, size: [u32; 2], samples: Samples) -> World
     undecided_world(gpu(), &mesh, camera, light, size, samples)
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let light = Light::Directional { direction: [0.2, 1.0, 0.1] };
     let look = camera(DVec3::new(0.0, 1.0, 2.0), DVec3::ZERO, 50.0);
@@ -79,8 +79,7 @@ fn empty() {
     assert!(traced > 0 && masks.iter().all(|m| m.1[1] == 0 && m.1[2] == 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut random = Random::new(61);
     let mut total = Tally::default();
@@ -92,8 +91,7 @@ fn one() {
     assert!(total.occluded > 50, "{total:?}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(62);
     let case = soup_case(9, 1.5, &mut random);
@@ -108,8 +106,7 @@ fn every_size_around_workgroup() {
 
 /// Eyes, lights, facets and casters anywhere, also behind each other: every number of samples and every pattern; then
 /// closed, open, interpenetrating and doubled scenes.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(63);
     let mut total = Tally::default();
@@ -132,8 +129,7 @@ fn random_seeded() {
     assert!(total.occluded > 10_000, "{total:?}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let heights = [0.75, 0.75f32.next_up(), 0.75f32.next_down()];
     let cases = masks::degenerate(&[1e-1, 1e-3, 1e-5, 1e-7, 0.0], &heights, &[3, 5, 7]);
@@ -144,8 +140,7 @@ fn degenerate() {
 }
 
 /// Doubts that find no room are decided all the same: by following their samples again.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     for count in [8, 128] {
         let world = world(boxes_case(), [48, 36], samples(count));
@@ -159,8 +154,7 @@ fn overflow_by_one() {
 }
 
 /// Doubts lie in no padding, which the kernel counts as room and the host does not go through.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn padding_holds_no_doubts() {
     let gpu = gpu();
     for facets in 1..9 {
@@ -171,8 +165,7 @@ fn padding_holds_no_doubts() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mut random = Random::new(67);
     let (mesh, look, light) = soup_case(20, 1.0, &mut random);
@@ -186,8 +179,7 @@ fn two_d_dispatch() {
     assert!(trace(&folded, &listed, 64).0 == trace(&flat, &listed, 64).0, "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let world = world(boxes_case(), [24, 18], samples(32));
     let listed = world.seen();

@@ -3,6 +3,7 @@
 
 use crate::support::geometry::{Case, MESHES, Ran, add, fan, light, mesh, run_all, unpack};
 use crate::support::{difference, gpu, sizes_around, small_gpu};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::front_layer::Margin;
@@ -76,14 +77,12 @@ fn check(gpu: &Gpu, case: &Case, bounded: bool) -> Ran {
     ran
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     assert_eq!(check(gpu(), &Case::new(&Mesh::default(), light(0), [1, 1], 8), true).silhouettes, 0);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     // One triangle: three edges, all silhouettes.
     let mut mesh = Mesh::default();
@@ -93,8 +92,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for size in [sizes_around(8), vec![63, 64, 65]].concat() {
         check(gpu(), &Case::new(&mesh("closed balls", size as u64), light(size as u64), [1, 1], size as u32), true);
@@ -106,8 +104,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     for (k, name) in MESHES.iter().enumerate() {
         for (seed, map) in [1, 3, 8, 33, 150].into_iter().enumerate() {
@@ -120,8 +117,7 @@ fn random_seeded() {
     check(gpu(), &Case::new(&mesh("closed balls", 7), light(2), [1, 1], 512), true);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     // Boundary, non-manifold and inconsistent edges are silhouettes whatever they face.
     for name in ["leaves", "non-manifold", "flipped", "t-junctions"] {
@@ -152,8 +148,7 @@ fn degenerate() {
 
 /// The stage has no list: nothing is written past the last edge (see `run_all`); edges are one more, or one less, than
 /// a workgroup.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     for n in [31, 32, 33, 63, 64, 65] {
         let mut mesh = Mesh::default();
@@ -164,8 +159,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(40, 1 << 20);
     let mut dense = Mesh::default();
@@ -176,8 +170,7 @@ fn two_d_dispatch() {
     assert!(ran.words() == run_all(gpu(), &case).words(), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&mesh("closed balls", 5), light(0), [1, 1], 64);
     let ran = check(gpu(), &case, true);

@@ -7,6 +7,7 @@ use crate::support::shadow::{
     sheet,
 };
 use crate::support::{POISON, Random, gpu, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::reference::smsr::{SmsrLookup, SmsrMargin};
 use subpixel_shadows::scene::{Light, Mesh};
@@ -52,8 +53,7 @@ fn check(world: &World, options: SmsrOptions) -> Ran {
     ran
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 8, 8), MIDDLE);
     assert!(ran.on.visibility.iter().all(|&v| v == 1.0));
@@ -61,8 +61,7 @@ fn empty() {
 
 /// A floor under a roof with slanting edges: lines by corners darken, lines by midpoints do both, and the farther a border is
 /// followed the less is left of its steps.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut mesh = sheet(1, 2.0, |_, _| 0.0, |p| p);
     add_triangle(&mut mesh, [[-1.0, 0.8, -1.0], [1.0, 0.8, -0.8], [0.1, 0.8, 1.0]]);
@@ -81,8 +80,7 @@ fn one() {
     assert!(grown > 5 && shrunk > 5 && grown < 4 * shrunk && shrunk < 4 * grown, "{grown} darker, {shrunk} brighter");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mesh = random_scene(1, &mut Random::new(31));
     for pixels in sizes_around(64) {
@@ -90,8 +88,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(43);
     for kind in 0..4 {
@@ -105,8 +102,7 @@ fn random_seeded() {
 }
 
 /// Maps and images of one cell and of few.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn smallest() {
     let mut random = Random::new(47);
     for (k, (size, map)) in
@@ -120,8 +116,7 @@ fn smallest() {
 }
 
 /// At the default bias a bare plane has no borders up to 89 degrees; without a bias it has.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut unbiased = 0;
     for degrees in [0.0f64, 10.0, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0, 87.0, 88.0, 89.0] {
@@ -140,16 +135,14 @@ fn degenerate() {
 }
 
 /// More pixels than one dimension of a dispatch of single invocations holds.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mesh = random_scene(1, &mut Random::new(51));
     let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), MIDDLE);
     assert!(ran.on.visibility.iter().all(|v| v.to_bits() != POISON));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mesh = random_scene(1, &mut Random::new(61));
     // Nine workgroups in three rows.
@@ -157,8 +150,7 @@ fn two_d_dispatch() {
     assert!(of(folding_gpu()).on.visibility == of(gpu()).on.visibility, "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));
     let world = world(gpu(), &mesh, above(), [48, 36], 64, 32);

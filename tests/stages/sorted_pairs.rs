@@ -1,6 +1,7 @@
 //! Pairs sorted by texel against their definition. The list is written as the appending kernels would.
 
 use crate::support::{POISON, Random, assert_same, gpu, run, sizes_around, small_gpu, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::reference::sorted_pairs::sort;
 use subpixel_shadows::stages::sorted_pairs::Sorted;
@@ -67,14 +68,12 @@ fn any(count: usize, texels: u32, random: &mut Random) -> Vec<(u32, u32)> {
     (0..count as u32).map(|k| (random.below(texels), k.wrapping_mul(0x9e37_79b9))).collect()
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     check(gpu(), &stage(gpu()), &[], 16);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     for texel in [0, 1, 15] {
         check(gpu(), &stage(gpu()), &[(texel, 77)], 16);
@@ -82,8 +81,7 @@ fn one() {
     check(gpu(), &stage(gpu()), &[(0, 77)], 1);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let stage = stage(gpu());
     let mut random = Random::new(51);
@@ -92,8 +90,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let stage = stage(gpu());
     let mut random = Random::new(52);
@@ -104,8 +101,7 @@ fn random_seeded() {
 }
 
 /// All pairs in one texel, in the first or the last; one in each; the same pair many times.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let stage = stage(gpu());
     for texel in [0, 511 * 511, 512 * 512 - 1] {
@@ -118,8 +114,7 @@ fn degenerate() {
 }
 
 /// More appended than there is room for: those that are there are sorted, and nothing is written beyond them.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let stage = stage(gpu());
     let pairs = any(1000, 50, &mut Random::new(53));
@@ -137,8 +132,7 @@ fn overflow_by_one() {
     assert!(stage.record(&mut s, &scratch, Sorted::Items(&short), &counts).is_err(), "made for pairs");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let gpu = small_gpu(3, 1 << 20);
     let stage = stage(&gpu);
@@ -150,8 +144,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let pairs = any(500, 20, &mut Random::new(55));
     let good = sorted(gpu(), &stage(gpu()), &pairs, 20, 500, 500);

@@ -7,6 +7,7 @@ use crate::support::shadow::{
 };
 use crate::support::splits::{OnSplits, WARPS, plan, rounding};
 use crate::support::{Random, gpu, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::light_view::Warp;
 use subpixel_shadows::reference::split_maps::depths;
@@ -69,8 +70,7 @@ fn among(mesh: &Mesh, light: Light, map: u32) -> World {
     World::new(gpu(), mesh, camera, light, [64, 48], map, samples(1))
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     for warp in WARPS {
         let ran = check(&world(&Mesh::default(), above(), 9), 3, warp);
@@ -78,8 +78,7 @@ fn empty() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mesh = soup(1, 1.0, &mut Random::new(3));
     for (warp, map) in WARPS.into_iter().flat_map(|w| [1, 2, 8, 33].map(|m| (w, m))) {
@@ -89,8 +88,7 @@ fn one() {
 }
 
 /// One view that is not warped is the map of `light_layers`, but for texels at borders and roundings of depth.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_whole_view_is_the_map_of_light_layers() {
     let mut random = Random::new(37);
     for kind in 0..4 {
@@ -107,8 +105,7 @@ fn a_whole_view_is_the_map_of_light_layers() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(5);
     for (k, map) in sizes_around(8).into_iter().chain([63, 64, 65]).enumerate() {
@@ -119,8 +116,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(7);
     for (kind, (k, warp)) in (0..4).flat_map(|kind| WARPS.into_iter().enumerate().map(move |w| (kind, w))) {
@@ -133,8 +129,7 @@ fn random_seeded() {
 }
 
 /// A camera along the light, triangles that reach behind eye, light and the map's horizon, one of them with a vertex twice.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut random = Random::new(11);
     let mut mesh = random_scene(1, &mut random);
@@ -154,8 +149,7 @@ fn degenerate() {
 }
 
 /// Maps of one texel and of few.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn smallest() {
     for map in [1, 2, 3] {
         for (k, warp) in WARPS.into_iter().enumerate() {
@@ -166,8 +160,7 @@ fn smallest() {
 }
 
 /// More workgroups of blocks than one dimension of a dispatch holds; the stage has no list that could run over.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut mesh = Mesh::default();
     for k in 0..36 {
@@ -185,8 +178,7 @@ fn overflow_by_one() {
     assert!(ran.keys[..texels].iter().filter(|k| **k != 0).count() > texels / 3);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mesh = random_scene(0, &mut Random::new(19));
     // Four workgroups of triangles in two rows. The folded blocks are those of overflow_by_one: the stage that makes their arguments
@@ -210,8 +202,7 @@ fn levels_of_any_size() {
     assert_eq!(largest.level_stride as usize, SplitViews::moments_of(8192));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let world = world(&random_scene(1, &mut Random::new(23)), above(), 64);
     let of = || OnSplits::of(&world, &plan(3, Warp::Trapezoid));

@@ -8,6 +8,7 @@ use crate::support::shadow::{
 use crate::support::splits::{OnSplits, WARPS, in_split, on_plane, plan, rounding};
 use crate::support::spsm::{faces_away, noise, receiver};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DMat2, DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, kernels};
 use subpixel_shadows::light_view::Warp;
@@ -193,8 +194,7 @@ fn world(mesh: &Mesh, light: Light, size: [u32; 2], map: u32, count: u32) -> Wor
     looked_down_on(gpu(), mesh, light, size, map, count)
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     for how in [DEPTHS, MOMENTS] {
         let ran = check(&world(&Mesh::default(), above(), [3, 2], 8, 8), how, 3, Warp::Trapezoid);
@@ -202,8 +202,7 @@ fn empty() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mesh = random_scene(1, &mut Random::new(29));
     for (how, warp) in [DEPTHS, MOMENTS].into_iter().flat_map(|h| WARPS.map(|w| (h, w))) {
@@ -216,8 +215,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mesh = random_scene(1, &mut Random::new(31));
     for (k, pixels) in sizes_around(64).into_iter().enumerate() {
@@ -226,8 +224,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(43);
     for (kind, (k, warp)) in (0..4).flat_map(|kind| WARPS.into_iter().enumerate().map(move |w| (kind, w))) {
@@ -240,8 +237,7 @@ fn random_seeded() {
 }
 
 /// Maps and images of one cell and of few.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn smallest() {
     let mut random = Random::new(47);
     for (k, (size, map)) in
@@ -255,8 +251,7 @@ fn smallest() {
 }
 
 /// A bare plane does not shadow itself, however it is tilted and split and however fine the map; by depths without a bias it does.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let unbiased = SplitQuery::Depths { constant: 0.0, slope: 0.0 };
     let mut spoilt = 0;
@@ -290,8 +285,7 @@ fn degenerate() {
 }
 
 /// More pixels than one dimension of a dispatch of single invocations holds.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mesh = random_scene(1, &mut Random::new(51));
     for how in [DEPTHS, MOMENTS] {
@@ -300,8 +294,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mesh = random_scene(1, &mut Random::new(61));
     // Nine workgroups in three rows.
@@ -312,8 +305,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));
     let world = world(&mesh, above(), [48, 36], 64, 32);

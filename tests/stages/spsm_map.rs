@@ -5,6 +5,7 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{Made, middle, noise};
 use crate::support::{Random, gpu, run, sizes_around, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec2, DVec3};
@@ -117,8 +118,7 @@ fn check(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32) -> [Made; 2] {
     })
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     for map in [1, 9] {
         let [paper, lines] = check(gpu(), &Mesh::default(), above(), map);
@@ -126,8 +126,7 @@ fn empty() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mesh = soup(1, 1.0, &mut Random::new(3));
     for map in [1, 2, 7, 64] {
@@ -136,8 +135,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(5);
     let mesh = random_scene(1, &mut random);
@@ -149,8 +147,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(11);
     for kind in 0..4 {
@@ -161,8 +158,7 @@ fn random_seeded() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     // Edge-on to the light, without area, doubled; and a triangle that reaches behind a point light.
     let mut mesh = sheet(3, 1.0, |_, _| 0.0, |p| DVec3::new(p.x, p.z, 0.1));
@@ -174,8 +170,7 @@ fn degenerate() {
 }
 
 /// The stage has no list. At most 65,535 work items fit one dimension of a dispatch of single invocations; here are more.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mesh = sheet(190, 1.0, |x, z| 0.2 * (9.0 * x).sin() * (7.0 * z).cos(), |p| p);
     let world = world(gpu(), &mesh, above(), 150);
@@ -186,8 +181,7 @@ fn overflow_by_one() {
 }
 
 /// How many won blocks are listed, none to all, changes nothing of the map.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn list_of_won_blocks_too_short() {
     // Every triangle twice: each texel has a tie to break.
     let mesh = doubled(random_scene(1, &mut Random::new(14)));
@@ -208,8 +202,7 @@ fn list_of_won_blocks_too_short() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     // Nine workgroups of texels in three rows; the lists of blocks fit in one.
     let mesh = soup(40, 0.4, &mut Random::new(8));
@@ -218,8 +211,7 @@ fn two_d_dispatch() {
     assert!(a.records == c.records && b.records == d.records, "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(21));
     let world = world(gpu(), &mesh, above(), 64);
@@ -262,8 +254,7 @@ entry_point! { "test", "work", [64, 1, 1], DIVIDE, () => Divide, DivideProgram {
 } }
 
 /// Rows and places in them, divided through floats, are those of integers.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn division_is_exact() {
     let mut random = Random::new(9);
     let mut inputs = Vec::new();
@@ -339,8 +330,7 @@ fn words_of(v: f32, slopes: &SlopeCode) -> [u32; 4] {
 }
 
 /// Every code of 2^24 numbers is the same on CPU and GPU, rises with the number, and is decoded within its bound.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn codes_agree_bit_for_bit() {
     const PART: usize = 1 << 20;
     let program = CodesProgram::new(&gpu().device, ());
@@ -445,8 +435,7 @@ fn sides_of([a, b, c, texel]: [u32; 4], size: u32) -> u32 {
 
 /// Which side of an edge between two vertices of 16 bits the texel's centre lies on, in more than 10^7 tests, against integers of
 /// 64 bits: of triangles anywhere, of small ones around the texel, of slivers, and of edges right through the centre.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn edge_tests_have_no_wrong_sign() {
     const PART: usize = 1 << 20;
     let program = SidesProgram::new(&gpu().device, ());

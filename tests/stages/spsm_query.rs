@@ -8,6 +8,7 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{Made, faces_away, noise, receiver, take_list};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::reference::facet_classify::pixel_ray;
@@ -224,15 +225,13 @@ fn check(world: &World, lines: bool, search: Search) -> Ran {
     ran
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 8, 8), true, NEAR);
     assert!(ran.visibility.iter().all(|&v| v == 1.0) && ran.list.is_empty());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     // A floor, and a floor under a roof.
     let floor = sheet(1, 2.0, |_, _| 0.0, |p| p);
@@ -248,8 +247,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mesh = random_scene(1, &mut Random::new(31));
     for pixels in sizes_around(64) {
@@ -257,8 +255,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(41);
     for kind in 0..4 {
@@ -275,8 +272,7 @@ fn random_seeded() {
 }
 
 /// A bare plane never shadows itself, whatever its tilt, under either encoding; and no sheet shades its own front.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     for degrees in [0.0f64, 10.0, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0, 87.0, 88.0, 89.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
@@ -298,8 +294,7 @@ fn degenerate() {
 
 /// Samples beside the triangle at a pixel's centre lie on its plane, in a bowl below the surface that is there: its neighbours shade
 /// none of them.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_bowl_does_not_shade_itself() {
     let mesh = sheet(90, 2.0, |x, z| 0.2 * (x * x + z * z), |p| p);
     let light = Light::Directional { direction: [0.2, 1.0, 0.1] };
@@ -316,8 +311,7 @@ fn a_bowl_does_not_shade_itself() {
 }
 
 /// What is searched beyond the 3 x 3 texels, in a larger square or along the border's tangents, changes the answer.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn searches_along_the_border() {
     // Triangles smaller than a texel, over a floor: the square misses some at the border.
     let mut mesh = sheet(1, 2.0, |_, _| 0.0, |p| p);
@@ -331,8 +325,7 @@ fn searches_along_the_border() {
 }
 
 /// A ground far behind all casters lies beyond the range of depths: it shadows nothing, and takes shadows as any other.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn ground_behind_all_casters() {
     for distance in [1.0, 3.0, 30.0] {
         let mut mesh = sheet(2, 2.0, |_, _| 0.0, |p| p);
@@ -354,8 +347,7 @@ fn ground_behind_all_casters() {
 }
 
 /// More pixels than one dimension of a dispatch of single invocations holds, all of them uncertain or not.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mesh = random_scene(1, &mut Random::new(51));
     let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), true, NEAR);
@@ -363,8 +355,7 @@ fn overflow_by_one() {
     assert!(!ran.classes.contains(&POISON) && !ran.lit.contains(&POISON));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mesh = random_scene(1, &mut Random::new(61));
     // Nine workgroups in three rows.
@@ -373,8 +364,7 @@ fn two_d_dispatch() {
     assert!(a.lit == b.lit && a.classes == b.classes && a.list == b.list, "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));
     let world = world(gpu(), &mesh, above(), [48, 36], 64, 32);

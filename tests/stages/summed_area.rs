@@ -1,6 +1,7 @@
 //! The summed-area table against its definition.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, run, sizes_around, small_gpu, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::reference::summed_area::{pack, rect_sum, table, unpack};
 use subpixel_shadows::stages::SummedArea;
@@ -45,8 +46,7 @@ fn check(gpu: &Gpu, stages: &Stages, texels: &[u32], width: usize, height: usize
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let stages = stages(gpu());
     for (width, height) in [(0, 0), (5, 0), (0, 5)] {
@@ -54,8 +54,7 @@ fn empty() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let stages = stages(gpu());
     for texel in [0, 1, u32::MAX] {
@@ -63,8 +62,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let stages = stages(gpu());
     let texels = Random::new(11).words(260 * 12);
@@ -76,8 +74,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let stages = stages(gpu());
     let mut random = Random::new(12);
@@ -89,8 +86,7 @@ fn random_seeded() {
     check(gpu(), &stages, &texels, 512, 512, &[4096, 4096, 32]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let stages = stages(gpu());
     // One row, one column (longer than a strip), all clear, all set, and counts whose sums wrap.
@@ -104,8 +100,7 @@ fn degenerate() {
 }
 
 /// 8192², all four corners of E24: 2^26 ones do not fit f32, and the table does not fit one 128 MiB binding.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn largest_map() {
     let side = 8192;
     let stage = SummedArea::new(&gpu().device, Texels::Bits);
@@ -121,8 +116,7 @@ fn largest_map() {
     assert_eq!(wrong, None);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let stage = SummedArea::new(&gpu().device, Texels::Words);
     let device = &gpu().device;
@@ -143,8 +137,7 @@ fn overflow_by_one() {
     assert!(stage.record(&mut s, &exact, &table, &scratch).is_ok());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     // Four workgroups a dimension, and bands of 64, 128 or 192 rows.
     let gpu = small_gpu(4, 32 * 1024);
@@ -157,8 +150,7 @@ fn two_d_dispatch() {
 }
 
 /// `rect_sum` of the kernel and of the reference, over random rectangles, also empty ones and ones beyond the map.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn rectangle_sums() {
     let stage = SummedArea::new(&gpu().device, Texels::Words);
     let mut random = Random::new(16);
@@ -177,8 +169,7 @@ fn rectangle_sums() {
     assert!(want.contains(&0) && want.iter().any(|&s| s != 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let stage = SummedArea::new(&gpu().device, Texels::Bits);
     let words = Random::new(17).words(8 * 40);

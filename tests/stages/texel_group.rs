@@ -3,6 +3,7 @@
 use crate::support::{
     POISON, Random, assert_same, gpu, padded, poisoned, read_padded, run, sizes_around, small_gpu, upload,
 };
+use gpu_test::gpu_test;
 use subpixel_shadows::gpu::{Gpu, Recorder};
 use subpixel_shadows::reference::texel_group::{Grouped, canonical, group};
 use subpixel_shadows::stages::texel_group::Grouping;
@@ -59,8 +60,7 @@ fn check(gpu: &Gpu, stage: &TexelGroup, keys: &[u32], groups: usize, count: Opti
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let stage = stage(gpu());
     check(gpu(), &stage, &[], 5, None);
@@ -69,8 +69,7 @@ fn empty() {
     check(gpu(), &stage, &[0, 1, 2], 3, Some(0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let stage = stage(gpu());
     for key in [0, 1, 2, 3, u32::MAX] {
@@ -78,8 +77,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let stage = stage(gpu());
     let keys = Random::new(41).list(4097, 40);
@@ -92,8 +90,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let stage = stage(gpu());
     let mut random = Random::new(42);
@@ -106,8 +103,7 @@ fn random_seeded() {
     check(gpu(), &stage, &random.list(1 << 20, 1 << 18), 1 << 18, None);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let stage = stage(gpu());
     // All in one group (the 65,535 loop steps of some software adapters must not matter), none in any.
@@ -120,8 +116,7 @@ fn degenerate() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let stage = stage(gpu());
     let keys = Random::new(44).list(1000, 12);
@@ -155,8 +150,7 @@ fn overflow_by_one() {
     assert!(stage.record(&mut s, &short, None, to, &scratch, Count::Exactly(10)).is_err());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let gpu = small_gpu(3, 1 << 20);
     let stage = stage(&gpu);
@@ -166,8 +160,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let keys = Random::new(46).list(500, 20);
     let want = group(&keys, &(0..500).collect::<Vec<_>>(), 20);

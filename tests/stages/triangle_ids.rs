@@ -4,6 +4,7 @@ use crate::support::shadow::{folding_gpu, uniform};
 use crate::support::{
     POISON, Random, difference, gpu, padded, poisoned, read_padded, run, sizes_around, texture, upload,
 };
+use gpu_test::gpu_test;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::triangle_ids::triangles;
@@ -76,31 +77,27 @@ fn check(gpu: &Gpu, case: &Case) -> Vec<u32> {
     got
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let got = check(gpu(), &Case::new([5, 3], 0, 0, 0, &mut Random::new(1)));
     assert!(got[..15].iter().all(|&key| key == 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     for first in [0, 1, 77] {
         check(gpu(), &Case::new([1, 1], 1, first, 0, &mut Random::new(u64::from(first))));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for pixels in sizes_around(64) {
         check(gpu(), &Case::new([pixels as u32, 1], 40, 1, 0, &mut Random::new(pixels as u64)));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(11);
     for size in [[64, 48], [61, 47], [3, 900], [1000, 2]] {
@@ -111,8 +108,7 @@ fn random_seeded() {
 }
 
 /// Texels that name no triangle are counted, at either end of the numbers.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let case = Case {
         size: [4, 2],
@@ -127,8 +123,7 @@ fn degenerate() {
 }
 
 /// The stage has no list: nothing is written past the last pixel.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     for pixels in [63, 65, 127, 129] {
         check(gpu(), &Case::new([pixels, 1], 3, 0, 2, &mut Random::new(31)));
@@ -136,8 +131,7 @@ fn overflow_by_one() {
 }
 
 /// A strip of rows has the keys of its rows, and counts the faults of those that are its own.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_strip_is_its_rows() {
     let case = Case::new([16, 30], 50, 7, 3, &mut Random::new(61));
     let rows_of = |first: usize, count: usize| Case {
@@ -162,16 +156,14 @@ fn a_strip_is_its_rows() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     // Nine workgroups in three rows.
     let case = Case::new([24, 24], 50, 0, 5, &mut Random::new(41));
     assert!(check(folding_gpu(), &case) == check(gpu(), &case), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new([20, 10], 50, 0, 5, &mut Random::new(51));
     let got = check(gpu(), &case);

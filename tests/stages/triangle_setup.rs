@@ -3,6 +3,7 @@
 
 use crate::support::geometry::{Case, MESHES, Place, Ran, add, ball, fan, light, mesh, run_all, unpack};
 use crate::support::{Random, difference, gpu, sizes_around, small_gpu};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::triangle_setup::{Reach, side_doubt};
@@ -101,8 +102,7 @@ fn check(gpu: &Gpu, case: &Case) -> Ran {
     ran
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     check(gpu(), &Case::new(&Mesh::default(), light(0), [1, 1], 1));
     // Triangles that are none.
@@ -111,8 +111,7 @@ fn empty() {
     assert_eq!(check(gpu(), &Case::new(&mesh, light(0), [8, 8], 8)).facing, [DROPPED; 3]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut mesh = Mesh::default();
     add(&mut mesh, &[DVec3::ZERO, DVec3::X, DVec3::Z], &[[0, 2, 1]]);
@@ -123,8 +122,7 @@ fn one() {
     assert_eq!(check(gpu(), &Case::new(&mesh, light(0), [1, 1], 1)).facing, [BACK]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for count in sizes_around(64) {
         let mut mesh = Mesh::default();
@@ -133,8 +131,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     for (k, name) in MESHES.iter().enumerate() {
         for (seed, map) in [1, 3, 8, 33, 512].into_iter().enumerate() {
@@ -151,8 +148,7 @@ fn random_seeded() {
     check(gpu(), &Case::new(&mesh("closed balls", 9), light(1), [800, 600], 4096));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     // Edge-on, collinear, no area, far away, through the near planes, behind everything.
     let mut mesh = Mesh::default();
@@ -201,8 +197,7 @@ fn mesh_of_ball() -> Mesh {
 
 /// The stage has no list: nothing is written past the last triangle (see `run_all`). An index past the last vertex
 /// drops its triangle.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let case = Case::new(&mesh_of_ball(), light(0), [33, 33], 33);
     let mut cut = case.clone();
@@ -218,8 +213,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(20, 1 << 20);
     let mut mesh = Mesh::default();
@@ -228,8 +222,7 @@ fn two_d_dispatch() {
     assert!(check(&small, &case).words() == run_all(gpu(), &case).words(), "the fold changes the result");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&mesh_of_ball(), light(1), [64, 64], 64);
     let ran = check(gpu(), &case);

@@ -4,6 +4,7 @@ use crate::support::shadow::{
     World, camera, deepest_of, folding_gpu, random_light, random_scene, samples, unit, vector,
 };
 use crate::support::{POISON, Random, gpu, sizes_around};
+use gpu_test::gpu_test;
 use std::sync::OnceLock;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
@@ -148,8 +149,7 @@ fn tile_faults(
     faults
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let mut random = Random::new(31);
     let world = world(gpu(), 0, &mut random);
@@ -159,8 +159,7 @@ fn empty() {
     assert_eq!(check_both(&none, &[Some(1.0); 64]), 0);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut random = Random::new(32);
     let mut found = 0;
@@ -177,8 +176,7 @@ fn one() {
     assert!(found > 0);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(33);
     // One block a triangle: as many work items as triangles.
@@ -190,8 +188,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(34);
     let mut found = 0;
@@ -203,8 +200,7 @@ fn random_seeded() {
 }
 
 /// Triangles of no area, slivers, triangles far outside the map, sub-texel ones, and ones that reach behind the light.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let mut random = Random::new(35);
     for round in 0..12 {
@@ -233,8 +229,7 @@ fn degenerate() {
 }
 
 /// Of triangles that reach behind the light only what the lines of their edges hold is listed, which is not all of the map.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn behind_the_light_lines_tell() {
     let mut random = Random::new(39);
     let map = 64;
@@ -258,8 +253,7 @@ fn behind_the_light_lines_tell() {
     assert!(listed >= held / 2 && listed < held + held / 7, "{listed} pairs listed where lines hold {held}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let mut random = Random::new(36);
     let world = world(gpu(), 1, &mut random);
@@ -280,8 +274,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mut random = Random::new(37);
     let small =
@@ -295,8 +288,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let (least, most) = (vec![vec![1, 4]], vec![vec![0, 1, 4]]);
     assert_eq!(faults(&least, &[vec![1, 4]], &most), (0, 0));

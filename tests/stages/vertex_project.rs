@@ -3,6 +3,7 @@
 
 use crate::support::geometry::{Case, MESHES, Place, Ran, add, ball, light, mesh, run_all};
 use crate::support::{Random, difference, gpu, sizes_around, small_gpu};
+use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec3, DVec4, Vec4};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::scene::{Light, Mesh};
@@ -76,16 +77,14 @@ fn cloud(count: usize, at: DVec3, size: f64) -> Mesh {
     mesh
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     for k in 0..3 {
         check(gpu(), &Case::new(&Mesh::default(), light(k), [1, 1], 1));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut mesh = Mesh::default();
     add(&mut mesh, &[DVec3::ONE], &[[0, 0, 0]]);
@@ -94,16 +93,14 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for count in sizes_around(64) {
         check(gpu(), &Case::new(&cloud(count, DVec3::ZERO, 1.0), light(count as u64), [2, 2], 3));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     for (k, name) in MESHES.iter().enumerate() {
         for seed in 0..3 {
@@ -123,8 +120,7 @@ fn random_seeded() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     // No number, or none that can be scaled: dropped, and its neighbours are not.
     let mut case = Case::new(&cloud(70, DVec3::ZERO, 1.0), light(1), [8, 6], 33);
@@ -155,16 +151,14 @@ fn degenerate() {
 
 /// The stage has no list: nothing is written past the last vertex (see `run_all`), and a frame that counts fewer
 /// vertices than there are leaves the others alone.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     for count in [63, 64, 65, 127, 128, 129] {
         check(gpu(), &Case::new(&cloud(count, DVec3::ZERO, 1.0), light(0), [2, 2], 3));
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(20, 1 << 20);
     for count in [64 * 20, 64 * 20 + 1, 64 * 27 + 5] {
@@ -174,8 +168,7 @@ fn two_d_dispatch() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&cloud(70, DVec3::ZERO, 1.0), light(1), [2, 2], 33);
     let ran = check(gpu(), &case);

@@ -11,6 +11,7 @@ use crate::support::shadow::{
     Pipelines, World, add_triangle, camera, folding_gpu, indirect, samples, sheet, uniform, unit,
 };
 use crate::support::{Random, difference, gpu, run, sizes_around, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec3, DVec4};
@@ -97,8 +98,7 @@ fn world((mesh, camera, light): Case, size: [u32; 2], samples: Samples) -> World
     undecided_world(gpu(), &mesh, camera, light, size, samples)
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     let light = Light::Directional { direction: [0.2, 1.0, 0.1] };
     let mesh = sheet(1, 1.0, |_, _| 0.0, |p| p);
@@ -111,8 +111,7 @@ fn empty() {
     assert!(masks.iter().all(|m| m.1[1] == 0 && m.1[2] == 0));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     let mut random = Random::new(61);
     let mut total = Tally::default();
@@ -124,8 +123,7 @@ fn one() {
     assert!(total.occluded > 100, "{total:?}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     let mut random = Random::new(62);
     // One evaluation a facet: as many as facets.
@@ -156,23 +154,20 @@ fn all_anywhere() -> Tally {
     total
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let total = all_anywhere();
     assert!(total.evaluations >= 1_000_000 && total.occluded > 10_000, "{total:?}");
     assert_eq!((total.wrong_occluded, total.leaks), (0, 0), "{total:?}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn cuts_behind_the_eye_are_as_exact() {
     all_anywhere().assert_right("anywhere");
 }
 
 /// Closed, open, interpenetrating and doubled scenes.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn scenes() {
     let mut random = Random::new(64);
     let mut total = Tally::default();
@@ -185,8 +180,7 @@ fn scenes() {
     assert!(total.occluded > 10_000, "{total:?}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let elevations = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
     let heights = [0.75, 0.75f32.next_up(), 0.75f32.next_down(), 0.750_001];
@@ -217,8 +211,7 @@ fn by_two_steps(world: &World, facet: &reference::FacetAtPixel) -> [u128; 2] {
 
 /// Masks from a table are those of the exact test but for samples near a line: few of a fine table, more of a coarse one, and
 /// most are others where the table's entries are moved.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn tables_hold_nearly_the_exact_masks() {
     for count in [8, 32, 64, 128] {
         let mut random = Random::new(u64::from(count));
@@ -258,8 +251,7 @@ fn tables_hold_nearly_the_exact_masks() {
 
 /// The paper's two projections against their definition in `f64` on benign scenes, and against the truth: what they bound is
 /// the same shadow.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_projections_are_as_defined() {
     let two_step = VisibilityMasks::two_step(&gpu().device, 32, [0, 0]);
     let mut random = Random::new(77);
@@ -300,8 +292,7 @@ fn two_projections_are_as_defined() {
 }
 
 /// A caster in whose plane the light lies casts nothing, but where it rises through a facet it still cuts it.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn edge_on_casters_still_cut() {
     let (mesh, look, _) = boxes_case();
     let light = Light::Directional { direction: [1.0, 0.0, 0.3] };
@@ -312,8 +303,7 @@ fn edge_on_casters_still_cut() {
 /// A tilted floor of many triangles that would be coplanar but for the rounding of their vertices. By the model, samples
 /// beyond the facet's own triangle lie on its plane, and a neighbour that rises over it by rounding alone shadows them;
 /// the validity mask takes those samples out. With it no counted sample is occluded.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn tessellated_floors_do_not_shadow_themselves() {
     let turn = |offset: f64| {
         move |p: DVec3| {
@@ -338,8 +328,7 @@ fn tessellated_floors_do_not_shadow_themselves() {
 }
 
 /// A wall that rises through the floor, its foot swept across a pixel's centre.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn cuts_through_the_pixel_centre() {
     let eye = DVec3::new(0.0, 2.0, 0.0);
     let look = Camera { up: [0.0, 0.0, -1.0], ..camera(eye, DVec3::ZERO, 60.0) };
@@ -366,8 +355,7 @@ fn cuts_through_the_pixel_centre() {
 
 /// Samples exactly on the shadows of edges and of vertices that triangles of a closed fan share are occluded; of pairs whose lines
 /// pass a sample so near, single precision decides none.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn closed_fans_do_not_leak() {
     let mut total = Tally::default();
     for (blades, size, samples) in [
@@ -424,8 +412,7 @@ fn closed_fans_do_not_leak() {
 }
 
 /// The list of candidates ends at its capacity: what lies behind it is not evaluated.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let world = world(boxes_case(), [8, 8], samples(32));
     let listed = world.seen();
@@ -464,8 +451,7 @@ fn overflow_by_one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let mut random = Random::new(67);
     let (mesh, look, light) = soup_case(20, 1.0, &mut random);
@@ -477,8 +463,7 @@ fn two_d_dispatch() {
     assert!(tally.evaluations > 3 * 64, "{tally:?}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let world = world(boxes_case(), [24, 18], samples(32));
     let listed = world.seen();
@@ -521,8 +506,7 @@ entry_point! { "test", "work", [64, 1, 1], ARITHMETIC, () => Arithmetic, Arithme
 } }
 
 /// Arithmetic of two `f32` on this adapter: 2^-44 of the exact result, of the fast sum 2^-44 of the numbers added.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn double_floats_keep_44_bits() {
     const COUNT: usize = 120_000;
     let mut random = Random::new(68);

@@ -2,6 +2,7 @@
 
 use crate::support::shadow::{folding_gpu, uniform};
 use crate::support::{Random, difference, gpu, read_texture, run, sizes_around, texture, upload};
+use gpu_test::gpu_test;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::reference::visibility_texture::{Lengths, is_complete, texels};
@@ -46,20 +47,17 @@ fn check(gpu: &Gpu, image: [u32; 2], size: [u32; 2], values: &[f32]) -> Vec<u32>
 }
 
 /// An image of no pixels writes nothing.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     assert!(check(gpu(), [0, 0], [3, 2], &[]).iter().all(|&t| t == BEFORE));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     assert_eq!(check(gpu(), [1, 1], [1, 1], &[0.25]), [0.25f32.to_bits()]);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for pixels in sizes_around(64) {
         let image = [pixels as u32, 1];
@@ -67,8 +65,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(11);
     for image in [[64, 48], [61, 47], [3, 900], [1000, 2]] {
@@ -77,16 +74,14 @@ fn random_seeded() {
 }
 
 /// Every finite value keeps its bits.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     let odd = [0.0, 1.0, 1.0f32.next_down(), f32::MIN_POSITIVE, f32::MAX, -1.0, 1.0 / 3.0, f32::EPSILON];
     check(gpu(), [4, 2], [4, 2], &odd);
 }
 
 /// A texture that is a row or a column short takes what it holds; one that is larger keeps the rest as it was.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     let image = [9, 8];
     let values = values(image, &mut Random::new(31));
@@ -96,8 +91,7 @@ fn overflow_by_one() {
 }
 
 /// A strip of rows is written where it belongs, but for the rows of its neighbours.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn a_strip_writes_its_own_rows() {
     let (gpu, whole) = (gpu(), [9, 40]);
     let values = values(whole, &mut Random::new(61));
@@ -116,8 +110,7 @@ fn a_strip_writes_its_own_rows() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     // Nine workgroups in three rows.
     let image = [24, 24];
@@ -125,8 +118,7 @@ fn two_d_dispatch() {
     assert!(check(folding_gpu(), image, image, &values) == check(gpu(), image, image, &values));
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let image = [20, 10];
     let values = values(image, &mut Random::new(51));
@@ -140,8 +132,7 @@ fn detects_corruption() {
 }
 
 /// A frame's counters, each need at, below or beyond what its list holds: one alone decides, and so does a fault or another stamp.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_is_missing_is_found() {
     let gpu = gpu();
     let stage = LastPicture::new(&gpu.device);
@@ -222,8 +213,7 @@ fn what_is_missing_is_found() {
 }
 
 /// Words are copied if nothing is missing, all of them, and none else.
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn what_is_complete_is_held() {
     for gpu in [gpu(), folding_gpu()] {
         let stage = LastPicture::new(&gpu.device);

@@ -2,6 +2,7 @@
 
 use crate::support::shadow::with_total;
 use crate::support::{POISON, Random, assert_same, difference, gpu, run, sizes_around, small_gpu, upload};
+use gpu_test::gpu_test;
 use std::sync::OnceLock;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::gpu::bindings::{Read, Write};
@@ -85,15 +86,13 @@ fn check(gpu: &Gpu, stage: &WorkOwners, counts: &[u32]) -> usize {
     want.len()
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn empty() {
     assert_eq!(check(gpu(), stage(), &[]), 0);
     assert_eq!(check(gpu(), stage(), &[0; 100]), 0);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn one() {
     for count in [1, 7, 8, 9, 500] {
         assert_eq!(check(gpu(), stage(), &[count]), count as usize);
@@ -101,8 +100,7 @@ fn one() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn every_size_around_workgroup() {
     for size in sizes_around(64) {
         check(gpu(), stage(), &vec![1; size]);
@@ -110,8 +108,7 @@ fn every_size_around_workgroup() {
     }
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn random_seeded() {
     let mut random = Random::new(191);
     let mut items = 0;
@@ -126,8 +123,7 @@ fn random_seeded() {
     assert!(items > 20_000, "{items}");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn degenerate() {
     // One owner of almost all, first, last or between; owners of none at both ends.
     let (many, ones) = (100_000, vec![1; 70]);
@@ -136,8 +132,7 @@ fn degenerate() {
     check(gpu(), stage(), &[vec![0; 3000], ones.clone(), vec![many], ones, vec![0; 3000]].concat());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn overflow_by_one() {
     // Rooms around the length of the table are in `check`; no room at all, and a buffer that does not hold the scan.
     let counts = vec![3; 129];
@@ -151,8 +146,7 @@ fn overflow_by_one() {
     assert!(stage().record(&mut recorder.stage("test"), &offsets, 130).is_err());
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn two_d_dispatch() {
     let small = small_gpu(10, 1 << 22);
     let stage = WorkOwners::new(&small.device);
@@ -161,8 +155,7 @@ fn two_d_dispatch() {
     assert!(check(&small, &stage, &counts) > 8 * 64 * 10, "more workgroups than fit along a dimension");
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "built for a machine without a GPU")]
+#[gpu_test]
 fn detects_corruption() {
     let counts = Random::new(193).list(300, 5);
     let want = owners(&counts);
