@@ -6,7 +6,7 @@
 //   LIT where no caster is in the rectangle, or where no texel of it is marked and the facet lies before the split depth;
 //   SHADOWED where no texel of it is marked and it lies behind the split depth;
 //   UNDECIDED else: `facet_items` then holds the number of 8 x 8 blocks of its rectangle, 0 in all other states.
-// Facets of triangles behind the casters' (shared/only_receiver) are LIT too where they lie nearer to the light than any caster,
+// Facets of triangles behind the casters' (only_receiver) are LIT too where they lie nearer to the light than any caster,
 // and settled by the splits of all texels of a small rectangle.
 // `begin` empties the list of unsure facets; `classify` puts those on it of whose triangle single precision does not tell which
 // side light or eye are on, and `classify_unsure` classifies them with 46 bits: vector machines pay for code that no lane takes.

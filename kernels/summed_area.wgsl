@@ -1,6 +1,6 @@
 // summed_area: summed-area table of a map of counts or of bits.
 // Reads `texels`: one u32 a texel, or (override PACKED) one bit a texel, bit x % 32 of word x / 32 of its row, each row
-// padded to whole words (padding bits may hold anything). Writes `sat`, see shared/summed_area.wgsl.
+// padded to whole words (padding bits may hold anything). Writes `sat`, see summed_area.wgsl.
 // `rows` sums along each row, but stores only one partial sum a word (or 4 texels); `strips` sums each column over each
 // strip of rows; `columns` runs down the strips from the sums above them and writes the table once. With one strip,
 // `strips` is left out; `columns_ragged` is `columns` for widths that are no multiple of four. `query` reads `rects` and writes the

@@ -4,7 +4,7 @@
 //
 // A sample is occluded by a triangle iff the segment from its point on the facet's plane to the light crosses it: the
 // point lies inside three planes through the light and an edge and beyond the triangle's own plane. In the image each of
-// the four is a half-plane, found without division: see shared/shadow_lines. A triangle with no part strictly on the
+// the four is a half-plane, found without division: see shadow_lines. A triangle with no part strictly on the
 // light's side of the facet casts nothing on it.
 // `evaluate` works in single precision and puts every candidate it cannot decide, whose lines it cannot place within
 // LINE_TRUST pixels, or with a line nearer to a sample than rounding may move it, on the list `doubts`;
@@ -18,7 +18,7 @@ override WORDS: u32 = 1u;
 override ANGLES: u32 = 0u;   // size of the lookup table; 0: every sample is tested against every line
 override OFFSETS: u32 = 0u;
 override CUTS: u32 = 1u;     // 0: FLAG_VALIDITY is never set
-override TWO_STEP: u32 = 0u;  // 1: by two projections (shared/two_step), and nothing is put on the list `doubts`
+override TWO_STEP: u32 = 0u;  // 1: by two projections (two_step), and nothing is put on the list `doubts`
 const WORKGROUP = 64u;
 const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 

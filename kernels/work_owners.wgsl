@@ -2,7 +2,7 @@
 // owners for each.
 // Reads `work_offsets` (exclusive scan of the items of each owner, the total, the overflow flag). Writes behind these how many
 // places the table has, as far as there is room, and the table: the owner of item 8 k at place k, that of the last item at the
-// last (see shared/work_items).
+// last (see work_items).
 
 //@import dispatch work_items
 

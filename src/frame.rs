@@ -8,7 +8,7 @@ use glam::DVec3;
 
 shared_struct! {
     /// The uniform `frame` of every kernel. Lengths are eye-relative and scaled: `point = (position - eye) * scale`.
-    "shared/frame" => pub struct Frame {
+    "shared/frame/frame" => pub struct Frame {
         /// Eye in world units, and the scale, a power of two.
         pub eye: [f32; 4],
         /// What `f32` leaves out of the eye; `w`: no caster is nearer along the light view's axis.

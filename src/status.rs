@@ -25,7 +25,7 @@ impl FacetState {
 
 shared_struct! {
     /// Items that a list needed, and whether they are beyond 2^32.
-    "shared/status" => pub struct Need {
+    "shared/frame/status" => pub struct Need {
         /// Items.
         pub items: u32,
         /// 1 if they are beyond 2^32.
@@ -42,7 +42,7 @@ impl Need {
 
 shared_struct! {
     /// Counters of the whole frame.
-    "shared/status" => pub struct StatusHead {
+    "shared/frame/status" => pub struct StatusHead {
         /// Silhouette edges.
         pub silhouette_edges: u32,
         /// The frame's stamp, once its last stage has run; 0 before.
@@ -66,7 +66,7 @@ shared_struct! {
 
 shared_struct! {
     /// Counters of one band of facets in one view of the light.
-    "shared/status" => pub struct StatusBand {
+    "shared/frame/status" => pub struct StatusBand {
         /// Pixel-texel pairs.
         pub pixel_pairs: Need,
         /// Triangle-texel pairs.

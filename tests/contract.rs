@@ -49,7 +49,7 @@ fn candidates() -> Registered {
         Field { name: "seen", offset: 64, size: 4 * TALLY_WORDS - 64 },
         Field { name: "list", offset: 4 * TALLY_WORDS, size: 8 },
     ];
-    Registered { kernel: "shared/candidates", name: "Candidates", size: 4 * TALLY_WORDS + 8, fields: FIELDS }
+    Registered { kernel: "shared/raster/candidates", name: "Candidates", size: 4 * TALLY_WORDS + 8, fields: FIELDS }
 }
 
 /// Likewise: counts, the words of the two requests among them, then pixels and triangles.
@@ -71,11 +71,11 @@ fn status() -> Registered {
         Field { name: "head", offset: 0, size: HEAD },
         Field { name: "bands", offset: HEAD, size: size_of::<StatusBand>() },
     ];
-    Registered { kernel: "shared/status", name: "Status", size: HEAD + size_of::<StatusBand>(), fields: FIELDS }
+    Registered { kernel: "shared/frame/status", name: "Status", size: HEAD + size_of::<StatusBand>(), fields: FIELDS }
 }
 
-/// Every struct that the host shares with a kernel. A struct of `kernels/shared/<name>.wgsl` is registered under
-/// `shared/<name>` and found in every kernel that imports it.
+/// Every struct that the host shares with a kernel. A struct of a file that kernels import is registered under
+/// that file and found in every kernel that imports it.
 fn registry() -> Vec<Registered> {
     vec![
         of::<Frame>(),
@@ -165,7 +165,7 @@ fn shared_structs_agree() {
         for name in bound_structs(&module) {
             let twin = registry
                 .iter()
-                .find(|r| r.name == name && (r.kernel == *stem || r.kernel.starts_with("shared/")))
+                .find(|r| r.name == name && (r.kernel == *stem || r.kernel.contains('/')))
                 .unwrap_or_else(|| panic!("kernels/{stem}.wgsl: struct '{name}' is not registered here"));
             if let Some(disagreement) = disagreement(&module, twin) {
                 panic!("kernels/{stem}.wgsl: struct '{name}': {disagreement}");
@@ -295,14 +295,14 @@ fn public_types(text: &str) -> Vec<&str> {
         .collect()
 }
 
-/// The Rust files of a folder and of those in it.
-fn rust_files(folder: &Path) -> Vec<std::path::PathBuf> {
+/// The files of a folder, and of those in it, that end in `.extension`.
+fn files_of(folder: &Path, extension: &str) -> Vec<std::path::PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         if path.is_dir() {
-            found.extend(rust_files(&path));
-        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.extend(files_of(&path, extension));
+        } else if path.extension().is_some_and(|e| e == extension) {
             found.push(path);
         }
     }
@@ -313,7 +313,7 @@ fn rust_files(folder: &Path) -> Vec<std::path::PathBuf> {
 #[test]
 fn no_two_public_types_share_a_name() {
     let mut known = std::collections::BTreeMap::new();
-    for file in rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")) {
+    for file in files_of(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), "rs") {
         if file.ends_with("gpu/kernels.rs") {
             continue;
         }
@@ -329,15 +329,46 @@ fn no_two_public_types_share_a_name() {
     assert_eq!(public_types(text), ["A", "B", "C"]);
 }
 
-/// Kernels stay within 200 lines, the host side of a stage within 300.
+/// Kernels and what they import stay within 200 lines, the host side of a stage within 300.
 #[test]
 fn files_stay_readable() {
-    let folders = [("kernels", "wgsl", 200), ("kernels/shared", "wgsl", 200), ("src/stages", "rs", 300)];
-    for (folder, extension, most) in folders {
-        for stem in stems(folder, extension) {
-            let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(format!("{stem}.{extension}"));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (folder, extension, most) in [("kernels", "wgsl", 200), ("src/stages", "rs", 300)] {
+        let files = files_of(&root.join(folder), extension);
+        assert!(files.len() > 30, "{folder}: {} files", files.len());
+        for file in files {
             let lines = std::fs::read_to_string(&file).expect("a text file").lines().count();
-            assert!(lines <= most, "{folder}/{stem}.{extension}: {lines} lines, at most {most}");
+            assert!(lines <= most, "{}: {lines} lines, at most {most}", file.display());
+        }
+    }
+}
+
+/// What one kernel alone imports lies in that kernel's folder, what several do in one of `shared`.
+#[test]
+fn imports_lie_with_their_users() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("kernels");
+    let mut users: std::collections::BTreeMap<String, BTreeSet<String>> = std::collections::BTreeMap::new();
+    for file in files_of(&root, "wgsl") {
+        let text = std::fs::read_to_string(&file).expect("a text file");
+        let inside = file.strip_prefix(&root).expect("a kernel's file");
+        let user = match inside.iter().next().and_then(|part| part.to_str()).expect("a name") {
+            "shared" => inside.display().to_string(),
+            top => stage_of(top.strip_suffix(".wgsl").unwrap_or(top)),
+        };
+        for name in text.lines().filter_map(|l| l.strip_prefix("//@import ")).flat_map(str::split_whitespace) {
+            users.entry(name.to_owned()).or_default().insert(user.clone());
+        }
+    }
+    for file in files_of(&root, "wgsl") {
+        let inside = file.strip_prefix(&root).expect("a kernel's file");
+        let parts: Vec<_> = inside.iter().filter_map(|part| part.to_str()).collect();
+        let [folder, .., name] = parts[..] else { continue };
+        let name = name.strip_suffix(".wgsl").unwrap_or(name);
+        let users = users.get(name).unwrap_or_else(|| panic!("nobody imports {}", inside.display()));
+        if folder != "shared" {
+            assert_eq!(users.iter().collect::<Vec<_>>(), [folder], "{}", inside.display());
+        } else if let [user] = Vec::from_iter(users)[..] {
+            assert!(user.starts_with("shared/"), "{} is for {user} alone", inside.display());
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::types::{SharedStructs, texture};
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, GlobalVariable, Handle, Literal, Module, StorageAccess};
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -25,30 +26,61 @@ pub struct Kernel {
 /// # Errors
 /// The first file that cannot be read, parsed or validated.
 pub fn kernels(folder: &Path) -> Result<Vec<Kernel>, String> {
-    let fault = |e: std::io::Error| format!("{}: {e}", folder.display());
-    let mut stems = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(fault)? {
-        let path = entry.map_err(fault)?.path();
-        if path.extension().is_some_and(|e| e == "wgsl") {
-            stems.extend(path.file_stem().and_then(|s| s.to_str()).map(str::to_owned));
+    let (mut stems, mut imports) = (Vec::new(), Imports::new());
+    for file in files(folder, "")? {
+        let Some(stem) = file.strip_suffix(".wgsl") else { continue };
+        match stem.rsplit_once('/') {
+            None => stems.push(stem.to_owned()),
+            Some((_, name)) => {
+                if let Some(other) = imports.insert(name.to_owned(), file.clone()) {
+                    return Err(format!("{other} and {file} have one name"));
+                }
+            }
         }
     }
     stems.sort();
-    stems.into_iter().map(|stem| Kernel::read(folder, stem)).collect()
+    stems.into_iter().map(|stem| Kernel::read(folder, &imports, stem)).collect()
+}
+
+/// Files that kernels import, by name.
+type Imports = HashMap<String, String>;
+
+/// The files of a folder and of those in it, from the folder on.
+fn files(folder: &Path, within: &str) -> Result<Vec<String>, String> {
+    let fault = |e: std::io::Error| format!("{}: {e}", folder.display());
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder.join(within)).map_err(fault)? {
+        let entry = entry.map_err(fault)?;
+        let name = entry.file_name();
+        let name = name.to_str().ok_or("a file name that is no text")?;
+        let path = if within.is_empty() { name.to_owned() } else { format!("{within}/{name}") };
+        if entry.path().is_dir() {
+            found.extend(files(folder, &path)?);
+        } else {
+            found.push(path);
+        }
+    }
+    Ok(found)
 }
 
 /// Appends a file after what it imports, each once.
-fn join(folder: &Path, file: String, files: &mut Vec<String>, source: &mut String) -> Result<(), String> {
-    let path = folder.join(&file);
+fn join(
+    folder: &Path,
+    imports: &Imports,
+    file: &str,
+    files: &mut Vec<String>,
+    source: &mut String,
+) -> Result<(), String> {
+    let path = folder.join(file);
     let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     for name in text.lines().filter_map(|line| line.strip_prefix("//@import ")).flat_map(str::split_whitespace) {
-        let imported = format!("shared/{name}.wgsl");
-        if !files.contains(&imported) {
-            join(folder, imported, files, source)?;
+        let imported = imports.get(name).ok_or_else(|| format!("{}: no file '{name}' to import", path.display()))?;
+        if !files.contains(imported) {
+            join(folder, imports, imported, files, source)?;
         }
     }
-    if !files.contains(&file) {
-        files.push(file);
+    if !files.iter().any(|known| known == file) {
+        files.push(file.to_owned());
         source.push_str(&text);
     }
     Ok(())
@@ -64,9 +96,9 @@ struct Bound {
 }
 
 impl Kernel {
-    fn read(folder: &Path, stem: String) -> Result<Self, String> {
+    fn read(folder: &Path, imports: &Imports, stem: String) -> Result<Self, String> {
         let (mut files, mut source) = (Vec::new(), String::new());
-        join(folder, format!("{stem}.wgsl"), &mut files, &mut source)?;
+        join(folder, imports, &format!("{stem}.wgsl"), &mut files, &mut source)?;
         let at = |text: String| format!("kernels/{stem}.wgsl: {text}");
         let module =
             naga::front::wgsl::parse_str(&source).map_err(|e| at(e.emit_to_string_with_path(&source, &stem)))?;

@@ -1,6 +1,6 @@
 //! Typed bindings of the kernels: for each entry point a Rust struct with a field a binding, as naga finds them in WGSL.
 //!
-//! A kernel is `kernels/NAME.wgsl` with what it imports (`//@import NAME NAME`, files of `kernels/shared/`). Structs that the host shares
+//! A kernel is `kernels/NAME.wgsl` with what it imports (`//@import NAME NAME`: files of the folders in `kernels/`). Structs that the host shares
 //! with kernels are found by their `shared_struct!` in `src/`.
 
 mod kernel;

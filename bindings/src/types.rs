@@ -6,7 +6,7 @@ use naga::{
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Structs of `src/` that kernels share, by the kernel that declares them (or `shared/FILE`) and their name.
+/// Structs of `src/` that kernels share, by the kernel, or the imported file (`FOLDER/FILE`), that declares them and their name.
 pub struct SharedStructs(HashMap<(String, String), String>);
 
 /// Structs that the scene declares, which knows no kernel.
@@ -47,7 +47,7 @@ impl SharedStructs {
     fn path(&self, stem: &str, name: &str) -> Option<&str> {
         let of_the_scene = OF_THE_SCENE.iter().find(|(known, _)| *known == name).map(|(_, path)| *path);
         let own = self.0.get(&(stem.to_owned(), name.to_owned())).map(String::as_str);
-        let shared = || self.0.iter().find(|((kernel, n), _)| kernel.starts_with("shared/") && n == name);
+        let shared = || self.0.iter().find(|((kernel, n), _)| kernel.contains('/') && n == name);
         own.or_else(|| shared().map(|(_, path)| path.as_str())).or(of_the_scene)
     }
 

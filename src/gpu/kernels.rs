@@ -6,9 +6,10 @@ pub mod camera_visibility {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/pass", "shared/divide", "shared/pixel_ray", "shared/facing",
-        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/eye_order_46", "shared/rect",
-        "shared/work_items", "shared/span", "shared/camera_raster", "shared/frame_copy", "camera_visibility",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
+        "shared/frame/facing_46", "shared/facet/eye_order_46", "shared/raster/rect", "shared/raster/work_items",
+        "shared/raster/span", "camera_visibility/camera_raster", "shared/frame/frame_copy", "camera_visibility",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -77,9 +78,10 @@ pub mod candidate_pairs {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet",
-        "shared/facet_outline", "shared/facet_quad", "shared/facing", "shared/candidates", "shared/rect",
-        "shared/places", "shared/tile_cells", "shared/frame_copy", "shared/caster_effect", "candidate_pairs",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/facet/facet", "shared/facet/facet_outline", "candidate_pairs/facet_quad", "shared/frame/facing",
+        "shared/raster/candidates", "shared/raster/rect", "shared/raster/places", "shared/raster/tile_cells",
+        "shared/frame/frame_copy", "candidate_pairs/caster_effect", "candidate_pairs",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -118,7 +120,7 @@ pub mod caster_positions {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/dispatch", "shared/finite", "caster_positions",
+        "shared/frame/dispatch", "shared/math/finite", "caster_positions",
     }
     constants! {
         WORKGROUP = 64, NO_PLACE = 4294967295, FAULT_OUTSIDE = 0, FAULT_PARTED = 1,
@@ -141,7 +143,7 @@ pub mod compact {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/dispatch", "compact",
+        "shared/frame/dispatch", "compact",
     }
     constants! {
         WORKGROUP = 64, ITEMS = 32,
@@ -207,10 +209,12 @@ pub mod facet_classify {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/rect", "shared/pixel_ray", "shared/facet",
-        "shared/facing", "shared/double_float", "shared/vertex", "shared/facing_46", "shared/front_split",
-        "shared/only_receiver", "shared/summed_area", "shared/frame_copy", "shared/sample_copy",
-        "shared/facet_samples", "shared/view_sides", "shared/facet_box", "shared/facet_place", "facet_classify",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
+        "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
+        "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/front_split", "shared/facet/only_receiver",
+        "shared/raster/summed_area", "shared/frame/frame_copy", "shared/frame/sample_copy",
+        "facet_classify/facet_samples", "shared/raster/view_sides", "facet_classify/facet_box",
+        "facet_classify/facet_place", "facet_classify",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -276,9 +280,10 @@ pub mod front_layer {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/work_items", "shared/front_split", "shared/divide",
-        "shared/rect", "shared/conservative", "shared/span", "shared/block_bits", "shared/cover_cells",
-        "shared/mask_rows", "shared/facing", "shared/frame_copy", "front_layer",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/raster/work_items", "shared/raster/front_split",
+        "shared/math/divide", "shared/raster/rect", "shared/raster/conservative", "shared/raster/span",
+        "shared/raster/block_bits", "shared/raster/cover_cells", "shared/raster/mask_rows", "shared/frame/facing",
+        "shared/frame/frame_copy", "front_layer",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -315,7 +320,8 @@ pub mod gbuffer_triangles {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/status", "shared/divide", "shared/strip", "gbuffer_triangles",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/math/divide",
+        "shared/frame/strip", "gbuffer_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -390,9 +396,9 @@ pub mod light_layers {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/rect", "shared/work_items",
-        "shared/front_split", "shared/span", "shared/block_bits", "shared/facing", "shared/frame_copy",
-        "light_layers",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
+        "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span", "shared/raster/block_bits",
+        "shared/frame/facing", "shared/frame/frame_copy", "light_layers",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -425,8 +431,8 @@ pub mod map_moments {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/split_views", "shared/dispatch", "shared/front_split", "shared/moments",
-        "map_moments",
+        "shared/frame/frame", "shared/raster/split_views", "shared/frame/dispatch", "shared/raster/front_split",
+        "shared/raster/moments", "map_moments",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -454,8 +460,9 @@ pub mod pixel_receivers {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/strip", "shared/facing", "shared/finite",
-        "shared/vertex", "shared/given_place", "pixel_receivers",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/strip",
+        "shared/frame/facing", "shared/math/finite", "shared/frame/vertex", "pixel_receivers/given_place",
+        "pixel_receivers",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -488,10 +495,11 @@ pub mod pixel_texel_pairs {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/pass", "shared/divide", "shared/rect", "shared/work_items",
-        "shared/pixel_ray", "shared/facet", "shared/facet_outline", "shared/facing", "shared/only_receiver",
-        "shared/front_split", "shared/block_bits", "shared/places", "shared/append", "shared/map_ends",
-        "shared/frame_copy", "pixel_texel_pairs",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
+        "shared/raster/rect", "shared/raster/work_items", "shared/frame/pixel_ray", "shared/facet/facet",
+        "shared/facet/facet_outline", "shared/frame/facing", "shared/facet/only_receiver",
+        "shared/raster/front_split", "shared/raster/block_bits", "shared/raster/places", "shared/raster/append",
+        "shared/raster/map_ends", "shared/frame/frame_copy", "pixel_texel_pairs",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -570,8 +578,9 @@ pub mod pixel_triangles {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/status", "shared/pass", "shared/divide", "shared/rect",
-        "shared/work_items", "shared/facing", "shared/eye_edges", "shared/block_bits", "pixel_triangles",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/frame/pass",
+        "shared/math/divide", "shared/raster/rect", "shared/raster/work_items", "shared/frame/facing",
+        "shared/facet/eye_edges", "shared/raster/block_bits", "pixel_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -658,7 +667,7 @@ pub mod prefix_scan {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/dispatch", "shared/workgroup_scan", "prefix_scan",
+        "shared/frame/dispatch", "prefix_scan/workgroup_scan", "prefix_scan",
     }
     constants! {
         WORKGROUP = 64, SIDE = 8, QUADS = 16, BLOCK = 4096, SPINE_WORKGROUP = 256, SPINE_SIDE = 16, SPINE_CHUNK = 4,
@@ -694,7 +703,7 @@ pub mod radix_sort {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/dispatch", "radix_sort",
+        "shared/frame/dispatch", "radix_sort",
     }
     constants! {
         WORKGROUP = 64, PAIRS = 64, BLOCK = 4096, DIGIT_BITS = 6, MAX_BINS = 64, COLUMN = 65,
@@ -737,8 +746,8 @@ pub mod resolve {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/status", "shared/divide", "shared/pixel_ray", "shared/facet",
-        "resolve",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/facet", "resolve",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -770,11 +779,12 @@ pub mod sample_bins {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/pass", "shared/divide", "shared/rect", "shared/work_items",
-        "shared/conservative", "shared/span", "shared/pixel_ray", "shared/facet", "shared/facing",
-        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/map_ends", "shared/frame_copy",
-        "shared/shadow_lines", "shared/shadow_lines_46", "shared/shadow_ray", "shared/mesh_caster",
-        "shared/bin_tests", "sample_bins",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
+        "shared/raster/rect", "shared/raster/work_items", "shared/raster/conservative", "shared/raster/span",
+        "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
+        "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/map_ends", "shared/frame/frame_copy",
+        "shared/lines/shadow_lines", "shared/lines/shadow_lines_46", "shared/lines/shadow_ray",
+        "sample_bins/mesh_caster", "sample_bins/bin_tests", "sample_bins",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -915,10 +925,12 @@ pub mod sample_surfaces {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet", "shared/facing",
-        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/eye_edges", "shared/eye_view",
-        "shared/word_offsets", "shared/nearest_sample", "shared/eye_order_46", "shared/frame_copy",
-        "shared/surface_groups", "shared/touching_samples", "sample_surfaces",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
+        "shared/frame/facing_46", "shared/facet/eye_edges", "sample_surfaces/eye_view",
+        "sample_surfaces/word_offsets", "sample_surfaces/nearest_sample", "shared/facet/eye_order_46",
+        "shared/frame/frame_copy", "sample_surfaces/surface_groups", "sample_surfaces/touching_samples",
+        "sample_surfaces",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1047,9 +1059,10 @@ pub mod seen_texels {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/facing", "shared/divide", "shared/pixel_ray", "shared/receiver",
-        "shared/seen_texels", "shared/cross_sign", "shared/spsm_record", "shared/spsm_sheet", "shared/spsm_border",
-        "shared/spsm_footprint", "shared/spsm_settle", "seen_texels",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/spsm/seen_texels", "shared/math/cross_sign",
+        "shared/spsm/spsm_record", "shared/spsm/spsm_sheet", "shared/spsm/spsm_border",
+        "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle", "seen_texels",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1105,8 +1118,8 @@ pub mod shadow_map {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/facing", "shared/divide", "shared/pixel_ray", "shared/receiver",
-        "shadow_map",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shadow_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1140,10 +1153,11 @@ pub mod shadow_rays {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet", "shared/facing",
-        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/caster_tree", "shared/frame_copy",
-        "shared/shadow_lines", "shared/shadow_lines_46", "shared/shadow_ray", "shared/leaf_caster",
-        "shared/ray_doubts", "shared/facet_cut", "shadow_rays",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
+        "shared/frame/facing_46", "shadow_rays/caster_tree", "shared/frame/frame_copy", "shared/lines/shadow_lines",
+        "shared/lines/shadow_lines_46", "shared/lines/shadow_ray", "shadow_rays/leaf_caster",
+        "shadow_rays/ray_doubts", "shadow_rays/facet_cut", "shadow_rays",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1226,9 +1240,9 @@ pub mod silhouette_mask {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/status", "shared/divide", "shared/rect", "shared/work_items",
-        "shared/front_split", "shared/facing", "shared/span", "shared/block_bits", "shared/mask_rows",
-        "silhouette_mask",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/math/divide",
+        "shared/raster/rect", "shared/raster/work_items", "shared/raster/front_split", "shared/frame/facing",
+        "shared/raster/span", "shared/raster/block_bits", "shared/raster/mask_rows", "silhouette_mask",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1266,8 +1280,8 @@ pub mod smsr {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/facing", "shared/divide", "shared/pixel_ray", "shared/receiver",
-        "shared/map_borders", "smsr",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "smsr/map_borders", "smsr",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1301,7 +1315,7 @@ pub mod sorted_pairs {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/dispatch", "sorted_pairs",
+        "shared/frame/dispatch", "sorted_pairs",
     }
     constants! {
         WORKGROUP = 64,
@@ -1330,8 +1344,9 @@ pub mod split_maps {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/split_views", "shared/dispatch", "shared/divide", "shared/rect",
-        "shared/work_items", "shared/front_split", "shared/span", "shared/block_bits", "split_maps",
+        "shared/frame/frame", "shared/raster/split_views", "shared/frame/dispatch", "shared/math/divide",
+        "shared/raster/rect", "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span",
+        "shared/raster/block_bits", "split_maps",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1368,8 +1383,9 @@ pub mod split_shadows {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/split_views", "shared/dispatch", "shared/facing", "shared/divide",
-        "shared/pixel_ray", "shared/receiver", "shared/front_split", "shared/moments", "split_shadows",
+        "shared/frame/frame", "shared/raster/split_views", "shared/frame/dispatch", "shared/frame/facing",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/facet/receiver", "shared/raster/front_split",
+        "shared/raster/moments", "split_shadows",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1427,9 +1443,10 @@ pub mod spsm_map {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/pass", "shared/keys", "shared/divide", "shared/rect",
-        "shared/work_items", "shared/conservative", "shared/span", "shared/block_bits", "shared/cover_cells",
-        "shared/cross_sign", "shared/spsm_record", "shared/seen_texels", "shared/spsm_raster", "shared/spsm_encode",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "spsm_map/keys", "shared/math/divide",
+        "shared/raster/rect", "shared/raster/work_items", "shared/raster/conservative", "shared/raster/span",
+        "shared/raster/block_bits", "shared/raster/cover_cells", "shared/math/cross_sign",
+        "shared/spsm/spsm_record", "shared/spsm/seen_texels", "spsm_map/spsm_raster", "spsm_map/spsm_encode",
         "spsm_map",
     }
     constants! {
@@ -1516,9 +1533,10 @@ pub mod spsm_map_64 {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/pass", "shared/keys_64", "shared/divide", "shared/rect",
-        "shared/work_items", "shared/conservative", "shared/span", "shared/block_bits", "shared/cover_cells",
-        "shared/cross_sign", "shared/spsm_record", "shared/seen_texels", "shared/spsm_raster", "shared/spsm_encode",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "spsm_map/keys_64",
+        "shared/math/divide", "shared/raster/rect", "shared/raster/work_items", "shared/raster/conservative",
+        "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells", "shared/math/cross_sign",
+        "shared/spsm/spsm_record", "shared/spsm/seen_texels", "spsm_map/spsm_raster", "spsm_map/spsm_encode",
         "spsm_map_64",
     }
     constants! {
@@ -1579,10 +1597,10 @@ pub mod spsm_query {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/facing", "shared/cross_sign", "shared/spsm_record",
-        "shared/spsm_sheet", "shared/divide", "shared/pixel_ray", "shared/receiver", "shared/spsm_border",
-        "shared/spsm_search", "shared/spsm_footprint", "shared/spsm_settle", "shared/seen_texels",
-        "shared/spsm_recovery", "spsm_query",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/cross_sign",
+        "shared/spsm/spsm_record", "shared/spsm/spsm_sheet", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/facet/receiver", "shared/spsm/spsm_border", "spsm_query/spsm_search", "shared/spsm/spsm_footprint",
+        "shared/spsm/spsm_settle", "shared/spsm/seen_texels", "spsm_query/spsm_recovery", "spsm_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1677,7 +1695,7 @@ pub mod summed_area {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/dispatch", "shared/summed_area", "summed_area",
+        "shared/frame/dispatch", "shared/raster/summed_area", "summed_area",
     }
     constants! {
         WORKGROUP = 64, MAX_STRIP_ROWS = 4096, MAX_SIDE = 16384,
@@ -1732,7 +1750,7 @@ pub mod texel_group {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/dispatch", "texel_group",
+        "shared/frame/dispatch", "texel_group",
     }
     constants! {
         WORKGROUP = 64, CLEARED = 16, QUAD = 4,
@@ -1779,7 +1797,7 @@ pub mod triangle_ids {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/strip", "triangle_ids",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/strip", "triangle_ids",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1805,8 +1823,9 @@ pub mod triangle_setup {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/rect", "shared/facing", "shared/view_sides",
-        "shared/map_ends", "shared/frame_copy", "triangle_setup",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
+        "shared/frame/facing", "shared/raster/view_sides", "shared/raster/map_ends", "shared/frame/frame_copy",
+        "triangle_setup",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1836,9 +1855,10 @@ pub mod triangle_texel_pairs {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/pass", "shared/work_items", "shared/divide", "shared/rect",
-        "shared/conservative", "shared/span", "shared/block_bits", "shared/cover_cells", "shared/places",
-        "shared/tile_cells", "shared/append", "shared/map_ends", "shared/frame_copy", "triangle_texel_pairs",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/raster/work_items",
+        "shared/math/divide", "shared/raster/rect", "shared/raster/conservative", "shared/raster/span",
+        "shared/raster/block_bits", "shared/raster/cover_cells", "shared/raster/places", "shared/raster/tile_cells",
+        "shared/raster/append", "shared/raster/map_ends", "shared/frame/frame_copy", "triangle_texel_pairs",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1922,7 +1942,8 @@ pub mod vertex_project {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/finite", "shared/frame_copy", "vertex_project",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/finite", "shared/frame/frame_copy",
+        "vertex_project",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1946,10 +1967,12 @@ pub mod visibility_masks {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/divide", "shared/pixel_ray", "shared/facet", "shared/facing",
-        "shared/double_float", "shared/vertex", "shared/facing_46", "shared/candidates", "shared/frame_copy",
-        "shared/shadow_lines", "shared/shadow_lines_46", "shared/sample_copy", "shared/sample_masks",
-        "shared/two_step", "shared/facet_masks", "visibility_masks",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
+        "shared/frame/facing_46", "shared/raster/candidates", "shared/frame/frame_copy",
+        "shared/lines/shadow_lines", "shared/lines/shadow_lines_46", "shared/frame/sample_copy",
+        "visibility_masks/sample_masks", "visibility_masks/two_step", "visibility_masks/facet_masks",
+        "visibility_masks",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2018,7 +2041,8 @@ pub mod visibility_texture {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame", "shared/dispatch", "shared/status", "shared/divide", "shared/strip", "visibility_texture",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/math/divide",
+        "shared/frame/strip", "visibility_texture",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2053,7 +2077,7 @@ pub mod work_owners {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/dispatch", "shared/work_items", "work_owners",
+        "shared/frame/dispatch", "shared/raster/work_items", "work_owners",
     }
     constants! {
         STRIDE = 8, HEAD = 3, WORKGROUP = 64,

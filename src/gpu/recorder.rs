@@ -7,7 +7,7 @@ use super::{Program, Timer};
 /// How many workgroups a dispatch runs.
 #[derive(Clone, Copy, Debug)]
 pub enum Groups<'a> {
-    /// Enough for this many invocations, folded over two dimensions (see `kernels/shared/dispatch.wgsl`).
+    /// Enough for this many invocations, folded over two dimensions (see `kernels/shared/frame/dispatch.wgsl`).
     Items(u64),
     /// This many workgroups, folded over two dimensions.
     Workgroups(u64),

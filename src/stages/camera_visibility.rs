@@ -20,7 +20,7 @@ use crate::shared_struct;
 
 shared_struct! {
     /// Which of a kernel's runs it is, or how many items a kernel keeps for a later run.
-    "shared/pass" => pub struct Pass {
+    "shared/frame/pass" => pub struct Pass {
         /// The run, or the items.
         pub index: u32,
     }

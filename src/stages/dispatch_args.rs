@@ -4,7 +4,7 @@
 //! - **Reads** any words of a buffer of counts, and one [`ArgsRequest`] a dispatch.
 //! - **Writes** three words a request ([`Groups::Indirect`] reads them).
 //! - **Guarantee.** `min(count, limit)` items, but for the first `skip`, are covered by as few workgroups as the fold over two
-//!   dimensions allows; a kernel finds its flat index with `kernels/shared/dispatch.wgsl` and must check it against the count.
+//!   dimensions allows; a kernel finds its flat index with `kernels/shared/frame/dispatch.wgsl` and must check it against the count.
 //! - **Capacity.** Lists of up to 2^31 items: no flat index wraps.
 //! - **Cost.** One dispatch, 32 bytes in and 12 out a request.
 //! - **Source.** wgpu replaces an indirect dispatch of more than 65,535 groups along a dimension by none, silently; hence

@@ -17,7 +17,7 @@ pub use crate::status::FacetState;
 
 shared_struct! {
     /// Stands for a surface inside one pixel.
-    "shared/facet" => pub struct Facet {
+    "shared/facet/facet" => pub struct Facet {
         /// The pixel.
         pub pixel: u32,
         /// The triangle whose plane it is; `u32::MAX` if the pixel sees none.
@@ -33,7 +33,7 @@ shared_struct! {
 
 shared_struct! {
     /// Inputs of evaluation, of one facet.
-    "shared/facet" => pub struct Undecided {
+    "shared/facet/facet" => pub struct Undecided {
         /// Plane: `dot(xyz, point) = w` on it, more on the side of the light and the eye.
         pub plane: [f32; 4],
         /// The pixel.

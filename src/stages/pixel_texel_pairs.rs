@@ -83,7 +83,7 @@ pub struct PairLists {
     /// Places that a block of a facet (of it always texels) or caster makes pairs in, one bit each, from counting to emitting;
     /// what finds no room is found twice.
     pub touched: Buffer<[u32; 2]>,
-    /// Counters of the band at work and pairs listed lately (see `kernels/shared/candidates.wgsl`), then facet and triangle
+    /// Counters of the band at work and pairs listed lately (see `kernels/shared/raster/candidates.wgsl`), then facet and triangle
     /// of each pair worth evaluating.
     pub candidates: Buffer<u32>,
     /// Candidates to be evaluated again with 46 bits.

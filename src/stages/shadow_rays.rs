@@ -31,7 +31,7 @@ pub struct ShadowRays {
 
 shared_struct! {
     /// Where the tree lies in a frame: a point `p` of the frame is `p * place.w + place.xyz` in the unit cube.
-    "shared/caster_tree" => pub struct TreePlace {
+    "shadow_rays/caster_tree" => pub struct TreePlace {
         /// Offset, and scale.
         pub place: [f32; 4],
         /// What rounding may move a point by in the cube, with room to spare.

@@ -20,7 +20,7 @@ use crate::{Result, shared_struct};
 
 shared_struct! {
     /// Uniform of the slices' views.
-    "shared/split_views" => pub struct SplitViews {
+    "shared/raster/split_views" => pub struct SplitViews {
         /// Three rows a view: point to texel x and y, times the third.
         pub rows: [[f32; 4]; 12],
         /// Likewise from texels of the whole view.

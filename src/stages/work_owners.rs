@@ -4,7 +4,7 @@
 //!   alone. A kernel that goes through them finds the owner of each by a search; with the table it searches among few.
 //! - **Reads** the scan of the items of each owner, with its total.
 //! - **Writes** a table and its length behind the scan, in the same buffer, as far as there is room ([`WorkOwners::words`]); what
-//!   has no room is searched among all owners (`kernels/shared/work_items.wgsl`), and all is where the length is 0.
+//!   has no room is searched among all owners (`kernels/shared/raster/work_items.wgsl`), and all is where the length is 0.
 //! - **Guarantee.** Exact: an owner is found with the table where it is without.
 //! - **Cost.** One dispatch, a search for every eighth item.
 

@@ -11,7 +11,7 @@ use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 
 /// Adds one to the word of every item that an invocation stands for.
 const TOUCH: &str = concat!(
-    include_str!("../../kernels/shared/dispatch.wgsl"),
+    include_str!("../../kernels/shared/frame/dispatch.wgsl"),
     "@group(0) @binding(0) var<storage, read> counts: array<u32>;
         @group(0) @binding(1) var<storage, read_write> touched: array<atomic<u32>>;
         @compute @workgroup_size(64)

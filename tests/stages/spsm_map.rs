@@ -240,7 +240,7 @@ const DIVIDE: &str = concat!(
     "@group(0) @binding(0) var<storage, read> inputs: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read_write> outputs: array<vec2<u32>>;
 ",
-    include_str!("../../kernels/shared/divide.wgsl"),
+    include_str!("../../kernels/shared/math/divide.wgsl"),
     "
 @compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x < arrayLength(&inputs) { outputs[id.x] = divided(inputs[id.x].x, inputs[id.x].y); }
@@ -279,15 +279,15 @@ fn division_is_exact() {
 }
 
 const CODES: &str = concat!(
-    include_str!("../../kernels/shared/frame.wgsl"),
+    include_str!("../../kernels/shared/frame/frame.wgsl"),
     "override ENCODING: u32 = 1u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> slopes: array<vec4<f32>, 256>;
 @group(0) @binding(2) var<storage, read> inputs: array<f32>;
 @group(0) @binding(3) var<storage, read_write> outputs: array<u32>;
 ",
-    include_str!("../../kernels/shared/cross_sign.wgsl"),
-    include_str!("../../kernels/shared/spsm_record.wgsl"),
+    include_str!("../../kernels/shared/math/cross_sign.wgsl"),
+    include_str!("../../kernels/shared/spsm/spsm_record.wgsl"),
     "
 @compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let k = id.y * 64u * groups.x + id.x;
@@ -380,15 +380,15 @@ fn codes_agree_bit_for_bit() {
 }
 
 const SIDES: &str = concat!(
-    include_str!("../../kernels/shared/frame.wgsl"),
+    include_str!("../../kernels/shared/frame/frame.wgsl"),
     "override ENCODING: u32 = 0u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> slopes: array<vec4<f32>, 256>;
 @group(0) @binding(2) var<storage, read> inputs: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> outputs: array<u32>;
 ",
-    include_str!("../../kernels/shared/cross_sign.wgsl"),
-    include_str!("../../kernels/shared/spsm_record.wgsl"),
+    include_str!("../../kernels/shared/math/cross_sign.wgsl"),
+    include_str!("../../kernels/shared/spsm/spsm_record.wgsl"),
     "
 @compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let k = id.y * 64u * groups.x + id.x;

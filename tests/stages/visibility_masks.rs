@@ -481,9 +481,9 @@ fn detects_corruption() {
 }
 
 const ARITHMETIC: &str = concat!(
-    include_str!("../../kernels/shared/frame.wgsl"),
+    include_str!("../../kernels/shared/frame/frame.wgsl"),
     "@group(0) @binding(0) var<uniform> frame: Frame;\n",
-    include_str!("../../kernels/shared/double_float.wgsl"),
+    include_str!("../../kernels/shared/math/double_float.wgsl"),
     "
 @group(0) @binding(1) var<storage, read> inputs: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read_write> outputs: array<vec2<f32>>;

@@ -13,8 +13,8 @@ use subpixel_shadows::stages::work_owners::STRIDE;
 
 /// Writes the owner of every item.
 const FIND: &str = concat!(
-    include_str!("../../kernels/shared/dispatch.wgsl"),
-    include_str!("../../kernels/shared/work_items.wgsl"),
+    include_str!("../../kernels/shared/frame/dispatch.wgsl"),
+    include_str!("../../kernels/shared/raster/work_items.wgsl"),
     "@group(0) @binding(0) var<storage, read> work_offsets: array<u32>;
         @group(0) @binding(1) var<storage, read_write> found: array<u32>;
         @group(0) @binding(2) var<storage, read> owners: array<u32>;

@@ -1,4 +1,4 @@
-// The lines of shared/shadow_lines with 46 bits, from the vertices as they were given. Needs shared/facing_46.
+// The lines of shadow_lines with 46 bits, from the vertices as they were given. Needs facing_46.
 
 const ZERO_46 = 3.6e-12;  // 2^-38: what 46-bit arithmetic leaves of an exact zero, relative
 

@@ -1,4 +1,4 @@
-// What a pixel covers of the light view. Needs shared/receiver and the override MANY.
+// What a pixel covers of the light view. Needs receiver and the override MANY.
 
 const CLASS_EMPTY = 0u;
 const CLASS_DARK = 1u;

@@ -2,7 +2,7 @@
 // thrown from the light onto the facet's plane, and from there projected to the screen. A half-plane stays one under each of
 // the two, bounded by the line through two projected points, and holds the projection of a third point unless that lies
 // beyond the projection's centre (the paper's figure 6, point C; there it flips). Divides by heights over light and
-// eye, and bounds no rounding: for comparison with shared/shadow_lines, whose `Ground` and `crossings` it uses.
+// eye, and bounds no rounding: for comparison with shadow_lines, whose `Ground` and `crossings` it uses.
 
 // A point `h` over the facet's plane, thrown onto it; w: -1 if the light is not above the point, else 1.
 fn thrown(g: Ground, p: vec3<f32>, h: f32) -> vec4<f32> {

@@ -1,4 +1,4 @@
-// Questions to a sheet of the sub-pixel shadow map. Needs shared/spsm_record, shared/seen_texels and the records. Places are in
+// Questions to a sheet of the sub-pixel shadow map. Needs spsm_record, seen_texels and the records. Places are in
 // texels.
 
 var<private> missed: bool;  // a texel was read that is not made
