@@ -247,7 +247,7 @@ fn degenerate() {
 
 /// The stage has no list; a large map is settled to its last texel.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let case = Case::new(&mesh("closed balls", 4), light(0), [1, 1], 4096);
     let ran = run_all(gpu(), &case);
     assert_eq!(ran.splits.len(), 1 << 24);

@@ -146,7 +146,7 @@ fn degenerate() {
 
 /// The stage has no list. At most 65,535 work items fit one dimension of a dispatch of single invocations; here are more.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let mut mesh = Mesh::default();
     crate::support::geometry::ball(&mut mesh, DVec3::ZERO, 1.0, 200, 120);
     let ran = check(gpu(), &Case::new(&mesh, light(0), [1, 1], 512));

@@ -119,7 +119,7 @@ fn degenerate() {
 
 /// More than 65,535 workgroups could hold in one dimension of single invocations; the stage has no list.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let ran = check(300, keys(300, 3, &mut Random::new(4)));
     assert!(ran.moments.iter().flatten().all(|v| v.to_bits() != POISON) && ran.moments.len() > 65_535);
 }

@@ -220,7 +220,7 @@ fn degenerate() {
 
 /// The stage has no list but that of the pixels: more of them than one dimension of a dispatch of single invocations holds.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let mesh = random_scene(1, &mut Random::new(51));
     let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1));
     assert_eq!(ran.classes.len(), 65_537);

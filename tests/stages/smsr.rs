@@ -136,7 +136,7 @@ fn degenerate() {
 
 /// More pixels than one dimension of a dispatch of single invocations holds.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let mesh = random_scene(1, &mut Random::new(51));
     let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), MIDDLE);
     assert!(ran.on.visibility.iter().all(|v| v.to_bits() != POISON));

@@ -161,7 +161,7 @@ fn smallest() {
 
 /// More workgroups of blocks than one dimension of a dispatch holds; the stage has no list that could run over.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let mut mesh = Mesh::default();
     for k in 0..36 {
         let height = 0.01 * f64::from(k % 7) - 0.3;

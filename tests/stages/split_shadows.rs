@@ -286,7 +286,7 @@ fn degenerate() {
 
 /// More pixels than one dimension of a dispatch of single invocations holds.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let mesh = random_scene(1, &mut Random::new(51));
     for how in [DEPTHS, MOMENTS] {
         let ran = ask(&world(&mesh, above(), [65_537, 1], 16, 1), how, 2, Warp::Box);

@@ -171,7 +171,7 @@ fn degenerate() {
 
 /// The stage has no list. At most 65,535 work items fit one dimension of a dispatch of single invocations; here are more.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let mesh = sheet(190, 1.0, |x, z| 0.2 * (9.0 * x).sin() * (7.0 * z).cos(), |p| p);
     let world = world(gpu(), &mesh, above(), 150);
     let items: u64 = world.facts.light_items.read(gpu()).expect("readback").iter().map(|&n| u64::from(n)).sum();

@@ -348,7 +348,7 @@ fn ground_behind_all_casters() {
 
 /// More pixels than one dimension of a dispatch of single invocations holds, all of them uncertain or not.
 #[gpu_test]
-fn overflow_by_one() {
+fn beyond_one_dimension() {
     let mesh = random_scene(1, &mut Random::new(51));
     let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), true, NEAR);
     assert_eq!(ran.classes.len(), 65_537);
