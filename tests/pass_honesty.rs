@@ -8,6 +8,7 @@ mod soak;
 use frames::status_of;
 use gpu_test::gpu_test;
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::gpu::KeptPrograms;
 use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::Pipelines;
@@ -108,6 +109,9 @@ fn pipelines_are_made_once() {
             let mut pass = pass_on(&gpu, &config);
             let made = made_here();
             assert!(made > before + 30, "{} pipelines: nothing is counted", made - before);
+            let kept = KeptPrograms::default();
+            kept.within(|| pass_on(&gpu, &config));
+            assert_eq!(made - before, kept.len() as u64, "{facets:?}: a pipeline is made twice");
             let complete = |pass: &mut ShadowPass, scene: &Scene, light: &Light| {
                 let inputs = Inputs::new(&scene.camera, light);
                 (0..9).any(|_| frame(&gpu, pass, &inputs, &Target::default()).complete)

@@ -9,6 +9,8 @@ pub mod faults;
 pub mod kernels;
 pub mod kept;
 pub mod layout;
+#[cfg(feature = "mutations")]
+pub mod mutation;
 pub mod program;
 pub mod recorder;
 pub mod timer;

@@ -133,9 +133,13 @@ impl Compiled {
         let label = format!("{}.{}", entry.kernel, entry.name);
         MADE.set(MADE.get() + 1);
         log::debug!(target: LOG, "{}", described(entry, constants));
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&label),
-            source: wgpu::ShaderSource::Wgsl(entry.source.into()),
+        let module = KeptPrograms::module_or_make(device, entry.source, || {
+            #[cfg(not(feature = "mutations"))]
+            let source = std::borrow::Cow::Borrowed(entry.source);
+            #[cfg(feature = "mutations")]
+            let source = super::mutation::mutated(entry.kernel, entry.source);
+            let source = wgpu::ShaderSource::Wgsl(source);
+            device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(entry.kernel), source })
         });
         let entries: Vec<_> = entry
             .bindings

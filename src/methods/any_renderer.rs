@@ -13,7 +13,7 @@ use super::split_mapping::{Recipe, SplitMapping};
 use super::spsm::Spsm;
 use super::supersampled::Supersampled;
 use crate::Result;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, KeptPrograms};
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::Facets;
 
@@ -39,6 +39,16 @@ impl<'a> AnyRenderer<'a> {
     /// # Errors
     /// As [`Renderer::new`].
     pub fn new(
+        gpu: &'a Gpu,
+        prepared: &'a Prepared,
+        method: MethodName,
+        settings: &Settings,
+        budget: Budget,
+    ) -> Result<Self> {
+        KeptPrograms::once(|| Self::made(gpu, prepared, method, settings, budget))
+    }
+
+    fn made(
         gpu: &'a Gpu,
         prepared: &'a Prepared,
         method: MethodName,

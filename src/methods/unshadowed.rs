@@ -7,7 +7,7 @@ use super::prepared::{CasterBuffers, Prepared};
 use super::render::{Counts, Output};
 use super::strips::{Rows, Strips};
 use crate::frame::{Frame, sample_words};
-use crate::gpu::{Buffer, Gpu, Groups, Recorder, Timer};
+use crate::gpu::{Buffer, Gpu, Groups, KeptPrograms, Recorder, Timer};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::{ClassifyInputs, FacetClassify, FacetState, Facets};
@@ -139,11 +139,11 @@ struct Pipelines {
 impl Pipelines {
     fn new(gpu: &Gpu, settings: &Settings) -> Self {
         let (device, words) = (&gpu.device, settings.samples.words());
-        Self {
+        KeptPrograms::once(|| Self {
             geometry: GeometryPipelines::new(device),
             classify: FacetClassify::new(device, words),
             resolve: Resolve::new(device, words),
-        }
+        })
     }
 }
 

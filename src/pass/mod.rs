@@ -47,7 +47,7 @@ pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
 use crate::gpu::buffer::filled;
-use crate::gpu::{Buffer, Gpu, Recorder, Timer};
+use crate::gpu::{Buffer, Gpu, KeptPrograms, Recorder, Timer};
 use crate::light_view::MapTiles;
 use crate::methods::Settings;
 use crate::methods::facet_masks::{Capacities, MapSource, Pipelines};
@@ -165,7 +165,7 @@ impl ShadowPass {
         settings.check()?;
         let mesh = checked_mesh(&config.casters)?;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let made = (|| {
+        let made = KeptPrograms::once(|| {
             let build = if config.receivers { Pipelines::with_receivers } else { Pipelines::new };
             let maker = StripMaker {
                 device: device.clone(),
@@ -200,7 +200,7 @@ impl ShadowPass {
                 frame: 0,
                 generation: 0,
             })
-        })();
+        });
         match block_on(scope.pop()) {
             Some(error) => Err(Error::Gpu(error.to_string().replace('\n', " "))),
             None => made,

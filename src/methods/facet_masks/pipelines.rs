@@ -4,6 +4,7 @@ use super::super::every_surface::SurfacePipelines;
 use super::super::geometry::GeometryPipelines;
 use super::super::light_maps::LightMapPipelines;
 use super::super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
+use crate::gpu::KeptPrograms;
 use crate::mask_table::MaskVariant;
 use crate::stages::candidate_pairs::CandidatePairs;
 use crate::stages::facet_classify::FacetClassify;
@@ -42,12 +43,12 @@ pub struct Pipelines {
 impl Pipelines {
     /// Builds the pipelines that `settings` need.
     pub fn new(device: &wgpu::Device, settings: &Settings) -> Self {
-        Self::build(device, settings, false)
+        KeptPrograms::once(|| Self::build(device, settings, false))
     }
 
     /// As [`Pipelines::new`], for frames with surfaces that are no casters, too.
     pub fn with_receivers(device: &wgpu::Device, settings: &Settings) -> Self {
-        Self::build(device, settings, true)
+        KeptPrograms::once(|| Self::build(device, settings, true))
     }
 
     fn build(device: &wgpu::Device, settings: &Settings, receivers: bool) -> Self {
