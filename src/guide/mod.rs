@@ -1,4 +1,7 @@
-//! Guides: the program, use in an application, what was measured, limits, the other methods, departures from the papers, words.
+//! Guides: the program, use in an application, what was measured, limits, the other methods, departures from the papers, words, adding a stage.
+
+#[doc = include_str!("adding_a_stage.md")]
+pub mod adding_a_stage {}
 
 #[doc = include_str!("application.md")]
 pub mod application {}
