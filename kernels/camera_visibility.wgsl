@@ -1,12 +1,14 @@
 // camera_visibility: the nearest triangle at every pixel centre, by compute rasterization of 8 x 8 blocks.
-// `raster` raises the keys, with atomics, in two runs: pass 0 finds a depth that the nearest surely does not lie behind, pass 1 the
-// lowest triangle that may lie before it. Where there are several, it marks the pixel in `id_keys` and lists all of them in `doubts`, and
-// `settle` finds the nearest with 46 bits, in three runs: pass 0 brings in the bounds of what may lie nearer than the near distance and
-// does not, pass 1 finds how near the nearest is (`id_keys`), pass 2 the lowest triangle there. If the list has not the room, `settle_all`
-// does the same through all blocks; `ask` tells which of the two has something to do. `take` copies what was found.
-// Reads the blocks of each triangle (`work_offsets`, `camera_rects`). Writes `keys` (of a pixel complement of the triangle, its upper bit
-// 1 only if `settle` chose it; and complement of the bits of the view depth; 0 where nothing is seen) and the complement of the triangle
-// as `id_keys`. Both must be 0 before, and so must the counts in `doubts`.
+// `raster` raises the keys, with atomics, in two runs: pass 0 finds a depth that the nearest surely does not
+// lie behind, pass 1 the lowest triangle that may lie before it. Where there are several, it marks the pixel
+// in `id_keys` and lists all of them in `doubts`, and `settle` finds the nearest with 46 bits, in three runs:
+// pass 0 brings in the bounds of what may lie nearer than the near distance and does not, pass 1 finds how
+// near the nearest is (`id_keys`), pass 2 the lowest triangle there. If the list has not the room,
+// `settle_all` does the same through all blocks; `ask` tells which of the two has something to do. `take`
+// copies what was found. Reads the blocks of each triangle (`work_offsets`, `camera_rects`). Writes `keys`
+// (of a pixel complement of the triangle, its upper bit 1 only if `settle` chose it; and complement of the
+// bits of the view depth; 0 where nothing is seen) and the complement of the triangle as `id_keys`. Both must
+// be 0 before, and so must the counts in `doubts`.
 
 //@import frame dispatch pass pixel_ray facing double_float vertex facing_46 eye_order_46 camera_raster
 
@@ -43,7 +45,11 @@ fn note(pixel: u32, t: u32) {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn raster(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
@@ -61,7 +67,8 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
                 if key.z == 0u { atomicMax(&keys[2u * pixel + 1u], key.y); }
             } else {
                 let other = atomicMax(&keys[2u * pixel], named);
-                // A triangle that may lie nearer than the near distance is in doubt by itself. Of several each comes after another: all are noted.
+                // A triangle that may lie nearer than the near distance is in doubt by itself. Of several
+                // each comes after another: all are noted.
                 if key.z == 1u || other != 0u {
                     atomicStore(&id_keys[pixel], 1u);
                     note(pixel, seen.t);
@@ -103,7 +110,11 @@ fn ask() {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn settle(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let k = flat_invocation(group, groups, WORKGROUP, local);
     if k >= doubts.listed { return; }
@@ -113,7 +124,11 @@ fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn settle_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn settle_all(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= doubts.blocks { return; }
@@ -128,7 +143,11 @@ fn settle_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn take(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }

@@ -1,13 +1,14 @@
 // candidate_pairs: lists the (facet, triangle) pairs that are worth evaluating.
-// One invocation a pixel-texel pair walks the triangles of its place, ROUND_LENGTH of them from `round` on, and keeps those
-// that touch the facet's outline in the light view and rise over the facet's plane there. Both tests are
-// conservative by the frame's margins: what they drop casts nothing on the facet, nor cuts it within its pixel. Of a tile the
-// word before the triangle tells first whether it may touch what the facet has of the tile, and lie before it.
-// A triangle that covers the whole outline and lies wholly before the facet settles it: its occluded mask is filled and the
-// walk ends.
-// Writes `candidates` (facet, triangle), never beyond the capacity, and counts into its `tally`; their order is not defined.
-// A pair that shares several places is met in each. `seen` remembers what was met lately: a slot holds one pair, which slot
-// and content together name without doubt, so what is left out was tested, and what was forgotten is tested again.
+// One invocation a pixel-texel pair walks the triangles of its place, ROUND_LENGTH of them from `round` on,
+// and keeps those that touch the facet's outline in the light view and rise over the facet's plane there.
+// Both tests are conservative by the frame's margins: what they drop casts nothing on the facet, nor cuts it
+// within its pixel. Of a tile the word before the triangle tells first whether it may touch what the facet
+// has of the tile, and lie before it. A triangle that covers the whole outline and lies wholly before the
+// facet settles it: its occluded mask is filled and the walk ends. Writes `candidates` (facet, triangle),
+// never beyond the capacity, and counts into its `tally`; their order is not defined. A pair that shares
+// several places is met in each. `seen` remembers what was met lately: a slot holds one pair, which slot and
+// content together name without doubt, so what is left out was tested, and what was forgotten is tested
+// again.
 
 //@import frame dispatch facet facet_outline facet_quad facing candidates rect places tile_cells divide
 
@@ -36,8 +37,8 @@ var<workgroup> wg_tests: atomic<u32>;
 const SEEN_BITS = 16u;  // SEEN = 1 << SEEN_BITS
 const KNOWN = 0x80000000u;
 
-// Whether the pair was met before, as far as `seen` remembers; it does from now on. A facet of 25 bits and the high bits of a
-// triangle of 22 fill a slot; the low bits of the triangle, and they, choose it.
+// Whether the pair was met before, as far as `seen` remembers; it does from now on. A facet of 25 bits and
+// the high bits of a triangle of 22 fill a slot; the low bits of the triangle, and they, choose it.
 fn was_met(f: u32, t: u32) -> bool {
     if (f >= (1u << 25u)) | (t >= (1u << (SEEN_BITS + 6u))) { return false; }
     let content = KNOWN | f | ((t >> SEEN_BITS) << 25u);
@@ -50,7 +51,8 @@ fn triangle_at(n: u32) -> u32 {
     return pair_triangles[2u * n + 1u];
 }
 
-// Of the triangles from `first` to before `end`, which are not more than 32, those that may touch `cells` and lie before `depth`.
+// Of the triangles from `first` to before `end`, which are not more than 32, those that may touch `cells` and
+// lie before `depth`.
 fn near(first: u32, end: u32, cells: u32, depth: u32) -> u32 {
     if TILE_SHIFT == 0u { return 0xffffffffu >> (32u - (end - first)); }
     var found = 0u;
@@ -96,8 +98,8 @@ fn walk(pair: vec2<u32>) -> u32 {
     let quad = quad_of(f);
     if TILE_SHIFT != 0u { cells &= quad_cells(quad, divided(place, places_across()).yx); }
     let depth = depth_code(farthest + frame.depth_margin);
-    // One loop a question, each over what the ones before left: vector machines pay for code that no lane takes. What costs less
-    // comes first: of texels most pairs are new, of tiles most are not.
+    // One loop a question, each over what the ones before left: vector machines pay for code that no lane
+    // takes. What costs less comes first: of texels most pairs are new, of tiles most are not.
     for (var batch = first; batch < end; batch += 32u) {
         var left = near(batch, min(end, batch + 32u), cells, depth);
         if TILE_SHIFT != 0u { left = unmet(f, own, batch, left); }
@@ -128,7 +130,11 @@ fn walk(pair: vec2<u32>) -> u32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn cull(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn cull(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let k = flat_invocation(group, groups, WORKGROUP, local);
     var tests = 0u;

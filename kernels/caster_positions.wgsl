@@ -1,8 +1,9 @@
 // caster_positions: takes the positions of the casters from a vertex buffer that the application rewrites.
-// Reads `vertices` (position i in three words from word `offset + i * stride`) and `places` (two words a vertex: its place
-// among the casters' vertices, NO_PLACE where no triangle uses it; and the vertex which that place takes its position from).
-// Writes `positions` (16 bytes a place, three words of them, -0 as +0). Counts into `faults` the places that lie outside the box or are no
-// number, which are moved into it, and the vertices that are not where the vertex of their place is.
+// Reads `vertices` (position i in three words from word `offset + i * stride`) and `places` (two words a
+// vertex: its place among the casters' vertices, NO_PLACE where no triangle uses it; and the vertex which
+// that place takes its position from). Writes `positions` (16 bytes a place, three words of them, -0 as +0).
+// Counts into `faults` the places that lie outside the box or are no number, which are moved into it, and the
+// vertices that are not where the vertex of their place is.
 
 //@import dispatch finite
 
@@ -46,7 +47,11 @@ fn within(bits: u32, low: f32, high: f32) -> f32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn gather(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn gather(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let v = flat_invocation(group, groups, WORKGROUP, local);
     if v >= params.count { return; }
     let place = places[v].x;

@@ -1,8 +1,8 @@
 // compact: keeps the flagged items of a list, in order.
-// Reads `flags` (a word an item, kept if not 0; or, with params.packed, bit i % 32 of word i / 32) of the first
-// min(count, limit) items, and `kept_from` (with params.indices the item's own index instead). Writes `kept`, never
-// past `capacity`. `count` notes each 32 items as one word of `marks` and its number of bits in `mark_counts`; the
-// prefix_scan of those gives `offsets`; `emit` writes each marked item to its place.
+// Reads `flags` (a word an item, kept if not 0; or, with params.packed, bit i % 32 of word i / 32) of the
+// first min(count, limit) items, and `kept_from` (with params.indices the item's own index instead). Writes
+// `kept`, never past `capacity`. `count` notes each 32 items as one word of `marks` and its number of bits in
+// `mark_counts`; the prefix_scan of those gives `offsets`; `emit` writes each marked item to its place.
 // Bounds: an invocation loops 32 times.
 //@bindings Lists: count, emit
 

@@ -1,8 +1,8 @@
 // dispatch_args: turns counts that lie in a buffer into arguments of indirect dispatches.
-// Reads `counts` (any words), `requests` (one per dispatch). Writes three words a request to `args`.
-// A count over 65,535 groups is folded over two dimensions, so that no dispatch is silently dropped;
-// a request runs (min(count, limit) - skip) / per_group groups, rounded up. A request that no two dimensions can hold
-// (over 65,535 * 65,535 groups; the host makes none) runs as many as they can.
+// Reads `counts` (any words), `requests` (one per dispatch). Writes three words a request to `args`. A count
+// over 65,535 groups is folded over two dimensions, so that no dispatch is silently dropped; a request runs
+// (min(count, limit) - skip) / per_group groups, rounded up. A request that no two dimensions can hold (over
+// 65,535 * 65,535 groups; the host makes none) runs as many as they can.
 
 struct ArgsRequest {
     count_word: u32,   // index into `counts`

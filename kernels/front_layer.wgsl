@@ -1,11 +1,11 @@
-// front_layer: proves, texel by texel, that the nearest layer is one sheet that covers the texel and nothing crosses.
-// `check` marks in `mask` every texel that a caster touches (conservatively) without a layer at its centre, or with two at the
-// nearest depth, or touches at a depth interval that holds the texel's split depth: of the others no sheet leads from the front
-// group to the back one.
-// Triangles that are no casters (FLAG_CULL_BACK) are left out, as in light_layers.
-// `settle` turns layers and mask into `splits` (see front_split), after silhouette_mask has marked the edges.
-// Together: a texel left unmarked has no silhouette edge before its split depth, one layer there at its centre, and no
-// triangle across the split, so one sheet covers all of it.
+// front_layer: proves, texel by texel, that the nearest layer is one sheet that covers the texel and nothing
+// crosses. `check` marks in `mask` every texel that a caster touches (conservatively) without a layer at its
+// centre, or with two at the nearest depth, or touches at a depth interval that holds the texel's split
+// depth: of the others no sheet leads from the front group to the back one. Triangles that are no casters
+// (FLAG_CULL_BACK) are left out, as in light_layers. `settle` turns layers and mask into `splits` (see
+// front_split), after silhouette_mask has marked the edges. Together: a texel left unmarked has no silhouette
+// edge before its split depth, one layer there at its centre, and no triangle across the split, so one sheet
+// covers all of it.
 
 //@import frame dispatch work_items front_split cover_cells mask_rows facing
 
@@ -25,7 +25,11 @@ const WORKGROUP = 64u;
 //@import frame_copy
 
 @compute @workgroup_size(WORKGROUP)
-fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn check(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
@@ -54,7 +58,11 @@ fn check(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn settle(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let texel = flat_invocation(group, groups, WORKGROUP, local);
     if texel >= frame.map_size * frame.map_size { return; }

@@ -1,12 +1,13 @@
-// gbuffer_triangles: lists, pixel by pixel, the triangles that an application's G-buffer of several samples a pixel shows, in
-// place of pixel_triangles. The samples are layers of a texture (`count_layers` ...) or those of a multisampled one
-// (`count_samples` ...); a texel is a triangle as the application counts them, its high half in the second channel if there is
-// one.
-// `count` writes `pixel_counts` (different triangles), and marks in `complex_flags` the pixels that show several, or one and
-// something else; `facet_counts` is 1 where all samples show one triangle, else 0. It keeps the longest list of a marked pixel
-// in `status`, and counts into `faults` the samples that name no triangle, which count as none. `emit` writes the triangles to
-// `pixel_list` at `pixel_offsets`, in the order of their first samples, never beyond the capacity.
-// `fill` gives each sample of a complex pixel that lies in none of its triangles what the nearest sample of the G-buffer shows.
+// gbuffer_triangles: lists, pixel by pixel, the triangles that an application's G-buffer of several samples a
+// pixel shows, in place of pixel_triangles. The samples are layers of a texture (`count_layers` ...) or those
+// of a multisampled one (`count_samples` ...); a texel is a triangle as the application counts them, its high
+// half in the second channel if there is one. `count` writes `pixel_counts` (different triangles), and marks
+// in `complex_flags` the pixels that show several, or one and something else; `facet_counts` is 1 where all
+// samples show one triangle, else 0. It keeps the longest list of a marked pixel in `status`, and counts into
+// `faults` the samples that name no triangle, which count as none. `emit` writes the triangles to
+// `pixel_list` at `pixel_offsets`, in the order of their first samples, never beyond the capacity. `fill`
+// gives each sample of a complex pixel that lies in none of its triangles what the nearest sample of the
+// G-buffer shows.
 
 //@import frame dispatch status divide strip
 
@@ -99,7 +100,11 @@ fn is_outside(pixel: u32) -> bool {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn count_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn count_layers(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
     look_at_layers(pixel);
@@ -107,7 +112,11 @@ fn count_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn count_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn count_samples(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
     look_at_samples(pixel);
@@ -115,7 +124,11 @@ fn count_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit_layers(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
     look_at_layers(pixel);
@@ -123,7 +136,11 @@ fn emit_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit_samples(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
     look_at_samples(pixel);
@@ -143,7 +160,11 @@ fn nearest_to(k: u32) -> u32 {
 
 // What lies in none of the pixel's triangles has key 0 (sample_surfaces).
 @compute @workgroup_size(WORKGROUP)
-fn fill_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn fill_layers(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     let pixel = complex_pixel(slot);
     if pixel == NO_TRIANGLE { return; }
@@ -154,7 +175,11 @@ fn fill_layers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn fill_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn fill_samples(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     let pixel = complex_pixel(slot);
     if pixel == NO_TRIANGLE { return; }

@@ -1,10 +1,11 @@
 // light_layers: the nearest and the second nearest caster at every texel centre, seen from the light.
-// Of the depths that come to a texel the largest key stays in `nearest_keys`, and each that is beaten, or that is put out by a
-// larger one, goes on to `second_keys`: all but one of the largest are seen there, in whatever order they come. Where two casters
-// are equally near, both hold the same key. Marks in `mask` every texel of which an edge passes within CENTRE_GUARD of the centre.
-// Triangles that are no casters (FLAG_CULL_BACK) are left out.
-// Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit a texel, rows
-// padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
+// Of the depths that come to a texel the largest key stays in `nearest_keys`, and each that is beaten, or
+// that is put out by a larger one, goes on to `second_keys`: all but one of the largest are seen there, in
+// whatever order they come. Where two casters are equally near, both hold the same key. Marks in `mask` every
+// texel of which an edge passes within CENTRE_GUARD of the centre. Triangles that are no casters
+// (FLAG_CULL_BACK) are left out. Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0
+// where there is none), `mask` (one bit a texel, rows padded to 32). Depths are conservative nowhere:
+// front_layer checks what is built on them.
 
 //@import frame dispatch rect work_items front_split span block_bits facing
 
@@ -31,7 +32,11 @@ fn mark(x: u32, y: u32) {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn raster(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
@@ -60,8 +65,8 @@ fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     let cut_ab = vec3(turn * vec2(-ab.y, ab.x), turn * (ab.y * a.x - ab.x * a.y) + guard.x);
     let cut_bc = vec3(turn * vec2(-bc.y, bc.x), turn * (bc.y * b.x - bc.x * b.y) + guard.y);
     let cut_ca = vec3(turn * vec2(ac.y, -ac.x), turn * (ac.x * a.y - ac.y * a.x) + guard.z);
-    // Cells where the triangle may be; then they alone, one after another: lanes of a vector wait for the fullest block, not for
-    // the fullest of each row.
+    // Cells where the triangle may be; then they alone, one after another: lanes of a vector wait for the
+    // fullest block, not for the fullest of each row.
     let corner = block.low & vec2(~7u);
     var left = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {

@@ -1,8 +1,8 @@
-// map_moments: mean and variance of the depths of ever larger squares of texels, of the maps of `split_maps` (Donnelly and Lauritzen
-// 2006, whose two moments they are: kept apart, so that nothing cancels). A cell of level k is a square of 2^k texels a side, cut at
-// the map's border; a texel without a caster is as deep as `splits.far`.
-// `reduce` makes up to five levels above level FIRST, which is the texels (`map_keys`) or was made before. Writes `moments`, view
-// after view, level after level.
+// map_moments: mean and variance of the depths of ever larger squares of texels, of the maps of `split_maps`
+// (Donnelly and Lauritzen 2006, whose two moments they are: kept apart, so that nothing cancels). A cell of
+// level k is a square of 2^k texels a side, cut at the map's border; a texel without a caster is as deep as
+// `splits.far`. `reduce` makes up to five levels above level FIRST, which is the texels (`map_keys`) or was
+// made before. Writes `moments`, view after view, level after level.
 
 //@import frame split_views dispatch front_split moments
 
@@ -40,7 +40,11 @@ fn joined(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f32>) -> vec3<f32> {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn reduce(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn reduce(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let across = (level_side(FIRST) + TILE - 1u) / TILE;
     let number = flat_group(group, groups);
     let view = number / (across * across);

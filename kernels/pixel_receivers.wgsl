@@ -1,12 +1,13 @@
-// pixel_receivers: what each pixel shows by an application's depth or position texture: a triangle of the casters, or a
-// surface that casts nothing, which gets a triangle of its own behind the casters' triangles and vertices.
-// Reads `place` (with GIVEN_POSITIONS world positions, nothing where alpha is 0; else depth, nothing at `nothing`), with
-// GIVEN_NORMALS world normals, with GIVEN_IDS the application's triangle numbers, and `id_keys` (complement of the casters'
-// triangle at each pixel centre). A number says that the pixel shows that caster. Without numbers it shows the caster at its
-// centre if its surface lies on that one's plane, give or take `tolerance` of its view depth, else one that a neighbour pixel
-// shows and whose edge is no farther than NEAR_EDGE pixels: two rasterizers differ there.
-// Of all other surfaces it writes vertices to `positions` and their indices to `triangles`. Writes `keys` (complement of the
-// triangle, 0 where there is none) and counts into `faults` texels that name no triangle or are no place, which count as none.
+// pixel_receivers: what each pixel shows by an application's depth or position texture: a triangle of the
+// casters, or a surface that casts nothing, which gets a triangle of its own behind the casters' triangles
+// and vertices. Reads `place` (with GIVEN_POSITIONS world positions, nothing where alpha is 0; else depth,
+// nothing at `nothing`), with GIVEN_NORMALS world normals, with GIVEN_IDS the application's triangle numbers,
+// and `id_keys` (complement of the casters' triangle at each pixel centre). A number says that the pixel
+// shows that caster. Without numbers it shows the caster at its centre if its surface lies on that one's
+// plane, give or take `tolerance` of its view depth, else one that a neighbour pixel shows and whose edge is
+// no farther than NEAR_EDGE pixels: two rasterizers differ there. Of all other surfaces it writes vertices to
+// `positions` and their indices to `triangles`. Writes `keys` (complement of the triangle, 0 where there is
+// none) and counts into `faults` texels that name no triangle or are no place, which count as none.
 
 //@import frame dispatch divide strip facing finite vertex
 
@@ -20,7 +21,8 @@ const NEAR_EDGE = 0.03125;
 const MOST_STEPS = 4u; // pixels to look for a neighbour on the same surface; rows that strips share
 
 struct PixelReceiversParams {
-    depth: vec4<f32>,  // at view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
+    // At view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
+    depth: vec4<f32>,
     nothing: f32,
     tolerance: f32,
     given: u32,
@@ -45,7 +47,8 @@ struct PixelReceiversParams {
 
 //@import given_place
 
-// Whether the surface is that of triangle `t`: on its plane and, seen from the eye, in it, give or take `reach` pixels.
+// Whether the surface is that of triangle `t`: on its plane and, seen from the eye, in it, give or take
+// `reach` pixels.
 fn shows(t: u32, p: Place, ray: vec3<f32>, reach: f32) -> bool {
     let i = triangles[t];
     let normal = cross(edge_of(i.x, i.y), edge_of(i.x, i.z));
@@ -95,7 +98,8 @@ fn other_at(at: vec2<i32>) -> Place {
     return p;
 }
 
-// From the surface to that of the nearest neighbour, of two the one whose depth differs less; 0 if there is none.
+// From the surface to that of the nearest neighbour, of two the one whose depth differs less; 0 if there is
+// none.
 fn step_along(at: vec2<i32>, by: vec2<i32>, p: Place) -> vec3<f32> {
     for (var d = 1; d <= i32(MOST_STEPS); d++) {
         let q = other_at(at + by * d);
@@ -167,7 +171,11 @@ fn key_at(pixel: u32, at: vec2<i32>) -> u32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn take(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     keys[pixel] = key_at(pixel, vec2<i32>(place_in_strip(pixel)));

@@ -1,14 +1,15 @@
-// pixel_texel_pairs: lists, place by place, the undecided facets whose light-view outline touches it (Pan 2009, section
-// 3.3). A place is a texel, or a tile of 2 x 2 of them. `count` counts; after a scan `emit` and `emit_rest` write. The texels of
-// the first `step.index` blocks are kept in `touched` from counting to emitting, those of the rest are found anew.
-// Counting writes `place_counts` (pairs of each place) and `place_deepest` (one more than the bits of the farthest facet's
-// depth, 0 where there is no pair; after the places, one word for each 8 x 8 block of texels, not 0 where any has a pair).
-// Emitting writes `pairs` (facet, texel; or facet, tile and one bit for each of its texels that are touched) at `pair_offsets`,
-// never beyond the capacity; order inside a place is not defined.
-// Instead of all three, `append` lists the pairs of texels as they come: texels in `keys`, facets in `values`, their number in
-// `appended`, to be sorted (the paper's way); it writes `place_deepest` as counting does.
-// A texel that a facet touches is in no pair where no caster is, nor, without validity masks, where the facet of a caster lies
-// before the split depth; but it is where the facet goes on beyond one of the ends of the map (FLAG_ENDS), and it lies there.
+// pixel_texel_pairs: lists, place by place, the undecided facets whose light-view outline touches it (Pan
+// 2009, section 3.3). A place is a texel, or a tile of 2 x 2 of them. `count` counts; after a scan `emit` and
+// `emit_rest` write. The texels of the first `step.index` blocks are kept in `touched` from counting to
+// emitting, those of the rest are found anew. Counting writes `place_counts` (pairs of each place) and
+// `place_deepest` (one more than the bits of the farthest facet's depth, 0 where there is no pair; after the
+// places, one word for each 8 x 8 block of texels, not 0 where any has a pair). Emitting writes `pairs`
+// (facet, texel; or facet, tile and one bit for each of its texels that are touched) at `pair_offsets`, never
+// beyond the capacity; order inside a place is not defined. Instead of all three, `append` lists the pairs of
+// texels as they come: texels in `keys`, facets in `values`, their number in `appended`, to be sorted (the
+// paper's way); it writes `place_deepest` as counting does. A texel that a facet touches is in no pair where
+// no caster is, nor, without validity masks, where the facet of a caster lies before the split depth; but it
+// is where the facet goes on beyond one of the ends of the map (FLAG_ENDS), and it lies there.
 //@bindings Pairs: count, emit, emit_rest
 
 //@import frame dispatch pass rect work_items facet facet_outline facing only_receiver front_split block_bits
@@ -25,7 +26,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(6) var<storage, read_write> place_deepest: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read> pair_offsets: array<u32>;
 @group(0) @binding(8) var<storage, read_write> pairs: array<vec2<u32>>;
-@group(0) @binding(9) var<storage, read_write> appended: array<atomic<u32>>;  // pairs appended; not 0 if more than 2^32
+// Pairs appended; not 0 if more than 2^32
+@group(0) @binding(9) var<storage, read_write> appended: array<atomic<u32>>;
 @group(0) @binding(10) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(11) var<storage, read_write> values: array<u32>;
 @group(0) @binding(12) var<storage, read_write> touched: array<vec2<u32>>;
@@ -97,7 +99,8 @@ fn deepest_of(f: u32) -> u32 {
     return bitcast<u32>(max(undecided[f].farthest, 0.0)) + 1u;
 }
 
-// `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within what was counted.
+// `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within
+// what was counted.
 fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
     var texels = found;
     while any(texels != vec2(0u)) {
@@ -109,7 +112,11 @@ fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn count(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let item = item_of(index);
@@ -125,7 +132,11 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     if index >= step.index { return; }
@@ -134,14 +145,22 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit_rest(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
     if item.facet != NO_TRIANGLE { write_pairs(item, texels_of(item), true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn append(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
     if item.facet == NO_TRIANGLE { return; }

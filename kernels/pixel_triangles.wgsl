@@ -1,13 +1,13 @@
 // pixel_triangles: lists, pixel by pixel, the triangles that some sample in the pixel's square may see.
-// Over blocks of 8 x 8 pixels: `cover` finds the nearest "farthest depth over the square" of the triangles that surely cover
-// the whole square (`cover_keys`, complement of its bits, 0 without one); `count` counts the triangles that touch the square
-// no farther than that (`pixel_counts`); `emit` and `emit_rest` write them to `pixel_list` at `pixel_offsets`, never beyond
-// the capacity, and take the counts down to 0 again; order inside a pixel is not defined. The pixels of the first
-// `step.index` blocks are kept in `touched` from counting to emitting, those of the rest are found anew.
-// `judge` runs before the counts are scanned. A pixel with one triangle, which covers it, is single; a pixel without any is
-// empty; the others are marked in `complex_flags`. It writes `facet_counts` (1 for single pixels, else 0) and keeps the
-// longest list in `status`.
-// All tests are conservative: margins are far above the rounding of what they are made of.
+// Over blocks of 8 x 8 pixels: `cover` finds the nearest "farthest depth over the square" of the triangles
+// that surely cover the whole square (`cover_keys`, complement of its bits, 0 without one); `count` counts
+// the triangles that touch the square no farther than that (`pixel_counts`); `emit` and `emit_rest` write
+// them to `pixel_list` at `pixel_offsets`, never beyond the capacity, and take the counts down to 0 again;
+// order inside a pixel is not defined. The pixels of the first `step.index` blocks are kept in `touched` from
+// counting to emitting, those of the rest are found anew. `judge` runs before the counts are scanned. A pixel
+// with one triangle, which covers it, is single; a pixel without any is empty; the others are marked in
+// `complex_flags`. It writes `facet_counts` (1 for single pixels, else 0) and keeps the longest list in
+// `status`. All tests are conservative: margins are far above the rounding of what they are made of.
 //@bindings Raster: cover, count, emit, emit_rest
 
 //@import frame dispatch status pass rect work_items facing eye_edges block_bits
@@ -64,7 +64,8 @@ fn seen_triangle(t: u32) -> Seen {
     s.edges[1] = eye_edge(i.y, i.z, b, c, ray);
     s.edges[2] = eye_edge(i.z, i.x, c, a, ray);
     let normal = cross(b - a, c - a);
-    // Rounding of the normal, of the corners themselves, and of the products with a ray anywhere in the image.
+    // Rounding of the normal, of the corners themselves, and of the products with a ray anywhere in the
+    // image.
     let wide = largest(frame.ray_corner.xyz) + largest(ray);
     let reach = max(largest(a), max(largest(b), largest(c)));
     let doubt = 2e-6 * largest(b - a) * largest(c - a) + 6e-7 * reach * (largest(b - a) + largest(c - a));
@@ -126,7 +127,8 @@ fn pixels_of(item: Item) -> vec2<u32> {
     return found;
 }
 
-// `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within what was counted.
+// `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within
+// what was counted.
 fn write_triangle(item: Item, found: vec2<u32>, anew: bool) {
     var pixels = found;
     while any(pixels != vec2(0u)) {
@@ -139,7 +141,11 @@ fn write_triangle(item: Item, found: vec2<u32>, anew: bool) {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn cover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn cover(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
     if item.triangle == NO_TRIANGLE { return; }
     let s = seen_triangle(item.triangle);
@@ -153,7 +159,11 @@ fn cover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn count(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let item = item_of(index);
     if item.triangle == NO_TRIANGLE { return; }
@@ -166,7 +176,11 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let index = flat_invocation(group, groups, WORKGROUP, local);
     if index >= step.index { return; }
     let item = item_of(index);
@@ -174,13 +188,21 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit_rest(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
     if item.triangle != NO_TRIANGLE { write_triangle(item, pixels_of(item), true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn judge(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn judge(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let count = atomicLoad(&pixel_counts[pixel]);

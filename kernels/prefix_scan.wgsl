@@ -1,11 +1,11 @@
 // prefix_scan: exclusive scan of u32 values with saturating sums.
-// Reads `input` (values from min(count, limit) on count as 0). Writes `output` up to `limit`, the sum of all to
-// `total[total_word]` and 1 to the word after it if that sum exceeds u32::MAX (then it is u32::MAX), else 0.
-// Three passes: `reduce` sums each block exactly in 64 bits, `spine` turns block sums into prefixes in one workgroup,
-// `downsweep` scans each block from its prefix. Saturating addition is associative, so the result is one value however
-// the work is split. A list above the binding limit is bound in segments of whole blocks: `first` is where the bound
-// range begins, `sums` always spans all blocks.
-// Bounds: an invocation of reduce or downsweep loops 32 times, one of the spine 2 * blocks / 256 times.
+// Reads `input` (values from min(count, limit) on count as 0). Writes `output` up to `limit`, the sum of all
+// to `total[total_word]` and 1 to the word after it if that sum exceeds u32::MAX (then it is u32::MAX), else
+// 0. Three passes: `reduce` sums each block exactly in 64 bits, `spine` turns block sums into prefixes in one
+// workgroup, `downsweep` scans each block from its prefix. Saturating addition is associative, so the result
+// is one value however the work is split. A list above the binding limit is bound in segments of whole
+// blocks: `first` is where the bound range begins, `sums` always spans all blocks. Bounds: an invocation of
+// reduce or downsweep loops 32 times, one of the spine 2 * blocks / 256 times.
 
 //@import dispatch workgroup_scan
 

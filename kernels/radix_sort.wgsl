@@ -1,10 +1,10 @@
 // radix_sort: one pass of a stable least-significant-digit sort of (key, value) pairs.
-// Reads the first min(count, limit) of `keys_in` and `values_in`. Writes them to `keys_out` and `values_out`, ordered by
-// the digit (key >> shift) & (bins - 1), equal digits in their old order.
-// `count` writes each block's histogram (bin-major); the prefix_scan of it gives `offsets`; `scatter` places each pair.
-// An invocation owns 64 consecutive pairs and a column of 16-bit counters, two bins to a word: the order of the pairs
-// needs neither atomics nor subgroups. A counter is at most 4,096 in a block, so halves never carry into each other.
-// Bounds: an invocation loops at most 64 times in each of three loops.
+// Reads the first min(count, limit) of `keys_in` and `values_in`. Writes them to `keys_out` and `values_out`,
+// ordered by the digit (key >> shift) & (bins - 1), equal digits in their old order. `count` writes each
+// block's histogram (bin-major); the prefix_scan of it gives `offsets`; `scatter` places each pair. An
+// invocation owns 64 consecutive pairs and a column of 16-bit counters, two bins to a word: the order of the
+// pairs needs neither atomics nor subgroups. A counter is at most 4,096 in a block, so halves never carry
+// into each other. Bounds: an invocation loops at most 64 times in each of three loops.
 //@bindings Digits: count, scatter
 
 //@import dispatch

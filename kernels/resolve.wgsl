@@ -1,9 +1,9 @@
 // resolve: from masks to visibility (Pan 2009, section 3.4, last paragraphs).
-// Reads facets, their masks (coverage, occluded, invalid: WORDS words each) and which facets a pixel has. Writes
-// `visibility` (lit share of the samples that count, 1 where nothing is seen) and `lit` (WORDS words a pixel: which samples
-// are lit, all of them where nothing is seen). Counts into `status` how many facets each state has; with
-// FLAG_CLAMP a pixel without a facet counts as an empty one. Writes the frame's stamp there: this stage is the last, so that who reads
-// the stamp knows that the frame has run.
+// Reads facets, their masks (coverage, occluded, invalid: WORDS words each) and which facets a pixel has.
+// Writes `visibility` (lit share of the samples that count, 1 where nothing is seen) and `lit` (WORDS words a
+// pixel: which samples are lit, all of them where nothing is seen). Counts into `status` how many facets each
+// state has; with FLAG_CLAMP a pixel without a facet counts as an empty one. Writes the frame's stamp there:
+// this stage is the last, so that who reads the stamp knows that the frame has run.
 
 //@import frame dispatch status facet
 
@@ -21,7 +21,11 @@ const WORKGROUP = 64u;
 var<workgroup> wg_states: array<atomic<u32>, 5>;
 
 @compute @workgroup_size(WORKGROUP)
-fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn resolve(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let pixels = frame.image_size.x * frame.image_size.y;
     if pixel + 1u == pixels { atomicStore(&status.head.finished, frame.stamp); }

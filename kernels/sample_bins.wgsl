@@ -1,17 +1,20 @@
-// sample_bins: alias-free hard shadows (Aila and Laine 2004; Johnson et al. 2005; Sintorn, Eisemann, Assarsson 2008): the
-// samples themselves are sorted into the texels of the light view that they project to, casters are rasterized conservatively,
-// and each is tested against the samples of the texels it touches.
-// `bin` runs twice around a scan: pass 0 counts the samples of each texel, pass 1 writes them to `bins` with `texel_ends`, which
-// begin as where each texel starts, as cursors. `occlude` tests them in single precision, LANES invocations a block of a caster's
-// texels: it writes the occluded mask of their facets and notes what it cannot decide behind the samples in `bins`; `refine`
-// decides that with 46 bits. Samples without room there are marked in the place of the invalid mask, and `refine_all` tests them
-// again. Texels of more than CROWD samples are left to `occlude_crowds`, a workgroup a block, and tested again by `refine_crowds`. No invocation looks at more than one
-// block, nor at more than 65,535 samples: `ask` writes into `wanted` how many blocks each of these runs has, none where it has
-// nothing to do, and how many doubts there are. Whoever reads invalid masks has to make them afterwards. The model and its predicates are those of
-// shadow_rays. The facets of a band are those listed from `frame.first_facet` on; a band without any costs nothing worth naming.
-// Behind the texels in `texel_ends`: doubts; crowded texels; then the facets of the band.
-// A sample whose point is not before the light, or outside its view, has no caster before it, but for beyond the ends of the map (FLAG_ENDS):
-// there it is sorted into the texels at them, in which casters that go beyond are tested, too.
+// sample_bins: alias-free hard shadows (Aila and Laine 2004; Johnson et al. 2005; Sintorn, Eisemann,
+// Assarsson 2008): the samples themselves are sorted into the texels of the light view that they project to,
+// casters are rasterized conservatively, and each is tested against the samples of the texels it touches.
+// `bin` runs twice around a scan: pass 0 counts the samples of each texel, pass 1 writes them to `bins` with
+// `texel_ends`, which begin as where each texel starts, as cursors. `occlude` tests them in single precision,
+// LANES invocations a block of a caster's texels: it writes the occluded mask of their facets and notes what
+// it cannot decide behind the samples in `bins`; `refine` decides that with 46 bits. Samples without room
+// there are marked in the place of the invalid mask, and `refine_all` tests them again. Texels of more than
+// CROWD samples are left to `occlude_crowds`, a workgroup a block, and tested again by `refine_crowds`. No
+// invocation looks at more than one block, nor at more than 65,535 samples: `ask` writes into `wanted` how
+// many blocks each of these runs has, none where it has nothing to do, and how many doubts there are. Whoever
+// reads invalid masks has to make them afterwards. The model and its predicates are those of shadow_rays. The
+// facets of a band are those listed from `frame.first_facet` on; a band without any costs nothing worth
+// naming. Behind the texels in `texel_ends`: doubts; crowded texels; then the facets of the band. A sample
+// whose point is not before the light, or outside its view, has no caster before it, but for beyond the ends
+// of the map (FLAG_ENDS): there it is sorted into the texels at them, in which casters that go beyond are
+// tested, too.
 //@bindings Bins: bin, ask, occlude, occlude_crowds, refine, refine_all, refine_crowds
 
 //@import frame dispatch pass rect work_items conservative span facet facing double_float vertex facing_46
@@ -29,9 +32,11 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 @group(0) @binding(3) var<storage, read> undecided: array<Undecided>;
 @group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(5) var<storage, read> positions: array<vec3<f32>>;
-@group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;  // coverage, occluded, in doubt: WORDS words each
+// Coverage, occluded, in doubt: WORDS words each
+@group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> texel_ends: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> bins: array<vec4<u32>>; // a point, `label`; doubts: which sample, triangle
+// A point, `label`; doubts: which sample, triangle
+@group(0) @binding(8) var<storage, read_write> bins: array<vec4<u32>>;
 @group(0) @binding(9) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(10) var<storage, read> work_offsets: array<u32>;
 @group(0) @binding(11) var<storage, read> listed: array<u32>;       // undecided facets
@@ -42,8 +47,8 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 
 //@import shadow_lines shadow_lines_46 shadow_ray mesh_caster bin_tests
 
-// Texel x, y, depth of a point, and its distance along the axis of the light view; where that is not surely in front, as vertex_project
-// has it: undivided, and how far it lies behind the nearest distance.
+// Texel x, y, depth of a point, and its distance along the axis of the light view; where that is not surely
+// in front, as vertex_project has it: undivided, and how far it lies behind the nearest distance.
 fn in_light_view(p: vec3<f32>) -> vec4<f32> {
     let q = vec4(p, 1.0);
     let uvz = vec3(dot(frame.map_u, q), dot(frame.map_v, q), dot(frame.map_z, q));
@@ -59,7 +64,11 @@ fn label(index: u32, moved: f32) -> u32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn bin(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn bin(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let slot = index / frame.sample_count;
@@ -139,21 +148,33 @@ fn is_block(item: u32) -> bool {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn occlude(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn occlude(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = flat_group(group, groups) * (WORKGROUP / LANES) + local / LANES;
     if is_block(item) { raster(item, local % LANES, false, false); }
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn occlude_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn occlude_crowds(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = flat_group(group, groups);
     if is_block(item) { raster(item, local, false, true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn refine(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let room = doubts();
     let n = flat_invocation(group, groups, WORKGROUP, local);
@@ -167,14 +188,22 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn refine_all(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = flat_group(group, groups) * (WORKGROUP / LANES) + local / LANES;
     if is_block(item) { raster(item, local % LANES, true, false); }
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn refine_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn refine_crowds(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = flat_group(group, groups);
     if is_block(item) { raster(item, local, true, true); }

@@ -1,16 +1,18 @@
-// sample_surfaces: which surface each sample sees, and the facets made of that: one for every surface that samples of the
-// pixel see, with the mask of those samples. With MERGE neighbouring triangles of one plane are one surface (`surfaces`).
-// `nearest` runs an invocation for each complex pixel over ROUND_LENGTH triangles of its list, from round `step.round` on,
-// and keeps for each sample of word `step.word` the nearest, of equally near ones the lowest (`sample_keys`, complement; 0
-// for none). Where another surface almost touches it (`rivals_found`: triangles, then two masks a word), `settle_rivals` decides
-// with 46 bits; where more than two do, which it lists in `crowds` (emptied by `begin`), `settle_crowds` does, round by round.
-// `name_surfaces` writes the surfaces of samples to `named_keys`, as `sample_keys` has their triangles, and behind them how far
-// off the triangles of larger surfaces reach; without MERGE the triangles themselves are `group_keys`.
-// `group_samples` counts the surfaces that the samples of a complex pixel see into `facet_counts`; `emit` lists them at
-// `pixel_facets`, in the order of their first samples, each with that of its triangles that most samples see. `emit_single`
-// lists the facets of single pixels, and makes what lies beyond the last facet empty. Nothing is written beyond the
-// capacities. `id_keys` takes the complement of the triangle at the pixel centre, which is sample 0; it must be 0 before.
-// What all samples see may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_keys` and
+// sample_surfaces: which surface each sample sees, and the facets made of that: one for every surface that
+// samples of the pixel see, with the mask of those samples. With MERGE neighbouring triangles of one plane
+// are one surface (`surfaces`). `nearest` runs an invocation for each complex pixel over ROUND_LENGTH
+// triangles of its list, from round `step.round` on, and keeps for each sample of word `step.word` the
+// nearest, of equally near ones the lowest (`sample_keys`, complement; 0 for none). Where another surface
+// almost touches it (`rivals_found`: triangles, then two masks a word), `settle_rivals` decides with 46 bits;
+// where more than two do, which it lists in `crowds` (emptied by `begin`), `settle_crowds` does, round by
+// round. `name_surfaces` writes the surfaces of samples to `named_keys`, as `sample_keys` has their
+// triangles, and behind them how far off the triangles of larger surfaces reach; without MERGE the triangles
+// themselves are `group_keys`. `group_samples` counts the surfaces that the samples of a complex pixel see
+// into `facet_counts`; `emit` lists them at `pixel_facets`, in the order of their first samples, each with
+// that of its triangles that most samples see. `emit_single` lists the facets of single pixels, and makes
+// what lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the
+// complement of the triangle at the pixel centre, which is sample 0; it must be 0 before. What all samples
+// see may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_keys` and
 // `rivals_found` are those of a band, sample by sample: neighbouring invocations find theirs side by side.
 //@bindings Search: nearest, settle_rivals, settle_crowds
 
@@ -42,14 +44,17 @@ const ROUND_LENGTH = 512u;
 @group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(10) var<storage, read_write> sample_keys: array<u32>;
 @group(0) @binding(17) var<storage, read_write> rivals_found: array<u32>;
-@group(0) @binding(22) var<storage, read_write> crowds: array<atomic<u32>>;  // how many pixels have crowded samples; of each slot and pixel
+// How many pixels have crowded samples; of each slot and pixel
+@group(0) @binding(22) var<storage, read_write> crowds: array<atomic<u32>>;
 @group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
 @group(0) @binding(12) var<storage, read> complex_flags: array<u32>;
 @group(0) @binding(13) var<storage, read> pixel_facets: array<u32>;
 @group(0) @binding(14) var<storage, read_write> facets: array<Facet>;
-@group(0) @binding(15) var<storage, read_write> masks: array<u32>;  // coverage, occluded, invalid: WORDS words each
+// Coverage, occluded, invalid: WORDS words each
+@group(0) @binding(15) var<storage, read_write> masks: array<u32>;
 @group(0) @binding(16) var<storage, read_write> id_keys: array<u32>;
-@group(0) @binding(18) var<storage, read> surfaces: array<u32>;  // of each triangle, the lowest of its surface; SEVERAL: of more than one
+// Of each triangle, the lowest of its surface; SEVERAL: of more than one
+@group(0) @binding(18) var<storage, read> surfaces: array<u32>;
 @group(0) @binding(19) var<storage, read_write> named_keys: array<u32>;
 @group(0) @binding(20) var<storage, read> seen_keys: array<u32>;   // as `sample_keys`
 @group(0) @binding(21) var<storage, read> group_keys: array<u32>;  // as `named_keys`
@@ -64,7 +69,11 @@ fn begin() {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn nearest(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     take_offsets();
     let slot = flat_invocation(group, groups, WORKGROUP, local);
@@ -83,7 +92,11 @@ fn nearest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn settle_rivals(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
@@ -91,7 +104,11 @@ fn settle_rivals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn settle_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn settle_crowds(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let n = flat_invocation(group, groups, WORKGROUP, local);
     if n >= atomicLoad(&crowds[0]) { return; }
@@ -99,7 +116,11 @@ fn settle_crowds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn name_surfaces(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn name_surfaces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
@@ -125,7 +146,11 @@ fn name_surfaces(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn group_samples(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
@@ -138,7 +163,11 @@ fn group_samples(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= slot_count() { return; }
@@ -168,7 +197,11 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit_single(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     let pixels = frame.image_size.x * frame.image_size.y;
@@ -181,7 +214,8 @@ fn emit_single(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
     let entry = pixel_offsets[pixel];
     if f == pixel_facets[pixel + 1u] || f >= frame.facets_total { return; }
     if entry >= frame.pixel_triangle_capacity {
-        facets[f].triangle = NO_TRIANGLE;  // the frame runs again; what an older one left here would be looked at till then
+        // The frame runs again; what an older one left here would be looked at till then
+        facets[f].triangle = NO_TRIANGLE;
         return;
     }
     let t = pixel_list[entry];

@@ -1,9 +1,9 @@
 // seen_texels: which texels of the light-view map are asked for, so that no other need be made.
-// `mark` marks for each pixel the texels that its footprint touches in the light view. `around` takes the list of the pixels that
-// these do not settle by their planes, and marks REACH texels around them, too, but where their outlines do; what was not marked
-// before stands in the second half of `seen` as well. `all_texels` marks everything.
-// Footprints are grown by SLACK: whoever reads computes them anew and may round otherwise. What is still not marked is told
-// by who reads it.
+// `mark` marks for each pixel the texels that its footprint touches in the light view. `around` takes the
+// list of the pixels that these do not settle by their planes, and marks REACH texels around them, too, but
+// where their outlines do; what was not marked before stands in the second half of `seen` as well.
+// `all_texels` marks everything. Footprints are grown by SLACK: whoever reads computes them anew and may
+// round otherwise. What is still not marked is told by who reads it.
 
 //@import frame dispatch facing receiver seen_texels spsm_record spsm_sheet spsm_border spsm_footprint
 //@import spsm_settle
@@ -22,13 +22,15 @@ const SLACK = 0.02;           // texels
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
 @group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read> kept: array<u32>;          // as many as pixels, then how many there are
+// As many as pixels, then how many there are
+@group(0) @binding(5) var<storage, read> kept: array<u32>;
 @group(0) @binding(6) var<storage, read_write> seen: array<atomic<u32>>;
 @group(0) @binding(7) var<uniform> slopes: array<vec4<f32>, 256>;
 @group(0) @binding(8) var<storage, read> upper_records: array<vec4<u32>>;
 @group(0) @binding(9) var<storage, read> lower_records: array<vec4<u32>>;
 
-// Marks the texels from that of `low` to that of `high` and REACH around them. `last` says that they are asked for last.
+// Marks the texels from that of `low` to that of `high` and REACH around them. `last` says that they are
+// asked for last.
 fn ask(low: vec2<f32>, high: vec2<f32>, last: bool) {
     let side = f32(frame.map_size);
     let reach = f32(REACH);
@@ -58,7 +60,11 @@ fn ask_for(f: Footprint, last: bool) {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn mark(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn mark(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let r = receiver_of(pixel);
@@ -68,7 +74,11 @@ fn mark(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn around(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn around(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     let pixels = frame.image_size.x * frame.image_size.y;
     if item >= min(kept[pixels], pixels) { return; }
@@ -85,7 +95,11 @@ fn around(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn all_texels(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn all_texels(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let word = flat_invocation(group, groups, WORKGROUP, local);
     if word < seen_words() { atomicStore(&seen[SEEN_BITS + word], 0xffffffffu); }
 }

@@ -1,9 +1,10 @@
-// shadow_map: shadows by depth comparison with a light-view map of nearest depths (Williams 1978), and with percentage-closer
-// filtering (Reeves, Salesin, Cook 1987) of KERNEL x KERNEL texels: the mean of bilinear 2 x 2 lookups at whole texels, so
-// that a tap's weight along an axis is (1 - f, 1, ..., 1, f) / (KERNEL - 1). KERNEL 1 is the nearest texel.
-// A tap is lit where its depth is not less than the receiver's less the bias: BIAS_CONSTANT and BIAS_SLOPE times the steeper
-// of the receiver's two slopes per texel. With RECEIVER_PLANE the receiver's depth is taken at the tap.
-// Writes `visibility`: the mean over the samples whose rays meet the receiver.
+// shadow_map: shadows by depth comparison with a light-view map of nearest depths (Williams 1978), and with
+// percentage-closer filtering (Reeves, Salesin, Cook 1987) of KERNEL x KERNEL texels: the mean of bilinear 2
+// x 2 lookups at whole texels, so that a tap's weight along an axis is (1 - f, 1, ..., 1, f) / (KERNEL - 1).
+// KERNEL 1 is the nearest texel. A tap is lit where its depth is not less than the receiver's less the bias:
+// BIAS_CONSTANT and BIAS_SLOPE times the steeper of the receiver's two slopes per texel. With RECEIVER_PLANE
+// the receiver's depth is taken at the tap. Writes `visibility`: the mean over the samples whose rays meet
+// the receiver.
 
 //@import frame dispatch facing receiver
 
@@ -55,7 +56,11 @@ fn lit_share(r: Receiver, at: vec3<f32>) -> f32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn compare(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn compare(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let r = receiver_of(pixel);
@@ -65,7 +70,8 @@ fn compare(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
     }
     var sum = 0.0;
     var seen = 0.0;
-    // There is one at least. The loop ends before it begins a turn of which nothing is kept: a vector would wait for it.
+    // There is one at least. The loop ends before it begins a turn of which nothing is kept: a vector would
+    // wait for it.
     var k = 0u;
     loop {
         let at = sample_place(r, pixel, k);

@@ -1,14 +1,14 @@
-// shadow_rays: from every sample of each listed facet a ray to the light through the tree of casters, until one is in the way.
-// The model is that of visibility_masks: a sample is occluded iff the open segment from its point on the facet's plane to the
-// light crosses a triangle that has a part strictly on the light's side of that plane. The facet's own triangle has none, and
-// nothing is moved off the surface: sides decide, not a distance.
-// `trace` tests triangles as Moeller and Trumbore (1997) with a bound for what rounding may do, one invocation a sample and
-// word. Triangles that it cannot decide are noted in `work`; `refine` decides those with 46 bits. Samples for which `work` has no room are followed once more by `refine_all`. `cut_facets` finds the triangles
-// that cut a facet within its pixel, and with them the invalid mask. The occluded and invalid masks of listed facets are
-// replaced.
-// `work`: 0: facets listed; 1: the same if `refine_all` is needed, else 0; 2: walks that ended early; 3: doubts noted; from 4
-// on the samples without room of each listed facet, WORDS words each; then the doubts (place in the list and sample as one
-// word, triangle).
+// shadow_rays: from every sample of each listed facet a ray to the light through the tree of casters, until
+// one is in the way. The model is that of visibility_masks: a sample is occluded iff the open segment from
+// its point on the facet's plane to the light crosses a triangle that has a part strictly on the light's side
+// of that plane. The facet's own triangle has none, and nothing is moved off the surface: sides decide, not a
+// distance. `trace` tests triangles as Moeller and Trumbore (1997) with a bound for what rounding may do, one
+// invocation a sample and word. Triangles that it cannot decide are noted in `work`; `refine` decides those
+// with 46 bits. Samples for which `work` has no room are followed once more by `refine_all`. `cut_facets`
+// finds the triangles that cut a facet within its pixel, and with them the invalid mask. The occluded and
+// invalid masks of listed facets are replaced. `work`: 0: facets listed; 1: the same if `refine_all` is
+// needed, else 0; 2: walks that ended early; 3: doubts noted; from 4 on the samples without room of each
+// listed facet, WORDS words each; then the doubts (place in the list and sample as one word, triangle).
 
 //@import frame dispatch facet facing double_float vertex facing_46 caster_tree
 
@@ -23,10 +23,12 @@ const WORK_HEAD = 4u;
 @group(0) @binding(4) var<storage, read> listed: array<u32>;
 @group(0) @binding(5) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read> nodes: array<vec4<u32>>;
-@group(0) @binding(7) var<storage, read> casters: array<vec4<f32>>;  // a vertex, two edges from it; w: bits of the indices
+// A vertex, two edges from it; w: bits of the indices
+@group(0) @binding(7) var<storage, read> casters: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
-@group(0) @binding(10) var<storage, read_write> masks: array<atomic<u32>>;  // coverage, occluded, invalid: WORDS words each
+// Coverage, occluded, invalid: WORDS words each
+@group(0) @binding(10) var<storage, read_write> masks: array<atomic<u32>>;
 
 //@import frame_copy
 
@@ -35,8 +37,8 @@ const WORK_HEAD = 4u;
 var<workgroup> wg_occluded: array<atomic<u32>, 64>;
 var<workgroup> wg_open: array<atomic<u32>, 64>;
 
-// What becomes of the ray of `sample`: DOUBTFUL is one whose doubts have no room; with `exact` there are none. A node's
-// triangles are sifted before any is looked at closely.
+// What becomes of the ray of `sample`: DOUBTFUL is one whose doubts have no room; with `exact` there are
+// none. A node's triangles are sifted before any is looked at closely.
 fn follow(g: Ground, r: Ray, sample: u32, exact: bool) -> u32 {
     var found = FREE;
     if tree.node_count == 0u { return found; }
@@ -78,7 +80,11 @@ fn follow(g: Ground, r: Ray, sample: u32, exact: bool) -> u32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn trace(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn trace(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let lanes = min(frame.sample_count, 32u);
     let mine = local / lanes;
@@ -108,7 +114,11 @@ fn trace(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn refine(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let n = flat_invocation(group, groups, WORKGROUP, local);
     let room = doubts();
@@ -124,7 +134,11 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn refine_all(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let lanes = min(frame.sample_count, 32u);
     let slot = flat_group(group, groups) * (WORKGROUP / lanes) + local / lanes;
@@ -141,7 +155,11 @@ fn refine_all(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn cut_facets(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= atomicLoad(&work[0]) { return; }

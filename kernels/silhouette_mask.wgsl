@@ -1,9 +1,9 @@
 // silhouette_mask: finds the silhouette edges and marks the texels they touch (Pan 2009, section 3.2).
-// `classify` decides for every edge whether it is a silhouette: its two triangles do not face the light alike, or one of
-// them is missing, unsure, or not known to be its only neighbour. Writes `edge_rects`, `edge_items` (8 x 8 blocks to
-// mark; 0 where the edge is none).
-// `raster` marks in `mask` every texel an edge touches (conservatively), unless the edge lies there behind the texel's
-// split depth: then it is hidden by what is in front, or front_layer marks the texel anyway.
+// `classify` decides for every edge whether it is a silhouette: its two triangles do not face the light
+// alike, or one of them is missing, unsure, or not known to be its only neighbour. Writes `edge_rects`,
+// `edge_items` (8 x 8 blocks to mark; 0 where the edge is none). `raster` marks in `mask` every texel an edge
+// touches (conservatively), unless the edge lies there behind the texel's split depth: then it is hidden by
+// what is in front, or front_layer marks the texel anyway.
 
 //@import frame dispatch status rect work_items front_split facing span mask_rows
 
@@ -33,7 +33,11 @@ fn is_silhouette(e: Edge) -> bool {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn classify(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let k = flat_invocation(group, groups, WORKGROUP, local);
     if k >= frame.edge_count { return; }
     let e = edges[k];
@@ -56,7 +60,11 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn raster(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.edge_count] { return; }
     let k = owner_of(item, frame.edge_count);

@@ -1,18 +1,19 @@
-// smsr: shadows by depth comparison with a light-view map of nearest depths, whose staircase borders are drawn anew as straight
-// lines (Bondarev 2014, Shadow Map Silhouette Revectorization).
-// A texel of the map is dark where its depth lies before the receiver's plane at its centre, less the bias: BIAS_CONSTANT, and
-// BIAS_SLOPE times the steeper of the receiver's two slopes for each texel away from the pixel, as surfaces bend.
-// Where a sample's texel and the one beside it differ, the border between them is followed along the texels to either side, REACH at
-// most, to where it ends: turning to the sample's side (also where it turns both ways), away from it, or not within reach. From
-// where it ends follows a line in the sample's texel; a sample between border and line takes the answer from beyond the border.
-// With MIDPOINTS the line goes through the middles of the steps (Jimenez et al. 2011: patterns Z, U and L), on both sides of the
-// border. Else as Bondarev has it: from the corners of the dark texels to the far end of the border, or its middle where both ends
-// are corners, so that shadows only grow; of two borders on opposite sides of a texel each has half of it.
-// A pixel around which all texels are alike, as far as lines reach, is settled by them; only the others look at samples.
-// The borders are followed in the light view on the receiver's plane, not on the screen: what hides a part of the receiver, or
-// the image's edge, cuts none off.
-// Writes `visibility`: the mean over the samples whose rays meet the receiver.
-// Bounds: 64 texels around a pixel; of each sample two long borders at most, twice REACH turns each: 2 x 2 x 64 x 128 samples.
+// smsr: shadows by depth comparison with a light-view map of nearest depths, whose staircase borders are
+// drawn anew as straight lines (Bondarev 2014, Shadow Map Silhouette Revectorization). A texel of the map is
+// dark where its depth lies before the receiver's plane at its centre, less the bias: BIAS_CONSTANT, and
+// BIAS_SLOPE times the steeper of the receiver's two slopes for each texel away from the pixel, as surfaces
+// bend. Where a sample's texel and the one beside it differ, the border between them is followed along the
+// texels to either side, REACH at most, to where it ends: turning to the sample's side (also where it turns
+// both ways), away from it, or not within reach. From where it ends follows a line in the sample's texel; a
+// sample between border and line takes the answer from beyond the border. With MIDPOINTS the line goes
+// through the middles of the steps (Jimenez et al. 2011: patterns Z, U and L), on both sides of the border.
+// Else as Bondarev has it: from the corners of the dark texels to the far end of the border, or its middle
+// where both ends are corners, so that shadows only grow; of two borders on opposite sides of a texel each
+// has half of it. A pixel around which all texels are alike, as far as lines reach, is settled by them; only
+// the others look at samples. The borders are followed in the light view on the receiver's plane, not on the
+// screen: what hides a part of the receiver, or the image's edge, cuts none off. Writes `visibility`: the
+// mean over the samples whose rays meet the receiver. Bounds: 64 texels around a pixel; of each sample two
+// long borders at most, twice REACH turns each: 2 x 2 x 64 x 128 samples.
 
 //@import frame dispatch facing receiver
 
@@ -37,7 +38,8 @@ const LIT = 1u;
 const SEVERAL = 2u;
 const MOST_TEXELS = 64;
 
-// What all texels of a box are, if there are few and they are alike: then no sample between them lies at a border.
+// What all texels of a box are, if there are few and they are alike: then no sample between them lies at a
+// border.
 fn state_around(plane: Plane, low: vec2<f32>, high: vec2<f32>, whole: bool) -> u32 {
     // Beyond the map all texels are alike: one will do.
     let size = vec2(f32(frame.map_size));
@@ -109,7 +111,11 @@ fn lit_share(r: Receiver, plane: Plane, pixel: u32) -> f32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn revectorize(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn revectorize(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let r = receiver_of(pixel);

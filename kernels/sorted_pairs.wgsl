@@ -1,6 +1,7 @@
-// sorted_pairs: from (texel, item) pairs sorted by texel the number of pairs of each texel (Pan 2009, section 3.3).
-// Reads the first min(count, limit) of `keys` and `values`. `bounds` adds to `texel_counts`, which must be 0: the last pair
-// of a texel adds the place after it, the first subtracts its own. `join` writes `pairs` (item, texel).
+// sorted_pairs: from (texel, item) pairs sorted by texel the number of pairs of each texel (Pan 2009, section
+// 3.3). Reads the first min(count, limit) of `keys` and `values`. `bounds` adds to `texel_counts`, which must
+// be 0: the last pair of a texel adds the place after it, the first subtracts its own. `join` writes `pairs`
+// (item, texel).
 
 //@import dispatch
 
@@ -21,7 +22,11 @@ const WORKGROUP = 64u;
 @group(0) @binding(5) var<storage, read_write> pairs: array<vec2<u32>>;
 
 @compute @workgroup_size(WORKGROUP)
-fn bounds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn bounds(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let i = flat_invocation(group, groups, WORKGROUP, local);
     let count = min(counts[0], params.limit);
     if i >= count { return; }
@@ -32,7 +37,11 @@ fn bounds(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn join(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn join(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let i = flat_invocation(group, groups, WORKGROUP, local);
     if i >= min(counts[0], params.limit) { return; }
     pairs[i] = vec2(values[i], keys[i]);

@@ -1,10 +1,11 @@
 // split_maps: the nearest caster at every texel centre of the maps of several slices of what the camera sees.
-// `measure`: of each triangle (item view * triangles + triangle) the rectangle of texels whose centres it may cover, and how many
-// 8 x 8 blocks that takes; none of a triangle without work in the whole view (`light_rects`), or that is not surely in front of
-// the light. The part before the map's side next to the eye is clipped off.
-// `raster`: the blocks. Edges are lines through vertices in homogeneous coordinates relative to the block, so nothing is divided but
-// the depth, and an edge has one value in both of its triangles. The depth is that of the whole view.
-// Writes `map_keys`, view after view (complement of the bits of the depth; 0 where there is none).
+// `measure`: of each triangle (item view * triangles + triangle) the rectangle of texels whose centres it may
+// cover, and how many 8 x 8 blocks that takes; none of a triangle without work in the whole view
+// (`light_rects`), or that is not surely in front of the light. The part before the map's side next to the
+// eye is clipped off. `raster`: the blocks. Edges are lines through vertices in homogeneous coordinates
+// relative to the block, so nothing is divided but the depth, and an edge has one value in both of its
+// triangles. The depth is that of the whole view. Writes `map_keys`, view after view (complement of the bits
+// of the depth; 0 where there is none).
 
 //@import frame split_views dispatch rect work_items front_split span block_bits
 
@@ -55,7 +56,11 @@ fn rect_of(view: u32, a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> vec2<u32> {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn measure(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn measure(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= frame.triangle_count * splits.count { return; }
     let view = item / frame.triangle_count;
@@ -70,7 +75,11 @@ fn measure(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn raster(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let owners = frame.triangle_count * splits.count;
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[owners] { return; }

@@ -1,11 +1,11 @@
 // split_shadows: shadows by the maps of `split_maps`, each pixel by that of its slice.
-// `compare`: depth comparison with the nearest texel for every sample, as in shadow_map.
-// `filter_moments`: one lookup a pixel in the moments of its footprint, anisotropic: squares as wide as the footprint is across, along it up to
-// MOST_PROBES of them. Of the depths there at most the share variance / (variance + (t - mean)^2) lies behind a receiver
-// of depth t behind their mean (Chebyshev; Donnelly and Lauritzen 2006), which is taken as lit, less BLEEDING; t is that of the
-// receiver's plane at the very place that is looked up. Where the receiver turns less than GRAZING (sine of its elevation) to the light,
-// half of it is lit (Oliveira 2009, section 4.2.2).
-// Writes `visibility`.
+// `compare`: depth comparison with the nearest texel for every sample, as in shadow_map. `filter_moments`:
+// one lookup a pixel in the moments of its footprint, anisotropic: squares as wide as the footprint is
+// across, along it up to MOST_PROBES of them. Of the depths there at most the share variance / (variance + (t
+// - mean)^2) lies behind a receiver of depth t behind their mean (Chebyshev; Donnelly and Lauritzen 2006),
+// which is taken as lit, less BLEEDING; t is that of the receiver's plane at the very place that is looked
+// up. Where the receiver turns less than GRAZING (sine of its elevation) to the light, half of it is lit
+// (Oliveira 2009, section 4.2.2). Writes `visibility`.
 //@bindings Ask: compare, filter_moments
 
 //@import frame split_views dispatch facing receiver front_split moments
@@ -98,7 +98,8 @@ fn trilinear(view: u32, level: f32, at: vec2<f32>) -> vec2<f32> {
     return mixed(vec4(fine.x, coarse.x, fine.xx), vec4(fine.y, coarse.y, 0.0, 0.0), vec4(1.0 - f, f, 0.0, 0.0));
 }
 
-// What the receiver, which is at `place`, is deeper at another texel of the map: along its plane, which a warp bends.
+// What the receiver, which is at `place`, is deeper at another texel of the map: along its plane, which a
+// warp bends.
 fn rise_to(r: Receiver, place: Place, at: vec2<f32>) -> f32 {
     let k = 3u * place.view;
     let q = vec3(at, 1.0);
@@ -106,7 +107,8 @@ fn rise_to(r: Receiver, place: Place, at: vec2<f32>) -> f32 {
     return dot(r.slope, whole - place.whole);
 }
 
-// Share of light in a square of 2^level texels a side around a place, of a receiver that has this depth at `place`.
+// Share of light in a square of 2^level texels a side around a place, of a receiver that has this depth at
+// `place`.
 fn lit_share(r: Receiver, place: Place, depth: f32, wanted: vec2<f32>, level: f32) -> f32 {
     // Where cells of the level above are whole all around; the middle of the map where none is whole.
     let cell = min(exp2(ceil(level)), f32(frame.map_size));
@@ -153,7 +155,11 @@ fn filtered(r: Receiver, ray: vec3<f32>) -> f32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn compare(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn compare(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let r = receiver_of(pixel);
@@ -174,7 +180,11 @@ fn compare(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gro
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn filter_moments(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn filter_moments(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let r = receiver_of(pixel);

@@ -1,12 +1,12 @@
-// spsm_map: the sub-pixel shadow map (Lecocq 2013, sections 3.2 and 3.3): of each texel the closest triangle that touches it.
-// Only texels that are asked for (`seen`, see seen_texels) are made.
-// `raster` finds over the casters' 8 x 8 blocks of texels the least depth that any triangle's plane has over each texel
-// (conservative), and the lowest triangle index at it. `encode` writes the record of each texel.
-// Atomics of 32 bits find the depth alone in that run: it lists in `won` each block in which its triangle was nearest when it came,
-// with the texels where it was. `choose` goes through that list and finds the triangles. `encode` says if a texel has a depth but
-// no triangle: the list was too short, or `choose`, which is compiled for itself, rounds otherwise than `raster`. Then `again` has
-// `raster` run once more over all blocks, and `encode` over all texels.
-// A triangle that is not wholly in front of the light is left out.
+// spsm_map: the sub-pixel shadow map (Lecocq 2013, sections 3.2 and 3.3): of each texel the closest triangle
+// that touches it. Only texels that are asked for (`seen`, see seen_texels) are made. `raster` finds over the
+// casters' 8 x 8 blocks of texels the least depth that any triangle's plane has over each texel
+// (conservative), and the lowest triangle index at it. `encode` writes the record of each texel. Atomics of
+// 32 bits find the depth alone in that run: it lists in `won` each block in which its triangle was nearest
+// when it came, with the texels where it was. `choose` goes through that list and finds the triangles.
+// `encode` says if a texel has a depth but no triangle: the list was too short, or `choose`, which is
+// compiled for itself, rounds otherwise than `raster`. Then `again` has `raster` run once more over all
+// blocks, and `encode` over all texels. A triangle that is not wholly in front of the light is left out.
 //@bindings Map: raster, encode, divide, choose, again
 
 //@import frame dispatch pass keys spsm_raster spsm_encode
@@ -29,7 +29,11 @@ const WORKGROUP = 64u;
 @group(0) @binding(11) var<storage, read_write> won: array<vec4<u32>>;  // triangle, block, texels of it
 
 @compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn raster(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
     let second = (step.index & PASS_AGAIN) != 0u;
@@ -72,7 +76,11 @@ fn again() {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn choose(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn choose(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= atomicLoad(&seen[SEEN_CHOSEN]) { return; }
     let block = won[atomicLoad(&seen[SEEN_BASE]) + item];

@@ -1,4 +1,5 @@
-// spsm_map, for devices with 64-bit atomics: depth and triangle of a texel are one key, found in one run of `raster`.
+// spsm_map, for devices with 64-bit atomics: depth and triangle of a texel are one key, found in one run of
+// `raster`.
 //@bindings Map: raster, encode
 
 //@import frame dispatch pass keys_64 spsm_raster spsm_encode
@@ -20,7 +21,11 @@ const WORKGROUP = 64u;
 @group(0) @binding(10) var<storage, read_write> seen: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP)
-fn raster(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn raster(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
     let task = task_of(item);

@@ -1,13 +1,15 @@
 // spsm_query: shadows from the sub-pixel shadow map (Lecocq 2013, sections 4 and 5).
-// `classify` settles most pixels: nothing seen, dark, LIT where by its plane no closest triangle lies before the receiver in any
-// texel that the pixel's footprint touches, SHADOWED where the triangle of the pixel's own texel covers it. `settle` takes the
-// list of the others: LIT where none lies before it by what of it is in the texel; SHADOWED where one triangle around covers the
-// footprint, or all in and around its texels lie before it by their planes. What is left is UNCERTAIN. `paint` writes what the
-// classes say. `recover` takes the list of the uncertain, from behind the bits of `seen`: for every texel that samples of the
-// pixel fall in, the triangles around it are tested (algorithm 1), the border's tangents looked up by the pattern of depth tests
-// (figures 7, 8), and what the triangles do not cover is judged by the piecewise linear border that links their outer edges
-// (figure 10), all samples from one reconstruction. Writes `visibility` and `lit` (WORDS words a pixel).
-// Several dispatches, not one with early ends: lanes of a vector that are done wait for those that are not.
+// `classify` settles most pixels: nothing seen, dark, LIT where by its plane no closest triangle lies before
+// the receiver in any texel that the pixel's footprint touches, SHADOWED where the triangle of the pixel's
+// own texel covers it. `settle` takes the list of the others: LIT where none lies before it by what of it is
+// in the texel; SHADOWED where one triangle around covers the footprint, or all in and around its texels lie
+// before it by their planes. What is left is UNCERTAIN. `paint` writes what the classes say. `recover` takes
+// the list of the uncertain, from behind the bits of `seen`: for every texel that samples of the pixel fall
+// in, the triangles around it are tested (algorithm 1), the border's tangents looked up by the pattern of
+// depth tests (figures 7, 8), and what the triangles do not cover is judged by the piecewise linear border
+// that links their outer edges (figure 10), all samples from one reconstruction. Writes `visibility` and
+// `lit` (WORDS words a pixel). Several dispatches, not one with early ends: lanes of a vector that are done
+// wait for those that are not.
 //@bindings Texels: classify, settle, paint, recover
 
 //@import frame dispatch facing spsm_record spsm_sheet receiver spsm_border spsm_search spsm_footprint
@@ -26,7 +28,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;   // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> slopes: array<vec4<f32>, 256>;
-@group(0) @binding(3) var<uniform> patterns: array<vec4<u32>, 512>; // directions towards the light, their number, kept, covered
+// Directions towards the light, their number, kept, covered
+@group(0) @binding(3) var<uniform> patterns: array<vec4<u32>, 512>;
 @group(0) @binding(4) var<storage, read> id_keys: array<u32>;
 @group(0) @binding(5) var<storage, read> triangles: array<vec3<u32>>;
 @group(0) @binding(6) var<storage, read> points: array<vec4<f32>>;
@@ -34,13 +37,16 @@ const WORKGROUP = 64u;
 @group(0) @binding(8) var<storage, read> lower_records: array<vec4<u32>>;
 @group(0) @binding(9) var<storage, read_write> visibility: array<f32>;
 @group(0) @binding(10) var<storage, read_write> lit: array<u32>;
-@group(0) @binding(11) var<storage, read_write> marks: array<u32>;  // of each pixel whether it is uncertain; then its class
-@group(0) @binding(12) var<storage, read> kept: array<u32>;         // as many as pixels, then how many there are
+// Of each pixel whether it is uncertain; then its class
+@group(0) @binding(11) var<storage, read_write> marks: array<u32>;
+// As many as pixels, then how many there are
+@group(0) @binding(12) var<storage, read> kept: array<u32>;
 @group(0) @binding(13) var<storage, read_write> seen: array<atomic<u32>>;
 
 fn pixel_count() -> u32 { return frame.image_size.x * frame.image_size.y; }
 
-// Says if a texel was read that was not asked for, and so is not made: the frame has to run again with all of them.
+// Says if a texel was read that was not asked for, and so is not made: the frame has to run again with all of
+// them.
 fn tell_missed() {
     if missed { atomicStore(&seen[SEEN_MISSED], 1u); }
 }
@@ -51,7 +57,11 @@ fn note(pixel: u32, kind: u32, listed: u32) {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn classify(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= pixel_count() { return; }
     let r = receiver_of(pixel);
@@ -67,7 +77,11 @@ fn classify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn settle(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= min(kept[pixel_count()], pixel_count()) { return; }
     let pixel = kept[item];
@@ -87,7 +101,11 @@ fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn paint(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn paint(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= pixel_count() { return; }
     let kind = marks[pixel_count() + pixel];
@@ -97,7 +115,11 @@ fn paint(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn recover(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn recover(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     let list = SEEN_BITS + 2u * seen_words();
     if item >= min(atomicLoad(&seen[list + pixel_count()]), pixel_count()) { return; }

@@ -1,11 +1,12 @@
 // summed_area: summed-area table of a map of counts or of bits.
-// Reads `texels`: one u32 a texel, or (override PACKED) one bit a texel, bit x % 32 of word x / 32 of its row, each row
-// padded to whole words (padding bits may hold anything). Writes `sat`, see summed_area.wgsl.
-// `rows` sums along each row, but stores only one partial sum a word (or 4 texels); `strips` sums each column over each
-// strip of rows; `columns` runs down the strips from the sums above them and writes the table once. With one strip,
-// `strips` is left out; `columns_ragged` is `columns` for widths that are no multiple of four. `query` reads `rects` and writes the
-// sum over each into `rect_sums`. A table above the binding limit is bound in bands of whole strips.
-// Bounds: an invocation loops over a row's words, or over a strip's rows and the strips above: at most 4,096 each.
+// Reads `texels`: one u32 a texel, or (override PACKED) one bit a texel, bit x % 32 of word x / 32 of its
+// row, each row padded to whole words (padding bits may hold anything). Writes `sat`, see summed_area.wgsl.
+// `rows` sums along each row, but stores only one partial sum a word (or 4 texels); `strips` sums each column
+// over each strip of rows; `columns` runs down the strips from the sums above them and writes the table once.
+// With one strip, `strips` is left out; `columns_ragged` is `columns` for widths that are no multiple of
+// four. `query` reads `rects` and writes the sum over each into `rect_sums`. A table above the binding limit
+// is bound in bands of whole strips. Bounds: an invocation loops over a row's words, or over a strip's rows
+// and the strips above: at most 4,096 each.
 
 //@import dispatch summed_area
 

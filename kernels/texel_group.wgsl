@@ -1,9 +1,10 @@
 // texel_group: brings the values of (key, value) pairs with equal keys together, without sorting.
-// Reads the first min(count, limit) of `keys` and of `values` (with params.indices the pair's own index instead); pairs
-// whose key is not below `groups` belong nowhere and are left out. Writes `grouped`, never past `capacity`.
-// `clear` zeroes the counters; `count` counts each key and keeps the rank its pair drew; the prefix_scan of the counters
-// gives `offsets`; `scatter` puts each value at its group's offset plus its rank. The order inside a group is the order
-// in which the adapter ran the atomics: the set of values is defined, their order is not.
+// Reads the first min(count, limit) of `keys` and of `values` (with params.indices the pair's own index
+// instead); pairs whose key is not below `groups` belong nowhere and are left out. Writes `grouped`, never
+// past `capacity`. `clear` zeroes the counters; `count` counts each key and keeps the rank its pair drew; the
+// prefix_scan of the counters gives `offsets`; `scatter` puts each value at its group's offset plus its rank.
+// The order inside a group is the order in which the adapter ran the atomics: the set of values is defined,
+// their order is not.
 //@bindings Group: count, scatter
 
 //@import dispatch

@@ -1,8 +1,8 @@
 // triangle_ids: the triangle at every pixel centre, from a texture of the application's.
-// Reads `ids` (r32uint, a texel a pixel: a triangle as the application counts them, from `first`; `none` where it drew none)
-// and `numbers` (the casters' number of each triangle of the application). Writes `id_keys` (complement of the casters'
-// triangle, 0 where there is none), and counts into `faults` the texels that name no triangle, which count as none (of a
-// strip of rows in those that are its own).
+// Reads `ids` (r32uint, a texel a pixel: a triangle as the application counts them, from `first`; `none`
+// where it drew none) and `numbers` (the casters' number of each triangle of the application). Writes
+// `id_keys` (complement of the casters' triangle, 0 where there is none), and counts into `faults` the texels
+// that name no triangle, which count as none (of a strip of rows in those that are its own).
 
 //@import frame dispatch divide strip
 
@@ -22,7 +22,11 @@ struct TriangleIdsParams {
 @group(0) @binding(5) var<storage, read_write> faults: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP)
-fn take(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn take(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let at = place_in_strip(pixel);

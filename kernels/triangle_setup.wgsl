@@ -1,11 +1,11 @@
 // triangle_setup: what each triangle is to the light and where it lies in both views.
 // Reads `triangles`, `points`, `map_points`. Writes per triangle: `facing` (FRONT, BACK, UNSURE or DROPPED),
 // `camera_rects` and `light_rects` (pixels and texels it may touch) and how many 8 x 8 blocks those take
-// (`camera_items`, `light_items`; 0 where the triangle has no work in that view).
-// With FLAG_CLAMP the pixels whose squares it may touch count, else those whose centres it may cover.
-// Rectangles are conservative; a triangle that crosses the camera's near plane is clipped for its rectangle, one that
-// is not surely in front of the light takes the whole map, one surely behind it nothing. One that goes on beyond one of the ends of the map
-// (FLAG_ENDS) takes the whole map, too.
+// (`camera_items`, `light_items`; 0 where the triangle has no work in that view). With FLAG_CLAMP the pixels
+// whose squares it may touch count, else those whose centres it may cover. Rectangles are conservative; a
+// triangle that crosses the camera's near plane is clipped for its rectangle, one that is not surely in front
+// of the light takes the whole map, one surely behind it nothing. One that goes on beyond one of the ends of
+// the map (FLAG_ENDS) takes the whole map, too.
 
 //@import frame dispatch rect facing view_sides map_ends
 
@@ -85,7 +85,11 @@ fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn setup(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn setup(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let t = flat_invocation(group, groups, WORKGROUP, local);
     if t >= frame.triangle_count { return; }

@@ -1,12 +1,12 @@
-// triangle_texel_pairs: lists, place by place, the casters that touch a place with pixel-texel pairs (Pan 2009, section
-// 3.3). A place is a texel, or a tile of 2 x 2 of them. `count` counts into `place_counts`; after a scan `emit` and `emit_rest`
-// write the triangles to `pair_triangles` at `pair_offsets`, never beyond the capacity; order inside a place is not defined. Of a
-// tile a word goes before the triangle: the cells of the tile that it may touch (tile_cells), and from bit 16 on its least depth
-// there. The places of the first `step.index` blocks are kept in `touched` from counting to emitting, those of the rest are
-// found anew.
-// Instead of all three, `append` lists the pairs of texels as they come: texels in `keys`, triangles in `values`, their number in
-// `appended`, to be sorted (the paper's way).
-// A caster that lies behind the farthest facet of the place makes no pair. One that goes on beyond one of the ends of the map (FLAG_ENDS)
+// triangle_texel_pairs: lists, place by place, the casters that touch a place with pixel-texel pairs (Pan
+// 2009, section 3.3). A place is a texel, or a tile of 2 x 2 of them. `count` counts into `place_counts`;
+// after a scan `emit` and `emit_rest` write the triangles to `pair_triangles` at `pair_offsets`, never beyond
+// the capacity; order inside a place is not defined. Of a tile a word goes before the triangle: the cells of
+// the tile that it may touch (tile_cells), and from bit 16 on its least depth there. The places of the first
+// `step.index` blocks are kept in `touched` from counting to emitting, those of the rest are found anew.
+// Instead of all three, `append` lists the pairs of texels as they come: texels in `keys`, triangles in
+// `values`, their number in `appended`, to be sorted (the paper's way). A caster that lies behind the
+// farthest facet of the place makes no pair. One that goes on beyond one of the ends of the map (FLAG_ENDS)
 // makes one with every place there.
 //@bindings Pairs: count, emit, emit_rest
 
@@ -24,7 +24,8 @@ const WORKGROUP = 64u;
 @group(0) @binding(7) var<storage, read_write> place_counts: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read> pair_offsets: array<u32>;
 @group(0) @binding(9) var<storage, read_write> pair_triangles: array<u32>;
-@group(0) @binding(10) var<storage, read_write> appended: array<atomic<u32>>;  // pairs appended; not 0 if more than 2^32
+// Pairs appended; not 0 if more than 2^32
+@group(0) @binding(10) var<storage, read_write> appended: array<atomic<u32>>;
 @group(0) @binding(11) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(12) var<storage, read_write> values: array<u32>;
 @group(0) @binding(13) var<storage, read_write> touched: array<vec2<u32>>;
@@ -78,7 +79,8 @@ fn places_at_end(places: Rect) -> vec2<u32> {
     return found;
 }
 
-// The places of the block that make a pair with triangle `t`, one bit each, row by row of the 8 x 8 places they lie in.
+// The places of the block that make a pair with triangle `t`, one bit each, row by row of the 8 x 8 places
+// they lie in.
 fn shared_places(t: u32, block: Rect) -> vec2<u32> {
     var found = vec2(0u);
     if place_deepest[block_word(block.low)] == 0u { return found; }
@@ -99,7 +101,8 @@ fn shared_places(t: u32, block: Rect) -> vec2<u32> {
     return found;
 }
 
-// The cells of a tile that the triangle may touch. Its edges are those of tiles, a cell's centre three eighths from them.
+// The cells of a tile that the triangle may touch. Its edges are those of tiles, a cell's centre three
+// eighths from them.
 fn cells_in(s: Cover, tile: vec2<u32>) -> u32 {
     if !s.in_front { return 0xffffu; }
     let boxed = box_cells(tile, s.low + 0.5, s.high - 0.5);
@@ -122,7 +125,8 @@ fn cells_in(s: Cover, tile: vec2<u32>) -> u32 {
     return cells & boxed;
 }
 
-// `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within what was counted.
+// `anew`: `emit_rest` is compiled for itself and may round otherwise than `count` did, so it stays within
+// what was counted.
 fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
     var left = found;
     if all(left == vec2(0u)) { return; }
@@ -147,7 +151,11 @@ fn write_pairs(item: Item, found: vec2<u32>, anew: bool) {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn count(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     let item = item_of(index);
@@ -159,7 +167,11 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let index = flat_invocation(group, groups, WORKGROUP, local);
     if index >= step.index { return; }
@@ -168,14 +180,22 @@ fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn emit_rest(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn emit_rest(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = item_of(step.index + flat_invocation(group, groups, WORKGROUP, local));
     if item.triangle != NO_TRIANGLE { write_pairs(item, shared_places(item.triangle, item.block), true); }
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn append(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn append(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
     if item.triangle == NO_TRIANGLE { return; }

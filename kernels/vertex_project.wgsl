@@ -1,8 +1,8 @@
 // vertex_project: brings vertices into the frame's eye-relative, scaled space and into the light view.
-// Reads `positions` (world units). Writes `points` (xyz; w 1 where finite, else 0) and `map_points` (texel x, y, depth, w; for a
-// vertex that is not surely in front of the light the first three times w, and how much w is less than it would have to be,
-// which is not above 0; 0 for one that projects to no number).
-// The subtraction of the eye is the only rounding of `points`: half an ulp of the difference.
+// Reads `positions` (world units). Writes `points` (xyz; w 1 where finite, else 0) and `map_points` (texel x,
+// y, depth, w; for a vertex that is not surely in front of the light the first three times w, and how much w
+// is less than it would have to be, which is not above 0; 0 for one that projects to no number). The
+// subtraction of the eye is the only rounding of `points`: half an ulp of the difference.
 
 //@import frame dispatch finite
 
@@ -16,7 +16,11 @@ const WORKGROUP = 64u;
 //@import frame_copy
 
 @compute @workgroup_size(WORKGROUP)
-fn project(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn project(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     let v = flat_invocation(group, groups, WORKGROUP, local);
     if v >= frame.vertex_count { return; }

@@ -1,16 +1,16 @@
-// visibility_masks: which samples of each undecided facet are occluded, and which are not valid (Pan 2009, section 3.4).
-// One invocation a candidate pair of facet and triangle; its result is or-ed into `masks` (coverage, occluded, invalid:
-// WORDS words each).
+// visibility_masks: which samples of each undecided facet are occluded, and which are not valid (Pan 2009,
+// section 3.4). One invocation a candidate pair of facet and triangle; its result is or-ed into `masks`
+// (coverage, occluded, invalid: WORDS words each).
 //
-// A sample is occluded by a triangle iff the segment from its point on the facet's plane to the light crosses it: the
-// point lies inside three planes through the light and an edge and beyond the triangle's own plane. In the image each of
-// the four is a half-plane, found without division: see shadow_lines. A triangle with no part strictly on the
-// light's side of the facet casts nothing on it.
-// `evaluate` works in single precision and puts every candidate it cannot decide, whose lines it cannot place within
-// LINE_TRUST pixels, or with a line nearer to a sample than rounding may move it, on the list `doubts`;
-// `refine` decides those with 46 bits. So two triangles at an edge agree on every sample, whichever of the two decides each. What may cut the
-// facet is put on the same list, from its end, for `cut_facets`: few candidates do, and vector machines pay for code that no
-// lane takes. No candidate is on it twice.
+// A sample is occluded by a triangle iff the segment from its point on the facet's plane to the light crosses
+// it: the point lies inside three planes through the light and an edge and beyond the triangle's own plane.
+// In the image each of the four is a half-plane, found without division: see shadow_lines. A triangle with no
+// part strictly on the light's side of the facet casts nothing on it. `evaluate` works in single precision
+// and puts every candidate it cannot decide, whose lines it cannot place within LINE_TRUST pixels, or with a
+// line nearer to a sample than rounding may move it, on the list `doubts`; `refine` decides those with 46
+// bits. So two triangles at an edge agree on every sample, whichever of the two decides each. What may cut
+// the facet is put on the same list, from its end, for `cut_facets`: few candidates do, and vector machines
+// pay for code that no lane takes. No candidate is on it twice.
 
 //@import frame dispatch facet facing double_float vertex facing_46 candidates
 
@@ -23,7 +23,8 @@ const WORKGROUP = 64u;
 const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
-@group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+// Two offsets from the pixel centre each
+@group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;
 @group(0) @binding(2) var<storage, read> undecided: array<Undecided>;
 @group(0) @binding(3) var<storage, read_write> candidates: Candidates;
 @group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
@@ -105,7 +106,11 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn cut_facets(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     take_samples();
     let count = atomicLoad(&candidates.tally[TALLY_CUTS]);
@@ -129,7 +134,11 @@ fn cut_facets(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn evaluate(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     take_samples();
     let k = flat_invocation(group, groups, WORKGROUP, local);
@@ -144,7 +153,11 @@ fn evaluate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn refine(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     take_frame(local);
     take_samples();
     let k = flat_invocation(group, groups, WORKGROUP, local);

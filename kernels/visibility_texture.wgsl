@@ -1,10 +1,10 @@
 // visibility_texture: writes the visibility of every pixel into a texture of the application's.
-// Reads `visibility` (row by row from the top). Writes `target_texture` (r32float, a texel a pixel), of a strip
-// of rows those that are its own.
+// Reads `visibility` (row by row from the top). Writes `target_texture` (r32float, a texel a pixel), of a
+// strip of rows those that are its own.
 //
-// Where the last complete picture is to stand until the next, `judge` looks at what a frame left in its counters (`status`, `faults`)
-// and sets `verdict` if anything is missing; it is cleared before. Then `hold` copies what the frame made (`latest`) to `held` if
-// nothing is: of the picture as of any words.
+// Where the last complete picture is to stand until the next, `judge` looks at what a frame left in its
+// counters (`status`, `faults`) and sets `verdict` if anything is missing; it is cleared before. Then `hold`
+// copies what the frame made (`latest`) to `held` if nothing is: of the picture as of any words.
 
 //@import frame dispatch status divide strip
 
@@ -58,13 +58,21 @@ fn judge(@builtin(local_invocation_index) local: u32) {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn hold(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn hold(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let word = flat_invocation(group, groups, WORKGROUP, local);
     if word < min(arrayLength(&latest), arrayLength(&held)) && atomicLoad(&verdict[0]) == 0u { held[word] = latest[word]; }
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn store(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn store(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let at = place_in_strip(pixel);

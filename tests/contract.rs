@@ -350,11 +350,11 @@ fn no_two_public_types_share_a_name() {
     assert_eq!(public_types(text), ["A", "B", "C"]);
 }
 
-/// Kernels and what they import stay within 200 lines, the host side of a stage within 300.
+/// Kernels and what they import stay within 230 lines, the host side of a stage within 300.
 #[test]
 fn files_stay_readable() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for (folder, extension, most) in [("kernels", "wgsl", 200), ("src/stages", "rs", 300)] {
+    for (folder, extension, most) in [("kernels", "wgsl", 230), ("src/stages", "rs", 300)] {
         let files = files_of(&root.join(folder), extension);
         assert!(files.len() > 30, "{folder}: {} files", files.len());
         for file in files {

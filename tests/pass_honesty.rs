@@ -105,12 +105,12 @@ fn pipelines_are_made_once() {
             let budget = Budget { start: Some(1), ..Budget::default() };
             let config = PassConfig::new(settings(facets, [40, 30]), casters(&scenes[0]));
             let config = PassConfig { strips, receivers, budget, ..config };
+            let kept = KeptPrograms::default();
+            kept.within(|| pass_on(&gpu, &config));
             let before = made_here();
             let mut pass = pass_on(&gpu, &config);
             let made = made_here();
             assert!(made > before + 30, "{} pipelines: nothing is counted", made - before);
-            let kept = KeptPrograms::default();
-            kept.within(|| pass_on(&gpu, &config));
             assert_eq!(made - before, kept.len() as u64, "{facets:?}: a pipeline is made twice");
             let complete = |pass: &mut ShadowPass, scene: &Scene, light: &Light| {
                 let inputs = Inputs::new(&scene.camera, light);

@@ -1,6 +1,7 @@
-// A caster's triangle in a block of pixels. Needs `frame`, `largest`, `triangles`, `points`, `camera_rects` and `work_offsets`.
-// Edge functions go through the eye, so nothing is clipped and nothing divided; each edge is evaluated from its lower
-// vertex index, so both triangles at it get the same value, and a centre on it belongs to both.
+// A caster's triangle in a block of pixels. Needs `frame`, `largest`, `triangles`, `points`, `camera_rects`
+// and `work_offsets`. Edge functions go through the eye, so nothing is clipped and nothing divided; each edge
+// is evaluated from its lower vertex index, so both triangles at it get the same value, and a centre on it
+// belongs to both.
 
 //@import rect work_items span
 
@@ -76,8 +77,8 @@ fn covers_centre(s: Seen, at: vec3<f32>) -> bool {
     return all(v >= vec3(0.0)) || all(v <= vec3(0.0));
 }
 
-// How near the triangle may be at a pixel's centre that it covers, and how far: keys that fall with depth, 0 where it is not seen there. The
-// third is 1 where it may lie nearer than the near distance, else 0.
+// How near the triangle may be at a pixel's centre that it covers, and how far: keys that fall with depth, 0
+// where it is not seen there. The third is 1 where it may lie nearer than the near distance, else 0.
 fn keys_at(s: Seen, at: vec3<f32>) -> vec3<u32> {
     let over = dot(s.normal, at);
     let depth = s.distance / over;

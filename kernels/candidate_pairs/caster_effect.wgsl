@@ -1,11 +1,13 @@
-// What a caster may do to a facet, as far as outlines and slopes in the light view tell (candidate_pairs). Needs `frame`, facet,
-// facet_quad, facing, the arrays `undecided`, `triangles` and `map_points`, and the override ALONE.
+// What a caster may do to a facet, as far as outlines and slopes in the light view tell (candidate_pairs).
+// Needs `frame`, facet, facet_quad, facing, the arrays `undecided`, `triangles` and `map_points`, and the
+// override ALONE.
 
 const NOTHING = 0u;
 const MATTERS = 1u;
 const COVERS = 2u;
 
-// How far the quad reaches beyond the line a-b (x: its outermost point, y: its innermost, both positive inside).
+// How far the quad reaches beyond the line a-b (x: its outermost point, y: its innermost, both positive
+// inside).
 fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, quad: Quad) -> vec2<f32> {
     let n = turn * vec2(a.y - b.y, b.x - a.x);
     let at = dot(n, quad.middle - a);
@@ -17,7 +19,9 @@ fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, quad: Quad) -> vec2<f32> {
 struct Own {
     i: vec3<u32>,  // its own triangle
     turn: f32,     // sign of the area of that in the light view; 0 if the facet has samples elsewhere
-    back: f32,     // sign of the area of what turns away from the light, if such casters of closed bodies are left out; else 0
+    // Sign of the area of what turns away from the light, if such casters of closed bodies are left out; else
+    // 0
+    back: f32,
 }
 
 fn own_of(f: u32, t: u32) -> Own {
@@ -39,9 +43,18 @@ fn share_edge(i: vec3<u32>, j: vec3<u32>) -> bool {
     return any(one | two | three);
 }
 
-// What a triangle may do to a facet: nothing, something, or cover all of it. Of two triangles at an edge that face the light alike
-// neither casts on the other. What is no caster (FLAG_CULL_BACK) may still cut a facet whose plane it reaches.
-fn effect(t: u32, own: Own, middle: vec2<f32>, half: vec2<f32>, quad: Quad, slope: vec4<f32>, farthest: f32) -> u32 {
+// What a triangle may do to a facet: nothing, something, or cover all of it. Of two triangles at an edge that
+// face the light alike neither casts on the other. What is no caster (FLAG_CULL_BACK) may still cut a facet
+// whose plane it reaches.
+fn effect(
+    t: u32,
+    own: Own,
+    middle: vec2<f32>,
+    half: vec2<f32>,
+    quad: Quad,
+    slope: vec4<f32>,
+    farthest: f32,
+) -> u32 {
     let i = triangles[t];
     let a = map_points[i.x];
     let b = map_points[i.y];

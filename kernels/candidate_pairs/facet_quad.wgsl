@@ -1,7 +1,9 @@
-// Where a facet's part of the pixel lies in the light view: its outline as four corners, which of thin and slanting facets takes much
-// less than its box. Needs `frame`, facet, facet_outline and the array `undecided`.
+// Where a facet's part of the pixel lies in the light view: its outline as four corners, which of thin and
+// slanting facets takes much less than its box. Needs `frame`, facet, facet_outline and the array
+// `undecided`.
 
-// Corners lie at middle + u + v + rest, middle - u + v - rest, middle - u - v + rest and middle + u - v - rest.
+// Corners lie at middle + u + v + rest, middle - u + v - rest, middle - u - v + rest and middle + u - v -
+// rest.
 struct Quad {
     middle: vec2<f32>,
     u: vec2<f32>,

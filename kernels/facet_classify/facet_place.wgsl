@@ -1,6 +1,6 @@
-// Where a facet of a triangle lies in the light view, and what follows from that (facet_classify). Needs `frame`, rect, facet,
-// facet_samples, vertex, front_split, only_receiver, summed_area, the arrays `facets`, `undecided`, `masks`, `facet_items`, `triangles` and
-// `splits`, and the overrides CLAMPED and RECEIVERS.
+// Where a facet of a triangle lies in the light view, and what follows from that (facet_classify). Needs
+// `frame`, rect, facet, facet_samples, vertex, front_split, only_receiver, summed_area, the arrays `facets`,
+// `undecided`, `masks`, `facet_items`, `triangles` and `splits`, and the overrides CLAMPED and RECEIVERS.
 
 //@import facet_box
 
@@ -57,8 +57,8 @@ struct Found {
     here: bool,
 }
 
-// Finds where a facet of a triangle lies that turns to light and eye as told, and what is known of it. What is stored is stored in
-// one place: vector machines pay for each store in the text, whichever lanes take it.
+// Finds where a facet of a triangle lies that turns to light and eye as told, and what is known of it. What
+// is stored is stored in one place: vector machines pay for each store in the text, whichever lanes take it.
 fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     var found: Found;
     let merged = is_clamped() && (facets[f].state == STATE_MERGED || (facets[f].state & WAS_MERGED) != 0u);
@@ -85,8 +85,8 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     let over = dot(normal, found.ray);
     let raw = found.ray * found.depth;
     let at = raw - found.ray * (dot(normal, raw - a) / over);
-    // Products that each component of the normal is the difference of. Of two million normals of random triangles none was farther off, along
-    // any direction, than 3.3 times the rounding of these.
+    // Products that each component of the normal is the difference of. Of two million normals of random
+    // triangles none was farther off, along any direction, than 3.3 times the rounding of these.
     let products = abs(shape.ab.yzx * shape.ac.zxy) + abs(shape.ab.zxy * shape.ac.yzx);
     let tilts = (4.0 * power_of_two(cross(shape.ab, shape.ac))) * products;
     let tilt = largest(tilts);

@@ -1,5 +1,6 @@
-// The samples of a facet: which lie on its own triangle, and the part of the pixel they lie in. Needs `frame`, vertex, facet, the
-// uniform `samples_given`, the arrays `facets` and `masks`, and the override WORDS.
+// The samples of a facet: which lie on its own triangle, and the part of the pixel they lie in. Needs
+// `frame`, vertex, facet, the uniform `samples_given`, the arrays `facets` and `masks`, and the override
+// WORDS.
 
 //@import sample_copy
 
@@ -15,7 +16,8 @@ fn edge(i: u32, j: u32, ray: vec3<f32>) -> vec3<f32> {
     return vec3(dot(m, ray), dot(m, frame.ray_x.xyz), dot(m, frame.ray_y.xyz));
 }
 
-// Widens a box (its lowest and its highest corner) by those of two samples that the lowest bits of a mask have.
+// Widens a box (its lowest and its highest corner) by those of two samples that the lowest bits of a mask
+// have.
 fn span_two(box: vec4<f32>, two: vec4<f32>, mask: u32) -> vec4<f32> {
     let first = (mask & 1u) != 0u;
     let second = (mask & 2u) != 0u;
@@ -62,7 +64,8 @@ fn keep_own_triangle(f: u32, i: vec3<u32>, ray: vec3<f32>) {
     let e1 = edge(i.y, i.z, ray);
     let e2 = edge(i.z, i.x, ray);
     for (var w = 0u; w < WORDS; w++) {
-        var inside = select(0u, 1u, w == 0u && all(facets[f].origin == vec2(0.0)));  // the centre is, if it was seen there
+        // The centre is, if it was seen there
+        var inside = select(0u, 1u, w == 0u && all(facets[f].origin == vec2(0.0)));
         for (var k = 0u; k < 32u; k++) {
             let at = vec3(1.0, sample_offset(32u * w + k));
             let v = vec3(dot(e0, at), dot(e1, at), dot(e2, at));

@@ -1,5 +1,5 @@
-// The surface at a pixel by an application's texture of depths or positions. Needs `frame`, `facing`, `finite`, `strip`, the
-// texture `place` and the uniform `params`.
+// The surface at a pixel by an application's texture of depths or positions. Needs `frame`, `facing`,
+// `finite`, `strip`, the texture `place` and the uniform `params`.
 
 const FARTHEST = 1e9;  // times the casters' distance: beyond it squares of squares leave f32
 

@@ -1,5 +1,5 @@
-// Scan over the invocations of a workgroup, in exact 64-bit sums (x = low word, y = high word).
-// `side` * `side` is the workgroup size, at most 256. Two levels of `side` serial steps and two barriers, because a
+// Scan over the invocations of a workgroup, in exact 64-bit sums (x = low word, y = high word). `side` *
+// `side` is the workgroup size, at most 256. Two levels of `side` serial steps and two barriers, because a
 // barrier costs more than a handful of reads of workgroup memory, on CPU adapters most of all.
 
 var<workgroup> wg_values: array<vec2<u32>, 256>;
@@ -15,8 +15,8 @@ fn saturated(wide: vec2<u32>) -> u32 {
     return select(wide.x, 0xffffffffu, wide.y != 0u);
 }
 
-// The sum of `value` over the invocations before `local`, for the first `working` invocations; the others get 0 and
-// their values do not count. Every invocation of the workgroup must call it.
+// The sum of `value` over the invocations before `local`, for the first `working` invocations; the others get
+// 0 and their values do not count. Every invocation of the workgroup must call it.
 fn workgroup_exclusive(local: u32, side: u32, working: u32, value: vec2<u32>) -> vec2<u32> {
     let row = local / side;
     wg_values[local] = value;

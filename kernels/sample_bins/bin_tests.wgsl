@@ -1,4 +1,5 @@
-// One caster against the samples of one texel. Needs shadow_ray and the bindings and constants of sample_bins.
+// One caster against the samples of one texel. Needs shadow_ray and the bindings and constants of
+// sample_bins.
 
 fn is_set(f: u32, part: u32, k: u32) -> bool {
     return ((atomicLoad(&masks[3u * WORDS * f + part * WORDS + (k >> 5u)]) >> (k & 31u)) & 1u) != 0u;
@@ -60,8 +61,8 @@ fn test_crowd(texel: u32, t: u32, c: Caster, local: u32, exact: bool) {
     }
 }
 
-// Tests caster `t` against the samples of one texel, those from `lane` on in steps of LANES, 32 at a time: first they are
-// sifted by their points alone.
+// Tests caster `t` against the samples of one texel, those from `lane` on in steps of LANES, 32 at a time:
+// first they are sifted by their points alone.
 fn test_texel(texel: u32, t: u32, c: Caster, lane: u32, exact: bool) {
     let start = start_of(texel);
     let end = atomicLoad(&texel_ends[texel]);

@@ -1,4 +1,5 @@
-// Triangles as the mesh holds them. Needs `frame`, vertex, shadow_ray, and the arrays `triangles` and `positions`.
+// Triangles as the mesh holds them. Needs `frame`, vertex, shadow_ray, and the arrays `triangles` and
+// `positions`.
 
 fn caster_of(k: u32) -> Caster {
     var c: Caster;

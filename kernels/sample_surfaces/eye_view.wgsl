@@ -1,5 +1,5 @@
-// A triangle as the rays of one pixel see it: edge functions and inverse depth, linear in the offset from the pixel centre,
-// with bounds of their doubt. Needs `frame`, eye_edges.
+// A triangle as the rays of one pixel see it: edge functions and inverse depth, linear in the offset from the
+// pixel centre, with bounds of their doubt. Needs `frame`, eye_edges.
 
 const INVERSE_SLACK = 0.00002;
 
@@ -14,8 +14,8 @@ struct View {
     lowest: f32,
 }
 
-// Edge function at the pixel centre, per pixel right, per pixel down, and doubt. Evaluated from the end that is nearer to
-// the ray, so that small triangles far away are as certain as large ones nearby.
+// Edge function at the pixel centre, per pixel right, per pixel down, and doubt. Evaluated from the end that
+// is nearer to the ray, so that small triangles far away are as certain as large ones nearby.
 fn edge_over(i: u32, j: u32, at_i: vec3<f32>, at_j: vec3<f32>, centre: vec3<f32>) -> vec4<f32> {
     let p = select(at_j, at_i, i <= j);
     let q = select(at_i, at_j, i <= j);
@@ -41,7 +41,8 @@ fn view_of(t: Corners, centre: vec3<f32>) -> View {
     let f = edge_over(t.i.y, t.i.z, b, c, centre);
     let g = edge_over(t.i.z, t.i.x, c, a, centre);
     let normal = cross(b - a, c - a);
-    // Rounding of the normal and of its products with a corner and with a ray, here and in `eye_depth`; corners are exact.
+    // Rounding of the normal and of its products with a corner and with a ray, here and in `eye_depth`;
+    // corners are exact.
     let reach = max(largest(a), max(largest(b), largest(c)));
     let doubt = 3e-6 * largest(b - a) * largest(c - a);
     let distance = dot(normal, a);

@@ -1,19 +1,21 @@
-// The nearest triangle of each sample of a word, kept by one invocation. Edges and inverse depths are compared by bounds of
-// linear functions; what those leave open is computed from the corners. Where two surfaces almost touch, the other one is kept as
-// a rival; where more may, the sample is crowded. Needs the override SAMPLES, `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
+// The nearest triangle of each sample of a word, kept by one invocation. Edges and inverse depths are
+// compared by bounds of linear functions; what those leave open is computed from the corners. Where two
+// surfaces almost touch, the other one is kept as a rival; where more may, the sample is crowded. Needs the
+// override SAMPLES, `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
 
 //@import word_offsets
 
-// What is known of each sample of the word: the complement of its triangle (0: none) and bounds of its inverse depth. They
-// are only indexed by what compilers know, so that they stay in registers. Where `rivals` has a bit, another triangle almost
-// touches it there: `rivals_found`; the upper bound is then that of both.
+// What is known of each sample of the word: the complement of its triangle (0: none) and bounds of its
+// inverse depth. They are only indexed by what compilers know, so that they stay in registers. Where `rivals`
+// has a bit, another triangle almost touches it there: `rivals_found`; the upper bound is then that of both.
 var<private> best_keys: array<u32, 32>;
 var<private> best_high: array<f32, 32>;
 var<private> best_low: array<f32, 32>;
 var<private> rivals: u32;
 var<private> crowded: u32;
 
-// The triangle that is looked at, and the samples for which bounds do not tell; those of the triangles of a batch.
+// The triangle that is looked at, and the samples for which bounds do not tell; those of the triangles of a
+// batch.
 var<private> view: View;
 var<private> open: u32;
 var<private> opens: array<u32, BATCH>;
@@ -56,8 +58,8 @@ fn keep(k: u32, takes: bool, key: u32, high: f32, low: f32) {
     }
 }
 
-// Triangle `t` at sample `k`, a constant, by bounds. No branch, so `&` for `&&`, which is one: in a loop, SwiftShader follows
-// every way through branches in a row when it compiles.
+// Triangle `t` at sample `k`, a constant, by bounds. No branch, so `&` for `&&`, which is one: in a loop,
+// SwiftShader follows every way through branches in a row when it compiles.
 fn look(k: u32, offset: vec2<f32>, t: u32) {
     let v = view.at + offset.x * view.right + offset.y * view.down;
     let ahead = v > view.doubt;
@@ -143,8 +145,8 @@ fn look_at(t: u32, count: u32, centre: vec3<f32>) {
     open &= select((1u << count) - 1u, 0xffffffffu, count == 32u);
 }
 
-// Takes in up to BATCH triangles of the pixel's list, from `first` on. `count`: samples of the word.
-// What bounds leave open is decided for all of them in one loop: it is rare, and costs as much as a triangle does.
+// Takes in up to BATCH triangles of the pixel's list, from `first` on. `count`: samples of the word. What
+// bounds leave open is decided for all of them in one loop: it is rare, and costs as much as a triangle does.
 // What is found does not depend on the order.
 fn take_in(first: u32, end: u32, count: u32, slot: u32, pixel: u32, centre: vec3<f32>) {
     for (var n = 0u; n < BATCH; n++) { opens[n] = 0u; }

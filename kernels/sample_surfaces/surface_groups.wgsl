@@ -1,6 +1,6 @@
-// What the samples of complex pixels see, and their grouping by surface (sample_surfaces). Needs `frame`, `step`, the overrides
-// WORDS, MERGE and SAMPLES, and the arrays `complex_total`, `complex_pixels`, `sample_keys`,
-// `seen_keys`, `group_keys` and `points`.
+// What the samples of complex pixels see, and their grouping by surface (sample_surfaces). Needs `frame`,
+// `step`, the overrides WORDS, MERGE and SAMPLES, and the arrays `complex_total`, `complex_pixels`,
+// `sample_keys`, `seen_keys`, `group_keys` and `points`.
 
 // Complex pixels of the band.
 fn slot_count() -> u32 {
@@ -36,7 +36,8 @@ fn farthest_corner(slot: u32, those: vec4<u32>) -> f32 {
     return far;
 }
 
-// What the samples of a pixel see, where one word holds them: loaded once, and only indexed by what compilers know.
+// What the samples of a pixel see, where one word holds them: loaded once, and only indexed by what compilers
+// know.
 var<private> own_groups: array<u32, 32>;
 var<private> own_seen: array<u32, 32>;
 
@@ -99,7 +100,8 @@ fn size_of(mask: vec4<u32>) -> u32 {
     return n.x + n.y + n.z + n.w;
 }
 
-// Of some samples those that see one triangle, the one that most of them see; of several, that of the first sample.
+// Of some samples those that see one triangle, the one that most of them see; of several, that of the first
+// sample.
 fn most_seen(slot: u32, mask: vec4<u32>) -> vec4<u32> {
     var most = vec4(0u);
     for (var left = mask; any(left != vec4(0u)); ) {

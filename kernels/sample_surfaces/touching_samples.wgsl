@@ -1,6 +1,6 @@
-// Samples at which surfaces almost touch (sample_surfaces), by 46 bits. Needs `frame`, `step`, WORDS, ROUND_LENGTH,
-// nearest_sample, eye_order_46, surface_groups, and the arrays `sample_keys`, `rivals_found`, `crowds`, `pixel_offsets` and
-// `pixel_list`.
+// Samples at which surfaces almost touch (sample_surfaces), by 46 bits. Needs `frame`, `step`, WORDS,
+// ROUND_LENGTH, nearest_sample, eye_order_46, surface_groups, and the arrays `sample_keys`, `rivals_found`,
+// `crowds`, `pixel_offsets` and `pixel_list`.
 
 // Two at a sample; lists the pixel if there may be more.
 fn settle_rivals_of(slot: u32) {
@@ -33,9 +33,9 @@ fn is_there(u: Corners, ray: vec3<f32>, depth: vec2<f32>) -> bool {
     return depth.x >= frame.forward.w;
 }
 
-// Of the triangles of a round that cover a ray, and `known` (NO_TRIANGLE: none), the nearest. By a number for each, how near it is to a bound of
-// the nearest: of three the first may be as good as the second and that as the third, a sliver whose depth is poorly known, but the third not as
-// the first.
+// Of the triangles of a round that cover a ray, and `known` (NO_TRIANGLE: none), the nearest. By a number for
+// each, how near it is to a bound of the nearest: of three the first may be as good as the second and that as
+// the third, a sliver whose depth is poorly known, but the third not as the first.
 fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
     var bound = 3.0e38;
     if known != NO_TRIANGLE {

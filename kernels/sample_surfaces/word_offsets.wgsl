@@ -1,6 +1,7 @@
 // Where the samples of the word `step.word` lie in a pixel. Needs `samples`, `step` and the override WORDS.
 
-// Offsets of the word's samples, two each, taken before the flow diverges: elsewhere vector machines read a uniform lane by lane.
+// Offsets of the word's samples, two each, taken before the flow diverges: elsewhere vector machines read a
+// uniform lane by lane.
 var<private> offsets: array<vec4<f32>, 16>;
 
 fn take_offsets() {

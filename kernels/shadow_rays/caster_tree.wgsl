@@ -1,7 +1,7 @@
-// The tree of casters: eight children a node, their boxes in 8 bits (Ylitie, Karras, Laine 2017), in the unit cube. A node
-// is five vectors as `obvhs` lays them out: corner, three exponents and the mask of inner children; first child, first
-// triangle, a byte for each child; then the low and high planes of the children along x, y and z.
-// Needs the uniform `tree` and the array `nodes`.
+// The tree of casters: eight children a node, their boxes in 8 bits (Ylitie, Karras, Laine 2017), in the unit
+// cube. A node is five vectors as `obvhs` lays them out: corner, three exponents and the mask of inner
+// children; first child, first triangle, a byte for each child; then the low and high planes of the children
+// along x, y and z. Needs the uniform `tree` and the array `nodes`.
 
 struct TreePlace {
     place: vec4<f32>,  // a point p of the frame is p * place.w + place.xyz in the cube
@@ -12,7 +12,8 @@ struct TreePlace {
 }
 
 const STACK = 24u;         // levels of a tree at most
-const MOST_STEPS = 60000u; // nodes and triangles that one walk looks at: software adapters stop loops soon after
+// Nodes and triangles that one walk looks at: software adapters stop loops soon after
+const MOST_STEPS = 60000u;
 const INNER = 0xff000000u; // the part of a group that stands for nodes
 
 // A ray, as boxes are tested against it.
@@ -24,8 +25,8 @@ struct Walk {
     octant: u32,        // 7 less the octant the ray points to: children are met from near to far
 }
 
-// The segment from a point of the frame along `to`, where it ends unless it is `endless`, and what lies within `slack` of it
-// (in the cube, along each axis).
+// The segment from a point of the frame along `to`, where it ends unless it is `endless`, and what lies
+// within `slack` of it (in the cube, along each axis).
 fn walk_of(point: vec3<f32>, to: vec3<f32>, endless: bool, slack: f32) -> Walk {
     let longest = largest(to);
     // A component of nothing is made one of next to nothing, which moves the ray by less than the slack.
@@ -51,7 +52,8 @@ fn steps_of(n: vec4<u32>) -> vec3<f32> {
     return bitcast<vec3<f32>>(((n.www >> vec3(0u, 8u, 16u)) & vec3(255u)) << vec3(23u));
 }
 
-// Where children show in a group: inner ones in its highest byte, by the order to be met in; triangles in the lower bits.
+// Where children show in a group: inner ones in its highest byte, by the order to be met in; triangles in the
+// lower bits.
 fn group_bits(kinds: u32, octant: u32, hit: vec4<bool>) -> u32 {
     let inner = (kinds & (kinds << 1u)) & 0x10101010u;
     let place = (kinds ^ ((octant * 0x01010101u) & ((inner >> 4u) * 0xffu))) & 0x1f1f1f1fu;
@@ -61,8 +63,18 @@ fn group_bits(kinds: u32, octant: u32, hit: vec4<bool>) -> u32 {
     return kept.x | kept.y | kept.z | kept.w;
 }
 
-// The group of four children's bits that a ray meets; planes nearer and farther along the ray are given for each axis.
-fn met_four(kinds: u32, octant: u32, near: vec3<u32>, far: vec3<u32>, step: vec3<f32>, low: vec3<f32>, high: vec3<f32>, end: f32) -> u32 {
+// The group of four children's bits that a ray meets; planes nearer and farther along the ray are given for
+// each axis.
+fn met_four(
+    kinds: u32,
+    octant: u32,
+    near: vec3<u32>,
+    far: vec3<u32>,
+    step: vec3<f32>,
+    low: vec3<f32>,
+    high: vec3<f32>,
+    end: f32,
+) -> u32 {
     let x0 = bytes_of(near.x) * step.x + low.x;
     let y0 = bytes_of(near.y) * step.y + low.y;
     let z0 = bytes_of(near.z) * step.z + low.z;

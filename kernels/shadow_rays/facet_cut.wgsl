@@ -1,8 +1,9 @@
-// Triangles that cut a facet within its pixel (Pan 2009, section 3.4, figure 7), and where to look for them. Needs `frame`,
-// shadow_ray, caster_tree, and the arrays `undecided` and `masks` (coverage, occluded, invalid: WORDS words each).
+// Triangles that cut a facet within its pixel (Pan 2009, section 3.4, figure 7), and where to look for them.
+// Needs `frame`, shadow_ray, caster_tree, and the arrays `undecided` and `masks` (coverage, occluded,
+// invalid: WORDS words each).
 
-// Takes in a triangle that may cut the facet: the samples on the other side of its line than the pixel centre see another
-// surface.
+// Takes in a triangle that may cut the facet: the samples on the other side of its line than the pixel centre
+// see another surface.
 fn cut_by(f: u32, g: Ground, k: u32) {
     let c = caster_of(k);
     let near = heights_of(g, c);

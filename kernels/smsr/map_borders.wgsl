@@ -1,8 +1,9 @@
-// Borders between texels that are dark and texels that are not, and the lines that are drawn in their place (smsr). Needs `frame`,
-// receiver, the array `nearest_keys`, and the overrides REACH, MIDPOINTS and BIAS_SLOPE.
+// Borders between texels that are dark and texels that are not, and the lines that are drawn in their place
+// (smsr). Needs `frame`, receiver, the array `nearest_keys`, and the overrides REACH, MIDPOINTS and
+// BIAS_SLOPE.
 
-// The receiver's plane over the texels: depth per texel to the right and down, and less the bias at the place of the first sample
-// that meets it.
+// The receiver's plane over the texels: depth per texel to the right and down, and less the bias at the place
+// of the first sample that meets it.
 struct Plane {
     slope: vec2<f32>,
     place: vec2<f32>,
@@ -19,15 +20,17 @@ fn is_dark(plane: Plane, texel: vec2<i32>) -> bool {
     return key != 0u && bitcast<f32>(~key) < plane.depth + dot(plane.slope, away) - bend;
 }
 
-// The line that is drawn beside a border of a texel: `first` is where the border begins along the texels and `length` how long it
-// is, 0 for none. `ends` is how far from the border the line runs at its beginning and at its end, in texels.
+// The line that is drawn beside a border of a texel: `first` is where the border begins along the texels and
+// `length` how long it is, 0 for none. `ends` is how far from the border the line runs at its beginning and
+// at its end, in texels.
 struct Line {
     first: f32,
     length: f32,
     ends: vec2<f32>,
 }
 
-// Follows the border of `texel`, whose state is `own`, towards the texel at `across`, whose state is the other.
+// Follows the border of `texel`, whose state is `own`, towards the texel at `across`, whose state is the
+// other.
 fn line_of(plane: Plane, texel: vec2<i32>, across: vec2<i32>, own: bool, opposite: bool) -> Line {
     let along = abs(across.yx);
     // To either side: how far it goes on, and how it ends.
@@ -58,7 +61,8 @@ fn line_of(plane: Plane, texel: vec2<i32>, across: vec2<i32>, own: bool, opposit
     return line;
 }
 
-// How far from its border a line runs at a place along it. Beyond the map, where places are held, nothing is between.
+// How far from its border a line runs at a place along it. Beyond the map, where places are held, nothing is
+// between.
 fn height_at(line: Line, along: f32) -> f32 {
     if line.length == 0.0 { return -3.0e38; }
     let t = (along - line.first) / line.length;

@@ -1,6 +1,7 @@
-// The nearest triangle of each cell (texel or pixel) in the array `keys` of atomic Key: of a cell two words, complement of the
-// triangle and a key that falls with its depth, both 0 where there is none. Found in two runs: the first finds the depth, the
-// second the lowest triangle at that depth. Where a device has 64-bit atomics keys_64 stands in its place.
+// The nearest triangle of each cell (texel or pixel) in the array `keys` of atomic Key: of a cell two words,
+// complement of the triangle and a key that falls with its depth, both 0 where there is none. Found in two
+// runs: the first finds the depth, the second the lowest triangle at that depth. Where a device has 64-bit
+// atomics keys_64 stands in its place.
 
 alias Key = u32;
 

@@ -1,4 +1,5 @@
-// The nearest triangle of each cell, as in keys, for 64-bit atomics: one key in one run, the depth above the triangle's complement.
+// The nearest triangle of each cell, as in keys, for 64-bit atomics: one key in one run, the depth above the
+// triangle's complement.
 
 alias Key = u64;
 

@@ -1,5 +1,6 @@
-// Writing the records of the sub-pixel shadow map. Needs `frame`, `step`, `triangles`, `map_points`, `seen`, `upper_records`,
-// `lower_records`, the override SPLIT, and held_depth and held_triangle, the key and the complement that a texel holds.
+// Writing the records of the sub-pixel shadow map. Needs `frame`, `step`, `triangles`, `map_points`, `seen`,
+// `upper_records`, `lower_records`, the override SPLIT, and held_depth and held_triangle, the key and the
+// complement that a texel holds.
 
 //@import divide dispatch spsm_raster
 
@@ -26,7 +27,11 @@ fn made(texel: u32, centre: vec2<f32>) -> vec4<u32> {
 
 // One invocation the texels of a word of bits: 8 x 4.
 @compute @workgroup_size(WORKGROUP)
-fn encode(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn encode(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
     let word = flat_invocation(group, groups, WORKGROUP, local);
     if word >= seen_words() { return; }
     let block = divided(word >> 1u, (frame.map_size + 7u) >> 3u);

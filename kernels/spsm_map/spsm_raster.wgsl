@@ -1,5 +1,6 @@
-// The blocks of texels that casters are rasterized in for the sub-pixel shadow map. Needs `frame`, `step`, the casters' arrays
-// `triangles`, `map_points`, `light_rects` and `work_offsets`, `seen`, and held_depth, the depth key that a texel holds.
+// The blocks of texels that casters are rasterized in for the sub-pixel shadow map. Needs `frame`, `step`,
+// the casters' arrays `triangles`, `map_points`, `light_rects` and `work_offsets`, `seen`, and held_depth,
+// the depth key that a texel holds.
 
 //@import rect work_items cover_cells spsm_record seen_texels
 
@@ -13,9 +14,9 @@ fn run_bits() -> u32 {
     return SEEN_BITS + select(0u, seen_words(), (step.index & PASS_LAST) != 0u);
 }
 
-// Least depth of the plane over the texel as a key that falls with it, whatever its sign. The plane of a triangle that is
-// almost edge-on is nearest: it is at the border of what it belongs to, and the texel shall hold the border. LIFT keeps what
-// is far behind from coming before what hides it.
+// Least depth of the plane over the texel as a key that falls with it, whatever its sign. The plane of a
+// triangle that is almost edge-on is nearest: it is at the border of what it belongs to, and the texel shall
+// hold the border. LIFT keeps what is far behind from coming before what hides it.
 fn least_at(shape: Cover, centre: vec2<f32>) -> f32 {
     let least = dot(shape.depth, vec3(centre, 1.0)) - shape.half_range;
     let first = shape.nearest - LIFT * (shape.farthest - shape.nearest);
@@ -55,8 +56,9 @@ fn task_of(item: u32) -> Task {
     return Task(t, corner, shape, left);
 }
 
-// Of the texels those in which the triangle may be nearest of all that have come; another of the same depth may have a lower index.
-// Keys are raised in a loop of their own, of few turns: its depths may be rounded otherwise, by far less than TIE.
+// Of the texels those in which the triangle may be nearest of all that have come; another of the same depth
+// may have a lower index. Keys are raised in a loop of their own, of few turns: its depths may be rounded
+// otherwise, by far less than TIE.
 fn may_win(task: Task) -> vec2<u32> {
     var left = task.left;
     var bits = vec2(0u);

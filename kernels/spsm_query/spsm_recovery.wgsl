@@ -1,5 +1,6 @@
-// Samples of one texel of the light view, judged by the triangles around it and the border that links their outer edges (Lecocq
-// 2013, section 4.2). Needs spsm_border, spsm_search, the table `patterns`, and the overrides WORDS and MANY.
+// Samples of one texel of the light view, judged by the triangles around it and the border that links their
+// outer edges (Lecocq 2013, section 4.2). Needs spsm_border, spsm_search, the table `patterns`, and the
+// overrides WORDS and MANY.
 
 // What of a pixel the search needs: the place of its centre, which is on the triangle, and which samples are.
 struct Around {
@@ -7,8 +8,9 @@ struct Around {
     own: vec4<u32>,
 }
 
-// Samples for which the sheet of texel `here` counts. Beside its triangle a receiver's plane may run below the surface that is
-// there, into a hollow: such a neighbour lies before the plane at the sample, but not at the pixel's centre.
+// Samples for which the sheet of texel `here` counts. Beside its triangle a receiver's plane may run below
+// the surface that is there, into a hollow: such a neighbour lies before the plane at the sample, but not at
+// the pixel's centre.
 fn counting(s: Sheet, r: Receiver, here: vec2<i32>, around: Around) -> vec4<u32> {
     if MANY == 0u { return vec4(0xffffffffu); }
     let there = around.middle.xy - middle_of(here);
@@ -17,7 +19,14 @@ fn counting(s: Sheet, r: Receiver, here: vec2<i32>, around: Around) -> vec4<u32>
 }
 
 // Samples of `open` that the sheet of the texel around `centre` shadows.
-fn hits_of(s: Sheet, r: Receiver, pixel: u32, at: vec4<f32>, centre: vec2<f32>, open: vec4<u32>) -> vec4<u32> {
+fn hits_of(
+    s: Sheet,
+    r: Receiver,
+    pixel: u32,
+    at: vec4<f32>,
+    centre: vec2<f32>,
+    open: vec4<u32>,
+) -> vec4<u32> {
     var dark = vec4(0u);
     if MANY == 0u {
         dark.x = select(0u, open.x, s.held && shadows(s, vec3(at.xy - centre, at.z), r));
@@ -43,7 +52,15 @@ fn add_piece(p: Piece, gap: vec3<f32>, offset: vec2<f32>) {
 }
 
 // Samples of `group`, all in one texel, that are in shadow; `at` is the place of sample `first` of them.
-fn shadowed_of(r: Receiver, pixel: u32, texel: vec2<i32>, at: vec4<f32>, first: u32, group: vec4<u32>, around: Around) -> vec4<u32> {
+fn shadowed_of(
+    r: Receiver,
+    pixel: u32,
+    texel: vec2<i32>,
+    at: vec4<f32>,
+    first: u32,
+    group: vec4<u32>,
+    around: Around,
+) -> vec4<u32> {
     let bit = vec4(1u << (first & 31u)) & select(vec4(0u), vec4(0xffffffffu), vec4(0u, 1u, 2u, 3u) == vec4(first >> 5u));
     var mask = 0u;
     for (var k = 0; k < 9; k++) {

@@ -1,5 +1,5 @@
-// Which texels a sample's shadow is searched in (Lecocq 2013, sections 4.1 and 6.4), by the pattern of depth tests around it: a row
-// of the table `patterns`. Needs the overrides RADIUS, SQUARE and STRETCH.
+// Which texels a sample's shadow is searched in (Lecocq 2013, sections 4.1 and 6.4), by the pattern of depth
+// tests around it: a row of the table `patterns`. Needs the overrides RADIUS, SQUARE and STRETCH.
 
 // Direction of the n-th run of lit texels.
 fn towards_lit(pattern: vec4<u32>, n: u32) -> vec2<i32> {
@@ -12,8 +12,8 @@ fn square_step(k: i32) -> vec2<i32> {
     return vec2(k % SQUARE, k / SQUARE) - RADIUS;
 }
 
-// The k-th texel beyond it along the tangents, nearest first, by steps of one texel along the tangent's longer side, the other
-// rounded.
+// The k-th texel beyond it along the tangents, nearest first, by steps of one texel along the tangent's
+// longer side, the other rounded.
 fn tangent_step(k: i32, pattern: vec4<u32>) -> vec2<i32> {
     let place = k % max(2 * STRETCH, 1);
     let out = towards_lit(pattern, u32(k / max(2 * STRETCH, 1)));

@@ -1,5 +1,5 @@
-// The masks of a facet while casters are evaluated: what is open still, what is added, and what cuts it. Needs `frame`, facet,
-// shadow_lines, sample_masks, the array `masks`, and the overrides WORDS and CUTS.
+// The masks of a facet while casters are evaluated: what is open still, what is added, and what cuts it.
+// Needs `frame`, facet, shadow_lines, sample_masks, the array `masks`, and the overrides WORDS and CUTS.
 
 // Whether no sample is left that could still be lit: nothing more needs to be known of the facet.
 fn is_dark(f: u32) -> bool {
@@ -25,8 +25,8 @@ fn is_partial(f: u32) -> bool {
     return seen != frame.sample_count;
 }
 
-// The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so on this side of an edge
-// that the two share, whatever rounding made of that.
+// The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so
+// on this side of an edge that the two share, whatever rounding made of that.
 fn centre_of(l: Lines, beside: bool, owned: vec3<bool>) -> vec4<f32> {
     let at_edge = vec4(!owned.z, !owned.x, !owned.y, true) & vec4(beside & ((frame.flags & FLAG_CLAMP) == 0u));
     return select(l.centre, vec4(-1e-37), at_edge & (l.centre >= vec4(0.0)) & (l.centre <= CREASE * (abs(l.right) + abs(l.down))));
@@ -38,8 +38,8 @@ fn may_cut(line: vec3<f32>, h: vec3<f32>) -> bool {
     return (frame.flags & FLAG_VALIDITY) != 0u && !all(h > vec3(0.0)) && line.x != 0.0 && abs(line.x) <= 0.5 * (abs(line.y) + abs(line.z));
 }
 
-// Where a triangle cuts the facet within its pixel, along `line`, the samples on the other side of the line than the pixel
-// centre see another surface.
+// Where a triangle cuts the facet within its pixel, along `line`, the samples on the other side of the line
+// than the pixel centre see another surface.
 fn cut(f: u32, g: Ground, line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) {
     if CUTS == 0u { return; }
     if !may_cut(line, h) || is_partial(f) || !meets_pixel(line, a, b, c, h, g.pixel) { return; }

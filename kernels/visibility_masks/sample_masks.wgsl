@@ -1,4 +1,5 @@
-// From lines of the image to masks of samples. Needs the array `table` and the overrides WORDS, ANGLES and OFFSETS.
+// From lines of the image to masks of samples. Needs the array `table` and the overrides WORDS, ANGLES and
+// OFFSETS.
 
 //@import sample_copy
 
@@ -9,7 +10,8 @@ struct Lines {
     down: vec4<f32>,
 }
 
-// Of the samples of a word: which lie outside a line, and how near any comes to changing that, in the lines' own units.
+// Of the samples of a word: which lie outside a line, and how near any comes to changing that, in the lines'
+// own units.
 struct Sides {
     outside: u32,
     nearest: f32,
@@ -57,7 +59,8 @@ fn sides_of(word: u32, l: Lines) -> Sides {
 // Samples inside all four lines.
 fn word_mask(word: u32, l: Lines) -> u32 { return ~sides_of(word, l).outside; }
 
-// Samples inside one line, from the table: the mask of the nearest tabulated direction and distance from the centre.
+// Samples inside one line, from the table: the mask of the nearest tabulated direction and distance from the
+// centre.
 fn table_mask(line: vec3<f32>) -> vec4<u32> {
     let sum = abs(line.y) + abs(line.z);
     // The angle as its place on a diamond, -1 to 3.

@@ -1,8 +1,9 @@
-// The boundaries of a triangle's shadow on a facet as Pan 2009, section 3.4, finds them, in single precision: corners are
-// thrown from the light onto the facet's plane, and from there projected to the screen. A half-plane stays one under each of
-// the two, bounded by the line through two projected points, and holds the projection of a third point unless that lies
-// beyond the projection's centre (the paper's figure 6, point C; there it flips). Divides by heights over light and
-// eye, and bounds no rounding: for comparison with shadow_lines, whose `Ground` and `crossings` it uses.
+// The boundaries of a triangle's shadow on a facet as Pan 2009, section 3.4, finds them, in single precision:
+// corners are thrown from the light onto the facet's plane, and from there projected to the screen. A
+// half-plane stays one under each of the two, bounded by the line through two projected points, and holds the
+// projection of a third point unless that lies beyond the projection's centre (the paper's figure 6, point C;
+// there it flips). Divides by heights over light and eye, and bounds no rounding: for comparison with
+// shadow_lines, whose `Ground` and `crossings` it uses.
 
 // A point `h` over the facet's plane, thrown onto it; w: -1 if the light is not above the point, else 1.
 fn thrown(g: Ground, p: vec3<f32>, h: f32) -> vec4<f32> {
@@ -18,8 +19,8 @@ fn on_screen(p: vec3<f32>, pixel: u32) -> vec3<f32> {
     return vec3(at - (pixel_corner(pixel) + 0.5), select(-1.0, 1.0, depth > 0.0));
 }
 
-// The half-plane bounded by the line through p and q that holds r, or if `sense` is -1 does not: what it is at the pixel
-// centre, per pixel right, per pixel down. Nothing lies in it if r is on the line.
+// The half-plane bounded by the line through p and q that holds r, or if `sense` is -1 does not: what it is
+// at the pixel centre, per pixel right, per pixel down. Nothing lies in it if r is on the line.
 fn half_plane(p: vec2<f32>, q: vec2<f32>, r: vec2<f32>, sense: f32) -> vec3<f32> {
     let d = q - p;
     let at = d.x * (r.y - p.y) - d.y * (r.x - p.x);

@@ -1,5 +1,5 @@
-// Edges of a triangle seen from the eye. Needs `frame`, `facing` (for `largest`) and the array `points`.
-// An edge is evaluated from its lower vertex index, so that both triangles at it get one value with two signs.
+// Edges of a triangle seen from the eye. Needs `frame`, `facing` (for `largest`) and the array `points`. An
+// edge is evaluated from its lower vertex index, so that both triangles at it get one value with two signs.
 
 // Three vertices, each loaded once: functions of edges and planes are told them.
 struct Corners {
@@ -13,8 +13,8 @@ fn corners_at(i: vec3<u32>) -> Corners {
     return Corners(i, points[i.x].xyz, points[i.y].xyz, points[i.z].xyz);
 }
 
-// Edge function of the vertices `i` at `a` and `j` at `b` at `ray`, per pixel right, per pixel down, and how far it may be off
-// anywhere near.
+// Edge function of the vertices `i` at `a` and `j` at `b` at `ray`, per pixel right, per pixel down, and how
+// far it may be off anywhere near.
 fn eye_edge(i: u32, j: u32, a: vec3<f32>, b: vec3<f32>, ray: vec3<f32>) -> vec4<f32> {
     let p = select(b, a, i <= j);
     let along = select(a, b, i <= j) - p;
@@ -23,14 +23,15 @@ fn eye_edge(i: u32, j: u32, a: vec3<f32>, b: vec3<f32>, ray: vec3<f32>) -> vec4<
     return vec4(v, 0.0078125 * (abs(v.y) + abs(v.z)) + 2e-6 * largest(p) * largest(along) * largest(ray));
 }
 
-// From the eye's ray to a corner at the corner's depth (xyz), and that depth (w). Small near the corner, and the same for
-// all triangles around it.
+// From the eye's ray to a corner at the corner's depth (xyz), and that depth (w). Small near the corner, and
+// the same for all triangles around it.
 fn from_ray(p: vec3<f32>, ray: vec3<f32>) -> vec4<f32> {
     let depth = dot(p, frame.forward.xyz);
     return vec4(p - depth * ray, depth);
 }
 
-// As `eye_edge` the function at a ray, from the end that is nearer to it: around a vertex all edges agree on where the ray is.
+// As `eye_edge` the function at a ray, from the end that is nearer to it: around a vertex all edges agree on
+// where the ray is.
 fn eye_edge_near(i: u32, j: u32, a: vec3<f32>, b: vec3<f32>, ray: vec3<f32>) -> f32 {
     let p = select(b, a, i <= j);
     let q = select(a, b, i <= j);
@@ -41,8 +42,9 @@ fn eye_edge_near(i: u32, j: u32, a: vec3<f32>, b: vec3<f32>, ray: vec3<f32>) -> 
     return select(-v, v, i <= j);
 }
 
-// View depth of a triangle's plane at a ray, between the depths of its corners, and by how much rounding may have moved it; -1 where
-// it is edge-on. Corners are taken in the order of their indices, so triangles of the same corners have the same depth.
+// View depth of a triangle's plane at a ray, between the depths of its corners, and by how much rounding may
+// have moved it; -1 where it is edge-on. Corners are taken in the order of their indices, so triangles of the
+// same corners have the same depth.
 fn eye_depth(given: Corners, ray: vec3<f32>) -> vec2<f32> {
     var t = given;
     if t.i.x > t.i.y { t = Corners(t.i.yxz, t.b, t.a, t.c); }
@@ -68,7 +70,8 @@ fn eye_depth(given: Corners, ray: vec3<f32>) -> vec2<f32> {
     return select(vec2(-1.0, 0.0), vec2(clamp(depth, nearest, farthest), doubt), abs(over) > 0.0);
 }
 
-const TOUCHING = 9.5367432e-7;  // 2^-20: relative difference of depths, besides their doubts, that single precision is not asked about
+// 2^-20: relative difference of depths, besides their doubts, that single precision is not asked about
+const TOUCHING = 9.5367432e-7;
 
 // Whether single precision leaves open if a depth, with its doubt, lies beyond the near distance.
 fn is_near_open(depth: vec2<f32>) -> bool {

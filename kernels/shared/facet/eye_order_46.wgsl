@@ -1,6 +1,7 @@
 // Which of planes is nearer to the eye along a ray, with 46 bits. Needs `frame`, vertex and facing_46.
 
-// Below 0 if the plane of `i` is nearer along the ray than that of `j`, above 0 if it is farther, 0 if that is not certain.
+// Below 0 if the plane of `i` is nearer along the ray than that of `j`, above 0 if it is farther, 0 if that
+// is not certain.
 fn order_46(i: vec3<u32>, j: vec3<u32>, ray: vec3<f32>) -> f32 {
     let ab = full_edge_of(i.x, i.y);
     let ac = full_edge_of(i.x, i.z);
@@ -30,8 +31,8 @@ fn is_beyond_near_46(i: vec3<u32>, ray: vec3<f32>) -> bool {
     return s.x * sign(over.x) >= 0.0 && over.x != 0.0;
 }
 
-// How much nearer the triangle's plane is along the ray than `depth`, as a key that grows with that; not 0. Steps of 2^-40 of the
-// depth: what 46 bits make of planes that meet there is within one.
+// How much nearer the triangle's plane is along the ray than `depth`, as a key that grows with that; not 0.
+// Steps of 2^-40 of the depth: what 46 bits make of planes that meet there is within one.
 fn key_46(given: vec3<u32>, ray: vec3<f32>, depth: f32) -> u32 {
     // Triangles of the same corners have the same key.
     let i = rising(given);

@@ -1,5 +1,5 @@
-// Facets: what stands for a surface inside one pixel (Pan 2009, section 3.1). Needs `frame`. What only evaluation asks is apart:
-// most facets are settled, and what is never touched costs no time.
+// Facets: what stands for a surface inside one pixel (Pan 2009, section 3.1). Needs `frame`. What only
+// evaluation asks is apart: most facets are settled, and what is never touched costs no time.
 
 //@import pixel_ray
 
@@ -21,14 +21,18 @@ struct Undecided {
     limit: f32,         // view depth beyond which the plane is not followed
     origin: vec2<f32>,
     at: vec3<f32>,      // its point at the sample `origin`
-    doubt: f32,         // how far rounding may have moved that point along its ray, times -dot(plane.xyz, ray); below 0 if the
+    // How far rounding may have moved that point along its ray, times -dot(plane.xyz, ray); below 0 if the
+    doubt: f32,
                         // triangle, its vertices by rising index, turns away from the light
     box_low: vec2<f32>, // box of its outline, in texels
     box_high: vec2<f32>,
     slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w
-    tilt: f32,          // largest component of the normal's rounding, in units of 2^-24; below 0 if its samples all lie on its triangle
+    // Largest component of the normal's rounding, in units of 2^-24; below 0 if its samples all lie on its
+    // triangle
+    tilt: f32,
     tilts: u32,         // shares of that of the three components, 8 bits each
-    span: vec2<u32>,    // box around the samples it covers, lowest and highest corner packed; 0: the whole pixel
+    // Box around the samples it covers, lowest and highest corner packed; 0: the whole pixel
+    span: vec2<u32>,
 }
 
 // Rays to the corners of a part of the pixel, in order around.
@@ -48,7 +52,8 @@ const STATE_DARK = 1u;       // faces away from the light
 const STATE_LIT = 2u;        // settled: nothing between it and the light
 const STATE_SHADOWED = 3u;   // settled: one sheet covers all of it
 const STATE_UNDECIDED = 4u;  // to be evaluated
-const STATE_MERGED = 5u;     // before facets are classified: of several triangles, which reach no farther than `limit`
+// Before facets are classified: of several triangles, which reach no farther than `limit`
+const STATE_MERGED = 5u;
 const STATE_BITS = 7u;
 const WAS_SETTLED = 16u;     // likewise: it is lit or shadowed whatever other views tell
 const WAS_MERGED = 8u;       // beside the state, while views follow: it was STATE_MERGED

@@ -19,7 +19,8 @@ fn seen_from_light(point: vec3<f32>) -> vec3<f32> {
     return vec3(uv / w, select(0.0, 1.0, w > frame.light_low.w));
 }
 
-// The outline of a part of the pixel on `plane` as the light sees it, cut off where view depth exceeds `limit`.
+// The outline of a part of the pixel on `plane` as the light sees it, cut off where view depth exceeds
+// `limit`.
 fn facet_outline(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> Outline {
     let corners = part_rays(pixel, span);
     var rays = array<vec3<f32>, 4>(corners.r0, corners.r1, corners.r2, corners.r3);
@@ -62,8 +63,9 @@ fn add_corner(out: ptr<function, Outline>, count: u32, corner: vec3<f32>) {
     (*out).e = corner.xy;
 }
 
-// Whether the outline touches the texel around `centre`: separating axes across the outline's edges (Pan 2009, section
-// 3.3, figure 5), the texel grown by the margin; the texel's own axes are settled by the rectangle.
+// Whether the outline touches the texel around `centre`: separating axes across the outline's edges (Pan
+// 2009, section 3.3, figure 5), the texel grown by the margin; the texel's own axes are settled by the
+// rectangle.
 fn outline_touches(out: Outline, centre: vec2<f32>, reach: f32) -> bool {
     var ends = vec2(3.0e38, -3.0e38);
     ends = beside(ends, out.a, out.b, centre, reach);

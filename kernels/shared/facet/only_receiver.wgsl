@@ -1,14 +1,14 @@
-// Facets of surfaces that only receive: their triangles stand behind those of the casters and cast nothing. What is proved of
-// the casters' own surfaces (front_split) is not proved of them: they may lie anywhere between two layers, cut through them,
-// and lie far outside the box of the casters. Needs `frame`, `facet`, `facing`,
-// `rect`, `front_split` and the array `splits`.
+// Facets of surfaces that only receive: their triangles stand behind those of the casters and cast nothing.
+// What is proved of the casters' own surfaces (front_split) is not proved of them: they may lie anywhere
+// between two layers, cut through them, and lie far outside the box of the casters. Needs `frame`, `facet`,
+// `facing`, `rect`, `front_split` and the array `splits`.
 
 fn only_receives(triangle: u32) -> bool {
     return triangle >= frame.triangle_count;
 }
 
-// How many times farther from the eye than the unit cube, to which the frame's margins belong, a facet reaches within its
-// pixel; at least 1.
+// How many times farther from the eye than the unit cube, to which the frame's margins belong, a facet
+// reaches within its pixel; at least 1.
 fn reach_beyond(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> f32 {
     var reach = 1.0;
     for (var k = 0u; k < 4u; k++) {
@@ -27,8 +27,8 @@ fn margin_beyond(reach: f32) -> f32 {
 
 const MOST_SPLITS = 256u;
 
-// The state of a facet that only receives, none of whose texels is marked: lit where no caster is in any, shadowed where it
-// lies behind the sheet in front of each; `inside` where all of it lies on the map.
+// The state of a facet that only receives, none of whose texels is marked: lit where no caster is in any,
+// shadowed where it lies behind the sheet in front of each; `inside` where all of it lies on the map.
 fn behind_splits(rect: Rect, nearest: f32, inside: bool) -> u32 {
     let cells = rect.high - rect.low + 1u;
     if cells.x > MOST_SPLITS || cells.x * cells.y > MOST_SPLITS { return STATE_UNDECIDED; }

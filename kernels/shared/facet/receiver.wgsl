@@ -1,5 +1,5 @@
-// What a pixel shows to methods of one receiver a pixel: the plane of the triangle at its centre, and its place in the light
-// view. Needs `frame`, and the arrays `id_keys`, `triangles`, `points` and `samples`.
+// What a pixel shows to methods of one receiver a pixel: the plane of the triangle at its centre, and its
+// place in the light view. Needs `frame`, and the arrays `id_keys`, `triangles`, `points` and `samples`.
 
 //@import pixel_ray
 
@@ -37,7 +37,8 @@ fn receiver_of(pixel: u32) -> Receiver {
     let b = points[i.y].xyz;
     let c = points[i.z].xyz;
     var normal = cross(b - a, c - a);
-    normal *= bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(normal)) & 0x7f800000u));  // a power of two: about 1
+    // A power of two: about 1
+    normal *= bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(normal)) & 0x7f800000u));
     let to_light = frame.light.xyz - frame.light.w * a;
     let side = dot(normal, to_light);
     r.seen = SEEN_DARK;
@@ -67,7 +68,8 @@ fn plane_point(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
     return vec4(raw - ray * (dot(r.normal, raw - r.at) / over), select(0.0, 1.0, depth > 0.0));
 }
 
-// The place of such a point in the light view (texel x, y, depth); w is 0 where there is none, or it is not in front of the light.
+// The place of such a point in the light view (texel x, y, depth); w is 0 where there is none, or it is not
+// in front of the light.
 fn place_at(point: vec4<f32>) -> vec4<f32> {
     let p = vec4(point.xyz, 1.0);
     var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));

@@ -39,7 +39,8 @@ fn is_reversed(given: vec3<u32>, rising: vec3<u32>) -> bool {
     return !(all(given == rising) || all(given == rising.yzx) || all(given == rising.zxy));
 }
 
-// Whether a triangle is no caster: it turns away from the light, and is one of a closed body where such are left out.
+// Whether a triangle is no caster: it turns away from the light, and is one of a closed body where such are
+// left out.
 fn is_culled(of_body: u32, side: u32) -> bool {
     return ((frame.flags & FLAG_CULL_BACK) != 0u) & (of_body != 0u) & (side == BACK);
 }

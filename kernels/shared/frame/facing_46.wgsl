@@ -1,6 +1,7 @@
 // Which side of a triangle light and eye are on, with 46 bits. Needs vertex, double_float and `largest`.
 
-const EDGE_ON = 9.094947e-13;  // 2^-40: above what 46-bit arithmetic makes of an exact zero, relative to the factors
+// 2^-40: above what 46-bit arithmetic makes of an exact zero, relative to the factors
+const EDGE_ON = 9.094947e-13;
 
 // A vertex with all bits: a difference of two f32 is the sum of two f32.
 fn full_point_of(v: u32) -> Df3 {
@@ -31,8 +32,8 @@ fn full_normal(i: vec3<u32>) -> Df3 {
     return df3_cross(full_edge_of(i.x, i.y), full_edge_of(i.x, i.z));
 }
 
-// 1 if the triangle in this order of its vertices faces where `to` points from its first, -1 if it faces away, 0 if it is
-// edge-on.
+// 1 if the triangle in this order of its vertices faces where `to` points from its first, -1 if it faces
+// away, 0 if it is edge-on.
 fn full_turn_to(i: vec3<u32>, to: Df3) -> f32 {
     let ab = full_edge_of(i.x, i.y);
     let ac = full_edge_of(i.x, i.z);
@@ -49,8 +50,8 @@ fn full_turn_to_eye(i: vec3<u32>) -> f32 {
     return full_turn_to(i, df3_negate(full_point_of(i.x)));
 }
 
-// Turns to light and eye of a triangle with first vertex `a` and edges `ab` and `ac` from it; 0 where single precision does not
-// tell.
+// Turns to light and eye of a triangle with first vertex `a` and edges `ab` and `ac` from it; 0 where single
+// precision does not tell.
 fn turns_in_single(a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>) -> vec2<f32> {
     let spread = cross(ab, ac);
     // Rounding of the products, and of the points.

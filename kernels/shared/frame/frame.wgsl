@@ -1,11 +1,14 @@
-// Everything that is the same for all invocations of a frame. Lengths are eye-relative and scaled by a power of two, so
-// that the scene is about as large as 1: `point = (position - eye) * scale`. The camera's eye is the origin.
+// Everything that is the same for all invocations of a frame. Lengths are eye-relative and scaled by a power
+// of two, so that the scene is about as large as 1: `point = (position - eye) * scale`. The camera's eye is
+// the origin.
 
 struct Frame {
     eye: vec4<f32>,          // xyz: eye in world units; w: scale
-    eye_low: vec4<f32>,      // xyz: what f32 leaves out of the eye; w: no caster is nearer along the light view's axis
+    // xyz: what f32 leaves out of the eye; w: no caster is nearer along the light view's axis
+    eye_low: vec4<f32>,
     light: vec4<f32>,        // homogeneous: direction towards the light and 0, or its point and 1
-    light_low: vec4<f32>,    // xyz: what f32 leaves out of the light; w: nearest distance along the light view's axis
+    // xyz: what f32 leaves out of the light; w: nearest distance along the light view's axis
+    light_low: vec4<f32>,
     ray_corner: vec4<f32>,   // direction through the image's top left corner
     ray_x: vec4<f32>,        // change of direction for one pixel to the right
     ray_y: vec4<f32>,        // change of direction for one pixel down
@@ -45,17 +48,21 @@ struct Frame {
     stamp: u32,              // which frame it is; no condition asks for it
 }
 
-const FLAG_CULL_BACK = 1u;      // triangles of closed bodies that face away from the light are no casters; they may cut facets
+// Triangles of closed bodies that face away from the light are no casters; they may cut facets
+const FLAG_CULL_BACK = 1u;
 const FLAG_VALIDITY = 2u;       // keep the validity mask
 const FLAG_PERSPECTIVE = 4u;    // the light is at a point: divide by the light's w
 const FLAG_ALL_UNDECIDED = 8u;  // settle no facet before evaluation
 const FLAG_CLAMP = 16u;         // a facet covers only its own triangle
 const FLAG_BEYOND = 32u;        // with it: but may also cover samples beyond
-const FLAG_CLOSED = 64u;        // the mesh is closed, the light outside: what turns away from the light is dark on both sides
+// The mesh is closed, the light outside: what turns away from the light is dark on both sides
+const FLAG_CLOSED = 64u;
 const FLAG_MORE_VIEWS = 128u;   // another view of the light follows
 const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of facets is kept
-const FLAG_ENDS = 1024u;        // four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
-const FLAG_ONE_OF_SEVERAL = 512u; // the view is one of several: facets are settled only where all of them lies in it
+// Four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
+const FLAG_ENDS = 1024u;
+// The view is one of several: facets are settled only where all of them lies in it
+const FLAG_ONE_OF_SEVERAL = 512u;
 
 const NO_TRIANGLE = 0xffffffffu;
 const FAR = 0x7f800000u;        // bits of +infinity: no surface at a texel

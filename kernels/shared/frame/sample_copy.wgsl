@@ -1,10 +1,10 @@
-// A copy of the samples' offsets, which kernels that import this bind as `samples_given`. Needs the override WORDS. Entry points that
-// ask for `samples` begin with take_samples.
+// A copy of the samples' offsets, which kernels that import this bind as `samples_given`. Needs the override
+// WORDS. Entry points that ask for `samples` begin with take_samples.
 
 override SAMPLES: u32 = 32u;  // samples a pixel; code for more of a word is left out
 
-// A copy of `samples_given`, made before the flow diverges and never asked for by a variable: elsewhere vector machines read a
-// uniform lane by lane.
+// A copy of `samples_given`, made before the flow diverges and never asked for by a variable: elsewhere
+// vector machines read a uniform lane by lane.
 var<private> samples: array<vec4<f32>, 64>;
 
 fn take_word(word: u32) {

@@ -10,7 +10,8 @@ fn texel_of_image(at: vec2<u32>) -> vec2<u32> {
     return vec2(at.x, frame.first_row + at.y);
 }
 
-// Whether a row is the strip's own: others belong to strips above and below, and are here for their neighbours.
+// Whether a row is the strip's own: others belong to strips above and below, and are here for their
+// neighbours.
 fn is_own(row: u32) -> bool {
     return row >= frame.rows_above && row + frame.rows_below < frame.image_size.y;
 }

@@ -1,13 +1,14 @@
-// The boundaries of a triangle's shadow on a facet, as lines of the image. Needs `frame`, `facet`, `facing`, `vertex`, and
-// the arrays `undecided`, `triangles` and `positions`.
+// The boundaries of a triangle's shadow on a facet, as lines of the image. Needs `frame`, `facet`, `facing`,
+// `vertex`, and the arrays `undecided`, `triangles` and `positions`.
 //
-// The eye is the origin; r(x, y) = r + x * rx + y * ry is the ray of the sample at offset (x, y) from the pixel centre, the
-// facet's plane is n . p = d, q is its point at one of its samples, from which offsets count until the line is done. A plane through the light and an edge starting at `a` has
-// the normal m. Its line in the image is zero where  d * (m . r(x, y)) - (m . a) * (n . r(x, y)), which is linear:
+// The eye is the origin; r(x, y) = r + x * rx + y * ry is the ray of the sample at offset (x, y) from the
+// pixel centre, the facet's plane is n . p = d, q is its point at one of its samples, from which offsets
+// count until the line is done. A plane through the light and an edge starting at `a` has the normal m. Its
+// line in the image is zero where d * (m . r(x, y)) - (m . a) * (n . r(x, y)), which is linear:
 //     (-s * (n . r),  m . X - s * (n . rx),  m . Y - s * (n . ry)),   s = m . (a - q),
-//     X = d * rx - q * (n . rx),  Y = d * ry - q * (n . ry).
-// Nothing is divided by, and s is small where it matters. The triangle's own plane is such a plane too. An edge is
-// evaluated from its lower vertex index, so that the two triangles at it see one line from its two sides.
+// X = d * rx - q * (n . rx), Y = d * ry - q * (n . ry). Nothing is divided by, and s is small where it
+// matters. The triangle's own plane is such a plane too. An edge is evaluated from its lower vertex index, so
+// that the two triangles at it see one line from its two sides.
 
 struct Ground {
     normal: vec3<f32>,
@@ -26,7 +27,8 @@ struct Ground {
 
 const TINY = 5.9604645e-8;        // 2^-24
 const LINE_TRUST = 0.001953125;   // pixels; half of the band in which a sample's side counts as open
-const CREASE = 0.0025;            // pixels across and down; above half a step of a rasterizer's grid, by which it may have moved an edge
+// Pixels across and down; above half a step of a rasterizer's grid, by which it may have moved an edge
+const CREASE = 0.0025;
 
 const OPEN = -3.0e38;
 
@@ -56,25 +58,27 @@ fn owned_by(i: vec3<u32>, own: vec3<u32>) -> vec3<bool> {
     return vec3(is_own(i.x, own), is_own(i.y, own), is_own(i.z, own));
 }
 
-// Whether a triangle shares an edge with the facet's own, and seen from the light the two lie on its two sides: then it casts
-// nothing on that. `i`: its vertices, rising, `owned` those that are the facet's own, `turn`: 1 if in this order it turns to
-// the light, -1 if it turns away.
+// Whether a triangle shares an edge with the facet's own, and seen from the light the two lie on its two
+// sides: then it casts nothing on that. `i`: its vertices, rising, `owned` those that are the facet's own,
+// `turn`: 1 if in this order it turns to the light, -1 if it turns away.
 fn is_beside(g: Ground, i: vec3<u32>, owned: vec3<bool>, turn: f32) -> bool {
     let shared_vertices = dot(select(vec3(0.0), vec3(1.0), owned), vec3(1.0));
-    // The order of a shared edge's ends and the third vertex is that of rising index, unless the third is between them.
+    // The order of a shared edge's ends and the third vertex is that of rising index, unless the third is
+    // between them.
     let theirs = select(-turn, turn, owned.y);
     let ours = select(-g.turn, g.turn, any(vec3(g.own.y) == i));
     return (shared_vertices == 2.0) & (theirs * ours < 0.0);
 }
 
-// A line of the image that bounds a triangle's shadow, moved within CREASE so that the pixel centre is not inside.
+// A line of the image that bounds a triangle's shadow, moved within CREASE so that the pixel centre is not
+// inside.
 fn beyond_centre(line: vec3<f32>, is_moved: bool) -> vec3<f32> {
     let near = (line.x >= 0.0) & (line.x <= CREASE * (abs(line.y) + abs(line.z)));
     return vec3(select(line.x, -1e-37, is_moved & near), line.yz);
 }
 
-// Height of a point over the facet towards the light: exactly 0 for the facet's own vertices, OPEN where rounding leaves
-// its sign open.
+// Height of a point over the facet towards the light: exactly 0 for the facet's own vertices, OPEN where
+// rounding leaves its sign open.
 fn height_of(g: Ground, shared_vertex: bool, p: vec3<f32>) -> f32 {
     if shared_vertex { return 0.0; }
     let d = p - g.at;
@@ -83,8 +87,8 @@ fn height_of(g: Ground, shared_vertex: bool, p: vec3<f32>) -> f32 {
     return select(OPEN, h, abs(h) > bound);
 }
 
-// The line of the plane through `a` with normal `m`, and in w how far rounding may have moved it within the pixel;
-// `size` bounds the products that made m, `noise` what the roundings of its factors made of it.
+// The line of the plane through `a` with normal `m`, and in w how far rounding may have moved it within the
+// pixel; `size` bounds the products that made m, `noise` what the roundings of its factors made of it.
 fn line_of(g: Ground, m: vec3<f32>, size: f32, noise: f32, a: vec3<f32>) -> vec4<f32> {
     let s = dot(m, a - g.at);
     let far = largest(a - g.at);
@@ -125,8 +129,8 @@ fn crossings(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>) -> Segment 
     return Segment(crossing(a, b, h.x, h.y), crossing(a, c, h.x, h.z));
 }
 
-// Whether the segment in which a triangle crosses the facet's plane touches the pixel's square; `line` is its line. What
-// lies nearer than the near plane, or behind the eye, is cut off.
+// Whether the segment in which a triangle crosses the facet's plane touches the pixel's square; `line` is its
+// line. What lies nearer than the near plane, or behind the eye, is cut off.
 fn meets_pixel(line: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, h: vec3<f32>, pixel: u32) -> bool {
     if abs(line.x) > 0.5 * (abs(line.y) + abs(line.z)) { return false; }
     let ends = crossings(a, b, c, h);

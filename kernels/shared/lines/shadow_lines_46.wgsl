@@ -16,8 +16,9 @@ fn full_height_of(g: Ground, n: Df3, v: u32) -> f32 {
     return h * full_sense(g, n);
 }
 
-// The line of the plane through vertex `v` with normal `m` on the facet of normal `n`. With m = k n + t, and h the height of the vertex, it is
-// d t - (t . v + k h) n: where the two planes nearly coincide t is small, and with it what is lost to their distance from the eye.
+// The line of the plane through vertex `v` with normal `m` on the facet of normal `n`. With m = k n + t, and
+// h the height of the vertex, it is d t - (t . v + k h) n: where the two planes nearly coincide t is small,
+// and with it what is lost to their distance from the eye.
 fn full_line(g: Ground, n: Df3, m: Df3, v: u32) -> vec3<f32> {
     let along = vec3(n.x.x, n.y.x, n.z.x);
     let k = dot(vec3(m.x.x, m.y.x, m.z.x), along) / dot(along, along);

@@ -1,6 +1,6 @@
-// The segment from a sample's point on a facet to the light against one triangle: Moeller and Trumbore (1997) with a bound
-// for what rounding may do, and with 46 bits where that leaves it open. Needs `frame`, `samples`, `caster_of`, shadow_lines and
-// shadow_lines_46.
+// The segment from a sample's point on a facet to the light against one triangle: Moeller and Trumbore (1997)
+// with a bound for what rounding may do, and with 46 bits where that leaves it open. Needs `frame`,
+// `samples`, `caster_of`, shadow_lines and shadow_lines_46.
 
 const FREE = 0u;
 const BLOCKED = 1u;
@@ -66,7 +66,8 @@ fn aim(r: ptr<function, Ray>, moved: f32) {
     (*r).grow = 54.0 * TINY * (*r).reach + 6.0 * light_moved;
 }
 
-// Whether the line to the light surely passes by the triangle: it lies on different sides of two edges, seen along it.
+// Whether the line to the light surely passes by the triangle: it lies on different sides of two edges, seen
+// along it.
 fn passes(r: Ray, c: Caster) -> bool {
     let a = c.at - r.at;
     let m = cross(r.light, a);

@@ -1,5 +1,5 @@
-// Which row and place in it an index is. Dividing integers takes a vector machine one lane at a time; floats it divides at once,
-// and what rounding leaves is a step at most.
+// Which row and place in it an index is. Dividing integers takes a vector machine one lane at a time; floats
+// it divides at once, and what rounding leaves is a step at most.
 
 // Quotient and remainder, exact where the quotient is below 2^22 and `by` below 2^30.
 fn divided(index: u32, by: u32) -> vec2<u32> {

@@ -1,8 +1,9 @@
-// Numbers of about 46 bits as unevaluated sums of two f32 (Dekker 1971, Knuth 1969). Needs `frame`.
-// WGSL lets a compiler fuse a multiplication into an addition. Sums alone are safe from that; products are split by
-// integer masks so that every partial product is exact, fused or not, and the rounded product passes through `seal`, which
-// no compiler can see through, so that it is not computed a second time with another rounding. Some drivers compile a kernel anew
-// for the values of uniforms that its conditions ask for, and then take sums apart: no condition asks for `seal`.
+// Numbers of about 46 bits as unevaluated sums of two f32 (Dekker 1971, Knuth 1969). Needs `frame`. WGSL lets
+// a compiler fuse a multiplication into an addition. Sums alone are safe from that; products are split by
+// integer masks so that every partial product is exact, fused or not, and the rounded product passes through
+// `seal`, which no compiler can see through, so that it is not computed a second time with another rounding.
+// Some drivers compile a kernel anew for the values of uniforms that its conditions ask for, and then take
+// sums apart: no condition asks for `seal`.
 
 fn seal(x: f32) -> f32 { return bitcast<f32>(bitcast<u32>(x) ^ frame.seal); }
 
@@ -28,8 +29,8 @@ fn df_add(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return two_sum(u.x, u.y + t.y);
 }
 
-// As df_add, at half the cost: its error is relative to the numbers added, not to their sum (the sloppy sum of Joldes, Muller and
-// Popescu 2017).
+// As df_add, at half the cost: its error is relative to the numbers added, not to their sum (the sloppy sum
+// of Joldes, Muller and Popescu 2017).
 fn df_add_fast(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     let s = two_sum(a.x, b.x);
     return two_sum(s.x, s.y + (a.y + b.y));

@@ -14,7 +14,8 @@ fn take_texel(texels: ptr<function, vec2<u32>>) -> vec2<u32> {
     return vec2(k & 7u, (k >> 3u) + select(0u, 4u, lower));
 }
 
-// Takes the first tile of 2 x 2 texels out, of which there must be one: its place in the block, and its texels as four bits.
+// Takes the first tile of 2 x 2 texels out, of which there must be one: its place in the block, and its
+// texels as four bits.
 fn take_tile(texels: ptr<function, vec2<u32>>) -> vec3<u32> {
     let lower = (*texels).x == 0u;
     let word = select((*texels).x, (*texels).y, lower);

@@ -1,6 +1,6 @@
-// Conservative overlap of a projected triangle with a texel, and its range of depth there. Needs `frame`.
-// A texel is tested with its square grown by frame.map_margin, which is far above the rounding of the projection and of
-// the edge functions; large coordinates grow it further.
+// Conservative overlap of a projected triangle with a texel, and its range of depth there. Needs `frame`. A
+// texel is tested with its square grown by frame.map_margin, which is far above the rounding of the
+// projection and of the edge functions; large coordinates grow it further.
 
 struct Cover {
     edges: array<vec3<f32>, 3>,  // inside where dot((x, y, 1), edge) >= 0 for a texel centre, reach included
@@ -12,7 +12,8 @@ struct Cover {
     nearest: f32,
     farthest: f32,
     in_front: bool,              // its edges are known; else every texel counts as touched
-    cut: bool,                   // not all corners lie in front of the light: more counts as touched, at any depth
+    // Not all corners lie in front of the light: more counts as touched, at any depth
+    cut: bool,
     thin: bool,                  // too thin for its orientation to be known: touched where an edge is
 }
 
@@ -68,9 +69,9 @@ fn undivided(p: vec4<f32>) -> vec3<f32> {
     return vec3(p.xy, p.w + frame.light_low.w);
 }
 
-// A triangle that reaches behind the light's nearest distance. The lines of its edges are found without division, so that of what
-// lies in front of the light they hold all, however near to the light it comes (Olano and Greer 1997). They reach out by what
-// rounding may have moved the corners.
+// A triangle that reaches behind the light's nearest distance. The lines of its edges are found without
+// division, so that of what lies in front of the light they hold all, however near to the light it comes
+// (Olano and Greer 1997). They reach out by what rounding may have moved the corners.
 fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     var s: Cover;
     let p = undivided(a);

@@ -1,5 +1,5 @@
-// The cells of an 8 x 8 block where a conservatively covered triangle may be, as bits; they are then gone through in one loop:
-// lanes of a vector wait for the fullest block, not for the fullest of each row.
+// The cells of an 8 x 8 block where a conservatively covered triangle may be, as bits; they are then gone
+// through in one loop: lanes of a vector wait for the fullest block, not for the fullest of each row.
 
 //@import rect conservative span block_bits
 

@@ -1,5 +1,5 @@
-// The depth that parts the nearest layer of a texel from all others: half way between the first and the second surface
-// at the texel's centre; beyond everything where there is no second.
+// The depth that parts the nearest layer of a texel from all others: half way between the first and the
+// second surface at the texel's centre; beyond everything where there is no second.
 
 const BEYOND = 3.0e38;
 

@@ -1,5 +1,6 @@
-// Sides of the light's map beyond which parts of large casters were left out (FLAG_ENDS): what goes on beyond them, facets and casters, meets
-// in all texels at them. Needs `frame`. A bit a side: lowest x, highest x, lowest y, highest y.
+// Sides of the light's map beyond which parts of large casters were left out (FLAG_ENDS): what goes on beyond
+// them, facets and casters, meets in all texels at them. Needs `frame`. A bit a side: lowest x, highest x,
+// lowest y, highest y.
 
 // The ends that a box of the map goes beyond.
 fn ends_beyond(low: vec2<f32>, high: vec2<f32>) -> u32 {
@@ -14,7 +15,8 @@ fn ends_at(low: vec2<u32>, high: vec2<u32>, across: u32) -> u32 {
     return ((at.x | at.y | at.z | at.w) * FLAG_ENDS) & frame.flags;
 }
 
-// The ends that a triangle goes beyond, by its corners of `map_points`; one that does not lie in front of the light may go beyond any.
+// The ends that a triangle goes beyond, by its corners of `map_points`; one that does not lie in front of the
+// light may go beyond any.
 fn ends_of_triangle(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> u32 {
     let in_front = min(a.w, min(b.w, c.w)) > 0.0;
     let low = select(vec2(-3.0e38), min(min(a.xy, b.xy), c.xy), in_front);

@@ -1,5 +1,5 @@
-// Marks the texels of an 8 x 8 block in `mask` (one bit a texel, rows padded to 32), a row of the block at a time. Needs `frame`
-// and the array `mask` of atomic words.
+// Marks the texels of an 8 x 8 block in `mask` (one bit a texel, rows padded to 32), a row of the block at a
+// time. Needs `frame` and the array `mask` of atomic words.
 
 //@import block_bits
 

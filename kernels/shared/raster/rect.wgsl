@@ -1,5 +1,5 @@
-// Rectangles of texels or pixels, both corners included, packed as x | y << 16. Work items are the 8 x 8 blocks, aligned
-// to multiples of 8, that a rectangle touches.
+// Rectangles of texels or pixels, both corners included, packed as x | y << 16. Work items are the 8 x 8
+// blocks, aligned to multiples of 8, that a rectangle touches.
 
 //@import divide
 

@@ -1,6 +1,8 @@
-// Which cells of a row a convex shape may touch: rows of a block are cut by the lines of its edges before cells are tested.
+// Which cells of a row a convex shape may touch: rows of a block are cut by the lines of its edges before
+// cells are tested.
 
-// Cells from x to y of a row whose centres may lie where  edge.x * x + edge.y * row + edge.z >= 0, a little more than that.
+// Cells from x to y of a row whose centres may lie where edge.x * x + edge.y * row + edge.z >= 0, a little
+// more than that.
 fn cut_span(span: vec2<f32>, edge: vec3<f32>, row: f32) -> vec2<f32> {
     let rest = edge.y * row + edge.z;
     let at = -rest / edge.x;

@@ -1,4 +1,5 @@
-// Light views of slices of what the camera sees, each with a map of frame.map_size texels a side. Needs `frame`.
+// Light views of slices of what the camera sees, each with a map of frame.map_size texels a side. Needs
+// `frame`.
 
 struct SplitViews {
     rows: array<vec4<f32>, 12>,   // three a view: (point, 1) to texel x and y, times the third
@@ -14,8 +15,8 @@ struct SplitViews {
 
 @group(0) @binding(1) var<uniform> splits: SplitViews;
 
-// A point in the view of a slice: texel x, y times the divisor, and the divisor, which is at least about 1 in the map (times that of
-// the whole view).
+// A point in the view of a slice: texel x, y times the divisor, and the divisor, which is at least about 1 in
+// the map (times that of the whole view).
 fn in_split(view: u32, p: vec4<f32>) -> vec3<f32> {
     let k = 3u * view;
     return vec3(dot(splits.rows[k], p), dot(splits.rows[k + 1u], p), dot(splits.rows[k + 2u], p));

@@ -1,5 +1,6 @@
-// Which owner a work item belongs to: `work_offsets` is the exclusive scan of the items of each owner, the total after the
-// last, a flag, and then what work_owners made of them: the places of a table, 0 where there is none, and the table.
+// Which owner a work item belongs to: `work_offsets` is the exclusive scan of the items of each owner, the
+// total after the last, a flag, and then what work_owners made of them: the places of a table, 0 where there
+// is none, and the table.
 
 const STRIDE = 8u;  // items a place of the table
 const HEAD = 3u;    // words between the offsets and the table

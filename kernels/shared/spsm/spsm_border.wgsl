@@ -1,5 +1,5 @@
-// Depth tests of receiver against sheet, and the border of a shadow as the outer edges of the sheets around give it (Lecocq
-// 2013, section 4.2). Needs spsm_sheet, receiver and the override BIAS.
+// Depth tests of receiver against sheet, and the border of a shadow as the outer edges of the sheets around
+// give it (Lecocq 2013, section 4.2). Needs spsm_sheet, receiver and the override BIAS.
 
 var<private> pieces: array<vec4<f32>, 75>;  // edges of up to 25 texels: both ends
 var<private> piece_count: u32;
@@ -9,8 +9,8 @@ fn bias_of(r: Receiver) -> f32 {
     return BIAS + depth_noise() + (abs(r.slope.x) + abs(r.slope.y)) * place_noise();
 }
 
-// Between what values least_gap lies, whatever of the texel the triangle takes: the plane over the whole texel, a little more
-// than what rounding makes of it.
+// Between what values least_gap lies, whatever of the texel the triangle takes: the plane over the whole
+// texel, a little more than what rounding makes of it.
 fn gap_bounds(s: Sheet, receiver: vec3<f32>) -> vec2<f32> {
     let gap = s.depth - receiver;
     let tilt = abs(gap.x) + abs(gap.y);
@@ -23,7 +23,8 @@ const BEHIND = 0u;
 const BEFORE = 1u;
 const EITHER = 2u;
 
-// Whether the texel's triangle lies before the receiver anywhere in the texel, as far as its plane alone tells.
+// Whether the texel's triangle lies before the receiver anywhere in the texel, as far as its plane alone
+// tells.
 fn before_by_plane(s: Sheet, around: vec3<f32>, far: f32, most: f32) -> u32 {
     let here = gap_bounds(s, around);
     let there = gap_bounds(s, vec3(0.0, 0.0, far));
@@ -31,8 +32,8 @@ fn before_by_plane(s: Sheet, around: vec3<f32>, far: f32, most: f32) -> u32 {
     return select(EITHER, BEFORE, here.y < most && there.y < most);
 }
 
-// Likewise, by its outline in the texel: before the receiver's plane, and not behind all of its triangle, which ends where the
-// plane goes on.
+// Likewise, by its outline in the texel: before the receiver's plane, and not behind all of its triangle,
+// which ends where the plane goes on.
 fn before_by(s: Sheet, o: Outline, around: vec3<f32>, far: f32, most: f32) -> bool {
     return least_gap(s, o, around) < most && least_gap(s, o, vec3(0.0, 0.0, far)) < most;
 }
@@ -45,8 +46,9 @@ fn before(s: Sheet, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
     return before_by(s, outline_of(s), around, r.far, most);
 }
 
-// Likewise for one place: besides, the triangle's plane at the place, or all of the triangle in the texel, lies before it. Where
-// a surface is hollow each of two neighbours lies before the other's plane, and neither shadows the other.
+// Likewise for one place: besides, the triangle's plane at the place, or all of the triangle in the texel,
+// lies before it. Where a surface is hollow each of two neighbours lies before the other's plane, and neither
+// shadows the other.
 fn before_place(s: Sheet, r: Receiver, at: vec4<f32>, centre: vec2<f32>) -> bool {
     let around = receiver_around(r, at, centre);
     let most = -bias_of(r);

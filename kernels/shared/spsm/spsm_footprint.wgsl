@@ -7,7 +7,8 @@ const CLASS_SHADOWED = 3u;
 const CLASS_UNCERTAIN = 4u;
 const MOST_TEXELS = 25.0;     // of a footprint that is settled as a whole
 
-// What of the light view a pixel covers: the place of its centre, the box of its corners, and the texels that the box touches.
+// What of the light view a pixel covers: the place of its centre, the box of its corners, and the texels that
+// the box touches.
 struct Footprint {
     at: vec4<f32>,
     low: vec2<f32>,

@@ -1,18 +1,21 @@
-// The 128-bit record of a texel of `spsm`, and the sheet it stands for: the triangle's three edges and its plane, around
-// the texel's centre, in texels. Needs `frame`, the uniform `slopes` (threshold above each code, value, bound) and the
-// overrides ENCODING and SPLIT.
-//   ENCODING 0 (Lecocq 2013, section 3.3): x | y << 16 of each vertex over the map; depth << 16 | slope y << 8 | slope x.
-//   ENCODING 1: per edge direction << 20 | distance << 8 | a byte of depth; slope y << 16 | slope x.
-// SPLIT 1: the upper and the lower half of the map are arrays of their own; at 4096 x 4096 each is as large as a binding may
-// be. SPLIT 0: the upper array holds all of it.
-// A record whose last word is EMPTY_WORD holds nothing: no slope has that code.
+// The 128-bit record of a texel of `spsm`, and the sheet it stands for: the triangle's three edges and its
+// plane, around the texel's centre, in texels. Needs `frame`, the uniform `slopes` (threshold above each
+// code, value, bound) and the overrides ENCODING and SPLIT.
+// ENCODING 0 (Lecocq 2013, section 3.3): x | y << 16 of each vertex over the map; depth << 16 | slope y << 8
+// | slope x.
+// ENCODING 1: per edge direction << 20 | distance << 8 | a byte of depth; slope y << 16 | slope x. SPLIT 1:
+// the upper and the lower half of the map are arrays of their own; at 4096 x 4096 each is as large as a
+// binding may be. SPLIT 0: the upper array holds all of it. A record whose last word is EMPTY_WORD holds
+// nothing: no slope has that code.
 
 //@import cross_sign
 
 const EMPTY_WORD = 0xffffffffu;
 const FAR_EDGE = 64.0;          // texels: an edge beyond the code's range
-const BEYOND = 1.0e6;           // doubt of the depth of what lies beyond the code's range: it is before nothing
-const NEAREST_EDGE = -0.75;     // a conservatively covered centre lies at most half a texel and the margins outside an edge
+// Doubt of the depth of what lies beyond the code's range: it is before nothing
+const BEYOND = 1.0e6;
+// A conservatively covered centre lies at most half a texel and the margins outside an edge
+const NEAREST_EDGE = -0.75;
 
 fn upper_rows() -> u32 { return (frame.map_size + 1u) / 2u; }
 
@@ -23,8 +26,9 @@ struct Sheet {
     held: bool,
 }
 
-// What rounding makes of a place in the light view, texels: a thirty-second of the worst case that the frame knows, which
-// triangles of ordinary size do not come near; the margin of other methods would keep texels for triangles beside them.
+// What rounding makes of a place in the light view, texels: a thirty-second of the worst case that the frame
+// knows, which triangles of ordinary size do not come near; the margin of other methods would keep texels for
+// triangles beside them.
 fn place_noise() -> f32 {
     return 0.0009765625 + 0.03125 * (frame.map_margin - 0.015625);
 }
@@ -61,7 +65,8 @@ fn unorm_code(value: f32, most: f32) -> u32 {
     return u32(floor(clamp(value, 0.0, 1.0) * most + 0.5));
 }
 
-// Likewise of a depth: what lies beyond the range, as a ground behind all casters may, has the code after the last.
+// Likewise of a depth: what lies beyond the range, as a ground behind all casters may, has the code after the
+// last.
 fn depth_code(value: f32, most: f32) -> u32 {
     return u32(min(floor(max(value, 0.0) * most + 0.5), most + 1.0));
 }

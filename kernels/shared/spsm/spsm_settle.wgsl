@@ -1,7 +1,8 @@
-// What the closest triangles say of all of a pixel's footprint. Needs spsm_footprint, spsm_border, and the overrides
-// MANY and RADIUS.
+// What the closest triangles say of all of a pixel's footprint. Needs spsm_footprint, spsm_border, and the
+// overrides MANY and RADIUS.
 
-// Whether a closest triangle may lie before the receiver in a texel of the footprint: by its plane, or by its outline.
+// Whether a closest triangle may lie before the receiver in a texel of the footprint: by its plane, or by its
+// outline.
 fn any_before(r: Receiver, f: Footprint, outlined: bool) -> bool {
     var found = false;
     var texel = f.first;
@@ -20,8 +21,8 @@ fn any_before(r: Receiver, f: Footprint, outlined: bool) -> bool {
     return found;
 }
 
-// How the triangle of a texel stands to the footprint: COVERS_ONE where it covers all of it, COVERS_TEXEL where by its plane it
-// lies before the receiver in all of the texel.
+// How the triangle of a texel stands to the footprint: COVERS_ONE where it covers all of it, COVERS_TEXEL
+// where by its plane it lies before the receiver in all of the texel.
 const COVERS_ONE = 1u;
 const COVERS_TEXEL = 2u;
 
@@ -45,9 +46,10 @@ fn covered_by_own(r: Receiver, f: Footprint) -> bool {
     return (covers_as(r, f, texel_of(f.at)) & COVERS_ONE) != 0u;
 }
 
-// Whether one triangle around covers the footprint, or all in and around the texels of the footprint lie before it by their
-// planes: then every pattern of depth tests there is the covered one. Of a footprint whose middle is outside the texels it was
-// held to, the first alone is asked, so that no loop goes from the one to the other.
+// Whether one triangle around covers the footprint, or all in and around the texels of the footprint lie
+// before it by their planes: then every pattern of depth tests there is the covered one. Of a footprint whose
+// middle is outside the texels it was held to, the first alone is asked, so that no loop goes from the one to
+// the other.
 fn covered(r: Receiver, f: Footprint) -> bool {
     let middle = texel_of(f.at);
     let held = all(middle >= f.first) && all(middle <= f.last);

@@ -1,5 +1,5 @@
-// Questions to a sheet of the sub-pixel shadow map. Needs spsm_record, seen_texels and the records. Places are in
-// texels.
+// Questions to a sheet of the sub-pixel shadow map. Needs spsm_record, seen_texels and the records. Places
+// are in texels.
 
 var<private> missed: bool;  // a texel was read that is not made
 
@@ -37,7 +37,8 @@ fn step_doubt(gap: vec2<f32>) -> f32 {
     return edge_doubt() * (abs(gap.x) + abs(gap.y));
 }
 
-// The part of range (from x to y) of a line  start + s * along  on the inner side of an edge; empty where x > y.
+// The part of range (from x to y) of a line start + s * along on the inner side of an edge; empty where x >
+// y.
 fn cut_range(range: vec2<f32>, start: vec2<f32>, along: vec2<f32>, edge: vec3<f32>) -> vec2<f32> {
     let value = dot(edge, vec3(start, 1.0));
     let rate = dot(edge.xy, along);
@@ -47,8 +48,9 @@ fn cut_range(range: vec2<f32>, start: vec2<f32>, along: vec2<f32>, edge: vec3<f3
     return vec2(range.x, min(range.y, at));
 }
 
-// Edge e of a sheet, whose other two are f and g, inside the square of half side `reach` around `middle`: its two ends, if
-// anything of it is there. The sheet lies on the side (d.y, -d.x) of the way d from start to end.
+// Edge e of a sheet, whose other two are f and g, inside the square of half side `reach` around `middle`: its
+// two ends, if anything of it is there. The sheet lies on the side (d.y, -d.x) of the way d from start to
+// end.
 struct Piece { start: vec2<f32>, end: vec2<f32>, some: bool }
 
 fn piece_of(e: vec3<f32>, f: vec3<f32>, g: vec3<f32>, middle: vec2<f32>, reach: f32) -> Piece {
@@ -65,8 +67,8 @@ fn piece_of(e: vec3<f32>, f: vec3<f32>, g: vec3<f32>, middle: vec2<f32>, reach: 
     return Piece(start + range.x * along, start + range.y * along, range.x <= range.y);
 }
 
-// What of a sheet's edges lies in its texel: both ends each. Nothing where the triangle holds the whole texel: no edge is asked
-// for there.
+// What of a sheet's edges lies in its texel: both ends each. Nothing where the triangle holds the whole
+// texel: no edge is asked for there.
 struct Outline { a: Piece, b: Piece, c: Piece }
 
 fn outline_of(s: Sheet) -> Outline {
@@ -88,9 +90,10 @@ fn least_at_ends(s: Sheet, gap: vec3<f32>, p: Piece) -> f32 {
     return select(3.0e38, min(gap_at(s, gap, p.start), gap_at(s, gap, p.end)), p.some);
 }
 
-// Least depth of the sheet over its texel less that of the receiver (per x, per y, at the centre), each place taken where the
-// triangle lies in the texel (Lecocq 2013, figure 9): at the texel's corner where the triangle holds it, else on an edge.
-// Where nothing of the triangle is in the texel, as coded, the corner nearest to it decides. Doubt included.
+// Least depth of the sheet over its texel less that of the receiver (per x, per y, at the centre), each place
+// taken where the triangle lies in the texel (Lecocq 2013, figure 9): at the texel's corner where the
+// triangle holds it, else on an edge. Where nothing of the triangle is in the texel, as coded, the corner
+// nearest to it decides. Doubt included.
 fn least_gap(s: Sheet, o: Outline, receiver: vec3<f32>) -> f32 {
     let gap = s.depth - receiver;
     let corner = vec2(select(0.5, -0.5, gap.x > 0.0), select(0.5, -0.5, gap.y > 0.0));
