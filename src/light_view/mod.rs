@@ -141,7 +141,7 @@ impl LightView {
         row_noise(self.z) + row_noise(self.w)
     }
 
-    /// What the divisor of a caster within the unit cube, as `f32` has it, is not below.
+    /// Lower bound of a caster's divisor within the unit cube, after `f32` rounding.
     pub fn clear_of_rounding(&self) -> f64 {
         if self.perspective { self.clear * (1.0 - 1e-6) - row_noise(self.w) } else { 0.0 }
     }

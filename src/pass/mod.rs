@@ -434,7 +434,7 @@ impl ShadowPass {
         self.last.as_ref().map_or(self.image.lit(), |(_, held)| &held.lit).raw()
     }
 
-    /// What the pass computes with.
+    /// Settings of the pass.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -23,17 +23,17 @@ impl Strip {
     }
 }
 
-/// Whether a frame finds what the light sees.
+/// Whether a frame makes the light maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapSource {
-    /// It does.
+    /// It makes them.
     Made,
-    /// What the frame before found is right for this one too, as for another strip of its image: with one view it is kept, and
+    /// The frame before made them, and they hold for this one too, as for another strip of its image: with one view they are kept, and
     /// silhouettes are not counted again.
     Kept,
 }
 
-/// Where it is known from what pixels show.
+/// Source of the surfaces that pixels show.
 #[derive(Clone, Copy, Default)]
 pub enum FacetSource<'a> {
     /// Found among the triangles.

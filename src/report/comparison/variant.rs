@@ -9,7 +9,7 @@ use crate::methods::{
 };
 use crate::samples::{Pattern, Samples};
 
-/// What is asked for.
+/// Variants to compare.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scope {
     /// Methods.
