@@ -79,7 +79,7 @@ shared_struct! {
         pub facets_total: u32,
         /// Triangles that the lists of all pixels can hold.
         pub pixel_triangle_capacity: u32,
-        /// Pixels with several surfaces that can be looked at.
+        /// Most pixels with several surfaces that can be searched.
         pub complex_capacity: u32,
         /// First row of the image that the frame is a strip of.
         pub first_row: u32,

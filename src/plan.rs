@@ -154,7 +154,7 @@ impl Plan {
     }
 }
 
-/// The number of facets a pixel with which a stage finds what pixels see; with the other, other stages do.
+/// The facets a pixel (one or all) for which a stage finds what pixels see; for the other mode, other stages do.
 fn finds_facets_of(stage: &str) -> Option<FacetMode> {
     match stage {
         "pixel_triangles" | "sample_surfaces" => Some(FacetMode::All),

@@ -31,7 +31,7 @@ pub struct LightView {
     pub w: DVec4,
     /// Points with a smaller divisor are not in front of the light.
     pub near: f64,
-    /// Of a light at a point, the smallest divisor of what the view was fitted to; else 0.
+    /// Smallest divisor of what the view was fitted to, for a light at a point; else 0.
     pub clear: f64,
     /// Whether the light is at a point.
     pub perspective: bool,
@@ -41,7 +41,7 @@ pub struct LightView {
     /// One of several views: what is proved of a surface counts only where all of it lies in the view.
     pub one_of_several: bool,
     /// Sides of the map (lowest `x`, highest `x`, lowest `y`, highest `y`) beyond which parts of large casters were left out that shadow no surface
-    /// there. A facet that stands for its whole pixel goes on beyond its surface, where they may shadow or cut it: what crosses such
+    /// there. A facet that represents its whole pixel goes on beyond its surface, where they may shadow or cut it: what crosses such
     /// a side, facets and casters, meets in all texels at it.
     pub ends: [bool; 4],
     /// Whether triangles that turn away from the light are never lit, whatever side of them is seen: the mesh is closed, and the

@@ -301,7 +301,7 @@ impl FacetMasks {
         ((view * self.capacities.bands + band) * self.capacities.rounds + round) as usize
     }
 
-    /// Records the stage `camera_visibility` alone, for what takes its place to look at; after `triangle_setup`, as in what
+    /// Records the stage `camera_visibility` alone, to be read by what takes its place; after `triangle_setup`, as in what
     /// [`FacetMasks::record_seen`] is given.
     ///
     /// # Errors

@@ -287,7 +287,7 @@ fn settle_unmarked(view: &View, splits: &[Split], point: DVec3, facet: &mut Face
     };
 }
 
-/// Most texels of which the splits are looked at.
+/// Most texels of which the splits are read.
 const MOST_SPLITS: u32 = 256;
 
 /// The state of a facet that is no caster's, none of whose texels is marked: lit where none of them has a caster, shadowed

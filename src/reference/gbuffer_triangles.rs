@@ -55,7 +55,7 @@ pub fn pixels(layers: &[Vec<u32>], first: u32, none: u32, numbers: &[u32]) -> (V
     (pixels, unknown)
 }
 
-/// Of each of `ours` the nearest of `theirs`, of equally near ones the first.
+/// The nearest of `theirs` to each of `ours`, of equally near ones the first.
 pub fn nearest(ours: &[[f32; 2]], theirs: &[[f32; 2]]) -> Vec<usize> {
     let distance = |a: &[f32; 2], b: &[f32; 2]| (f64::from(a[0] - b[0])).hypot(f64::from(a[1] - b[1]));
     let of = |a| {

@@ -75,7 +75,7 @@ impl TreeBuffers {
     }
 }
 
-/// Which facets are traced, and what was left open of them.
+/// Facets that are traced, and what was left open of them.
 #[derive(Debug)]
 pub struct RayLists {
     /// The undecided facets, rising.

@@ -30,12 +30,12 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Of one texel in which nothing casts.
+    /// State of one texel in which nothing casts.
     pub fn nothing() -> Self {
         Self { marked: vec![false], splits: vec![Split::Uncovered], depths: Vec::new(), silhouette_edges: 0 }
     }
 
-    /// Of what casts; the depths only if asked for.
+    /// State from the casters; the depths only if asked for.
     pub fn new(
         clock: &mut Clock,
         view: &View,

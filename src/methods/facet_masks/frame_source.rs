@@ -5,7 +5,7 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::every_surface::SampleIds;
 
-/// Which part of an image a frame is: as many rows as its settings say, all of them as wide as the image.
+/// The part of an image that a frame is: as many rows as its settings say, all as wide as the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strip {
     /// Width and height of the image.
