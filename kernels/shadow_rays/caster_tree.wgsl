@@ -74,7 +74,7 @@ fn met_four(kinds: u32, octant: u32, near: vec3<u32>, far: vec3<u32>, step: vec3
     return group_bits(kinds, octant, enter <= leave);
 }
 
-// What a ray meets of a node: first child and group of nodes, first triangle and group of triangles.
+// Parts of a node that a ray meets: first child and group of nodes, first triangle and group of triangles.
 fn met_by(w: Walk, at: u32) -> vec4<u32> {
     let n0 = nodes[5u * at];
     let n1 = nodes[5u * at + 1u];

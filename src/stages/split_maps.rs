@@ -43,7 +43,7 @@ shared_struct! {
 }
 
 impl SplitViews {
-    /// At most [`SplitPlan::MOST`] views, of maps of at most [`LightView::LARGEST_MAP`] texels a side, in a scene no deeper than `far`.
+    /// At most [`SplitPlan::MOST`] views, of maps of `map_size` texels a side, at most [`LightView::LARGEST_MAP`]; depths to `far`.
     pub fn new(views: &[SplitView], map_size: u32, far: f64) -> Self {
         let count = (views.len() as u32).min(SplitPlan::MOST);
         let mut made = Self { count, far: far as f32, ends: [3e38; 4], ..Self::default() };
