@@ -72,7 +72,7 @@ fn begin() {
     atomicStore(&facet_items[frame_given.facets_total], 0u);
 }
 
-// What is in the facet's memory from before; whether it has a surface.
+// Clears the facet's masks in the first view; whether it has a surface.
 fn begin_facet(f: u32) -> bool {
     if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
         for (var w = WORDS; w < 3u * WORDS; w++) { masks[3u * WORDS * f + w] = 0u; }

@@ -158,7 +158,7 @@ fn nearest_to(k: u32) -> u32 {
     return params.nearest[k >> 2u][k & 3u];
 }
 
-// What lies in none of the pixel's triangles has key 0 (sample_surfaces).
+// Samples that lie in none of the pixel's triangles have key 0 (sample_surfaces).
 @compute @workgroup_size(WORKGROUP)
 fn fill_layers(
     @builtin(workgroup_id) group: vec3<u32>,

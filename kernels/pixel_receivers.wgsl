@@ -83,7 +83,7 @@ fn caster_at(at: vec2<i32>, p: Place) -> u32 {
     return NO_TRIANGLE;
 }
 
-// What a neighbour shows, if it is no caster.
+// Place of a neighbour's surface, if it is no caster.
 fn other_at(at: vec2<i32>) -> Place {
     var p = place_at(at);
     if p.what != SURFACE { return p; }

@@ -51,7 +51,7 @@ fn texels_of(item: Item) -> vec2<u32> {
     let block = item.block;
     let outline = facet_outline(facet.pixel, part_of(facet.span), facet.plane, facet.limit);
     var reach = 0.5 + frame.map_margin;
-    // With validity masks even the facet's own sheet is looked at: its triangles may cut samples off.
+    // With validity masks even the facet's own sheet is tested: its triangles may cut samples off.
     var skip_front = (frame.flags & (FLAG_ALL_UNDECIDED | FLAG_VALIDITY)) == 0u;
     if only_receives(facet.triangle) {
         reach = 0.5 + margin_beyond(reach_beyond(facet.pixel, part_of(facet.span), facet.plane, facet.limit));

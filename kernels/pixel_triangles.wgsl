@@ -31,7 +31,7 @@ const WORKGROUP = 64u;
 
 const MARGIN = 1.00001;
 
-// What is known of a triangle over the square of a pixel.
+// State of a triangle over the square of a pixel.
 struct Over {
     touches: bool,
     covers: bool,

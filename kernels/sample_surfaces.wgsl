@@ -11,8 +11,8 @@
 // into `facet_counts`; `emit` lists them at `pixel_facets`, in the order of their first samples, each with
 // that of its triangles that most samples see. `emit_single` lists the facets of single pixels, and makes
 // what lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the
-// complement of the triangle at the pixel centre, which is sample 0; it must be 0 before. What all samples
-// see may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_keys` and
+// complement of the triangle at the pixel centre, which is sample 0; it must be 0 before. The surfaces of all
+// samples may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_keys` and
 // `rivals_found` are those of a band, sample by sample: neighbouring invocations find theirs side by side.
 //@bindings Search: nearest, settle_rivals, settle_crowds
 

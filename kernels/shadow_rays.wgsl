@@ -37,8 +37,8 @@ const WORK_HEAD = 4u;
 var<workgroup> wg_occluded: array<atomic<u32>, 64>;
 var<workgroup> wg_open: array<atomic<u32>, 64>;
 
-// What becomes of the ray of `sample`: DOUBTFUL is one whose doubts have no room; with `exact` there are
-// none. A node's triangles are sifted before any is looked at closely.
+// Result of the ray of `sample`: DOUBTFUL is one whose doubts have no room; with `exact` there are none. A
+// node's triangles are sifted before any is tested closely.
 fn follow(g: Ground, r: Ray, sample: u32, exact: bool) -> u32 {
     var found = FREE;
     if tree.node_count == 0u { return found; }

@@ -38,8 +38,7 @@ const LIT = 1u;
 const SEVERAL = 2u;
 const MOST_TEXELS = 64;
 
-// What all texels of a box are, if there are few and they are alike: then no sample between them lies at a
-// border.
+// State of all texels of a box, if they are few and alike: then no sample between them lies at a border.
 fn state_around(plane: Plane, low: vec2<f32>, high: vec2<f32>, whole: bool) -> u32 {
     // Beyond the map all texels are alike: one will do.
     let size = vec2(f32(frame.map_size));
@@ -63,7 +62,7 @@ fn state_around(plane: Plane, low: vec2<f32>, high: vec2<f32>, whole: bool) -> u
 fn lit_share(r: Receiver, plane: Plane, pixel: u32) -> f32 {
     var sum = 0.0;
     var seen = 0.0;
-    // What the texel of the sample before is; samples that follow each other often share one.
+    // Texel of the sample before, and its state; samples that follow each other often share one.
     var texel = vec2(-100);
     var dark = false;
     var left: Line;

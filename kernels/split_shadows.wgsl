@@ -98,8 +98,8 @@ fn trilinear(view: u32, level: f32, at: vec2<f32>) -> vec2<f32> {
     return mixed(vec4(fine.x, coarse.x, fine.xx), vec4(fine.y, coarse.y, 0.0, 0.0), vec4(1.0 - f, f, 0.0, 0.0));
 }
 
-// What the receiver, which is at `place`, is deeper at another texel of the map: along its plane, which a
-// warp bends.
+// Depth that the receiver at `place` gains up to another texel of the map: along its plane, which a warp
+// bends.
 fn rise_to(r: Receiver, place: Place, at: vec2<f32>) -> f32 {
     let k = 3u * place.view;
     let q = vec3(at, 1.0);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// What the library returns instead of panicking. The text of each names the file or object and the numbers.
+/// Error that the library returns instead of a panic. Its text names the file or object and the numbers.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -47,7 +47,7 @@ pub enum Error {
     /// More of something than there can be.
     #[error("limit: {needed} {what}, {limit} are possible")]
     Limit {
-        /// What there is too much of.
+        /// Things that are too many.
         what: String,
         /// How many it takes.
         needed: u64,

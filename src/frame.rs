@@ -1,4 +1,4 @@
-//! What is the same for all kernels of a frame.
+//! The uniform that all kernels of a frame share.
 
 use crate::light_view::{LightView, power_of_two_below, unit_scale};
 use crate::samples::Samples;
@@ -11,11 +11,11 @@ shared_struct! {
     "shared/frame/frame" => pub struct Frame {
         /// Eye in world units, and the scale, a power of two.
         pub eye: [f32; 4],
-        /// What `f32` leaves out of the eye; `w`: no caster is nearer along the light view's axis.
+        /// Remainder of the eye beyond `f32`; `w`: lower bound of a caster's distance along the light view's axis.
         pub eye_low: [f32; 4],
         /// Direction towards the light and 0, or its point and 1.
         pub light: [f32; 4],
-        /// What `f32` leaves out of the light; `w`: nearest distance along the light view's axis.
+        /// Remainder of the light beyond `f32`; `w`: nearest distance along the light view's axis.
         pub light_low: [f32; 4],
         /// Direction through the image's top left corner.
         pub ray_corner: [f32; 4],
@@ -57,7 +57,7 @@ shared_struct! {
         pub edge_count: u32,
         /// Vertices.
         pub vertex_count: u32,
-        /// What the plan asks for: see `Frame::CULL_BACK` and its neighbours.
+        /// Flags: see `Frame::CULL_BACK` and its neighbours.
         pub flags: u32,
         /// Texels by which conservative tests reach out.
         pub map_margin: f32,
@@ -79,7 +79,7 @@ shared_struct! {
         pub facets_total: u32,
         /// Triangles that the lists of all pixels can hold.
         pub pixel_triangle_capacity: u32,
-        /// Pixels with several surfaces that can be looked at.
+        /// Most pixels with several surfaces that can be searched.
         pub complex_capacity: u32,
         /// First row of the image that the frame is a strip of.
         pub first_row: u32,
@@ -183,7 +183,7 @@ impl Frame {
     }
 }
 
-/// A vector as `f32` values and what they leave out.
+/// A vector as `f32` values and the remainder.
 fn split(v: DVec3) -> (DVec3, DVec3) {
     let high = v.as_vec3().as_dvec3();
     (high, v - high)

@@ -1,7 +1,7 @@
 //! Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
 //!
 //! The flagship method is `facet-masks` (Pan, Wang, Chen, Zhou, Bao: *Fast, Sub-pixel Antialiased Shadow Maps*,
-//! Pacific Graphics 2009): each pixel is stood in for by facets, blockers are projected onto them as half-planes, and
+//! Pacific Graphics 2009): facets represent each pixel, blockers are projected onto them as half-planes, and
 //! one bit per sample records what is occluded. Every stage is a WGSL compute kernel over GPU buffers, and every stage
 //! has a CPU definition in [`mod@reference`] that knows nothing of the GPU.
 //!

@@ -18,7 +18,7 @@ use proofs::{all_is_lit, back_faces_add_nothing, no_shadow, nothing_seen};
 pub enum Extent {
     /// Nothing: no pixel sees a surface, so every pixel is lit.
     Nothing,
-    /// What each pixel sees and whether it faces the light; no caster is looked at.
+    /// The surface of each pixel and whether it faces the light; no caster is tested.
     Facing,
     /// Everything.
     Everything,
@@ -29,13 +29,13 @@ pub enum Extent {
 pub struct PlanStep {
     /// The stage; parts of it follow a dot.
     pub name: &'static str,
-    /// What it is for.
+    /// Its purpose.
     pub purpose: &'static str,
     /// Why it is not needed; `None` where it runs.
     pub left_out: Option<String>,
 }
 
-/// What runs for one scene and one setting.
+/// Stages that run, or are left out, for one scene and one setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// How much of the method runs.
@@ -74,7 +74,7 @@ const BACK_FACING: (&str, &str) =
 const PERSPECTIVE: (&str, &str) = ("vertex_project.divide", "perspective divide of the light view");
 
 impl Plan {
-    /// What rendering `prepared` needs. `wanted` says what is asked for: with `cull_back` the plan may leave out casters
+    /// Plan for rendering `prepared`. `wanted` says what is asked for: with `cull_back` the plan may leave out casters
     /// that face away from the light. `force_all` leaves out nothing and settles no facet before evaluation.
     ///
     /// # Errors
@@ -154,7 +154,7 @@ impl Plan {
     }
 }
 
-/// The number of facets a pixel with which a stage finds what pixels see; with the other, other stages do.
+/// The facets a pixel (one or all) for which a stage finds what pixels see; for the other mode, other stages do.
 fn finds_facets_of(stage: &str) -> Option<FacetMode> {
     match stage {
         "pixel_triangles" | "sample_surfaces" => Some(FacetMode::All),

@@ -58,7 +58,7 @@ impl SlopeCode {
     }
 }
 
-/// What the depth tests of 3 × 3 texels say of the shadow border. Bit `3 y + x` of a mask: the texel's triangle lies before
+/// Shadow border around a texel, from the depth tests of 3 × 3 texels. Bit `3 y + x` of a mask: the texel's triangle lies before
 /// the receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BorderPattern {

@@ -57,7 +57,7 @@ shared_struct! {
         pub pad: u32,
         /// Triangles in the lists of all pixels.
         pub pixel_triangles: Need,
-        /// Pixels whose samples are looked at one by one.
+        /// Pixels whose samples are searched one by one.
         pub complex_pixels: Need,
         /// Facets.
         pub facets_needed: Need,
@@ -73,7 +73,7 @@ shared_struct! {
         pub triangle_pairs: Need,
         /// Pairs of facet and caster that were worth evaluating.
         pub candidates: u32,
-        /// Those that single precision did not decide.
+        /// Candidates that single precision did not decide.
         pub doubts: u32,
         /// Longest list of triangles of a place of the map.
         pub longest: u32,
@@ -85,9 +85,9 @@ shared_struct! {
 /// A frame's counters, read back.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Status {
-    /// Of the whole frame.
+    /// Counters of the whole frame.
     pub head: StatusHead,
-    /// Of each band of each view, view after view.
+    /// Counters of each band of each view, view after view.
     pub bands: Vec<StatusBand>,
 }
 
@@ -102,7 +102,7 @@ impl Status {
         (size_of::<StatusHead>() + band * size_of::<StatusBand>()) / 4
     }
 
-    /// Of the words of a buffer; words that are missing are 0.
+    /// Status from the words of a buffer; words that are missing are 0.
     pub fn of(words: &[u32]) -> Self {
         let (head, bands) = words.split_at(words.len().min(Self::band(0)));
         let mut first = [0; Self::band(0)];

@@ -1,4 +1,4 @@
-// What a caster may do to a facet, as far as outlines and slopes in the light view tell (candidate_pairs).
+// Effect of a caster on a facet, as far as outlines and slopes in the light view tell (candidate_pairs).
 // Needs `frame`, facet, facet_quad, facing, the arrays `undecided`, `triangles` and `map_points`, and the
 // override ALONE.
 
@@ -15,7 +15,7 @@ fn reach_of(a: vec2<f32>, b: vec2<f32>, turn: f32, quad: Quad) -> vec2<f32> {
     return vec2(at - wide, at + wide);
 }
 
-// What is asked of a facet's surroundings.
+// Facet data that `effect` reads.
 struct Own {
     i: vec3<u32>,  // its own triangle
     turn: f32,     // sign of the area of that in the light view; 0 if the facet has samples elsewhere
@@ -43,9 +43,9 @@ fn share_edge(i: vec3<u32>, j: vec3<u32>) -> bool {
     return any(one | two | three);
 }
 
-// What a triangle may do to a facet: nothing, something, or cover all of it. Of two triangles at an edge that
-// face the light alike neither casts on the other. What is no caster (FLAG_CULL_BACK) may still cut a facet
-// whose plane it reaches.
+// Effect that a triangle may have on a facet: none, some, or it covers the whole facet. Of two triangles at
+// an edge that face the light alike neither casts on the other. What is no caster (FLAG_CULL_BACK) may still
+// cut a facet whose plane it reaches.
 fn effect(
     t: u32,
     own: Own,

@@ -43,7 +43,7 @@ fn is_clamped() -> bool {
     return CLAMPED == 1u;
 }
 
-// What is found of a facet.
+// Geometry of a facet.
 struct Found {
     plane: vec4<f32>,
     ray: vec3<f32>,    // to its sample `origin`
@@ -150,7 +150,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
         rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
     if is_empty(rect) { return STATE_LIT; }
-    // What lies in part beyond one of several views is settled in none of them.
+    // A facet partly beyond one of several views is not settled in that one.
     let inside = all((low >= vec2(margin)) & (high <= vec2(f32(frame.map_size) - margin)));
     let whole = inside || (frame.flags & FLAG_ONE_OF_SEVERAL) == 0u;
     if (frame.flags & FLAG_ALL_UNDECIDED) == 0u && outline.in_front && whole && !hidden {

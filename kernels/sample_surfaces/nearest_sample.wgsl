@@ -5,16 +5,16 @@
 
 //@import word_offsets
 
-// What is known of each sample of the word: the complement of its triangle (0: none) and bounds of its
-// inverse depth. They are only indexed by what compilers know, so that they stay in registers. Where `rivals`
-// has a bit, another triangle almost touches it there: `rivals_found`; the upper bound is then that of both.
+// State of each sample of the word: the complement of its triangle (0: none) and bounds of its inverse depth.
+// They are only indexed by what compilers know, so that they stay in registers. Where `rivals` has a bit,
+// another triangle almost touches it there: `rivals_found`; the upper bound is then that of both.
 var<private> best_keys: array<u32, 32>;
 var<private> best_high: array<f32, 32>;
 var<private> best_low: array<f32, 32>;
 var<private> rivals: u32;
 var<private> crowded: u32;
 
-// The triangle that is looked at, and the samples for which bounds do not tell; those of the triangles of a
+// The triangle that is tested, and the samples for which bounds do not tell; those of the triangles of a
 // batch.
 var<private> view: View;
 var<private> open: u32;
@@ -89,7 +89,7 @@ fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
     let depth = eye_depth(u, ray);
     if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w { return; }
     if is_near_open(depth) {
-        // It may lie nearer than the near distance: as one of a crowd it is looked at with 46 bits.
+        // It may lie nearer than the near distance: as one of a crowd it is tested with 46 bits.
         crowded |= 1u << k;
         return;
     }
@@ -145,9 +145,9 @@ fn look_at(t: u32, count: u32, centre: vec3<f32>) {
     open &= select((1u << count) - 1u, 0xffffffffu, count == 32u);
 }
 
-// Takes in up to BATCH triangles of the pixel's list, from `first` on. `count`: samples of the word. What
-// bounds leave open is decided for all of them in one loop: it is rare, and costs as much as a triangle does.
-// What is found does not depend on the order.
+// Takes in up to BATCH triangles of the pixel's list, from `first` on. `count`: samples of the word. Samples
+// that bounds leave open are decided for all triangles in one loop: they are rare, and cost as much as a
+// triangle does. The result does not depend on the order.
 fn take_in(first: u32, end: u32, count: u32, slot: u32, pixel: u32, centre: vec3<f32>) {
     for (var n = 0u; n < BATCH; n++) { opens[n] = 0u; }
     var some = false;
@@ -172,7 +172,7 @@ fn take_in(first: u32, end: u32, count: u32, slot: u32, pixel: u32, centre: vec3
     }
 }
 
-// What earlier rounds left of the word's `count` samples.
+// Resumes the word's `count` samples where earlier rounds left them.
 fn resume(slot: u32, pixel: u32, count: u32) {
     let word = 32u * step.word;
     let masks_at = place(slot, 32u * WORDS + step.word);

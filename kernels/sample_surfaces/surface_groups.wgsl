@@ -1,6 +1,6 @@
-// What the samples of complex pixels see, and their grouping by surface (sample_surfaces). Needs `frame`,
-// `step`, the overrides WORDS, MERGE and SAMPLES, and the arrays `complex_total`, `complex_pixels`,
-// `sample_keys`, `seen_keys`, `group_keys` and `points`.
+// Surfaces of the samples of complex pixels, and their grouping (sample_surfaces). Needs `frame`, `step`, the
+// overrides WORDS, MERGE and SAMPLES, and the arrays `complex_total`, `complex_pixels`, `sample_keys`,
+// `seen_keys`, `group_keys` and `points`.
 
 // Complex pixels of the band.
 fn slot_count() -> u32 {
@@ -36,7 +36,7 @@ fn farthest_corner(slot: u32, those: vec4<u32>) -> f32 {
     return far;
 }
 
-// What the samples of a pixel see, where one word holds them: loaded once, and only indexed by what compilers
+// Surfaces of a pixel's samples, where one word holds them: loaded once, and only indexed by what compilers
 // know.
 var<private> own_groups: array<u32, 32>;
 var<private> own_seen: array<u32, 32>;

@@ -86,7 +86,7 @@ fn met_four(
     return group_bits(kinds, octant, enter <= leave);
 }
 
-// What a ray meets of a node: first child and group of nodes, first triangle and group of triangles.
+// Parts of a node that a ray meets: first child and group of nodes, first triangle and group of triangles.
 fn met_by(w: Walk, at: u32) -> vec4<u32> {
     let n0 = nodes[5u * at];
     let n1 = nodes[5u * at + 1u];

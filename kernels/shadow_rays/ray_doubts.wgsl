@@ -1,4 +1,4 @@
-// What single precision left open of shadow rays, as it lies in `work`. Needs `frame` and shadow_ray.
+// Doubts of shadow rays that single precision left open, as they lie in `work`. Needs `frame` and shadow_ray.
 
 // First word of the doubts, and how many there is room for.
 fn doubts() -> vec2<u32> {

@@ -2,7 +2,8 @@
 // outer edges (Lecocq 2013, section 4.2). Needs spsm_border, spsm_search, the table `patterns`, and the
 // overrides WORDS and MANY.
 
-// What of a pixel the search needs: the place of its centre, which is on the triangle, and which samples are.
+// Parts of a pixel that the search needs: the place of its centre, which is on the triangle, and which
+// samples are.
 struct Around {
     middle: vec4<f32>,
     own: vec4<u32>,

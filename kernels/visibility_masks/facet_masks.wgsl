@@ -18,7 +18,7 @@ fn add(f: u32, part: u32, m: vec4<u32>) {
     }
 }
 
-// Whether the coverage mask already says which samples the facet stands in for: then nothing cuts it.
+// Whether the coverage mask already says which samples the facet represents: then nothing cuts it.
 fn is_partial(f: u32) -> bool {
     var seen = 0u;
     for (var w = 0u; w < WORDS; w++) { seen += countOneBits(atomicLoad(&masks[3u * WORDS * f + w])); }

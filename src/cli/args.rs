@@ -276,7 +276,7 @@ pub struct FuzzOptions {
     /// Cases to run [default: 1000; with --minutes as many as there is time for]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub cases: Option<u64>,
-    /// What the cases are drawn from: the same seed, the same cases
+    /// Seed of the random cases: the same seed, the same cases
     #[arg(long, default_value_t = 1, value_name = "S")]
     pub seed: u64,
     /// Minutes after which no further case is begun
@@ -308,7 +308,7 @@ fn minutes(text: &str) -> std::result::Result<f64, String> {
 }
 
 impl StabilityOptions {
-    /// What every frame is computed with.
+    /// Settings of every frame.
     pub fn settings(&self) -> Result<Settings> {
         let samples = Samples::new(Pattern::LowDiscrepancy, self.samples)?;
         let settings = Settings { cull_back: true, ..Settings::new(self.size, self.map, samples) };
@@ -344,7 +344,7 @@ impl ReportOptions {
         self.tessellate.unwrap_or(if self.quick { 0 } else { 3 })
     }
 
-    /// What is compared.
+    /// Variants to compare.
     pub fn scope(&self) -> Result<Scope> {
         let (samples, maps, size): (&[u32], &[u32], _) = match self.quick {
             true => (&[1, 32], &[256], [240, 180]),

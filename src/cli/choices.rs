@@ -20,7 +20,7 @@ pub enum Search {
     Along,
 }
 
-/// Which samples `ray-traced` follows.
+/// Samples that `ray-traced` follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum RayChoice {
     /// All of pixels that face the light.

@@ -30,8 +30,8 @@ pub struct Rendered {
     pub cpu_stages: Option<Vec<CpuTime>>,
     /// Frames whose median time each time is; 0 where nothing ran, or no time was asked for.
     pub timed_frames: u32,
-    /// How long it took from the call to the begin of the first of these: memory, pipelines, and a frame that is not timed. Reading
-    /// back what is looked at is left out.
+    /// How long it took from the call to the begin of the first of these: memory, pipelines, and a frame that is not timed. Reading back
+    /// `looks` is left out.
     pub setup: Duration,
 }
 

@@ -180,7 +180,7 @@ fn of_frame(path: &Path, name: &str, value: &Value) -> Result<Option<Setting>> {
     Ok(Some(Setting { text: text.clone().into(), options, scene }))
 }
 
-/// What clap says before it explains the usage.
+/// Reason that clap gives before it explains the usage.
 fn reason(error: &clap::Error) -> String {
     let text = error.to_string();
     let first = text.split("\n\n").next().unwrap_or_default();
@@ -196,7 +196,7 @@ fn short(value: &Value) -> String {
     }
 }
 
-/// What a frame was asked for with, under the names of the options: `--from` repeats it. Camera and light are those that were used,
+/// Settings that a frame was asked for with, by the names of the options: `--from` repeats it. Camera and light are those that were used,
 /// in numbers that read back the same; so are engine and adapter.
 pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<String, Value> {
     fn word(value: impl ValueEnum) -> Value {
@@ -295,7 +295,7 @@ mod tests {
         assert_eq!(recorded, wanted.collect());
     }
 
-    /// What is recorded reads back to the same options, scene, camera and light.
+    /// Recorded settings read back to the same options, scene, camera and light.
     #[test]
     fn what_is_recorded_reads_back() {
         let lights =

@@ -7,7 +7,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::gpu::kernels::ALL;
 use subpixel_shadows::report::write_text;
 
-/// Writes each kernel, joined with what it imports, as `STEM.wgsl`; all of them or none.
+/// Writes each kernel, joined with what it imports, as `STEM.wgsl`; all or none.
 pub fn run(out: &Path) -> Result<()> {
     OutFolder::check(out)?;
     let files = OutFolder::fill(out, |out| {

@@ -1,4 +1,4 @@
-//! The folder that the files go to: all of them, or none.
+//! The folder that the files go to: all files, or none.
 
 use super::held::FolderLock;
 use std::path::{Path, PathBuf};

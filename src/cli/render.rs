@@ -246,7 +246,7 @@ fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
     }
 }
 
-/// What the colours of the pictures mean, and which picture there is not.
+/// Reports what the colours of the pictures mean, and which picture is missing.
 fn looks(report: &mut Report, options: &RenderOptions, rendered: &Rendered) {
     let looks = rendered.looks.as_ref();
     let key = CLASS_COLOURS.map(|(class, colour, _)| format!("{colour} {}", format!("{class:?}").to_lowercase()));

@@ -71,7 +71,7 @@ fn open(options: &ReportOptions, scene: &str) -> Result<(Scene, Option<String>)>
     Scene::open_and_note(scene, &SceneOptions { ground: options.ground, ..SceneOptions::default() })
 }
 
-/// What is to be measured, in order.
+/// Jobs to measure, in order.
 fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
     let all = variants(scope)?;
     let truths: Vec<ReportVariant> = {
@@ -202,7 +202,7 @@ fn write(options: &ReportOptions, machine: &Machine, rows: &[Row]) -> Result<Vec
     Ok(written)
 }
 
-/// What people want to see first: the front of each scene.
+/// Prints what people want to see first: the front of each scene.
 fn summary(machine: &Machine, rows: &[Row], written: &[PathBuf], start: Instant) -> Result<()> {
     let mut report = Report::default();
     report.line("adapter", &machine.line());

@@ -54,7 +54,7 @@ impl<'a> FuzzDevice<'a> {
     /// Renders a case as `render` does.
     ///
     /// # Errors
-    /// What the program would refuse the scene or the settings with; [`crate::Error::Gpu`].
+    /// The program's error for a scene or settings that it refuses; [`crate::Error::Gpu`].
     pub fn render(&self, case: &FuzzCase) -> Result<Shot> {
         self.programs.within(|| self.render_with(case))
     }

@@ -1,4 +1,4 @@
-//! With which settings a world is rendered.
+//! Settings with which a world is rendered.
 
 use super::random::Random;
 use crate::Result;
@@ -27,7 +27,7 @@ pub struct How {
     pub both: bool,
 }
 
-/// What a block of cases shares, as pipelines depend on it.
+/// Settings that a block of cases shares, because pipelines depend on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Shared {
     samples: u32,

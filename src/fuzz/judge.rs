@@ -9,7 +9,7 @@
 //!   pass between those places), or if facet truth does of the surface that it was given. Where the plan says that nothing is seen, truth
 //!   must see nothing.
 //! - *Seen truth* ([`SeenErrors`]): no sample (with one facet a pixel: no centre) is given another surface than it sees, but where the two
-//!   are tied. What is tied there, or stands in for the nearest, does not count in scene truth either.
+//!   are tied. What is tied there, or replaces the nearest, does not count in scene truth either.
 //! - *The picture*: shares are in `[0, 1]` and those of the masks they come from.
 //! - *The plan*: planned and forced pictures have the same bits, but in pixels in which a sample is ambiguous or tied.
 //!
@@ -80,13 +80,13 @@ impl Fault {
 pub struct Figures {
     /// Samples held against truth, those of both engines and both truths.
     pub compared: u64,
-    /// Of these wrong outside the band.
+    /// Wrong ones outside the band.
     pub wrong: u64,
-    /// Of these within the band.
+    /// Ambiguous ones: within the band.
     pub ambiguous: u64,
     /// Samples whose surface was asked for.
     pub seen: u64,
-    /// Of these given another surface than the nearest, of which either may stand.
+    /// Those given another surface than the nearest, where either may be right.
     pub tied: u64,
     /// Wrong samples of tables, within their bound.
     pub by_table: u64,
@@ -174,7 +174,7 @@ fn place(pixel: u32, sample: u32, width: u32) -> String {
 /// Judges a frame. Needs no GPU.
 ///
 /// # Errors
-/// Those of the truths and the CPU engine, which refuse nothing that was rendered.
+/// Errors of the truths and the CPU engine, which refuse nothing that was rendered.
 pub fn judge(case: &FuzzCase, shot: &Shot) -> Result<Verdict> {
     let Shot { scene, prepared, plan, output, facets, forced } = shot;
     let (settings, camera, light) = (&plan.settings, &scene.camera, &scene.light);

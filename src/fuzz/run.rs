@@ -104,7 +104,7 @@ fn render(bench: &FuzzDevice, case: &FuzzCase) -> Result<Shot> {
 /// The reason of a case that panicked while it was rendered.
 const PANIC: &str = "panicked while rendering";
 
-/// Judges; what truth or CPU engine refuses of a frame that was rendered is a fault, as is a panic.
+/// Judges a rendered frame. An error of truth or the CPU engine is a fault, and so is a panic.
 fn judged(case: &FuzzCase, shot: &Shot) -> Verdict {
     match catch_unwind(AssertUnwindSafe(|| judge(case, shot))) {
         Ok(Ok(verdict)) => verdict,

@@ -50,7 +50,7 @@ fn given(set: &FacetSet, pixel: u32, sample: usize) -> Option<u32> {
     (0..).zip(&set.facets).find(|(f, facet)| own(facet) && covers(*f)).map(|(_, facet)| facet.triangle)
 }
 
-/// Of each pixel the samples that its facets cover.
+/// Samples of each pixel that its facets cover.
 fn covered(set: &FacetSet, pixels: usize) -> Vec<u128> {
     let mut seen = vec![0; pixels];
     for (f, facet) in set.facets.iter().enumerate().filter(|(_, facet)| facet.state != FacetState::Empty as u32) {

@@ -57,7 +57,7 @@ pub trait EntryPoint: Debug + 'static {
 
 /// A value for each binding of an entry point.
 pub trait Bindings<'a>: Copy {
-    /// What they are.
+    /// Their descriptions.
     const ROWS: &'static [Binding];
     /// As wgpu takes them.
     fn entries(self) -> Vec<BindGroupEntry<'a>>;

@@ -37,7 +37,7 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
-    /// Which adapter it is.
+    /// The adapter.
     pub adapter: AdapterSummary,
     fault: Arc<Mutex<Option<String>>>,
 }

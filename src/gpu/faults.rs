@@ -4,7 +4,7 @@
 use crate::{Error, Result};
 use std::cell::Cell;
 
-/// Who refuses.
+/// The side that refuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// The device has no memory: [`Error::Gpu`].

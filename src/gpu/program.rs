@@ -5,8 +5,8 @@ use super::kept::KeptPrograms;
 use std::cell::Cell;
 use std::marker::PhantomData;
 
-/// What messages of the pipelines that are made have as their target, at the level of debugging: a JSON array of the kernel, the
-/// entry point and the constants.
+/// Log target of the messages about pipelines that are made, at debug level: each a JSON array of the kernel, the entry point and the
+/// constants.
 pub const LOG: &str = "subpixel_shadows::pipelines";
 
 thread_local! {

@@ -12,8 +12,7 @@ use std::f64::consts::PI;
 /// Directions in which the part of a large triangle that casts is measured.
 const AXES: usize = 8;
 
-/// Share of the part of a large triangle that casts by which it is taken larger: a facet that stands for a whole pixel goes on
-/// beyond what is there.
+/// Share by which the casting part of a large triangle is enlarged: a facet that represents a whole pixel goes on beyond what is there.
 const GROWN: f64 = 1.0 / 64.0;
 
 /// Points that a view has to hold beside the small triangles, so that it holds every caster where it can shadow something. Of the
@@ -107,9 +106,9 @@ fn overlap(points: &[DVec3], low: DVec3, high: DVec3, right: DVec3, up: DVec3, t
 /// A triangle, and what tells whether it lies between the light and something.
 struct LargeCaster {
     corners: [DVec3; 3],
-    /// Of its plane, away from the light.
+    /// Normal of its plane, away from the light.
     away: DVec3,
-    /// Of the planes through the light and its edges, inward; 0 where there is none.
+    /// Normals of the planes through the light and its edges, inward; 0 where there is none.
     sides: [DVec3; 3],
     /// Directions in its plane in which it is measured.
     along: [DVec3; AXES],

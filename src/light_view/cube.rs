@@ -14,8 +14,7 @@ use rayon::prelude::*;
 /// inside both views.
 const HALF: f64 = 1.0 + 1.0 / 64.0;
 
-/// Nearest distance along a view's axis that is looked at by depth, as a share of the farthest. What reaches nearer is looked at
-/// everywhere.
+/// Nearest distance along a view's axis that is tested by depth, as a share of the farthest. What reaches nearer is tested everywhere.
 const NEAREST: f64 = 1.0 / 1024.0;
 
 const SIDES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
@@ -87,7 +86,7 @@ impl Reach {
         Self { low: [-HALF; 2], high: [HALF; 2], nearest, farthest }
     }
 
-    /// Of all casters; `None` if none is in the pyramid of the side.
+    /// Reach of all casters; `None` if none is in the pyramid of the side.
     fn of_all(casters: MeshAndTree, light: DVec3, side: DVec3) -> Option<Self> {
         let (right, up) = axes(side);
         let out = |b: &Bounds, across: DVec3| {
@@ -123,7 +122,7 @@ impl Reach {
         })
     }
 
-    /// Of the part of a triangle, relative to the light, that lies in the pyramid of a side.
+    /// Reach of the part of a triangle, relative to the light, that lies in the pyramid of a side.
     fn of(triangle: [DVec3; 3], side: DVec3) -> Self {
         let (right, up) = axes(side);
         let mut part = triangle.to_vec();

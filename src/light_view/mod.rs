@@ -31,7 +31,7 @@ pub struct LightView {
     pub w: DVec4,
     /// Points with a smaller divisor are not in front of the light.
     pub near: f64,
-    /// Of a light at a point, the smallest divisor of what the view was fitted to; else 0.
+    /// Smallest divisor of what the view was fitted to, for a light at a point; else 0.
     pub clear: f64,
     /// Whether the light is at a point.
     pub perspective: bool,
@@ -41,7 +41,7 @@ pub struct LightView {
     /// One of several views: what is proved of a surface counts only where all of it lies in the view.
     pub one_of_several: bool,
     /// Sides of the map (lowest `x`, highest `x`, lowest `y`, highest `y`) beyond which parts of large casters were left out that shadow no surface
-    /// there. A facet that stands for its whole pixel goes on beyond its surface, where they may shadow or cut it: what crosses such
+    /// there. A facet that represents its whole pixel goes on beyond its surface, where they may shadow or cut it: what crosses such
     /// a side, facets and casters, meets in all texels at it.
     pub ends: [bool; 4],
     /// Whether triangles that turn away from the light are never lit, whatever side of them is seen: the mesh is closed, and the
@@ -141,7 +141,7 @@ impl LightView {
         row_noise(self.z) + row_noise(self.w)
     }
 
-    /// What the divisor of a caster within the unit cube, as `f32` has it, is not below.
+    /// Lower bound of a caster's divisor within the unit cube, after `f32` rounding.
     pub fn clear_of_rounding(&self) -> f64 {
         if self.perspective { self.clear * (1.0 - 1e-6) - row_noise(self.w) } else { 0.0 }
     }

@@ -142,7 +142,7 @@ impl MeshAndTree<'_> {
 /// Axes that are tried.
 const FACING_AXES: usize = 8;
 
-/// Triangles behind the light that are looked at for them.
+/// Most triangles behind the light that are read for them.
 const MOST_LOOKED_AT: usize = 4096;
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::casters::clip;
 use crate::scene::PixelRays;
 use glam::{DVec2, DVec3, DVec4};
 
-/// What the camera sees of the box that the scene lies in, in the space of the view's rows; the eye is the origin.
+/// View frustum of the camera and bounding box of the scene, in the space of the view's rows; the eye is the origin.
 #[derive(Clone, Copy, Debug)]
 pub struct SeenBox {
     /// Rays through the corners of the image, in turn; view depth 1.
@@ -19,7 +19,7 @@ pub struct SeenBox {
 }
 
 impl SeenBox {
-    /// What an image of this size shows of a box of the world, `scale` times as large.
+    /// Frustum of an image of this size and the box `bounds` of the world, lengths times `scale`.
     pub fn new(rays: &PixelRays, [w, h]: [u32; 2], near: f64, bounds: (DVec3, DVec3), scale: f64) -> Self {
         let (w, h) = (f64::from(w), f64::from(h));
         Self {

@@ -176,7 +176,7 @@ struct Along {
 }
 
 impl Along {
-    /// Of the line from `near` to `far`, where the axis of the camera enters and leaves the slice. `None` where camera and light look
+    /// The line from `near` to `far`, where the axis of the camera enters and leaves the slice. `None` where camera and light look
     /// along nearly one line (*duelling frusta*), so that there is no near and far on the map.
     fn new(texels: &[DVec2], near: DVec2, far: DVec2) -> Option<Self> {
         let dir = (far - near).try_normalize()?;

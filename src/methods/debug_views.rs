@@ -1,4 +1,4 @@
-//! Classes of pixels and maps of texels that a method kept, read back to be looked at.
+//! Classes of pixels and maps of texels that a method kept, read back for display.
 
 use super::facet_masks::FacetMasks;
 use super::shadow_map::ShadowMapping;
@@ -11,13 +11,13 @@ use crate::stages::facet_classify::{FacetState, Facets};
 use crate::stages::light_layers::Layers;
 use crate::stages::spsm_query::Class;
 
-/// What was known of a pixel before its samples were looked at, rising with what it asks of the method.
+/// State of a pixel before its samples were evaluated, in rising order of the method's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PixelClass {
     /// It sees nothing.
     #[default]
     Empty,
-    /// What it sees faces away from the light.
+    /// Its surface faces away from the light.
     Dark,
     /// Settled: nothing lies before it.
     Lit,
@@ -28,7 +28,7 @@ pub enum PixelClass {
 }
 
 impl PixelClass {
-    /// All of them.
+    /// All classes.
     pub const ALL: [Self; 5] = [Self::Empty, Self::Dark, Self::Lit, Self::Shadowed, Self::Undecided];
 
     fn of_state(state: u32) -> Self {

@@ -1,5 +1,5 @@
-//! What methods of one facet a pixel share around their own work: the facets, settled early where that is proved, the tree
-//! of casters, and from the facets' masks the picture.
+//! Parts shared by methods of one facet a pixel: the facets, settled early where that is proved, the tree of casters, and the way from the
+//! facets' masks to the picture.
 
 use super::fixed_memory::StageInputs;
 use super::light_maps::{LightMapPipelines, LightMaps};
@@ -34,7 +34,7 @@ pub struct EarlyOut {
     tree_buffers: TreeBuffers,
 }
 
-/// What proves facets lit or shadowed without looking at their casters.
+/// Light maps that prove facets lit or shadowed without tests of their casters.
 #[derive(Debug)]
 enum Maps {
     Made(Box<(LightMapPipelines, LightMaps)>),

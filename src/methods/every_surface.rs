@@ -1,5 +1,5 @@
 //! The camera side of `facet-masks` with a facet for every surface that a pixel's samples see: which pixels show one
-//! surface is proved, the samples of all others are looked at one by one.
+//! surface is proved, the samples of all others are searched one by one.
 
 use super::facet_masks::{Capacities, Settings};
 use crate::Result;

@@ -126,7 +126,7 @@ impl FacetMasks {
         Ok(())
     }
 
-    /// What [`FacetMasks::prepare`] writes, one for each of [`FacetMasks::frames`].
+    /// Frames that [`FacetMasks::prepare`] writes, one for each of [`FacetMasks::frames`].
     ///
     /// # Errors
     /// As [`FacetMasks::prepare`].
@@ -248,7 +248,7 @@ impl FacetMasks {
         Ok(())
     }
 
-    /// What one view of the light sees: layers, silhouettes and their table.
+    /// Records the maps of one view of the light: layers, silhouettes and their table.
     fn record_maps(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
         let frame = &m.frames[self.frame_at(view, 0, 0)];
@@ -264,7 +264,7 @@ impl FacetMasks {
         Ok(())
     }
 
-    /// What one view of the light adds to the facets and their masks.
+    /// Records the part of one view of the light in the facets and their masks.
     fn record_view(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
         let frame = &m.frames[self.frame_at(view, 0, 0)];
@@ -301,7 +301,7 @@ impl FacetMasks {
         ((view * self.capacities.bands + band) * self.capacities.rounds + round) as usize
     }
 
-    /// Records the stage `camera_visibility` alone, for what takes its place to look at; after `triangle_setup`, as in what
+    /// Records the stage `camera_visibility` alone, to be read by what takes its place; after `triangle_setup`, as in what
     /// [`FacetMasks::record_seen`] is given.
     ///
     /// # Errors

@@ -251,7 +251,7 @@ pub fn larger(a: Capacities, b: Capacities) -> Capacities {
     }
 }
 
-/// What a frame counted.
+/// Counts of a frame.
 pub fn counts(status: &Status) -> Counts {
     let sum = |of: fn(&StatusBand) -> u32| status.bands.iter().map(|band| u64::from(of(band))).sum::<u64>();
     let head = &status.head;

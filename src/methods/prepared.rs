@@ -19,9 +19,9 @@ pub struct Prepared {
     pub edges: Vec<Edge>,
     /// Whether every edge joins two consistently wound triangles and every part is turned outward.
     pub closed: bool,
-    /// Of each triangle, whether the part of the mesh that hangs together with it is closed and turned outward.
+    /// Whether the connected part of the mesh around each triangle is closed and turned outward.
     pub bodies: Vec<bool>,
-    /// Of each triangle the lowest of its surface: of those that hang together by edges and lie in one plane, exactly.
+    /// Lowest triangle of each triangle's surface: the edge-connected ones that lie in one plane, exactly.
     pub surfaces: Vec<u32>,
     tree: OnceLock<MeshTree>,
 }
@@ -141,7 +141,7 @@ pub struct CasterBuffers {
     pub triangles: Buffer<[u32; 4]>,
     /// Edges with their two triangles.
     pub edges: Buffer<Edge>,
-    /// Of each triangle the lowest of its surface, with [`SEVERAL`] where that has more than one; none if all have one.
+    /// Lowest triangle of each triangle's surface, with [`SEVERAL`] where that has more than one; none if all have one.
     pub surfaces: Option<Buffer<u32>>,
 }
 

@@ -15,7 +15,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What was counted in a frame.
+/// Counts of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
@@ -37,7 +37,7 @@ pub struct Counts {
     pub refined_evaluations: u64,
     /// Facets of all pixels.
     pub facets: u64,
-    /// Pixels whose samples were looked at one by one; 0 with one facet a pixel.
+    /// Pixels whose samples were searched one by one; 0 with one facet a pixel.
     pub complex_pixels: u64,
     /// Facets without a surface.
     pub empty_facets: u64,
@@ -288,7 +288,7 @@ impl<'a> Renderer<'a> {
         self.gpu
     }
 
-    /// What it is made for.
+    /// Settings it is made for.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -16,7 +16,7 @@ use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::shadow_map::{self, ShadowMap};
 use crate::stages::smsr::{self, Smsr};
 
-/// Which of the methods it is, which differ in how the map is asked.
+/// The method: how the map is queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapQuery {
     /// `shadow-map`.

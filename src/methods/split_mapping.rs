@@ -19,7 +19,7 @@ use crate::stages::split_maps::{Maps, SplitMapInputs, SplitMaps, SplitViews};
 use crate::stages::split_shadows::{OfMaps, SplitQuery, SplitShadows};
 use glam::DVec3;
 
-/// Which of the methods it is.
+/// The method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Recipe {
     /// One even map of the whole light view, by its moments.

@@ -3,8 +3,8 @@
 use super::facet_masks::Strip;
 use super::render::{Counts, ListUse, Output};
 
-/// How an image is cut: into strips of equally many rows, of which the last may overlap the one before; all do by the rows that
-/// neighbours are looked at in.
+/// How an image is cut: into strips of equally many rows, of which the last may overlap the one before; all overlap by the rows in which
+/// neighbours are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strips {
     image: [u32; 2],

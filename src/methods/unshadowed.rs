@@ -1,4 +1,4 @@
-//! What `facet-masks` needs where the plan has proved that nothing casts a shadow: which triangle each pixel sees, and
+//! The part of `facet-masks` that runs where the plan has proved that nothing casts a shadow: which triangle each pixel sees, and
 //! whether it faces the light. The same stages decide it, so the picture is the same as that of the whole method.
 
 use super::facet_masks::Settings;

@@ -55,7 +55,7 @@ impl CasterSet {
     }
 }
 
-/// Of each vertex its place in the canonical mesh, and the first vertex with that place.
+/// Place of each vertex in the canonical mesh, and the first vertex with that place.
 fn places(mesh: &Mesh) -> Vec<[u32; 2]> {
     let welded = weld(&mesh.positions, &mesh.triangles);
     let mut first = vec![UNUSED; welded.positions.len()];

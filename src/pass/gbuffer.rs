@@ -7,7 +7,7 @@ use crate::{Error, Result};
 use glam::Mat4;
 use wgpu::TextureFormat;
 
-/// What the application knows of the surfaces that its pixels show.
+/// Surfaces that the application's pixels show, as far as it knows them.
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 pub enum GBuffer<'a> {
@@ -30,7 +30,7 @@ pub struct TriangleTexture<'a> {
     pub texture: &'a wgpu::Texture,
     /// The number of the first triangle; the others follow in the order in which they were given to the pass.
     pub first: u32,
-    /// What stands for no triangle of the casters: visibility 1 there, if nothing else says that a surface is seen.
+    /// The number for no triangle of the casters: visibility 1 there, if nothing else says that a surface is seen.
     pub none: u32,
 }
 
@@ -63,7 +63,7 @@ pub struct SampleTexture<'a> {
     pub places: &'a [[f32; 2]],
     /// The number of the first triangle; the others follow in the order in which they were given to the pass.
     pub first: u32,
-    /// Stands for no triangle.
+    /// The number for no triangle.
     pub none: u32,
 }
 
@@ -82,7 +82,7 @@ impl<'a> SampleTexture<'a> {
         self.texture.sample_count() > 1
     }
 
-    /// What the stage is told, for a picture with samples at `ours`.
+    /// Parameters of the stage, for a picture with samples at `ours`.
     pub(super) fn params(&self, ours: &[[f32; 2]]) -> Result<GbufferTrianglesParams> {
         GbufferTrianglesParams::new(ours, self.places, self.first, self.none)
     }
@@ -114,7 +114,7 @@ impl<'a> SampleTexture<'a> {
 /// must draw every caster that may hide another from its camera, or give numbers: what is taken for no caster, but lies on
 /// one, is in its shadow here and there. All other surfaces receive shadows and cast none.
 ///
-/// **Error.** One plane stands for the whole pixel, as with all G-buffers of one sample. A surface that casts nothing is as
+/// **Error.** One plane represents the whole pixel, as with all G-buffers of one sample. A surface that casts nothing is as
 /// exact as its place and normal; reconstructed normals are off at creases, and a surface without another pixel of its kind near
 /// in its row or column is taken to face the eye. A caster that lies in the plane of such a surface shadows it or not by the
 /// rounding of its place.
@@ -178,12 +178,12 @@ pub enum SurfacePosition<'a> {
     Depth {
         /// `Depth32Float` (its depth aspect alone) or `R32Float`.
         texture: &'a wgpu::Texture,
-        /// What its values mean.
+        /// Terms of its values.
         terms: DepthTerms,
-        /// The value that stands for no surface, exactly: what the application clears it to. Visibility is 1 there.
+        /// The exact value for no surface: the one that the application clears it to. Visibility is 1 there.
         nothing: f32,
     },
-    /// World positions, `Rgba32Float`; alpha 0 stands for no surface.
+    /// World positions, `Rgba32Float`; alpha 0 means no surface.
     Position(&'a wgpu::Texture),
 }
 

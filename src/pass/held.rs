@@ -58,7 +58,7 @@ impl HeldPicture {
     }
 }
 
-/// What a frame with the capacities `c` does not tell of them.
+/// Limits of a frame's lists with the capacities `c`.
 fn lists(c: Capacities) -> Lists {
     Lists {
         bands: c.views * c.bands,

@@ -1,5 +1,5 @@
-//! What depends on the size of the image and on the strips of rows in which it is rendered: the memory of one strip, which all
-//! of them use one after the other, and of more than one the whole image beside it.
+//! Memory that depends on the image size and on the strips of rows in which the image is rendered: that of one strip, which all strips use
+//! in turn, and beside it the whole image where there is more than one strip.
 
 use super::casters::CasterSet;
 use super::gbuffer_stage::{HALO, keys};
@@ -16,7 +16,7 @@ use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
 use std::sync::Arc;
 
-/// What makes it.
+/// Maker of strips.
 pub struct StripMaker {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
@@ -41,7 +41,7 @@ struct Whole {
     lit: Buffer<u32>,
 }
 
-/// What [`StripMaker::make`] makes.
+/// Result of [`StripMaker::make`].
 pub struct NewStrips {
     pub image: ImageStrips,
     /// The casters, with room behind them for a triangle a pixel of a strip.

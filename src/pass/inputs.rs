@@ -40,12 +40,12 @@ impl<'a> Casters<'a> {
 pub struct Moved<'a> {
     /// As many positions as the pose at rest has, in the same order.
     pub vertices: Vertices<'a>,
-    /// Lowest and highest corner of a box that holds all of them, world units. The light view is fitted to it: a box that is
+    /// Lowest and highest corner of a box that holds all vertices, world units. The light view is fitted to it: a box that is
     /// too wide (up to some 10^6 times) costs time and changes nothing, one that is too tight makes the frame incomplete, and its status says so.
     pub bounds: [[f32; 3]; 2],
 }
 
-/// What one frame is computed from.
+/// Inputs of one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
     /// The camera. Its image is the whole target; pixels are square. A G-buffer must be drawn with the projection of this camera: no

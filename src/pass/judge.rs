@@ -7,7 +7,7 @@ use crate::methods::list_sizing::Needs;
 use crate::methods::render::Counts;
 use crate::status::Status;
 
-/// What the last stage of a frame writes into its counters: never 0, and another one for each of some billion frames.
+/// Stamp that the last stage of a frame writes into its counters: never 0, and different for each of some billion frames.
 pub fn stamp_of(frame: u64) -> u32 {
     (frame % u64::from(u32::MAX)) as u32 + 1
 }

@@ -8,9 +8,9 @@
 //!   With depths or positions ([`GBuffer::Surfaces`]), normals and triangle numbers if there are any, a pixel may also show what is
 //!   no caster, such as a terrain that only receives: it gets a plane of its own. With triangle numbers of several samples a
 //!   pixel ([`GBuffer::SampleIds`]) the search for every surface is left out.
-//! - **Error.** With [`FacetMode::One`](crate::methods::FacetMode::One) the surface at the centre stands for the whole pixel, found or given: pixels that show
-//!   several surfaces differ from scene truth: 0.4 to 14 % of all pixels of the scenes in `data/reports/truth.md` by more than one
-//!   sample of 32.
+//! - **Error.** With [`FacetMode::One`](crate::methods::FacetMode::One) the surface at the centre, found or given, represents the whole
+//!   pixel: pixels that show several surfaces differ from scene truth: 0.4 to 14 % of all pixels of the scenes in `data/reports/truth.md`
+//!   by more than one sample of 32.
 //!   [`FacetMode::All`](crate::methods::FacetMode::All) has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample, and of
 //!   one with several it misses what none of them shows: `data/reports/gbuffer.md` has figures.
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
@@ -20,7 +20,7 @@
 //!   binding holds is cut into parts, which are views of their own.
 //! - **Large images.** Where a binding does not hold the facets of all pixels, the image is rendered in strips of rows, one after the
 //!   other, with the same bits ([`PassConfig::strips`] asks for more of them, which takes less memory). Results are those of the whole
-//!   image. What the light sees is found once; with several views of the light, anew for each strip.
+//!   image. The light maps are made once; with several views of the light, anew for each strip.
 //! - **Overflow.** How long the lists must be is known only when a frame has run. A frame whose lists were too short lacks
 //!   some shadows; its status says so, and the lists have grown by the next frame that is recorded after that is known. What
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
@@ -72,7 +72,7 @@ use views::Views;
 /// Configuration of a pass.
 #[derive(Clone, Debug)]
 pub struct PassConfig<'a> {
-    /// Image size, samples, map and facets. Not looked at are `cull_back` (casters of closed bodies that turn away from the light are
+    /// Image size, samples, map and facets. Not read are `cull_back` (casters of closed bodies that turn away from the light are
     /// left out wherever that changes nothing) and, but that they must be possible ([`Settings::check`]), the options of other methods.
     pub settings: Settings,
     /// The triangles.
@@ -371,7 +371,7 @@ impl ShadowPass {
         filled(&self.maker.device, "shadow_pass.frames", bytemuck::cast_slice(frames), usage)
     }
 
-    /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all of them.
+    /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all views.
     fn make_room_for(&mut self, views: u32) -> Result<()> {
         let method = &mut self.image.method;
         method.resize(&self.maker.device, &self.maker.queue, Capacities { views, ..method.capacities() })
@@ -434,7 +434,7 @@ impl ShadowPass {
         self.last.as_ref().map_or(self.image.lit(), |(_, held)| &held.lit).raw()
     }
 
-    /// What the pass computes with.
+    /// Settings of the pass.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -53,9 +53,9 @@ pub struct FrameStatus {
     pub faults: Faults,
     /// Why no list can hold such a frame, or why nothing is known of it.
     pub error: Option<String>,
-    /// What was counted. Rows that strips share count in each of them.
+    /// Counts of the frame. Rows that strips share count in each strip.
     pub counts: Counts,
-    /// What each list needed, in the strip that needed most, and could hold. Where one was too short, later ones may have needed more
+    /// Need of each list, in the strip that needed most, and its capacity. Where one list was too short, later ones may have needed more
     /// than they say.
     pub lists: Vec<ListUse>,
     /// GPU time of each stage, of the first [`Timer::PASSES`] passes of the frame (about 13 for each strip and view, and 7 for each

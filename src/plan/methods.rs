@@ -57,8 +57,7 @@ const EVERY_SAMPLE: (&str, &str) = ("split_shadows.samples", "every sample by it
 pub(super) const UNSEEN: (&str, &str) = ("spsm_map.unseen", "texels that no pixel asks for");
 
 impl Plan {
-    /// What `method` needs. That nothing is seen, or that nothing is in shadow, is true for all methods; the rest of the
-    /// rules are those of `facet-masks`.
+    /// Plan of `method`. The proofs that no surface is seen, or none is in shadow, hold for all methods; the other rules differ by method.
     ///
     /// # Errors
     /// As [`Plan::of`].

@@ -39,7 +39,7 @@ pub fn nothing_seen(prepared: &Prepared, camera: &Camera, [width, height]: [u32;
     Some(format!("the whole mesh lies {name} the view"))
 }
 
-/// Why no surface that is seen and faces the light can be in shadow, if that is certain. `only_seen`: no sample is looked at off the
+/// Why no surface that is seen and faces the light can be in shadow, if that is certain. `only_seen`: no sample is evaluated off the
 /// triangle that its pixel shows, where its plane may be behind others.
 pub fn no_shadow(prepared: &Prepared, camera: &Camera, light: &Light, only_seen: bool) -> Option<String> {
     if in_one_plane(prepared) {

@@ -1,9 +1,9 @@
 //! Definition of taking positions from an application's vertices.
 
-/// Stands for "no triangle uses this vertex".
+/// Place of a vertex that no triangle uses.
 pub const NO_PLACE: u32 = u32::MAX;
 
-/// What was taken.
+/// Positions that were taken.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gathered {
     /// A position a place; 0 where no vertex has that place.

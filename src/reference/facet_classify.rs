@@ -39,7 +39,7 @@ impl Outline {
     }
 }
 
-/// Stands for a surface inside one pixel.
+/// Facet: a surface inside one pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FacetAtPixel {
     /// The pixel.
@@ -56,7 +56,7 @@ pub struct FacetAtPixel {
     pub rect: Option<[u32; 4]>,
     /// Its outline.
     pub outline: Outline,
-    /// Samples it stands for.
+    /// Samples it covers.
     pub coverage: u128,
     /// Samples that rounding may take in or out.
     pub open_coverage: u128,
@@ -83,7 +83,7 @@ pub struct MapAround<'a> {
     pub triangles: &'a [Triangle],
     /// The mask: texels whose front layer is not one proved sheet.
     pub marked: &'a [bool],
-    /// What is known of each texel.
+    /// Split depth or state of each texel.
     pub splits: &'a [Split],
     /// Sample offsets inside a pixel, `[0, 1)²`.
     pub samples: &'a [[f32; 2]],
@@ -98,11 +98,11 @@ pub struct Part {
     pub pixel: u32,
     /// The triangle whose plane it is; `None` for a pixel that sees none.
     pub triangle: Option<u32>,
-    /// The samples that see the triangle, where that is known; `None`: the triangle stands for the whole pixel.
+    /// The samples that see the triangle, where that is known; `None`: the triangle represents the whole pixel.
     pub seen_by: Option<u128>,
 }
 
-/// Classifies the facets `(pixel, triangle)`, each of which stands for its whole pixel. Rectangles reach out by `margin`;
+/// Classifies the facets `(pixel, triangle)`, each of which represents its whole pixel. Rectangles reach out by `margin`;
 /// nothing is settled without `settle`.
 pub fn classify(
     view: &View,
@@ -134,8 +134,7 @@ pub fn classify_parts(
     parts.par_iter().map(|&part| one(view, around, sat, part, margin, settle)).collect()
 }
 
-/// What of its pixel a facet stands for: a sample, as an offset from the pixel centre, and the box around all, with 1/256
-/// pixel to spare.
+/// Extent of a facet in its pixel: one of its samples, and the box around all with 1/256 pixel to spare, as offsets from the pixel centre.
 struct Span {
     origin: DVec2,
     low: DVec2,
@@ -288,7 +287,7 @@ fn settle_unmarked(view: &View, splits: &[Split], point: DVec3, facet: &mut Face
     };
 }
 
-/// Most texels of which the splits are looked at.
+/// Most texels of which the splits are read.
 const MOST_SPLITS: u32 = 256;
 
 /// The state of a facet that is no caster's, none of whose texels is marked: lit where none of them has a caster, shadowed

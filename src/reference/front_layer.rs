@@ -61,7 +61,7 @@ pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin
     })
 }
 
-/// What marks and layers make of every texel.
+/// State of every texel, from marks and layers.
 pub fn settle(layers: &[Layer], marked: &[bool]) -> Vec<Split> {
     let one = |(layer, &marked): (&Layer, &bool)| match layer.split() {
         _ if marked => Split::Marked,

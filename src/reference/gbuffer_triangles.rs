@@ -1,6 +1,6 @@
 //! Definition of reading a G-buffer of several samples a pixel.
 
-/// What a pixel's samples show.
+/// Triangles that a pixel's samples show.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PixelSamples {
     /// The different triangles, in the order of their first samples.
@@ -10,7 +10,7 @@ pub struct PixelSamples {
 }
 
 impl PixelSamples {
-    /// Whether its samples must be looked at one by one.
+    /// Whether its samples must be searched one by one.
     pub fn complex(&self) -> bool {
         !self.triangles.is_empty() && !self.single
     }
@@ -36,7 +36,7 @@ pub fn shown(id: u32, first: u32, none: u32, numbers: &[u32]) -> TexelMeaning {
     named.map_or(TexelMeaning::Unknown, |&t| TexelMeaning::Triangle(t))
 }
 
-/// What each pixel shows, and how many samples name no triangle. `layers` has the texels of each sample.
+/// Triangles that each pixel's samples show, and how many samples name no triangle. `layers` has the texels of each sample.
 pub fn pixels(layers: &[Vec<u32>], first: u32, none: u32, numbers: &[u32]) -> (Vec<PixelSamples>, u32) {
     let count = layers.first().map_or(0, Vec::len);
     let mut unknown = 0;
@@ -55,7 +55,7 @@ pub fn pixels(layers: &[Vec<u32>], first: u32, none: u32, numbers: &[u32]) -> (V
     (pixels, unknown)
 }
 
-/// Of each of `ours` the nearest of `theirs`, of equally near ones the first.
+/// The nearest of `theirs` to each of `ours`, of equally near ones the first.
 pub fn nearest(ours: &[[f32; 2]], theirs: &[[f32; 2]]) -> Vec<usize> {
     let distance = |a: &[f32; 2], b: &[f32; 2]| (f64::from(a[0] - b[0])).hypot(f64::from(a[1] - b[1]));
     let of = |a| {

@@ -1,7 +1,7 @@
 //! Mean and variance of the depths of squares of texels.
 
-/// Of each cell of `level` of a map of `size` × `size` depths, row by row: the mean and the variance of the `2^level` × `2^level` texels
-/// there, as many of them as there are.
+/// Mean and variance of each cell of `level` of a map of `size` × `size` depths, row by row: of its `2^level` × `2^level` texels, as far as
+/// the map has them.
 pub fn moments(depths: &[f64], size: u32, level: u32) -> Vec<[f64; 2]> {
     let side = size.div_ceil(1 << level);
     let range = |cell: u32| (cell << level)..((cell + 1) << level).min(size);

@@ -3,7 +3,7 @@
 use super::view::View;
 use glam::DVec3;
 
-/// What stands in for a surface's place.
+/// Source of the surfaces' places.
 #[derive(Clone, Copy, Debug)]
 pub enum PositionSource<'a> {
     /// Depths: at view depth `z`, world units, `(terms[0] z + terms[1]) / (terms[2] z + terms[3])`.
@@ -35,7 +35,7 @@ pub struct GbufferTexels<'a> {
     pub tolerance: f64,
 }
 
-/// What a pixel shows.
+/// Content of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PixelContent {
     /// Nothing.
@@ -60,7 +60,7 @@ pub enum PixelContent {
 /// State of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReceiverPixel {
-    /// What it shows.
+    /// Its content.
     pub shown: PixelContent,
     /// Rounding to 32 bits may lead to another answer.
     pub open: bool,
@@ -71,7 +71,7 @@ const NEAR_EDGE: f64 = 1.0 / 32.0;
 /// Beyond so many times the casters' distance there are no places.
 const FARTHEST: f64 = 1e9;
 
-/// What each pixel shows; `seen` is the casters' triangle at each pixel centre, `corners` those of each caster in the frame.
+/// State of each pixel; `seen` is the casters' triangle at each pixel centre, `corners` those of each caster in the frame.
 pub fn pixels(
     view: &View,
     corners: &[Option<[DVec3; 3]>],

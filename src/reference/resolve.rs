@@ -7,7 +7,7 @@ use super::facet_classify::FacetState;
 pub struct FacetBits {
     /// Its state.
     pub state: FacetState,
-    /// Samples it stands for.
+    /// Samples it covers.
     pub coverage: u128,
     /// Samples in shadow; counts for undecided facets.
     pub occluded: u128,

@@ -7,13 +7,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// What a sample sees: as a pixel centre.
+/// Surface at a sample, as at a pixel centre.
 pub type Sample = CentreHit;
 
 /// One surface of a pixel: triangle, and the samples that see it.
 pub type Surface = (u32, u128);
 
-/// What the samples at `offsets` (in `[0, 1]²`, from the pixel's corner) of all pixels see, pixel by pixel.
+/// Surfaces at the samples at `offsets` (in `[0, 1]²`, from the pixel's corner) of all pixels, pixel by pixel.
 pub fn see(view: &View, triangles: &[Triangle], offsets: &[DVec2], doubt: DepthMargin) -> Vec<Sample> {
     let [width, height] = view.image;
     let mut rows: Vec<Vec<u32>> = vec![Vec::new(); height as usize];
@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(merged(&seen, &alone), surfaces(&seen));
     }
 
-    /// What is found without looking at all is what is found by looking at all.
+    /// The search that skips triangles finds what a search of all triangles finds.
     #[test]
     fn the_nearest_is_what_is_seen() {
         for name in ["windmill", "plane"] {

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-/// Of a map of `size` texels a side those that any box, given by its least and its greatest corner in texels, touches, and
-/// `reach` texels around them; row by row.
+/// Texels of a map of `size` texels a side that any box (least and greatest corner, in texels) touches, and `reach` texels around them; row
+/// by row.
 pub fn asked(boxes: impl IntoIterator<Item = [DVec2; 2]>, reach: u32, size: u32) -> Vec<bool> {
     let mut texels = vec![false; (size as usize).pow(2)];
     let (reach, side) = (f64::from(reach), f64::from(size));

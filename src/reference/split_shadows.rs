@@ -60,7 +60,7 @@ pub struct MomentQuery {
 }
 
 impl Map {
-    /// Of depths, which where there is no caster are `far`.
+    /// Map of depths, which are `far` where there is no caster.
     pub fn new(depths: Vec<Option<f64>>, size: u32, far: f64) -> Self {
         let all: Vec<f64> = depths.iter().map(|d| d.unwrap_or(far)).collect();
         let last = size.max(1).next_power_of_two().trailing_zeros();

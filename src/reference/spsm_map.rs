@@ -53,7 +53,7 @@ pub struct Coding {
     pub size: u32,
 }
 
-/// What a record stands for, around its texel's centre, in texels.
+/// A decoded record, around its texel's centre, in texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sheet {
     /// Inside where `dot((x, y, 1), edge) >= 0`; |x| + |y| of each normal is 1.

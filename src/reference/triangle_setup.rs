@@ -5,7 +5,7 @@ use super::view::{Cut, Flat, MapEnds, View, cells_touched, centres_within};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Which texels a triangle may touch.
+/// Texels that a triangle may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reach {
     /// None: it is dropped, culled, or behind the light.

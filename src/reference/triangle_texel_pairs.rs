@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::reference::view::Flat;
 
-    /// What a triangle does to a tile is what it does to the tile's texels.
+    /// A triangle does to a tile what it does to the tile's texels.
     #[test]
     fn a_tile_is_its_texels() {
         let corners = [[0.2, 0.3, 1.0], [4.9, 1.1, 2.0], [1.7, 4.6, 3.0]].map(glam::DVec3::from);

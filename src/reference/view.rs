@@ -100,7 +100,7 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// Of the corners; `None` if the light lies in its plane.
+    /// Cut of the corners; `None` if the light lies in its plane.
     pub fn new(view: &View, corners: [DVec3; 3]) -> Option<Self> {
         let [p, q, r] = corners.map(|p| {
             let p = p.extend(1.0);
@@ -228,7 +228,7 @@ pub struct MapEnds {
 }
 
 impl MapEnds {
-    /// Those of a view.
+    /// Ends of a view.
     pub fn of(view: &LightView) -> Self {
         Self { size: view.map_size, ends: view.ends }
     }

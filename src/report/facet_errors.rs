@@ -99,13 +99,13 @@ pub struct FacetErrors {
     pub facet_wrong_in_band: u64,
     /// Compared samples that lie within the band.
     pub facet_ambiguous: u64,
-    /// Of the wrong ones outside the band: facets settled as lit or shadowed.
+    /// Wrong ones outside the band, of facets settled as lit or shadowed.
     pub facet_wrong_settled: u64,
-    /// Of the wrong ones outside the band: facets settled as dark.
+    /// Wrong ones outside the band, of facets settled as dark.
     pub facet_wrong_dark: u64,
-    /// Of the wrong ones outside the band: occlusion of evaluated facets.
+    /// Wrong ones outside the band, by occlusion of evaluated facets.
     pub facet_wrong_occluded: u64,
-    /// Of the wrong ones outside the band: validity of evaluated facets.
+    /// Wrong ones outside the band, by validity of evaluated facets.
     pub facet_wrong_invalid: u64,
     /// Samples of settled facets off their own triangle, not compared, whose answer the facet's plane would change.
     pub facet_settled_elsewhere: u64,
@@ -260,7 +260,7 @@ impl View<'_> {
         e
     }
 
-    /// Of the covered samples those whose rays meet the facet's plane, and of these those that lie on its triangle.
+    /// Covered samples whose rays meet the facet's plane, and those of them that lie on its triangle.
     fn met_and_own(&self, facet: &FacetInput, coverage: u128) -> (u128, u128) {
         let [a, b, c] = self.tracer.corners(facet.triangle).map(|p| p - self.rays.eye);
         let normal = (b - a).cross(c - a);

@@ -35,8 +35,8 @@ pub struct Adjacency {
     /// Whether the mesh bounds solid bodies: it has triangles, every edge joins exactly two that wind consistently,
     /// and every connected part has a positive volume, so faces look outward.
     pub closed: bool,
-    /// Of each triangle, whether the part of the mesh that hangs together with it by edges bounds a solid body, seen from
-    /// outside: every edge of the part joins exactly two triangles that wind consistently, and its volume is positive. Collapsed
+    /// Whether the edge-connected part of the mesh around each triangle bounds a solid body, seen from outside: every edge of the part
+    /// joins exactly two triangles that wind consistently, and its volume is positive. Collapsed
     /// triangles, which are no surface, count as such.
     pub bodies: Vec<bool>,
     /// Number of edges with one triangle.
@@ -47,7 +47,7 @@ pub struct Adjacency {
     pub inconsistent: u32,
     /// Number of triangles left out because two of their corners coincide.
     pub collapsed: u32,
-    /// Of each triangle the lowest of its surface: of those that hang together by edges and lie in one plane, exactly.
+    /// Lowest triangle of each triangle's surface: the edge-connected ones that lie in one plane, exactly.
     pub surfaces: Vec<u32>,
 }
 
@@ -172,7 +172,7 @@ fn sides(mesh: &Mesh, place: &[u32], places: usize, collapsed: &mut u32) -> (Vec
     (starts, sides)
 }
 
-/// Of each triangle whether its edge-connected part has no triangle that is `torn` (one of its edges does not join exactly
+/// Whether the edge-connected part of each triangle has no triangle that is `torn` (one of its edges does not join exactly
 /// two that wind consistently), and a positive volume.
 fn bodies(mesh: &Mesh, edges: &[Edge], torn: &[bool]) -> Vec<bool> {
     let mut parent: Vec<u32> = (0..mesh.triangles.len() as u32).collect();

@@ -32,7 +32,7 @@ impl<'a> Joining<'a> {
         }
     }
 
-    /// Of each triangle the lowest of its surface.
+    /// Lowest triangle of each triangle's surface.
     pub(super) fn surfaces(mut self) -> Vec<u32> {
         (0..self.parent.len() as u32).map(|t| root(&mut self.parent, t)).collect()
     }

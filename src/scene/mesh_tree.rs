@@ -1,6 +1,6 @@
 //! Boxes around ever smaller groups of a mesh's triangles, for questions that few of its triangles decide: how far it reaches along
-//! some direction, what of it lies before or behind something. Best first (Hjaltason and Samet 1999), so that what is not better than
-//! the best so far is never looked at.
+//! some direction, what of it lies before or behind something. Best first (Hjaltason and Samet 1999), so that what is not better than the
+//! best so far is never visited.
 //!
 //! Groups are runs of a Morton order (Lauterbach et al. 2009): no tree is deeper than the logarithm of the count, however the
 //! triangles lie. Built from the same mesh it is the same.
@@ -105,7 +105,7 @@ struct Open {
 }
 
 impl Open {
-    /// Of boxes that promise the same, the smaller first.
+    /// Smaller boxes first among those that promise the same.
     fn key(&self) -> (Reverse<usize>, bool, usize) {
         (Reverse(self.level), self.of_large, self.at)
     }
@@ -337,7 +337,7 @@ fn morton(p: DVec3) -> u32 {
 mod tests {
     use super::*;
 
-    /// Of every kind: many small, few large, some without area, all in one place.
+    /// Meshes of every kind: many small triangles, few large, some without area, all in one place.
     fn meshes() -> Vec<Mesh> {
         let mut meshes: Vec<Mesh> =
             ["knot", "plant", "cage"].into_iter().map(|name| crate::scene::builtin(name).unwrap().mesh).collect();

@@ -19,7 +19,7 @@ use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::shared_struct;
 
 shared_struct! {
-    /// Which of a kernel's runs it is, or how many items a kernel keeps for a later run.
+    /// Number of a kernel's run, or of the items that a kernel keeps for a later run.
     "shared/frame/pass" => pub struct Pass {
         /// The run, or the items.
         pub index: u32,

@@ -55,7 +55,7 @@ impl ArgsRequest {
         Ok(Self { count_word, per_group, limit, args_word, ..Self::default() })
     }
 
-    /// Of the list, what comes after the first `skip` items.
+    /// The part of the list after the first `skip` items.
     #[must_use]
     pub fn after(self, skip: usize) -> Self {
         Self { skip: u32::try_from(skip).unwrap_or(u32::MAX), ..self }

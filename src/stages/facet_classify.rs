@@ -24,7 +24,7 @@ shared_struct! {
         pub triangle: u32,
         /// One of [`FacetState`].
         pub state: u32,
-        /// Of a facet merged of several triangles, the view depth that they reach.
+        /// View depth that the triangles of a facet merged of several reach.
         pub limit: f32,
         /// A sample of its coverage, relative to the pixel centre.
         pub origin: [f32; 2],

@@ -41,13 +41,13 @@ shared_struct! {
         pub pad_1: u32,
         /// Unused.
         pub pad_2: u32,
-        /// Of each sample of the picture the nearest of the G-buffer.
+        /// Nearest sample of the G-buffer to each sample of the picture.
         pub nearest: [[u32; 4]; 32],
     }
 }
 
 impl GbufferTrianglesParams {
-    /// Of a G-buffer with samples at `theirs`, for a picture with samples at `ours` (both offsets in the pixel).
+    /// Parameters of a G-buffer with samples at `theirs`, for a picture with samples at `ours` (both offsets in the pixel).
     ///
     /// # Errors
     /// [`Error::Config`] if there are none or more than [`MOST`] of either, or one of `theirs` is not in `[0, 1)`.

@@ -29,7 +29,7 @@ pub struct Layers {
     pub second_keys: Buffer<u32>,
     /// Marked texels, one bit each, rows padded to 32.
     pub mask: Buffer<u32>,
-    /// What `front_layer` makes of it all.
+    /// Split depths, which `front_layer` writes.
     pub splits: Buffer<f32>,
 }
 

@@ -55,7 +55,7 @@ use crate::gpu::bindings::Read;
 use crate::{Error, Result};
 use bytemuck::Pod;
 
-/// What stages that ask a map for shadows read of the pixels.
+/// Primary hits and their triangles, for stages that look shadows up in a map.
 #[derive(Clone, Copy, Debug)]
 pub struct PrimaryHits<'a> {
     /// Sample offsets.

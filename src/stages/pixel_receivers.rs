@@ -1,7 +1,7 @@
 //! Surface of each pixel, from an application's depth or position texture: casters, and surfaces that cast nothing.
 //!
 //! - **Reads** a texture of depths or world positions, if given world normals and triangle numbers, and the casters' triangle at
-//!   each pixel centre (`camera_visibility`; not looked at where numbers are given).
+//!   each pixel centre (`camera_visibility`; not read where numbers are given).
 //! - **Writes** `keys`: complement of each pixel's triangle, 0 where there is none. Of a pixel that shows no caster it is number
 //!   `triangle_count + pixel`, whose three vertices, from `vertex_count + 3 * pixel` on, the stage writes around the pixel's
 //!   surface: on the plane of its normal, as far from it as its coordinates are large, so that rounding turns it by less than
@@ -12,7 +12,7 @@
 //!   strip's. Neighbours are looked for in the strip alone: it must hold [`MOST_STEPS`] rows of other strips around its own.
 //!   Faults count in its own rows.
 //! - **Guarantee.** Same inputs, same bits.
-//! - **Cost.** One dispatch over pixels: without numbers up to nine triangles are looked at, without normals five texels or more; 52
+//! - **Cost.** One dispatch over pixels: without numbers up to nine triangles are read, without normals five texels or more; 52
 //!   bytes a pixel are written.
 
 use crate::Result;
@@ -30,7 +30,7 @@ shared_struct! {
     "pixel_receivers" => pub struct PixelReceiversParams {
         /// At view depth `z`, world units, the texture holds `([0] * z + [1]) / ([2] * z + [3])`.
         pub depth: [f32; 4],
-        /// The depth that stands for no surface.
+        /// The depth for no surface.
         pub nothing: f32,
         /// How far from a caster's plane its surface may be said to be, in view depths.
         pub tolerance: f32,

@@ -128,7 +128,7 @@ impl PairLists {
         (pixel_pairs + triangle_pairs) / 4
     }
 
-    /// That a stage made for `places` may use them.
+    /// Checks that a stage made for `places` may use them.
     pub(super) fn check(&self, places: PairTiles) -> Result<()> {
         if self.places == places {
             return Ok(());

@@ -1,8 +1,8 @@
 //! Pixel triangles: pixel by pixel, the triangles that samples in its square may see, and which pixels show one surface.
 //!
 //! - **Reads** triangles, projected vertices, the rectangles of pixels that triangles may touch and the scan of their blocks.
-//! - **Writes** `list` (triangles, grouped by pixel) and `offsets`; `complex_flags` (1 where the samples must be looked at one
-//!   by one); `facet_counts` (1 where one triangle surely covers the pixel before all others). `cover_keys` and `counts` must
+//! - **Writes** `list` (triangles, grouped by pixel) and `offsets`; `complex_flags` (1 where the samples must be searched one by one);
+//!   `facet_counts` (1 where one triangle surely covers the pixel before all others). `cover_keys` and `counts` must
 //!   be 0 before; `counts` is so again after.
 //! - **Guarantee.** Conservative: every triangle that a sample sees is listed at its pixel, and a pixel passes for single
 //!   only if its one triangle covers its whole square by a margin far above rounding. Nothing is written beyond the capacity.

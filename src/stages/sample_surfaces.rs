@@ -30,7 +30,7 @@ pub use kernel::{ROUND_LENGTH, SEVERAL, WORKGROUP};
 shared_struct! {
     /// Complex pixels that a dispatch takes.
     "sample_surfaces" => pub struct SurfaceStep {
-        /// Which [`ROUND_LENGTH`] triangles of each list.
+        /// Round: which [`ROUND_LENGTH`] triangles of each list.
         pub round: u32,
         /// First complex pixel.
         pub first_slot: u32,
@@ -58,7 +58,7 @@ pub struct SampleSurfaces {
     crowds: kernel::SettleCrowdsProgram,
     name: Option<kernel::NameSurfacesProgram>,
     group: kernel::GroupSamplesProgram,
-    /// Of triangles by themselves, and of surfaces.
+    /// Pipelines for triangles by themselves, and for surfaces.
     emit: [Option<kernel::EmitProgram>; 2],
     emit_single: kernel::EmitSingleProgram,
     fold: DispatchArgs,
@@ -78,7 +78,7 @@ pub struct SurfaceInputs<'a> {
     pub points: &'a Buffer<[f32; 4]>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
     pub positions: &'a Buffer<[f32; 4]>,
-    /// Of each triangle the lowest of its surface, with [`SEVERAL`] where that has more than one; read if surfaces merge.
+    /// Lowest triangle of each triangle's surface, with [`SEVERAL`] where that has more than one; read if surfaces merge.
     pub surfaces: Option<&'a Buffer<u32>>,
 }
 

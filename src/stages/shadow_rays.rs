@@ -34,7 +34,7 @@ shared_struct! {
     "shadow_rays/caster_tree" => pub struct TreePlace {
         /// Offset, and scale.
         pub place: [f32; 4],
-        /// What rounding may move a point by in the cube, with room to spare.
+        /// Distance by which rounding may move a point in the cube, with room to spare.
         pub slack: f32,
         /// Nodes; 0 if there is no caster.
         pub node_count: u32,
@@ -75,7 +75,7 @@ impl TreeBuffers {
     }
 }
 
-/// Which facets are traced, and what was left open of them.
+/// Facets that are traced, and what was left open of them.
 #[derive(Debug)]
 pub struct RayLists {
     /// The undecided facets, rising.

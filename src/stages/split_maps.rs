@@ -43,7 +43,7 @@ shared_struct! {
 }
 
 impl SplitViews {
-    /// Of views, at most [`SplitPlan::MOST`], of maps of `map_size` texels a side, at most [`LightView::LARGEST_MAP`], in a scene of which nothing is deeper than `far`.
+    /// At most [`SplitPlan::MOST`] views, of maps of `map_size` texels a side, at most [`LightView::LARGEST_MAP`]; depths to `far`.
     pub fn new(views: &[SplitView], map_size: u32, far: f64) -> Self {
         let count = (views.len() as u32).min(SplitPlan::MOST);
         let mut made = Self { count, far: far as f32, ends: [3e38; 4], ..Self::default() };
@@ -81,7 +81,7 @@ impl SplitViews {
         (1..=Self::levels_of(map_size)).map(|l| (Self::side_of(map_size, l) as usize).pow(2)).sum()
     }
 
-    /// Of all slices of what is seen in `view`.
+    /// Views of all slices of what is seen in `view`.
     pub fn of_view(view: &LightView, seen: &SeenBox, plan: &SplitPlan) -> Self {
         Self::new(&view.split(seen, plan), view.map_size, Self::farthest(view, seen.box_corners()))
     }
@@ -109,7 +109,7 @@ pub struct SplitMaps {
 pub struct Maps {
     /// Keys of the nearest depths, view after view.
     pub keys: Buffer<u32>,
-    /// Of each triangle in each view the texels it may cover: packed corners, both included.
+    /// Texels that each triangle may cover in each view: packed corners, both included.
     pub rects: Buffer<[u32; 2]>,
     /// How many 8 × 8 blocks these are.
     pub items: Buffer<u32>,

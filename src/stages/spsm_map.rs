@@ -22,7 +22,7 @@ use crate::{Error, Result};
 
 pub use kernel::EMPTY_WORD;
 
-/// The depth that a key stands for.
+/// The depth that a key encodes.
 pub fn depth_of_key(key: u32) -> f32 {
     f32::from_bits(if key >> 31 == 1 { key } else { !key & 0x7fff_ffff })
 }
@@ -57,12 +57,12 @@ struct Narrow {
 /// The memory of the map.
 #[derive(Debug)]
 pub struct SpsmTexels {
-    /// Of each texel the complement of its triangle and the least depth as a key; 0 where there is none.
+    /// Complement of each texel's triangle, and its least depth as a key; 0 where there is none.
     pub keys: Buffer<[u32; 2]>,
     /// Records: all in the first, or those of the upper and the lower half of the map, which a binding cannot hold together
     /// at 4096 × 4096.
     pub records: [Buffer<[u32; 4]>; 2],
-    /// Which texels are made.
+    /// Texels that are made.
     pub marks: TexelMarks,
     list: Option<WonBlocks>,
     /// Table of the slope code.
@@ -149,7 +149,7 @@ impl SpsmTexels {
         self.records[0].len() < self.keys.len()
     }
 
-    /// Of each texel triangle and depth; `None` where there is none.
+    /// Triangle and depth of each texel; `None` where there is none.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.

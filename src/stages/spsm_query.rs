@@ -77,7 +77,7 @@ pub struct SpsmPixels {
     pub visibility: Buffer<f32>,
     /// Lit samples of each pixel.
     pub lit: Buffer<u32>,
-    /// Of each pixel whether it is uncertain; then of each its [`Class`].
+    /// Whether each pixel is uncertain; then the [`Class`] of each.
     pub marks: Buffer<u32>,
     /// The uncertain pixels, rising, with space for all; then how many, and 0.
     pub list: Buffer<u32>,

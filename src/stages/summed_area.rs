@@ -86,7 +86,7 @@ pub struct SummedAreaScratch {
     strip_sums: Buffer<[u32; 4]>,
 }
 
-/// What a table is made in.
+/// Pass of the summation.
 #[derive(Clone, Copy)]
 enum Run {
     Rows,

@@ -16,7 +16,7 @@ use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::{Result, shared_struct};
 
 shared_struct! {
-    /// What of the lengths of a frame's lists the frame itself does not tell.
+    /// Limits of a frame's lists that the uniform `frame` does not hold.
     "visibility_texture" => pub struct Lists {
         /// Bands of facets of all views.
         pub bands: u32,

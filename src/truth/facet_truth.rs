@@ -9,7 +9,7 @@
 //! strictly on the light's side of it and meets the plane in a segment whose image crosses the pixel's closed square,
 //! makes the samples beyond the segment's line, seen from the pixel centre, invalid. Triangles that only fall away
 //! (convex neighbours) mark nothing, and neither does a line through the centre. A facet whose coverage is not full has
-//! no validity lines: its coverage already says which samples it stands in for.
+//! no validity lines: its coverage already says which samples it represents.
 //!
 //! **Ambiguity.** Distances on the image to the lines of each shadow and each validity line are exact here, so lines are
 //! used rather than probes around each sample: they also notice slivers. A sample that no triangle shadows is ambiguous
@@ -38,7 +38,7 @@ pub struct FacetInput {
     pub pixel: u32,
     /// The triangle whose plane it lies on.
     pub triangle: u32,
-    /// The samples that it stands in for.
+    /// The samples that it represents.
     pub coverage: [u32; 4],
 }
 
@@ -102,7 +102,7 @@ impl<'a> FacetTruth<'a> {
         Ok(Self { tracer, rays, light, local_light, offsets, width, height, validity: true })
     }
 
-    /// Leaves the validity lines out, where the coverage masks already say which samples a facet stands in for: `valid`
+    /// Leaves the validity lines out, where the coverage masks already say which samples a facet represents: `valid`
     /// then only tells which rays meet the plane. Faster for facets of few samples.
     pub fn without_validity(mut self) -> Self {
         self.validity = false;

@@ -68,14 +68,14 @@ impl TruthImage {
 pub struct AmbiguousCount {
     /// Ambiguous samples.
     pub ambiguous: u64,
-    /// Samples of the pixels that were looked at: those whose neighbourhood is not uniform.
+    /// Samples of the pixels that were examined: those whose neighbourhood is not uniform.
     pub examined: u64,
     /// All samples.
     pub all: u64,
 }
 
 impl AmbiguousCount {
-    /// Ambiguous share of the samples that were looked at: near silhouettes and shadow edges. 0 without any.
+    /// Ambiguous share of the samples that were examined: near silhouettes and shadow edges. 0 without any.
     pub fn share(&self) -> f64 {
         if self.examined == 0 { 0.0 } else { self.ambiguous as f64 / self.examined as f64 }
     }

@@ -1,5 +1,5 @@
-// Facets: what stands for a surface inside one pixel (Pan 2009, section 3.1). Needs `frame`. What only
-// evaluation asks is apart: most facets are settled, and what is never touched costs no time.
+// Facets: surfaces inside one pixel each (Pan 2009, section 3.1). Needs `frame`. What only evaluation asks is
+// apart: most facets are settled, and what is never touched costs no time.
 
 //@import pixel_ray
 
@@ -11,7 +11,7 @@ struct Facet {
     origin: vec2<f32>,  // a sample of its coverage, relative to the pixel centre
 }
 
-// What evaluation asks of a facet.
+// Undecided facet, as evaluation reads it.
 struct Undecided {
     plane: vec4<f32>,   // dot(xyz, point) = w on it; the light and the eye lie where dot(xyz, point) > w
     pixel: u32,

@@ -1,4 +1,4 @@
-// What a pixel shows to methods of one receiver a pixel: the plane of the triangle at its centre, and its
+// Receiver of a pixel, for methods of one receiver a pixel: the plane of the triangle at its centre, and its
 // place in the light view. Needs `frame`, and the arrays `id_keys`, `triangles`, `points` and `samples`.
 
 //@import pixel_ray

@@ -18,7 +18,7 @@ struct StatusHead {
     facets_needed: Need,
 }
 
-// What one band of facets needed in one view of the light.
+// Needs of one band of facets in one view of the light.
 struct StatusBand {
     pixel_pairs: Need,
     triangle_pairs: Need,

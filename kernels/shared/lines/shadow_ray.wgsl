@@ -86,7 +86,7 @@ fn misses(r: Ray, k: u32) -> bool {
     return passes(r, caster_of(k));
 }
 
-// What a triangle is to the ray.
+// State of a triangle on the ray.
 fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
     let c = caster_of(k);
     let a = c.at - r.at;

@@ -16,7 +16,7 @@ fn split_depth(nearest_key: u32, second_key: u32) -> f32 {
     return 0.5 * depth_of_key(nearest_key) + 0.5 * depth_of_key(second_key);
 }
 
-// What is known of a texel, as one number (array `splits`):
+// State of a texel, as one number (array `splits`):
 //   MARKED     silhouettes, or layers that are not certain: evaluate what lies here
 //   UNCOVERED  no caster anywhere in the texel
 //   else       one sheet covers the whole texel in front of this depth, all else lies behind it

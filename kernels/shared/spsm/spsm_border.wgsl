@@ -4,7 +4,7 @@
 var<private> pieces: array<vec4<f32>, 75>;  // edges of up to 25 texels: both ends
 var<private> piece_count: u32;
 
-// What rounding of the light view may make of a depth, over a receiver of this slope.
+// Bias for rounding of the light view, over a receiver of this slope.
 fn bias_of(r: Receiver) -> f32 {
     return BIAS + depth_noise() + (abs(r.slope.x) + abs(r.slope.y)) * place_noise();
 }

@@ -1,4 +1,4 @@
-// What a pixel covers of the light view. Needs receiver and the override MANY.
+// Footprint of a pixel in the light view. Needs receiver and the override MANY.
 
 const CLASS_EMPTY = 0u;
 const CLASS_DARK = 1u;
@@ -7,8 +7,8 @@ const CLASS_SHADOWED = 3u;
 const CLASS_UNCERTAIN = 4u;
 const MOST_TEXELS = 25.0;     // of a footprint that is settled as a whole
 
-// What of the light view a pixel covers: the place of its centre, the box of its corners, and the texels that
-// the box touches.
+// Footprint of a pixel in the light view: the place of its centre, the box of its corners, and the texels
+// that the box touches.
 struct Footprint {
     at: vec4<f32>,
     low: vec2<f32>,
@@ -39,7 +39,7 @@ fn footprint_of(r: Receiver, pixel: u32) -> Footprint {
     let beside = any(f.high < vec2(0.0)) || any(f.low >= vec2(side));
     let large = extent.x * extent.y > MOST_TEXELS;
     if f.at.w == 0.0 || (whole && beside) { f.class_known = CLASS_LIT; } else if !whole || large { f.class_known = CLASS_UNCERTAIN; }
-    // Nothing that is settled already is looked at texel by texel.
+    // Nothing that is settled already is tested texel by texel.
     if f.class_known != CLASS_EMPTY { f.last = f.first; }
     return f;
 }

@@ -1,4 +1,4 @@
-// The 128-bit record of a texel of `spsm`, and the sheet it stands for: the triangle's three edges and its
+// The 128-bit record of a texel of `spsm`, and the sheet it encodes: the triangle's three edges and its
 // plane, around the texel's centre, in texels. Needs `frame`, the uniform `slopes` (threshold above each
 // code, value, bound) and the overrides ENCODING and SPLIT.
 // ENCODING 0 (Lecocq 2013, section 3.3): x | y << 16 of each vertex over the map; depth << 16 | slope y << 8
@@ -26,7 +26,7 @@ struct Sheet {
     held: bool,
 }
 
-// What rounding makes of a place in the light view, texels: a thirty-second of the worst case that the frame
+// Rounding error of a place in the light view, texels: a thirty-second of the worst case that the frame
 // knows, which triangles of ordinary size do not come near; the margin of other methods would keep texels for
 // triangles beside them.
 fn place_noise() -> f32 {

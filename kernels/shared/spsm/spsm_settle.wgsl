@@ -1,4 +1,4 @@
-// What the closest triangles say of all of a pixel's footprint. Needs spsm_footprint, spsm_border, and the
+// Tests of a pixel's whole footprint by the closest triangles. Needs spsm_footprint, spsm_border, and the
 // overrides MANY and RADIUS.
 
 // Whether a closest triangle may lie before the receiver in a texel of the footprint: by its plane, or by its

@@ -32,7 +32,7 @@ fn edge_doubt() -> f32 {
     return 0.002;
 }
 
-// What that makes of a depth where two sheets meet at an edge: the one is taken for the other across it.
+// Depth error from a moved edge where two sheets meet: the one is taken for the other across it.
 fn step_doubt(gap: vec2<f32>) -> f32 {
     return edge_doubt() * (abs(gap.x) + abs(gap.y));
 }
@@ -67,8 +67,8 @@ fn piece_of(e: vec3<f32>, f: vec3<f32>, g: vec3<f32>, middle: vec2<f32>, reach: 
     return Piece(start + range.x * along, start + range.y * along, range.x <= range.y);
 }
 
-// What of a sheet's edges lies in its texel: both ends each. Nothing where the triangle holds the whole
-// texel: no edge is asked for there.
+// Parts of a sheet's edges in its texel: both ends each. Nothing where the triangle holds the whole texel: no
+// edge is asked for there.
 struct Outline { a: Piece, b: Piece, c: Piece }
 
 fn outline_of(s: Sheet) -> Outline {

@@ -1,7 +1,7 @@
 //! `facet-masks` on the CPU: the same stages by their definitions in `f64`, on all cores, for machines without an adapter.
 //!
-//! What the light sees is found once, facets and what they need in bands of rows, and of those again in parts whose pairs
-//! fit memory. How masks are looked up and how pairs are brought together ([`Settings::masks`], [`Settings::pairs`]) are
+//! The maps of the first light view are made once, facets in bands of rows with the maps of further views, their pairs in parts that fit
+//! memory. How masks are looked up and how pairs are brought together ([`Settings::masks`], [`Settings::pairs`]) are
 //! matters of the GPU: here every sample is decided.
 
 mod light_side;
@@ -31,7 +31,7 @@ const BAND: u32 = 1 << 19;
 /// Request of a frame.
 #[derive(Clone, Copy, Default)]
 pub struct CpuRequest<'a> {
-    /// Nothing casts a shadow: facets that face the light are lit, and no caster is looked at.
+    /// Nothing casts a shadow: facets that face the light are lit, and no caster is tested.
     pub unshadowed: bool,
     /// Keep [`CpuFrame::facets`].
     pub facets: bool,

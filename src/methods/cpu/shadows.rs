@@ -21,7 +21,7 @@ const PAIRS: u64 = 1 << 25;
 pub(super) struct Known {
     /// The mask.
     pub marked: Vec<bool>,
-    /// What is known of each texel.
+    /// Split depth or state of each texel.
     pub splits: Vec<Split>,
     /// Depth of the nearest caster of each texel, not a number where there is none; empty unless it was asked for.
     pub depths: Vec<f32>,
@@ -30,12 +30,12 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Of one texel in which nothing casts.
+    /// State of one texel in which nothing casts.
     pub fn nothing() -> Self {
         Self { marked: vec![false], splits: vec![Split::Uncovered], depths: Vec::new(), silhouette_edges: 0 }
     }
 
-    /// Of what casts; the depths only if asked for.
+    /// State from the casters; the depths only if asked for.
     pub fn new(
         clock: &mut Clock,
         view: &View,
@@ -66,7 +66,7 @@ impl Known {
     }
 }
 
-/// What pairs were needed, in all and at a time.
+/// Pairs that were needed: in all, and at most at a time.
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
     pixel_texel: [u64; 2],

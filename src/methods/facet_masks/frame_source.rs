@@ -5,7 +5,7 @@ use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::every_surface::SampleIds;
 
-/// Which part of an image a frame is: as many rows as its settings say, all of them as wide as the image.
+/// The part of an image that a frame is: as many rows as its settings say, all as wide as the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strip {
     /// Width and height of the image.
@@ -23,17 +23,17 @@ impl Strip {
     }
 }
 
-/// Whether a frame finds what the light sees.
+/// Whether a frame makes the light maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapSource {
-    /// It does.
+    /// It makes them.
     Made,
-    /// What the frame before found is right for this one too, as for another strip of its image: with one view it is kept, and
+    /// The frame before made them, and they hold for this one too, as for another strip of its image: with one view they are kept, and
     /// silhouettes are not counted again.
     Kept,
 }
 
-/// Where it is known from what pixels show.
+/// Source of the surfaces that pixels show.
 #[derive(Clone, Copy, Default)]
 pub enum FacetSource<'a> {
     /// Found among the triangles.

@@ -20,7 +20,7 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Of a frame that counted this.
+    /// Needs of a frame with this status.
     pub fn of(status: &Status) -> Self {
         let head = &status.head;
         let needs = Self {

@@ -36,8 +36,8 @@ pub fn roomy(needs: &Needs, c: Capacities, settings: &Settings, limits: &wgpu::L
     if pair_bytes(settings, lists) <= budget && bound(settings, largest_binding(limits), lists) { pairs } else { more }
 }
 
-/// What the frames with the lists in use needed, all of them: frames that take turns come to lists that hold each, also where the
-/// budget does not hold what each needs most of.
+/// Largest needs of the frames with the lists in use: frames that take turns get lists that hold each, also where the budget does not hold
+/// what each needs most of.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Together {
     needs: Needs,
@@ -55,8 +55,8 @@ pub struct Wanted {
 }
 
 impl Together {
-    /// What all frames up to now want, the last of which needed `needs` with the capacities `now`; `None` if they hold all with room to
-    /// spare, or if nothing can. As [`wanted`], [`ahead`] of it, and [`roomy`].
+    /// Lists for all frames so far, of which the last needed `needs` with the capacities `now`; `None` if those hold all with room to
+    /// spare, or if none can. As [`wanted`], [`ahead`] of it, and [`roomy`].
     pub fn wanted(
         &mut self,
         needs: Needs,

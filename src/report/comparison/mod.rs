@@ -1,7 +1,7 @@
 //! Error against run time: scenes × methods × settings, measured in interleaved repeats and held against both truths.
 //!
 //! A *row* is one method with one setting on one scene. Rows are measured in groups: in every round each row of the group
-//! renders one frame, and a reference row with them, so that what disturbs the machine disturbs all of them, and ratios
+//! renders one frame, and a reference row with them, so that what disturbs the machine disturbs every row, and ratios
 //! to the reference are taken within a round. Each finished row is written to a journal; a run that was interrupted goes
 //! on from there.
 

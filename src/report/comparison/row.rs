@@ -54,7 +54,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of some figures; zeros without any. Figures between two ranks are interpolated.
+    /// Spread of some figures; zeros without any. Figures between two ranks are interpolated.
     pub fn of(figures: &[f64]) -> Self {
         let mut sorted = figures.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -123,7 +123,7 @@ pub struct Row {
     pub repeats: u32,
     /// Sum of the stages' GPU time, milliseconds; zeros without time stamps.
     pub gpu_ms: Spread,
-    /// Of it, stages before the light is looked at: projection, and what each pixel or sample sees.
+    /// Part of it in the stages before those of the light: projection, and what each pixel or sample sees.
     pub camera_ms: f64,
     /// From submission to the end, milliseconds.
     pub wall_ms: Spread,

@@ -1,4 +1,4 @@
-//! Which methods and settings are compared.
+//! Methods and settings that are compared.
 
 use crate::Result;
 use crate::light_view::Warp;
@@ -9,7 +9,7 @@ use crate::methods::{
 };
 use crate::samples::{Pattern, Samples};
 
-/// What is asked for.
+/// Variants to compare.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scope {
     /// Methods.
@@ -36,7 +36,7 @@ pub struct ReportVariant {
 }
 
 impl Scope {
-    /// The number of samples that stands for all where one must.
+    /// The number of samples nearest to 32, where one must represent all.
     pub fn usual_samples(&self) -> u32 {
         self.samples.iter().copied().min_by_key(|n| n.abs_diff(32)).unwrap_or(32)
     }
