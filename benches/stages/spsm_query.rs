@@ -25,10 +25,10 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut rec = Recorder::new(device, &mut encoder, None);
     let seen = setup.seen_with(&samples);
     let mut all = rec.stage("setup");
-    SeenTexels::new(device, options, &texels).record_all(&mut all, &frame, &texels.marks);
-    SpsmMap::new(device, 1, &texels).record(&mut all, &frame, setup.lit(), &texels)?;
-    stage.record_classify(&mut all, &frame, seen, &texels, &pixels)?;
-    stage.record_settle(&mut all, &frame, seen, &texels, &pixels)?;
+    SeenTexels::new(device, options, &texels).record_all(&mut all, frame, &texels.marks);
+    SpsmMap::new(device, 1, &texels).record(&mut all, frame, setup.lit(), &texels)?;
+    stage.record_classify(&mut all, frame, seen, &texels, &pixels)?;
+    stage.record_settle(&mut all, frame, seen, &texels, &pixels)?;
     drop(all);
     texels.marks.take_list(&mut rec, &pixels);
     gpu.submit_and_wait(encoder)?;

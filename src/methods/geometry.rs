@@ -105,9 +105,9 @@ impl Geometry {
     ) -> Result<()> {
         let stage = &mut rec.stage("triangle_setup");
         let (positions, triangles) = (&casters.positions, &casters.triangles);
-        with.project.record(stage, frame, &positions, &self.points, &self.map_points, positions.len());
+        with.project.record(stage, frame, positions, &self.points, &self.map_points, positions.len());
         let count = triangles.len();
-        with.setup.record(stage, frame, &triangles, &self.points, &self.map_points, &self.facts, count);
+        with.setup.record(stage, frame, triangles, &self.points, &self.map_points, &self.facts, count);
         for (items, offsets, requests) in [
             (&self.facts.camera_items, &self.camera_offsets, &self.requests[0]),
             (&self.facts.light_items, &self.light_offsets, &self.requests[1]),

@@ -41,7 +41,7 @@ pub struct MethodRow {
     pub paper: &'static str,
     /// The section of that, or of a survey that describes it.
     pub section: &'static str,
-    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::Looks)).
+    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::DebugViews)).
     pub keeps: [bool; 2],
 }
 
@@ -156,7 +156,7 @@ impl MethodName {
         self.row().name
     }
 
-    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::Looks)).
+    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::DebugViews)).
     pub fn keeps(self) -> [bool; 2] {
         self.row().keeps
     }

@@ -80,7 +80,7 @@ impl DispatchArgs {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         let most = device.limits().max_compute_workgroups_per_dimension.min(MAX_GROUPS);
-        Self { fold: kernel::FoldProgram::new(device, kernel::Constants { max_groups: most, ..Default::default() }) }
+        Self { fold: kernel::FoldProgram::new(device, kernel::Constants { max_groups: most }) }
     }
 
     /// The requests as the GPU reads them, uploaded once.

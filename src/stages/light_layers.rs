@@ -73,12 +73,7 @@ impl LightLayers {
     }
 
     fn with(device: &wgpu::Device, both: bool) -> Self {
-        Self {
-            raster: kernel::RasterProgram::new(
-                device,
-                kernel::Constants { both: u32::from(both), ..Default::default() },
-            ),
-        }
+        Self { raster: kernel::RasterProgram::new(device, kernel::Constants { both: u32::from(both) }) }
     }
 
     /// Records it.

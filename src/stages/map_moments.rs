@@ -23,8 +23,7 @@ pub struct MapMoments {
 impl MapMoments {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        let from =
-            |first: u32| kernel::ReduceProgram::new(device, kernel::Constants { first: first, ..Default::default() });
+        let from = |first: u32| kernel::ReduceProgram::new(device, kernel::Constants { first });
         Self { reduce: [0, 1, 2].map(|k| from(k * kernel::LEVELS)) }
     }
 

@@ -21,7 +21,7 @@ pub struct Resolve {
 impl Resolve {
     /// Builds the pipeline for masks of `words` words.
     pub fn new(device: &wgpu::Device, words: u32) -> Self {
-        Self { resolve: kernel::ResolveProgram::new(device, kernel::Constants { words: words, ..Default::default() }) }
+        Self { resolve: kernel::ResolveProgram::new(device, kernel::Constants { words }) }
     }
 
     /// Records the visibility of every pixel.

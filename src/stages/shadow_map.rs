@@ -38,7 +38,6 @@ impl ShadowMap {
             bias_constant: options.constant,
             bias_slope: options.slope,
             receiver_plane: u32::from(options.receiver_plane),
-            ..Default::default()
         };
         Self { compare: kernel::CompareProgram::new(device, constants) }
     }

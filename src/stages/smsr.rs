@@ -40,7 +40,6 @@ impl Smsr {
             midpoints: u32::from(options.midpoints),
             bias_constant: options.constant,
             bias_slope: options.slope,
-            ..Default::default()
         };
         Self { revectorize: kernel::RevectorizeProgram::new(device, constants) }
     }

@@ -137,7 +137,6 @@ impl SpsmQuery {
             radius: options.radius as i32,
             stretch: options.stretch as i32,
             bias: options.bias,
-            ..Default::default()
         };
         Self {
             classify: kernel::ClassifyProgram::new(device, constants),

@@ -118,7 +118,7 @@ impl Setup {
     /// What the pixels of the frame see, with these samples.
     pub fn seen_with<'a>(&'a self, samples: &'a Buffer<[f32; 4]>) -> PrimaryHits<'a> {
         let triangles = &self.casters.triangles;
-        PrimaryHits { samples: &samples, id_keys: &self.id_keys, triangles, points: &self.points }
+        PrimaryHits { samples, id_keys: &self.id_keys, triangles, points: &self.points }
     }
 
     /// A frame of about `size` triangles; `None` above [`MOST`].
