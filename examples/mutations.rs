@@ -114,7 +114,7 @@ fn test_binary() -> Result<PathBuf> {
     let text = String::from_utf8_lossy(&built.stdout);
     let messages = text.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
     let programs = messages.filter(|m| m["target"]["name"] == "stages" && m["target"]["kind"][0] == "test");
-    let found = programs.filter_map(|m| m["executable"].as_str().map(PathBuf::from)).last();
+    let found = programs.filter_map(|m| m["executable"].as_str().map(PathBuf::from)).next_back();
     found.ok_or_else(|| failed(&"cargo names no program"))
 }
 
