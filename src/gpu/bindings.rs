@@ -6,7 +6,7 @@
 //! use subpixel_shadows::gpu::Buffer;
 //! use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 //!
-//! fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<Request>, args: &'a Buffer<u32>) -> Fold<'a> {
+//! fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<ArgsRequest>, args: &'a Buffer<u32>) -> Fold<'a> {
 //!     Fold { counts: counts.as_read(), requests: requests.as_read(), args: args.as_write() }
 //! }
 //! ```
@@ -15,7 +15,7 @@
 //! # use subpixel_shadows::gpu::kernels::dispatch_args::Fold;
 //! # use subpixel_shadows::gpu::Buffer;
 //! # use subpixel_shadows::stages::dispatch_args::ArgsRequest;
-//! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<Request>, args: &'a Buffer<u32>) -> Fold<'a> {
+//! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<ArgsRequest>, args: &'a Buffer<u32>) -> Fold<'a> {
 //! Fold { counts: requests.as_read(), requests: counts.as_read(), args: args.as_write() }
 //! # }
 //! ```
@@ -24,7 +24,7 @@
 //! # use subpixel_shadows::gpu::kernels::dispatch_args::Fold;
 //! # use subpixel_shadows::gpu::Buffer;
 //! # use subpixel_shadows::stages::dispatch_args::ArgsRequest;
-//! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<Request>, args: &'a Buffer<u32>) -> Fold<'a> {
+//! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<ArgsRequest>, args: &'a Buffer<u32>) -> Fold<'a> {
 //! Fold { counts: counts.as_read(), requests: requests.as_read() }
 //! # }
 //! ```
@@ -33,7 +33,7 @@
 //! # use subpixel_shadows::gpu::kernels::dispatch_args::Fold;
 //! # use subpixel_shadows::gpu::Buffer;
 //! # use subpixel_shadows::stages::dispatch_args::ArgsRequest;
-//! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<Request>, args: &'a Buffer<u32>) -> Fold<'a> {
+//! # fn bind<'a>(counts: &'a Buffer<u32>, requests: &'a Buffer<ArgsRequest>, args: &'a Buffer<u32>) -> Fold<'a> {
 //! Fold { counts: counts.as_read(), requests: requests.as_read(), args: args.as_read() }
 //! # }
 //! ```
