@@ -23,7 +23,7 @@ fn main() {
     }
 }
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Asked {
     per_kernel: usize,
     seed: u64,

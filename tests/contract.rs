@@ -364,7 +364,7 @@ fn files_stay_readable() {
     }
 }
 
-/// What one kernel alone imports lies in that kernel's folder, what several do in one of `shared`.
+/// A file that one kernel alone imports lies in that kernel's folder, one that several import in `shared`.
 #[test]
 fn imports_lie_with_their_users() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("kernels");

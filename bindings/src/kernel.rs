@@ -17,7 +17,7 @@ pub struct Kernel {
     pub source: String,
     /// The parsed text.
     pub module: Module,
-    /// What validation found.
+    /// Result of validation.
     pub info: ModuleInfo,
 }
 

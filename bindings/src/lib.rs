@@ -18,7 +18,7 @@ pub const FILE: &str = "src/gpu/kernels.rs";
 /// The text of [`FILE`], from the `kernels/` and `src/` of a repository.
 ///
 /// # Errors
-/// What is wrong with a kernel, with its place.
+/// The first fault of a kernel, with its place.
 pub fn generate(root: &Path) -> Result<String, String> {
     let structs = SharedStructs::read(&root.join("src"))?;
     let mut out = String::from(

@@ -1443,18 +1443,18 @@ pub mod spsm_map {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "spsm_map/keys", "shared/math/divide",
-        "shared/raster/rect", "shared/raster/work_items", "shared/raster/conservative", "shared/raster/span",
-        "shared/raster/block_bits", "shared/raster/cover_cells", "shared/math/cross_sign",
-        "shared/spsm/spsm_record", "shared/spsm/seen_texels", "spsm_map/spsm_raster", "spsm_map/spsm_encode",
-        "spsm_map",
+        "shared/frame/dispatch", "spsm_map/keys", "shared/frame/frame", "shared/frame/pass",
+        "spsm_map/spsm_bindings", "shared/math/divide", "shared/raster/rect", "shared/raster/work_items",
+        "shared/raster/conservative", "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells",
+        "shared/math/cross_sign", "shared/spsm/spsm_record", "shared/spsm/seen_texels", "spsm_map/spsm_raster",
+        "spsm_map/spsm_encode", "spsm_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
-        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2, WORKGROUP = 64,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1,
+        SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -1501,16 +1501,16 @@ pub mod spsm_map {
     } }
     group! { Map {
         keys: Write<'a, u32>,
-        work_offsets: Read<'a, u32>,
         frame: Uniform<'a, crate::frame::Frame>,
-        slopes: Uniform<'a, [f32; 4]>,
         step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        slopes: Uniform<'a, [f32; 4]>,
         triangles: Read<'a, [u32; 4]>,
         map_points: Read<'a, [f32; 4]>,
         light_rects: Read<'a, [u32; 2]>,
-        seen: Write<'a, u32>,
+        work_offsets: Read<'a, u32>,
         upper_records: Write<'a, [u32; 4]>,
         lower_records: Write<'a, [u32; 4]>,
+        seen: Write<'a, u32>,
         won: Write<'a, [u32; 4]>,
     } }
     subset! { Raster => Divide { seen, won } }
@@ -1533,18 +1533,18 @@ pub mod spsm_map_64 {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "spsm_map/keys_64",
-        "shared/math/divide", "shared/raster/rect", "shared/raster/work_items", "shared/raster/conservative",
-        "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells", "shared/math/cross_sign",
-        "shared/spsm/spsm_record", "shared/spsm/seen_texels", "spsm_map/spsm_raster", "spsm_map/spsm_encode",
-        "spsm_map_64",
+        "shared/frame/dispatch", "spsm_map/keys_64", "shared/frame/frame", "shared/frame/pass",
+        "spsm_map/spsm_bindings", "shared/math/divide", "shared/raster/rect", "shared/raster/work_items",
+        "shared/raster/conservative", "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells",
+        "shared/math/cross_sign", "shared/spsm/spsm_record", "shared/spsm/seen_texels", "spsm_map/spsm_raster",
+        "spsm_map/spsm_encode", "spsm_map_64",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
-        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2, WORKGROUP = 64,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1,
+        SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -1573,16 +1573,16 @@ pub mod spsm_map_64 {
     } }
     group! { Map {
         keys: Write<'a, u64>,
-        work_offsets: Read<'a, u32>,
         frame: Uniform<'a, crate::frame::Frame>,
-        slopes: Uniform<'a, [f32; 4]>,
         step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        slopes: Uniform<'a, [f32; 4]>,
         triangles: Read<'a, [u32; 4]>,
         map_points: Read<'a, [f32; 4]>,
         light_rects: Read<'a, [u32; 2]>,
-        seen: Write<'a, u32>,
+        work_offsets: Read<'a, u32>,
         upper_records: Write<'a, [u32; 4]>,
         lower_records: Write<'a, [u32; 4]>,
+        seen: Write<'a, u32>,
     } }
     subset! { Map => Encode { frame, step, slopes, triangles, map_points, keys, upper_records, lower_records, seen } }
     subset! { Map => Raster { frame, step, triangles, map_points, light_rects, work_offsets, keys, seen } }

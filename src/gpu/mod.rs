@@ -5,7 +5,6 @@ pub mod buffer;
 pub mod device;
 pub mod faults;
 #[rustfmt::skip]
-#[allow(clippy::all, clippy::pedantic, reason = "written by a program")]
 pub mod kernels;
 pub mod kept;
 pub mod layout;

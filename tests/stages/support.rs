@@ -28,7 +28,7 @@ pub fn small_gpu(groups: u32, binding: u64) -> Gpu {
     Gpu::open_with_limits(None, Some(limits)).expect("a device with small limits")
 }
 
-/// What recording a stage returns: nothing, or a result that must be good.
+/// Result of recording a stage: nothing, or one that must be good.
 pub trait Done {
     /// Fails on an error.
     fn done(self);

@@ -1,5 +1,5 @@
 // Facets of surfaces that only receive: their triangles stand behind those of the casters and cast nothing.
-// What is proved of the casters' own surfaces (front_split) is not proved of them: they may lie anywhere
+// Proofs about the casters' own surfaces (front_split) do not hold for them: they may lie anywhere
 // between two layers, cut through them, and lie far outside the box of the casters. Needs `frame`, `facet`,
 // `facing`, `rect`, `front_split` and the array `splits`.
 
