@@ -74,6 +74,9 @@ fn run() -> Result<()> {
         let limit = start.elapsed() * 3 + Duration::from_secs(20);
         let mut survivors = Vec::new();
         let changes = chosen(stem, source, asked.per_kernel, asked.seed)?;
+        if changes.is_empty() {
+            return Err(Error::Config(format!("{stem}: no change was found in its text")));
+        }
         for (k, change) in changes.iter().enumerate() {
             eprintln!("{stem}: {} of {}: {}", k + 1, changes.len(), change.shown(source));
             let variable = format!("{stem}:{}:{}:{}", change.first, change.length, change.text);
@@ -229,19 +232,19 @@ fn changes(texts: &[String], source: &str) -> Vec<Change> {
     let mut found = Vec::new();
     for text in texts {
         let Some(base) = source.find(text.as_str()) else { continue };
-        let mut depth = 0usize;
-        let mut at = 0;
+        let (mut depth, mut at, mut signature) = (0usize, 0, false);
         for line in text.split_inclusive('\n') {
             let code = line.split("//").next().unwrap_or_default();
-            // Bodies of functions and not of structs; signatures stay.
-            let inside = depth > 0 || code.contains("fn ") && code.trim_end().ends_with('}');
+            // Bodies of functions and not of structs; signatures stay, which may take several lines.
+            signature |= depth == 0 && code.starts_with("fn ");
+            let inside = depth > 0 || signature && code.contains('{');
             let body = if depth > 0 { 0 } else { code.find('{').unwrap_or(code.len()) };
             if inside && !code.trim_start().starts_with('@') {
                 of_line(&code[body..], base + at + body, &mut found);
             }
-            let opens = code.matches('{').count();
-            if depth > 0 || code.contains("fn ") || code.starts_with(") ") {
-                depth = (depth + opens).saturating_sub(code.matches('}').count());
+            if inside {
+                depth = (depth + code.matches('{').count()).saturating_sub(code.matches('}').count());
+                signature = false;
             }
             at += line.len();
         }
