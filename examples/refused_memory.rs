@@ -1,8 +1,9 @@
-//! Every request for memory of every built-in scene refused once, in turn: `cargo run --release --example refused_memory [-- [--step N] SCENE...]`
+//! Every request for memory of every built-in scene refused once, in turn: `cargo run --release --example refused_memory [-- [--step N] [--from ROW] SCENE...]`
 //!
 //! For a renderer and its first frame, for a pass that takes casters and sizes and whose lists grow from one element, and for `plane`
 //! for a pass as it is made; both facet modes, and both ways to refuse. Each time there must be one clear error, or none where the
 //! library goes around it, and the frame after it must be that of an untroubled run, bit for bit. The exit status is 1 if not.
+//! `--from ROW` begins at that row of the table (0 is its first), for a run that was cut off.
 
 #[path = "shared/refused.rs"]
 mod refused;
@@ -26,12 +27,9 @@ fn main() {
 
 fn run() -> Result<()> {
     let mut asked: Vec<String> = std::env::args().skip(1).collect();
-    let mut step = 1;
-    if let Some(at) = asked.iter().position(|word| word == "--step") {
-        let number = asked.get(at + 1).and_then(|text| text.parse().ok()).filter(|&n| n > 0);
-        step = number.ok_or_else(|| Error::Config("--step needs a number from 1 on".to_owned()))?;
-        asked.drain(at..at + 2);
-    }
+    let step = number(&mut asked, "--step", 1)?;
+    let from = number(&mut asked, "--from", 0)?;
+    let mut row = 0;
     let names: Vec<&str> =
         if asked.is_empty() { BUILTIN_NAMES.to_vec() } else { asked.iter().map(String::as_str).collect() };
     let gpu = Gpu::open(None)?;
@@ -51,6 +49,10 @@ fn run() -> Result<()> {
                     continue;
                 }
                 for refusal in [Refusal::Device, Refusal::Limit] {
+                    row += 1;
+                    if row <= from {
+                        continue;
+                    }
                     let told = work(&gpu, &scene, facets, 0, step, refusal)
                         .map_err(|e| Error::Config(format!("{name}, {facets:?}, {what}, {refusal:?}: {e}")))?;
                     let Told { asked, refused, absorbed } = told;
@@ -60,4 +62,13 @@ fn run() -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Takes `option NUMBER` out of the words; `least` without it.
+fn number(words: &mut Vec<String>, option: &str, least: u64) -> Result<u64> {
+    let Some(at) = words.iter().position(|word| word == option) else { return Ok(least) };
+    let number = words.get(at + 1).and_then(|text| text.parse().ok()).filter(|&n| n >= least);
+    let number = number.ok_or_else(|| Error::Config(format!("{option} needs a number from {least} on")))?;
+    words.drain(at..at + 2);
+    Ok(number)
 }
