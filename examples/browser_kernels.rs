@@ -11,10 +11,10 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use subpixel_shadows::gpu::{Gpu, kernels, program};
 use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::render::Budget;
-use subpixel_shadows::methods::{AnyRenderer, MethodName};
+use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::methods::{FacetMode, PairVariant, Prepared, ProjectionVariant, Settings};
 use subpixel_shadows::pass::{Casters, PassConfig};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::builtin;
 use subpixel_shadows::{Error, Result, ShadowPass};
@@ -115,7 +115,7 @@ fn made() -> Result<BTreeSet<String>> {
     }
     for (method, settings) in all {
         eprint!(".");
-        AnyRenderer::new(&gpu, &prepared, method, &settings, Budget::default())?;
+        Renderer::of_method(&gpu, &prepared, method, &settings, Budget::default())?;
     }
     for facets in [FacetMode::One, FacetMode::All] {
         let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };

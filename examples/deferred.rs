@@ -17,12 +17,12 @@ use futures::executor::block_on;
 use std::path::Path;
 use subpixel_shadows::glam::{DMat4, DVec3, DVec4};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{
     Casters, DepthTerms, GBuffer, Inputs, PassConfig, SampleTexture, SurfacePosition, SurfaceTextures, Target,
     TriangleTexture,
 };
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::report::write_png_rgb;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};

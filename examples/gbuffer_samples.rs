@@ -10,9 +10,9 @@ mod arguments;
 
 use arguments::Arguments;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{Casters, GBuffer, Inputs, PassConfig, SampleTexture, Target};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::truth::{SceneTruth, Tracer, TruthImage};
@@ -81,7 +81,7 @@ fn seen_by_samples(gpu: &Gpu, scene: &Scene, prepared: &Prepared, settings: Sett
     let (samples, pixels) = (settings.samples.clone(), settings.pixels());
     let mut renderer = Renderer::new(gpu, prepared, &settings, Budget::default())?;
     renderer.render(&scene.camera, &scene.light)?;
-    let facets = renderer.method().facets();
+    let facets = renderer.facets().ok_or_else(|| Error::Config("no facets".to_owned()))?;
     let (list, masks, ends) = (facets.list.read(gpu)?, facets.masks.read(gpu)?, facets.pixel_facets.read(gpu)?);
     let words = samples.words() as usize;
     let mut layers = vec![vec![u32::MAX; pixels]; samples.count() as usize];

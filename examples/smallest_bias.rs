@@ -7,10 +7,8 @@
 use std::collections::HashMap;
 use subpixel_shadows::glam::{DQuat, DVec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::render::Budget;
-use subpixel_shadows::methods::{
-    AnyRenderer, MethodName, Prepared, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings,
-};
+use subpixel_shadows::methods::{MethodName, Prepared, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::{Error, Result};
@@ -101,7 +99,7 @@ impl Plane {
     /// Pixels of the plane that are not wholly lit.
     fn acne(&self, gpu: &Gpu, variant: Variant, map: u32, bias: f64) -> Result<usize> {
         let (method, settings) = variant.settings(map, bias)?;
-        let mut renderer = AnyRenderer::new(gpu, &self.prepared, method, &settings, Budget::default())?;
+        let mut renderer = Renderer::of_method(gpu, &self.prepared, method, &settings, Budget::default())?;
         let got = renderer.render(&self.camera, &Light::Directional { direction: [0.0, 1.0, 0.0] })?;
         let of_plane = |t: u32| self.own.get(t as usize) == Some(&true);
         let pixels = || got.triangles.iter().zip(&got.visibility).filter(|(t, _)| of_plane(**t));

@@ -10,8 +10,8 @@ mod median;
 use median::median;
 use std::collections::BTreeMap;
 use subpixel_shadows::gpu::{Gpu, StageTime};
-use subpixel_shadows::methods::render::Budget;
-use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{MethodName, Prepared, Settings};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::{Error, Result};
@@ -87,7 +87,7 @@ fn main() -> Result<()> {
             let mut renderers = Vec::new();
             for (name, method, seen_only) in ROWS {
                 settings.spsm.seen_only = seen_only;
-                let mut renderer = AnyRenderer::new(&gpu, &prepared, method, &settings, Budget::default())?;
+                let mut renderer = Renderer::of_method(&gpu, &prepared, method, &settings, Budget::default())?;
                 let first = renderer.render(&scene.camera, &scene.light)?;
                 let hash = first
                     .visibility

@@ -9,8 +9,8 @@
 
 use std::path::Path;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::render::Budget;
-use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, Settings, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::methods::{MethodName, Prepared, Settings, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::report::{write_difference, write_png_grey, write_png_rgb};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, SceneOptions};
@@ -111,7 +111,7 @@ fn main() -> Result<()> {
             for (label, method, encoding, [radius, stretch]) in VARIANTS {
                 let mut settings = Settings::new(SIZE, map, samples.clone());
                 settings.spsm = SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() };
-                let mut renderer = AnyRenderer::new(&gpu, &prepared, method, &settings, Budget::default())?;
+                let mut renderer = Renderer::of_method(&gpu, &prepared, method, &settings, Budget::default())?;
                 let got = renderer.render(&scene.camera, &scene.light)?;
                 let mut least = f64::INFINITY;
                 for _ in 0..if time { 5 } else { 0 } {

@@ -16,8 +16,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 use subpixel_shadows::glam::{DQuat, DVec3, Vec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::render::Budget;
-use subpixel_shadows::methods::{AnyRenderer, FacetMode, MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::report::comparison::plots::{Axis, Plot, Series};
 use subpixel_shadows::report::write_png_grey;
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -129,7 +129,7 @@ fn main() -> Result<()> {
             let mut renderers = Vec::new();
             for (_, method, facets) in VARIANTS {
                 let settings = Settings { facets, cull_back: true, ..Settings::new(size, map, samples.clone()) };
-                renderers.push(AnyRenderer::new(&gpu, &prepared, method, &settings, Budget::default())?);
+                renderers.push(Renderer::of_method(&gpu, &prepared, method, &settings, Budget::default())?);
             }
             let mut courses: [Course; 4] = Default::default();
             let (mut before, mut change) = (Vec::new(), Vec::new());

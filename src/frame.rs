@@ -116,6 +116,8 @@ impl Frame {
     pub const ENDS: u32 = 1024;
     /// Another view of the light follows.
     pub const MORE_VIEWS: u32 = 128;
+    /// Nothing casts a shadow: a facet that faces the light is lit.
+    pub const NOTHING_CASTS: u32 = 16384;
     /// This is not the first view of the light: what was found of facets is kept.
     pub const FURTHER_VIEW: u32 = 256;
 

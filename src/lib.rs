@@ -34,6 +34,7 @@ pub mod pass;
 pub mod plan;
 #[cfg(feature = "oracle")]
 pub mod reference;
+pub mod render;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod samples;

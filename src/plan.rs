@@ -8,21 +8,11 @@ mod methods;
 mod proofs;
 
 use crate::Result;
+pub use crate::methods::facet_masks::Extent;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
 use crate::scene::{Camera, Light};
 use proofs::{all_is_lit, back_faces_add_nothing, no_shadow, nothing_seen};
-
-/// How much of the method runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
-    /// Nothing: no pixel sees a surface, so every pixel is lit.
-    Nothing,
-    /// The surface of each pixel and whether it faces the light; no caster is tested.
-    Facing,
-    /// Everything.
-    Everything,
-}
 
 /// A stage, or a part of one that can be left out by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,21 +74,8 @@ impl Plan {
         light.check()?;
         wanted.check()?;
         let asked = wanted.facets;
-        let no_shadow = || match wanted.facets {
-            FacetMode::One => {
-                no_shadow(prepared, camera, light, wanted.keeps_validity() || wanted.samples.count() == 1)
-            }
-            FacetMode::All => all_is_lit(prepared, camera, light),
-        };
-        let (extent, reason) = if force_all {
-            (Extent::Everything, String::new())
-        } else if let Some(reason) = nothing_seen(prepared, camera, wanted.size) {
-            (Extent::Nothing, reason)
-        } else if let Some(reason) = no_shadow() {
-            (Extent::Facing, reason)
-        } else {
-            (Extent::Everything, String::new())
-        };
+        let everything = (Extent::Everything, String::new());
+        let (extent, reason) = if force_all { everything } else { extent_of(prepared, camera, light, wanted) };
         // Where one facet says as much, the others are left out.
         let single = match extent {
             Extent::Everything => one_sample(wanted).filter(|_| !force_all),
@@ -152,6 +129,18 @@ impl Plan {
     pub fn left_out(&self) -> impl Iterator<Item = (&'static str, &str)> {
         self.steps.iter().filter_map(|s| s.left_out.as_deref().map(|reason| (s.name, reason)))
     }
+}
+
+/// How much of a frame has to run, and why no more. A frame like the one before asks little: a few triangles, and the mesh's tree.
+pub(crate) fn extent_of(prepared: &Prepared, camera: &Camera, light: &Light, wanted: &Settings) -> (Extent, String) {
+    if let Some(reason) = nothing_seen(prepared, camera, wanted.size) {
+        return (Extent::Nothing, reason);
+    }
+    let none = match wanted.facets {
+        FacetMode::One => no_shadow(prepared, camera, light, wanted.keeps_validity() || wanted.samples.count() == 1),
+        FacetMode::All => all_is_lit(prepared, camera, light),
+    };
+    none.map_or((Extent::Everything, String::new()), |reason| (Extent::Facing, reason))
 }
 
 /// The facets a pixel (one or all) for which a stage finds what pixels see; for the other mode, other stages do.

@@ -7,9 +7,9 @@ mod device;
 use device::gpu;
 use gpu_test::gpu_test;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
-use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::methods::{Prepared, cpu};
 use subpixel_shadows::plan::Plan;
+use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::report::{FacetErrors, FacetSet, SceneErrors, SeenErrors, TracedScene};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
@@ -138,7 +138,7 @@ impl World {
     fn on_gpu(&self, prepared: &Prepared, settings: &Settings) -> (FacetSet, Output) {
         let mut renderer = Renderer::new(gpu(), prepared, settings, Budget::default()).expect("a renderer");
         let output = renderer.render(&self.camera, &self.light).expect("a frame");
-        let set = FacetSet::read(gpu(), renderer.method().facets(), settings.samples.words()).expect("readback");
+        let set = FacetSet::read(gpu(), renderer.facets(), settings.samples.words()).expect("readback");
         (set, output)
     }
 

@@ -3,8 +3,8 @@
 use gpu_test::gpu_test;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
-use subpixel_shadows::methods::render::{Budget, Output, Renderer};
 use subpixel_shadows::methods::{Prepared, cpu};
+use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Scene, builtin};
 use subpixel_shadows::truth::{

@@ -7,8 +7,8 @@ use device::gpu;
 use gpu_test::gpu_test;
 use std::path::Path;
 use subpixel_shadows::fuzz::{FuzzCase, FuzzDevice, How, Kind, World, judge};
-use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
+use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{CameraOverride, Scene, SceneOptions};
 

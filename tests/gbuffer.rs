@@ -95,7 +95,7 @@ fn frame(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, FrameStatus) {
         if !status.overflowed {
             let mut visibility: Vec<f32> = bytemuck::cast_vec(read(pass.visibility()));
             visibility.truncate(PIXELS);
-            return (Picture { visibility, lit: read(pass.lit()) }, status);
+            return (Picture { visibility, lit: read(pass.lit().expect("lit masks")) }, status);
         }
     }
     panic!("no lists that suffice by the sixth frame");
@@ -108,7 +108,7 @@ struct Raster {
 }
 
 fn raster(mesh: &Mesh, camera: &Camera) -> Raster {
-    use subpixel_shadows::methods::render::{Budget, Renderer};
+    use subpixel_shadows::render::{Budget, Renderer};
     let prepared = Prepared::new(mesh).expect("a sound mesh");
     let mut renderer =
         Renderer::new(gpu(), &prepared, &settings(FacetMode::One, 1), Budget::default()).expect("a renderer");
@@ -652,14 +652,14 @@ fn bad_surfaces_are_refused() {
 
 /// What each of a picture's samples sees, by the full search: a layer of triangle numbers for each sample.
 fn sample_layers(scene: &Scene, samples: &Samples) -> Vec<Vec<u32>> {
-    use subpixel_shadows::methods::render::{Budget, Renderer};
+    use subpixel_shadows::render::{Budget, Renderer};
     let mut prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     // Every triangle a surface of its own, so that facets say which one each sample sees.
     prepared.surfaces = (0..prepared.surfaces.len() as u32).collect();
     let settings = Settings { samples: samples.clone(), ..settings(FacetMode::All, 32) };
     let mut renderer = Renderer::new(gpu(), &prepared, &settings, Budget::default()).expect("a renderer");
     renderer.render(&scene.camera, &scene.light).expect("a frame");
-    let facets = renderer.method().facets();
+    let facets = renderer.facets().expect("facets");
     let (list, masks) = (facets.list.read(gpu()).expect("facets"), facets.masks.read(gpu()).expect("masks"));
     let (words, ends) = (samples.words() as usize, facets.pixel_facets.read(gpu()).expect("pixels"));
     let mut layers = vec![vec![u32::MAX; PIXELS]; samples.count() as usize];

@@ -267,9 +267,8 @@ mod gpu {
     use super::*;
     use gpu_test::gpu_test;
     use subpixel_shadows::gpu::Gpu;
-    use subpixel_shadows::methods::render::{Budget, Output};
-    use subpixel_shadows::methods::unshadowed::{self, Unshadowed};
-    use subpixel_shadows::methods::{AnyRenderer, FacetMode, Prepared, Settings};
+    use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
+    use subpixel_shadows::render::{Budget, Output, Renderer};
     use subpixel_shadows::samples::{Pattern, Samples};
     use subpixel_shadows::scene::{Scene, SceneOptions};
 
@@ -378,10 +377,11 @@ mod gpu {
         let settings = Settings::new([48, 36], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
         let mut aside = scene.camera;
         aside.target = [scene.camera.target[0] + 3.0, scene.camera.target[1] + 1.0, scene.camera.target[2]];
-        let mut kept = Unshadowed::new(&gpu, &prepared, &settings).expect("a renderer");
+        let facing = || Renderer::facing(&gpu, &prepared, &settings).expect("a renderer");
+        let mut kept = facing();
         let what = |o: &Output| (o.visibility.clone(), o.lit.clone(), o.triangles.clone(), o.counts);
         let [one, other] = [scene.camera, aside].map(|camera| {
-            let fresh = unshadowed::render(&gpu, &prepared, &settings, &camera, &scene.light).expect("a frame");
+            let fresh = facing().render(&camera, &scene.light).expect("a frame");
             (camera, what(&fresh))
         });
         assert!(one.1 != other.1 && one.1.3.lit_facets > 0);
@@ -429,7 +429,7 @@ mod gpu {
         let default = Settings::new([64, 48], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
         for method in MethodName::ALL {
             let of = |settings: &Settings| {
-                let made = AnyRenderer::new(&gpu, &prepared, method, settings, Budget::default());
+                let made = Renderer::of_method(&gpu, &prepared, method, settings, Budget::default());
                 let output = made.expect("a renderer").render(&scene.camera, &scene.light).expect("a frame");
                 let stages: Vec<&str> = output.stages.iter().map(|s| s.name).collect();
                 let bits: Vec<u32> = output.visibility.iter().map(|v| v.to_bits()).collect();

@@ -6,12 +6,11 @@ mod device;
 
 use device::gpu;
 use gpu_test::gpu_test;
-use subpixel_shadows::methods::fixed_memory::FixedMethod;
-use subpixel_shadows::methods::render::{Budget, Output};
+use subpixel_shadows::gpu::{Buffer, Recorder};
+use subpixel_shadows::methods::fixed_memory::{FixedMethod, MethodParts, OUTCOME_WORDS};
 use subpixel_shadows::methods::spsm::Spsm;
-use subpixel_shadows::methods::{
-    AnyRenderer, MethodName, Prepared, Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
-};
+use subpixel_shadows::methods::{MethodName, Prepared, Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Mesh, Scene, builtin};
 use subpixel_shadows::stages::seen_texels::TexelMarks;
@@ -51,7 +50,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
 
 fn render(scene: &Scene, method: MethodName, settings: &Settings) -> Output {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-    let mut renderer = AnyRenderer::new(gpu(), &prepared, method, settings, Budget::default()).expect("a renderer");
+    let mut renderer = Renderer::of_method(gpu(), &prepared, method, settings, Budget::default()).expect("a renderer");
     renderer.render(&scene.camera, &scene.light).expect("a frame")
 }
 
@@ -111,7 +110,7 @@ fn frames_repeat() {
     let prepared = Prepared::new(&plain.mesh).expect("a sound mesh");
     for (label, method, settings) in variants() {
         let mut renderer =
-            AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default()).expect("a renderer");
+            Renderer::of_method(gpu(), &prepared, method, &settings, Budget::default()).expect("a renderer");
         let mut frame = || renderer.render(&plain.camera, &plain.light).expect("a frame");
         let first = frame();
         for n in 1..20 {
@@ -172,13 +171,25 @@ fn unseen_texels_do_not_matter() {
         }
     }
     let spsm = Settings { map: 700, ..settings([72, 54], 1) };
-    let mut method = Spsm::new(gpu(), &spsm).expect("memory");
-    assert!(!method.runs_again(gpu()).expect("readback"));
-    let mut words = vec![0; TexelMarks::HEADER];
-    words[TexelMarks::MISSED] = 1;
-    method.texels().marks.words.write(&gpu().queue, &words);
-    assert!(method.runs_again(gpu()).expect("readback"), "a missed texel is overlooked");
-    assert!(!method.runs_again(gpu()).expect("readback"), "with all texels there is none to miss");
+    let (device, queue) = (&gpu().device, &gpu().queue);
+    let prepared = Prepared::new(&scene("plane").mesh).expect("a sound mesh");
+    let casters = prepared.upload(device, queue).expect("memory");
+    let parts = MethodParts { device, queue, prepared: &prepared, casters: &casters, settings: &spsm };
+    let mut method = Spsm::new(parts).expect("memory");
+    let mut left_out = |missed| {
+        let mut words = vec![0; TexelMarks::HEADER];
+        words[TexelMarks::MISSED] = missed;
+        method.texels().marks.words.write(queue, &words);
+        let outcome = Buffer::<u32>::storage(device, "outcome", 1 + OUTCOME_WORDS).expect("memory");
+        let mut encoder = gpu().encoder();
+        method.record_outcome(&mut Recorder::new(device, &mut encoder, None), &outcome, 1);
+        queue.submit([encoder.finish()]);
+        let told = outcome.read(gpu()).expect("readback");
+        method.outcome([told[1], told[2], told[3], told[4]]).expect("an outcome").left_out
+    };
+    assert!(!left_out(0));
+    assert!(left_out(1), "a missed texel is overlooked");
+    assert!(!left_out(1), "with all texels there is none to miss");
 }
 
 /// Images and maps of one cell and of a few, and a scene without anything in it.

@@ -11,9 +11,9 @@ use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::facet_masks::{FacetMode, PairVariant, Pipelines, Settings};
-use subpixel_shadows::methods::render::{Budget, Output, Renderer};
-use subpixel_shadows::methods::{DebugViews, Prepared, unshadowed};
+use subpixel_shadows::methods::{DebugViews, Prepared};
 use subpixel_shadows::plan::{Extent, Plan};
+use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
 use subpixel_shadows::wgpu::Limits;
@@ -363,11 +363,11 @@ fn strips_do_not_matter_where_nothing_casts() {
     let settings = Settings { size: [131, 97], ..settings(true) };
     let render = |gpu: &Gpu| {
         let (mut looks, mut strips) = (DebugViews::default(), 0);
-        let output =
-            unshadowed::render_and(gpu, &prepared, &settings, &scene.camera, &scene.light, &mut |made, rows| {
-                strips += 1;
-                looks.add_unshadowed_rows(gpu, made, settings.size[0], rows)
-            });
+        let mut renderer = Renderer::facing(gpu, &prepared, &settings).expect("a renderer");
+        let output = renderer.render_and(&scene.camera, &scene.light, &mut |made, rows| {
+            strips = if rows.first == 0 { 1 } else { strips + 1 };
+            looks.add_rows(gpu, made, settings.size[0], rows)
+        });
         (output.expect("a frame"), looks, strips)
     };
     let ((whole, seen, one), (cut, seen_cut, several)) = (render(gpu()), render(&small));

@@ -13,9 +13,9 @@ use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::list_sizing::larger;
-use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Settings};
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Scene, builtin};
 use subpixel_shadows::{Error, ShadowPass, wgpu};
@@ -262,7 +262,8 @@ fn the_last_complete_picture_stands() {
                         format!("{facets:?}, {strips} strips, scene {s}, frame {k}, complete: {}", status.complete);
                     if keep_last || status.complete {
                         assert!(got == expected, "{at}");
-                        let of_pass = [pass.visibility(), pass.lit()].map(|b| words(&gpu, b)[..pixels].to_vec());
+                        let of_pass = [pass.visibility(), pass.lit().expect("lit masks")]
+                            .map(|b| words(&gpu, b)[..pixels].to_vec());
                         assert!(of_pass == expected, "{at}: the pass's own");
                     } else {
                         broken += usize::from(got != expected);

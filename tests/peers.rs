@@ -5,12 +5,8 @@ mod device;
 
 use device::gpu;
 use gpu_test::gpu_test;
-use subpixel_shadows::methods::any_renderer::AnyRenderer;
-use subpixel_shadows::methods::fixed_memory::{FixedMethod, FixedRenderer};
-use subpixel_shadows::methods::ray_traced::RayTraced;
-use subpixel_shadows::methods::render::{Budget, Output};
-use subpixel_shadows::methods::supersampled::Supersampled;
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, RayTracedSettings, Settings};
+use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Scene, SceneOptions};
@@ -56,40 +52,21 @@ fn check(name: &str, method: MethodName, point: bool, settings: &Settings) -> Ou
     let what = format!("{name}, {}, {settings:?}", method.name());
     let scene = scene(name, point);
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-    if method == MethodName::Supersampled {
-        let make = |casters: &_| Supersampled::new(gpu(), &prepared, casters, settings);
-        let renderer = FixedRenderer::new(gpu(), &prepared, settings, make).expect("a renderer");
-        check_frames(&what, &scene, &prepared, settings, method, renderer, Supersampled::facets)
-    } else {
-        let make = |casters: &_| RayTraced::new(gpu(), &prepared, casters, settings);
-        let renderer = FixedRenderer::new(gpu(), &prepared, settings, make).expect("a renderer");
-        check_frames(&what, &scene, &prepared, settings, method, renderer, RayTraced::facets)
-    }
-}
-
-fn check_frames<M: FixedMethod>(
-    what: &str,
-    scene: &Scene,
-    prepared: &Prepared,
-    settings: &Settings,
-    method: MethodName,
-    mut renderer: FixedRenderer<M>,
-    facets: fn(&M) -> &Facets,
-) -> Output {
+    let new = || Renderer::of_method(gpu(), &prepared, method, settings, Budget::default()).expect("a renderer");
+    let mut renderer = new();
     let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
-    let (mut set, right) = errors(facets(renderer.method()), scene, prepared, settings);
+    let (mut set, right) = errors(renderer.facets().expect("facets"), &scene, &prepared, settings);
     assert_eq!(right.facet_wrong_outside_band, 0, "{what}: {right:?}");
     assert!(right.facet_samples > 100_000, "{what}: {right:?}");
-    same(what, &output, &renderer.render(&scene.camera, &scene.light).expect("a frame"));
-    let mut any = AnyRenderer::new(gpu(), prepared, method, settings, Budget::default()).expect("a renderer");
-    same(what, &output, &any.render(&scene.camera, &scene.light).expect("a frame"));
+    same(&what, &output, &renderer.render(&scene.camera, &scene.light).expect("a frame"));
+    same(&what, &output, &new().render(&scene.camera, &scene.light).expect("a frame"));
     // One facet turned over is noticed.
     let words = set.words as usize;
     let undecided = |f: &usize| set.facets[*f].state == FacetState::Undecided as u32;
     let f =
         (0..set.facets.len()).filter(undecided).find(|f| set.masks[3 * f * words + words] == 0).expect("a lit facet");
     (0..words).for_each(|w| set.masks[(3 * f + 1) * words + w] = u32::MAX);
-    assert!(errors_of(&set, scene, prepared, settings).facet_wrong_outside_band > 0, "{what}: not noticed");
+    assert!(errors_of(&set, &scene, &prepared, settings).facet_wrong_outside_band > 0, "{what}: not noticed");
     output
 }
 
@@ -99,7 +76,7 @@ fn check_against_facet_masks(name: &str, settings: &Settings, output: &Output) {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let budget = Budget::default();
     let mut flagship =
-        AnyRenderer::new(gpu(), &prepared, MethodName::FacetMasks, settings, budget).expect("a renderer");
+        Renderer::of_method(gpu(), &prepared, MethodName::FacetMasks, settings, budget).expect("a renderer");
     let frame = flagship.render(&scene.camera, &scene.light).expect("a frame");
     let off = frame.visibility.iter().zip(&output.visibility).filter(|(a, b)| a != b).count();
     assert!(off <= 2, "{name}: {off} pixels differ from facet-masks");
@@ -114,7 +91,7 @@ fn creases_are_lit() {
         let settings = Settings { size: [800, 600], map: 256, ..settings(samples) };
         let render = |method| {
             let mut renderer =
-                AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default()).expect("a renderer");
+                Renderer::of_method(gpu(), &prepared, method, &settings, Budget::default()).expect("a renderer");
             renderer.render(&scene.camera, &scene.light).expect("a frame").visibility
         };
         let flagship = render(MethodName::FacetMasks);

@@ -9,9 +9,9 @@ use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DQuat, DVec3};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
-use subpixel_shadows::methods::render::{Budget, Output, Renderer};
-use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared};
+use subpixel_shadows::methods::{MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
+use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, SceneOptions};
 use subpixel_shadows::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, TruthImage, join_mask};
@@ -72,7 +72,7 @@ const MOST_AMBIGUOUS: f64 = 0.05;
 
 /// Samples of which is wrong whether they see a surface, outside the ambiguity band.
 fn wrong_coverage(renderer: &Renderer, truth: &TruthImage) -> u32 {
-    let facets = renderer.method().facets();
+    let facets = renderer.facets().expect("facets");
     let masks = facets.masks.read(gpu()).expect("readback");
     let first = facets.pixel_facets.read(gpu()).expect("readback");
     let off = |(pixel, p): (usize, &subpixel_shadows::truth::PixelTruth)| {
@@ -213,7 +213,7 @@ fn seen_from_inside_a_body() {
             assert_eq!(found, (0, 0), "{eye:?} {light:?}: beside a sheet");
             for method in [MethodName::Spsm, MethodName::ShadowMap, MethodName::RayTraced] {
                 let settings = Settings { facets: FacetMode::One, ..settings.clone() };
-                let mut any = AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default()).expect("one");
+                let mut any = Renderer::of_method(gpu(), &prepared, method, &settings, Budget::default()).expect("one");
                 let output = any.render(&scene.camera, &scene.light).expect("a frame");
                 let lit = output.visibility.iter().zip(&output.triangles).filter(|(v, t)| **t != u32::MAX && **v > 0.0);
                 assert_eq!(lit.count(), 0, "{eye:?} {light:?} {method:?}");

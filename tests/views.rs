@@ -11,8 +11,8 @@ use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
 use subpixel_shadows::light_view::{LightView, MapTiles};
 use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
-use subpixel_shadows::methods::render::{Budget, Output, Renderer};
-use subpixel_shadows::methods::{AnyRenderer, MethodName, Prepared, cpu};
+use subpixel_shadows::methods::{MethodName, Prepared, cpu};
+use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
@@ -154,7 +154,7 @@ fn no_sample_is_wrong() {
             let mut renderer = Renderer::new(gpu(), &prepared, &settings, Budget::default()).expect("a renderer");
             let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
             settled += output.counts.lit_facets.min(output.counts.shadowed_facets);
-            let set = FacetSet::read(gpu(), renderer.method().facets(), settings.samples.words()).expect("readback");
+            let set = FacetSet::read(gpu(), renderer.facets(), settings.samples.words()).expect("readback");
             let errors = FacetErrors::of(&set, &tracer, &scene.camera, &scene.light, &settings, None).expect("judged");
             assert!(errors.facet_samples > 1000, "{name}: {errors:?}");
             if errors.facet_wrong_outside_band > 0 {
@@ -320,7 +320,7 @@ fn methods_of_one_view_refuse() {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let settings = settings(FacetMode::One, 1);
     for method in [MethodName::Spsm, MethodName::ShadowMap, MethodName::RayTraced, MethodName::Supersampled] {
-        let made = AnyRenderer::new(gpu(), &prepared, method, &settings, Budget::default());
+        let made = Renderer::of_method(gpu(), &prepared, method, &settings, Budget::default());
         let frame = made.and_then(|mut renderer| renderer.render(&scene.camera, &scene.light));
         let message = frame.map(drop).expect_err("a light among its casters").to_string();
         assert!(message.contains("among its casters"), "{}: {message}", method.name());

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::faults::{Refusal, asked_here, is_pending, refuse};
 use subpixel_shadows::methods::facet_masks::Pipelines;
-use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{Casters, Inputs, PassConfig, Target};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
@@ -154,7 +154,8 @@ fn frame(gpu: &Gpu, pass: &mut ShadowPass, inputs: &Inputs) -> Result<bool> {
 }
 
 /// Words of two buffers.
-pub fn words(gpu: &Gpu, visibility: &wgpu::Buffer, lit: &wgpu::Buffer) -> Result<Vec<u32>> {
+pub fn words(gpu: &Gpu, visibility: &wgpu::Buffer, lit: Option<&wgpu::Buffer>) -> Result<Vec<u32>> {
+    let lit = lit.ok_or_else(|| Error::Config("no lit masks".to_owned()))?;
     let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("refused.picture"),
         size: visibility.size() + lit.size(),

@@ -147,7 +147,8 @@ impl<'a> App<'a> {
     }
 
     fn picture(&self, pass: &ShadowPass) -> Result<Vec<u32>> {
-        let [a, b] = [pass.visibility(), pass.lit()];
+        let lit = pass.lit().ok_or_else(|| Error::Config("no lit masks".to_owned()))?;
+        let [a, b] = [pass.visibility(), lit];
         let staging = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("soak.picture"),
             size: a.size() + b.size(),

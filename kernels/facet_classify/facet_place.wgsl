@@ -129,6 +129,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     } else if !clamped && !outline.whole {
         keep_own_triangle(f, shape.given.xyz, pixel_ray(pixel));
     }
+    if (frame.flags & FLAG_NOTHING_CASTS) != 0u { return STATE_LIT; }
     var rect = EMPTY_RECT;
     let low = select(vec2(-3.0e38), outline.low, outline.in_front);
     let high = select(vec2(3.0e38), outline.high, outline.in_front);

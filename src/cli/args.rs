@@ -11,11 +11,11 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::Warp;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
-use subpixel_shadows::methods::render::Budget;
 use subpixel_shadows::methods::{
     MethodName, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SplitSettings,
     SpsmEncoding, SpsmSettings,
 };
+use subpixel_shadows::render::Budget;
 use subpixel_shadows::report::comparison::Scope;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{BUILTIN_NAMES, Scene, SceneOptions};

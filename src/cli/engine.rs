@@ -7,10 +7,9 @@ use super::repeat::timed;
 use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::cpu::{self, CpuTime};
-use subpixel_shadows::methods::render::{Output, Renderer};
-use subpixel_shadows::methods::unshadowed::{self, Unshadowed};
-use subpixel_shadows::methods::{AnyRenderer, DebugViews, MethodName, PixelClass, Prepared};
+use subpixel_shadows::methods::{DebugViews, MethodName, PixelClass, Prepared};
 use subpixel_shadows::plan::{Extent, Plan};
+use subpixel_shadows::render::{Output, Renderer};
 use subpixel_shadows::report::FacetSet;
 use subpixel_shadows::scene::Scene;
 use subpixel_shadows::{Error, Result};
@@ -96,7 +95,7 @@ impl Engine {
             (Extent::Nothing, _) => {
                 let looks = DebugViews { classes: vec![PixelClass::Empty; settings.pixels()], map: None };
                 Ok(Rendered {
-                    output: unshadowed::nothing_seen(settings),
+                    output: Output::nothing_seen(settings),
                     facets: Some(FacetSet { words, ..FacetSet::default() }),
                     looks: (options.looks && classes).then_some(looks),
                     cpu_stages: matches!(self, Self::Cpu).then(Vec::new),
@@ -104,48 +103,22 @@ impl Engine {
                     setup: start.elapsed(),
                 })
             }
-            (Extent::Facing, Self::Gpu(gpu)) => {
-                let (mut facets, mut looks) = (None, (options.looks && classes).then(DebugViews::default));
-                let (width, scene) = (settings.size[0], (&scene.camera, &scene.light));
-                let mut renderer = Unshadowed::new(gpu, prepared, settings)?;
-                let output = renderer.render_and(scene.0, scene.1, &mut |made, rows| {
+            (_, Self::Gpu(gpu)) => {
+                let (camera, light, width) = (&scene.camera, &scene.light, settings.size[0]);
+                let mut renderer = Renderer::of_plan(gpu, prepared, options.method, plan, options.budget())?;
+                let of_facets = plan.extent == Extent::Facing || options.method == MethodName::FacetMasks;
+                let looked = options.looks && (classes || plan.extent == Extent::Everything);
+                let (mut facets, mut looks) = (None, looked.then(DebugViews::default));
+                let output = renderer.render_and(camera, light, &mut |method, rows| {
                     let start = Instant::now();
                     if rows.first == 0 {
-                        facets = options.truth.then(FacetSet::default);
-                    }
-                    looks.as_mut().map_or(Ok(()), |looks| looks.add_unshadowed_rows(gpu, made, width, rows))?;
-                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, made, words, width, rows))?;
-                    aside += start.elapsed();
-                    Ok(())
-                })?;
-                let setup = start.elapsed().saturating_sub(aside);
-                let (output, timed_frames) = timed(output, frames, || renderer.render(scene.0, scene.1))?;
-                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
-            }
-            (Extent::Everything, Self::Gpu(gpu)) if options.method != MethodName::FacetMasks => {
-                let mut renderer = AnyRenderer::new(gpu, prepared, options.method, settings, options.budget())?;
-                let (output, looks) = if options.looks {
-                    renderer.render_and_look(&scene.camera, &scene.light)?
-                } else {
-                    (renderer.render(&scene.camera, &scene.light)?, None)
-                };
-                let setup = start.elapsed();
-                let made = renderer.facets().filter(|_| options.truth);
-                let facets = made.map(|made| FacetSet::read(gpu, made, words)).transpose()?;
-                let (output, timed_frames) = timed(output, frames, || renderer.render(&scene.camera, &scene.light))?;
-                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
-            }
-            (Extent::Everything, Self::Gpu(gpu)) => {
-                let mut renderer = Renderer::new(gpu, prepared, settings, options.budget())?;
-                let (mut facets, mut looks) = (None, options.looks.then(DebugViews::default));
-                let width = settings.size[0];
-                let output = renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
-                    let start = Instant::now();
-                    if rows.first == 0 {
-                        facets = options.truth.then(FacetSet::default);
+                        facets = (options.truth && method.facets().is_some()).then(FacetSet::default);
                     }
                     looks.as_mut().map_or(Ok(()), |looks| looks.add_rows(gpu, method, width, rows))?;
-                    facets.as_mut().map_or(Ok(()), |set| set.add(gpu, method.facets(), words, width, rows))?;
+                    facets.as_mut().map_or(Ok(()), |set| match of_facets {
+                        true => set.add(gpu, method.facets(), words, width, rows),
+                        false => FacetSet::read(gpu, method.facets(), words).map(|read| *set = read),
+                    })?;
                     aside += start.elapsed();
                     Ok(())
                 })?;
@@ -168,7 +141,8 @@ impl Engine {
                         renderer.strips()
                     ));
                 }
-                let (output, timed_frames) = timed(output, frames, || renderer.render(&scene.camera, &scene.light))?;
+                let looks = looks.filter(|looks| *looks != DebugViews::default());
+                let (output, timed_frames) = timed(output, frames, || renderer.render(camera, light))?;
                 Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
             }
             (_, Self::Cpu) if options.method != MethodName::FacetMasks => {

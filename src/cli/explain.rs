@@ -5,9 +5,9 @@ use super::engine::Engine;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
 use subpixel_shadows::Result;
-use subpixel_shadows::methods::render::Counts;
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
+use subpixel_shadows::render::Counts;
 
 /// Prints what would run and what would be left out, and why. Of `facet-masks` it renders a frame, writes none of it, and
 /// prints how many pixels took which way.

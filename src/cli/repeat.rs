@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::StageTime;
-use subpixel_shadows::methods::render::Output;
+use subpixel_shadows::render::Output;
 use subpixel_shadows::report::comparison::Spread;
 
 /// When no further frame is begun, counted from the begin of the first that is timed.
@@ -30,13 +30,12 @@ pub fn timed(first: Output, frames: u32, mut again: impl FnMut() -> Result<Outpu
 mod tests {
     use super::*;
     use subpixel_shadows::methods::facet_masks::Settings;
-    use subpixel_shadows::methods::unshadowed;
     use subpixel_shadows::samples::{Pattern, Samples};
 
     fn frame(ms: f64) -> Output {
         let settings = Settings::new([2, 2], 4, Samples::new(Pattern::Grid, 1).unwrap());
         let stages = ["resolve", "triangle_setup"].map(|name| StageTime { name, gpu_ms: ms }).to_vec();
-        Output { stages, wall_ms: ms, dispatches: 7, ..unshadowed::nothing_seen(&settings) }
+        Output { stages, wall_ms: ms, dispatches: 7, ..Output::nothing_seen(&settings) }
     }
 
     #[test]

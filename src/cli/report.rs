@@ -7,7 +7,7 @@ use super::table::Report;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::render::Budget;
+use subpixel_shadows::render::Budget;
 use subpixel_shadows::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
 use subpixel_shadows::report::comparison::page::{Page, csv, markdown};
 use subpixel_shadows::report::comparison::pictures::{Panel, side_by_side};

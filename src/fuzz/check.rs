@@ -3,15 +3,11 @@
 use super::{FuzzCase, How};
 use crate::Result;
 use crate::gpu::{Gpu, KeptPrograms};
-use crate::methods::fixed_memory::{FixedMethod, FixedRenderer};
-use crate::methods::ray_traced::RayTraced;
-use crate::methods::render::{Output, Renderer};
-use crate::methods::supersampled::Supersampled;
-use crate::methods::{MethodName, Prepared, unshadowed};
-use crate::plan::{Extent, Plan};
+use crate::methods::{MethodName, Prepared};
+use crate::plan::Plan;
+use crate::render::{Output, Renderer};
 use crate::report::FacetSet;
 use crate::scene::Scene;
-use crate::stages::facet_classify::Facets;
 
 /// A device with the programs that its frames share.
 pub struct FuzzDevice<'a> {
@@ -75,48 +71,18 @@ impl<'a> FuzzDevice<'a> {
         let (gpu, settings) = (self.gpu, &plan.settings);
         let (words, width) = (settings.samples.words(), settings.size[0]);
         let mut set = FacetSet { words, ..FacetSet::default() };
-        let output = match (plan.extent, how.method) {
-            (Extent::Nothing, _) => unshadowed::nothing_seen(settings),
-            (Extent::Facing, _) => {
-                unshadowed::render_and(gpu, prepared, settings, &scene.camera, &scene.light, &mut |facets, rows| {
-                    if rows.first == 0 {
-                        set = FacetSet { words, ..FacetSet::default() };
-                    }
-                    set.add(gpu, facets, words, width, rows)
-                })?
+        let mut renderer = Renderer::of_plan(gpu, prepared, how.method, plan, how.budget)?;
+        let output = renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
+            if rows.first == 0 {
+                set = FacetSet { words, ..FacetSet::default() };
             }
-            (Extent::Everything, MethodName::RayTraced) => {
-                let made = |casters: &_| RayTraced::new(gpu, prepared, casters, settings);
-                let renderer = FixedRenderer::new(gpu, prepared, settings, made)?;
-                return self.fixed(renderer, scene, words, RayTraced::facets);
-            }
-            (Extent::Everything, MethodName::Supersampled) => {
-                let made = |casters: &_| Supersampled::new(gpu, prepared, casters, settings);
-                let renderer = FixedRenderer::new(gpu, prepared, settings, made)?;
-                return self.fixed(renderer, scene, words, Supersampled::facets);
-            }
-            (Extent::Everything, _) => {
-                let mut renderer = Renderer::new(gpu, prepared, settings, how.budget)?;
-                renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
-                    if rows.first == 0 {
-                        set = FacetSet { words, ..FacetSet::default() };
-                    }
-                    set.add(gpu, method.facets(), words, width, rows)
-                })?
-            }
-        };
-        Ok((output, set))
-    }
-
-    fn fixed<M: FixedMethod>(
-        &self,
-        mut renderer: FixedRenderer<M>,
-        scene: &Scene,
-        words: u32,
-        facets: fn(&M) -> &Facets,
-    ) -> Result<(Output, FacetSet)> {
-        let output = renderer.render(&scene.camera, &scene.light)?;
-        let set = FacetSet::read(self.gpu, facets(renderer.method()), words)?;
+            set.add(gpu, method.facets(), words, width, rows)
+        })?;
+        if how.method != MethodName::FacetMasks
+            && let Some(facets) = renderer.facets()
+        {
+            set = FacetSet::read(gpu, facets, words)?;
+        }
         Ok((output, set))
     }
 }

@@ -3,8 +3,8 @@
 use super::random::Random;
 use crate::Result;
 use crate::mask_table::MaskVariant;
-use crate::methods::render::Budget;
 use crate::methods::{FacetMode, MethodName, PairVariant, RayTracedSettings, Settings};
+use crate::render::Budget;
 use crate::samples::{Pattern, Samples};
 
 /// Cases that follow each other with the same pipelines.

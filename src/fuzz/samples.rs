@@ -1,8 +1,8 @@
 //! A frame against scene truth, sample by sample, and its picture against its masks.
 
 use crate::methods::FacetMode;
-use crate::methods::render::Output;
 use crate::plan::{Extent, Plan};
+use crate::render::Output;
 use crate::report::FacetSet;
 use crate::stages::facet_classify::{Facet, FacetState};
 use crate::truth::{FacetInput, FacetTruth, SceneTruth, SeenTruth, TruthImage, full_mask, join_mask, split_mask};

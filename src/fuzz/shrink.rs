@@ -2,8 +2,8 @@
 
 use super::FuzzCase;
 use crate::mask_table::MaskVariant;
-use crate::methods::render::Budget;
 use crate::methods::{FacetMode, PairVariant, RayTracedSettings, Settings};
+use crate::render::Budget;
 use crate::samples::{Pattern, Samples};
 use crate::scene::Mesh;
 use std::time::{Duration, Instant};

@@ -14,6 +14,7 @@ pub mod program;
 pub mod recorder;
 pub mod timer;
 pub mod uniforms;
+pub mod uploads;
 
 pub use buffer::Buffer;
 pub use device::{AdapterSummary, Gpu};
@@ -22,3 +23,4 @@ pub use program::{Entry, Program};
 pub use recorder::{Groups, Recorder, Stage};
 pub use timer::{StageTime, Timer};
 pub use uniforms::Uniforms;
+pub use uploads::{StagedUploads, Uploads};

@@ -4,6 +4,7 @@ use super::facet_masks::FacetMasks;
 use super::shadow_map::ShadowMapping;
 use super::split_mapping::SplitMapping;
 use super::spsm::Spsm;
+use super::strip_method::StripMethod;
 use super::strips::Rows;
 use crate::Result;
 use crate::gpu::{Buffer, Gpu};
@@ -68,31 +69,25 @@ pub struct DebugViews {
 }
 
 impl DebugViews {
-    /// Adds the strip of rows of an image `width` pixels wide, of whose facets nothing casts a shadow; without a map. Row 0 begins anew.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if the device fails.
-    pub fn add_unshadowed_rows(&mut self, gpu: &Gpu, facets: &Facets, width: u32, rows: Rows) -> Result<()> {
-        if rows.first == 0 {
-            *self = Self::default();
-        }
-        let before = self.classes.len();
-        self.add_classes(gpu, facets, ((rows.known + rows.own) * width) as usize, width, rows)?;
-        // Without casters what is not settled is lit as well.
-        let added = self.classes[before..].iter_mut();
-        added.filter(|c| **c == PixelClass::Undecided).for_each(|c| *c = PixelClass::Lit);
-        Ok(())
-    }
-
     /// Adds the strip of rows of an image `width` pixels wide that `method` rendered last; the class of a pixel is that of its
     /// most demanding facet. Row 0 begins anew.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub fn add_rows(&mut self, gpu: &Gpu, method: &FacetMasks, width: u32, rows: Rows) -> Result<()> {
+    pub fn add_rows(&mut self, gpu: &Gpu, method: &StripMethod, width: u32, rows: Rows) -> Result<()> {
+        match method {
+            StripMethod::FacetMasks(method) => self.add_rows_of_facets(gpu, method, width, rows),
+            StripMethod::Fixed(method) => {
+                *self = method.method().looks(gpu)?.unwrap_or_default();
+                Ok(())
+            }
+        }
+    }
+
+    fn add_rows_of_facets(&mut self, gpu: &Gpu, method: &FacetMasks, width: u32, rows: Rows) -> Result<()> {
         if rows.first == 0 {
-            // Several views have no one map.
-            let one = method.capacities().views == 1;
+            // Several views have no one map, and one of a single texel tells nothing.
+            let one = method.capacities().views == 1 && method.layers().nearest_keys.len() > 1;
             let map = one.then(|| DebugMap::of_layers(gpu, method.layers())).transpose()?;
             *self = Self { classes: Vec::new(), map };
         }

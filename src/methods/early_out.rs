@@ -1,21 +1,18 @@
 //! Parts shared by methods of one facet a pixel: the facets, settled early where that is proved, the tree of casters, and the way from the
 //! facets' masks to the picture.
 
-use super::fixed_memory::StageInputs;
+use super::fixed_memory::{MethodParts, StageInputs};
 use super::light_maps::{LightMapPipelines, LightMaps};
-use super::prepared::{CasterBuffers, Prepared};
-use super::render::Counts;
 use super::settings::Settings;
 use crate::Result;
 use crate::caster_tree::CasterTree;
 use crate::frame::Frame;
-use crate::gpu::{Buffer, Gpu, Groups, Recorder};
+use crate::gpu::{Buffer, Groups, Recorder, Uploads};
 use crate::scene::Camera;
 use crate::stages::PrefixScan;
-use crate::stages::facet_classify::{ClassifyInputs, FacetClassify, FacetState, Facets};
+use crate::stages::facet_classify::{ClassifyInputs, FacetClassify, Facets};
 use crate::stages::resolve::Resolve;
 use crate::stages::shadow_rays::{RayInputs, TreeBuffers};
-use crate::status::Status;
 use glam::DVec3;
 
 /// Facets, the tree of casters, and the way from masks to the picture.
@@ -27,7 +24,6 @@ pub struct EarlyOut {
     resolve: Resolve,
     facets: Facets,
     maps: Maps,
-    status: Buffer<u32>,
     visibility: Buffer<f32>,
     lit: Buffer<u32>,
     tree: CasterTree,
@@ -46,15 +42,14 @@ enum Maps {
 }
 
 impl Maps {
-    fn made(gpu: &Gpu, scan: &PrefixScan, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
-        let (device, queue) = (&gpu.device, &gpu.queue);
+    fn made(parts: MethodParts, scan: &PrefixScan) -> Result<Self> {
+        let MethodParts { device, queue, casters, settings, .. } = parts;
         let with = LightMapPipelines::new(device, scan);
         let maps = LightMaps::new(device, queue, &with, casters.edges.len(), settings.map as usize)?;
         Ok(Self::Made(Box::new((with, maps))))
     }
 
-    fn unused(gpu: &Gpu) -> Result<Self> {
-        let device = &gpu.device;
+    fn unused(device: &wgpu::Device) -> Result<Self> {
         Ok(Self::Unused {
             sat: Buffer::storage(device, "settled.sat", 1)?,
             splits: Buffer::storage(device, "settled.splits", 1)?,
@@ -67,27 +62,20 @@ impl EarlyOut {
     ///
     /// # Errors
     /// [`crate::Error::Config`] for impossible settings; as [`CasterTree::new`] and [`Buffer::storage`].
-    pub fn new(
-        gpu: &Gpu,
-        scan: &PrefixScan,
-        prepared: &Prepared,
-        casters: &CasterBuffers,
-        settings: &Settings,
-        settle: bool,
-    ) -> Result<Self> {
+    pub fn new(parts: MethodParts, scan: &PrefixScan, settle: bool) -> Result<Self> {
+        let MethodParts { device, queue, prepared, settings, .. } = parts;
         settings.check()?;
         let tree = CasterTree::new(&prepared.mesh)?;
-        let (device, pixels, words) = (&gpu.device, settings.pixels(), settings.samples.words());
+        let (pixels, words) = (settings.pixels(), settings.samples.words());
         Ok(Self {
             frame: Buffer::uniform(device, "settled.frame", 1)?,
             classify: FacetClassify::specialised(device, words, false, false),
             resolve: Resolve::new(device, words),
             facets: Facets::new(device, pixels, pixels, words as usize)?,
-            maps: if settle { Maps::made(gpu, scan, casters, settings)? } else { Maps::unused(gpu)? },
-            status: Buffer::storage(device, "settled.status", Status::words(1))?,
+            maps: if settle { Maps::made(parts, scan)? } else { Maps::unused(device)? },
             visibility: Buffer::storage(device, "settled.visibility", pixels)?,
             lit: Buffer::storage(device, "settled.lit", pixels * words as usize)?,
-            tree_buffers: TreeBuffers::new(device, &gpu.queue, &tree.nodes, &tree.triangles)?,
+            tree_buffers: TreeBuffers::new(device, queue, &tree.nodes, &tree.triangles)?,
             tree,
             settings: settings.clone(),
         })
@@ -98,14 +86,14 @@ impl EarlyOut {
         self.settings.validity && self.samples() > 1
     }
 
-    /// Takes in the frame, with what this way of settling changes of it, and where the tree lies in it.
-    pub fn prepare(&self, gpu: &Gpu, camera: &Camera, frame: &Frame) {
+    /// Adds the frame, with what this way of settling changes of it, and where the tree lies in it.
+    pub fn upload(&self, uploads: &mut Uploads, camera: &Camera, frame: &Frame) {
         let mut own = *frame;
         own.flags |= if self.validity() { Frame::VALIDITY } else { 0 };
         own.flags |= if matches!(self.maps, Maps::Unused { .. }) { Frame::ALL_UNDECIDED } else { 0 };
-        self.frame.write(&gpu.queue, &[own]);
+        uploads.write(&self.frame, &[own]);
         let place = self.tree.place(DVec3::from(camera.eye.map(f64::from)), f64::from(frame.eye[3]));
-        self.tree_buffers.place.write(&gpu.queue, &[place]);
+        uploads.write(&self.tree_buffers.place, &[place]);
     }
 
     /// The frame uniform with those changes.
@@ -149,10 +137,9 @@ impl EarlyOut {
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record_facets(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let frame = &self.frame;
-        rec.clear(self.status.raw());
         let (sat, splits) = match &self.maps {
             Maps::Made(maps) => {
-                maps.1.record(rec, &maps.0, frame, inputs.casters, inputs.geometry, &self.status)?;
+                maps.1.record(rec, &maps.0, frame, inputs.casters, inputs.geometry, inputs.status)?;
                 (&maps.1.sat, &maps.1.layers.splits)
             }
             Maps::Unused { sat, splits } => (sat, splits),
@@ -172,28 +159,9 @@ impl EarlyOut {
         Ok(())
     }
 
-    /// Records the picture.
-    pub fn record_resolve(&self, rec: &mut Recorder) {
+    /// Records the picture, and counts facets in `status`.
+    pub fn record_resolve(&self, rec: &mut Recorder, status: &Buffer<u32>) {
         let stage = &mut rec.stage("resolve");
-        self.resolve.record(stage, &self.frame, &self.facets, &self.visibility, &self.lit, &self.status);
-    }
-
-    /// How many facets have each state.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`].
-    pub fn counts(&self, gpu: &Gpu) -> Result<Counts> {
-        let head = Status::of(&self.status.read(gpu)?).head;
-        let of = |state: FacetState| u64::from(head.facets[state as usize]);
-        Ok(Counts {
-            silhouette_edges: u64::from(head.silhouette_edges),
-            silhouette_pixels: of(FacetState::Undecided),
-            facets: FacetState::ALL.iter().map(|&s| of(s)).sum(),
-            empty_facets: of(FacetState::Empty),
-            dark_facets: of(FacetState::Dark),
-            lit_facets: of(FacetState::Lit),
-            shadowed_facets: of(FacetState::Shadowed),
-            ..Counts::default()
-        })
+        self.resolve.record(stage, &self.frame, &self.facets, &self.visibility, &self.lit, status);
     }
 }

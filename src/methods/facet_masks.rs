@@ -19,7 +19,7 @@ use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::{PairLists, TALLY_COUNTERS, TALLY_WORDS};
 use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
-pub use frame_source::{FacetSource, MapSource, Strip};
+pub use frame_source::{Extent, FacetSource, MapSource, Strip};
 use glam::{DVec3, Vec3};
 pub use memory::Capacities;
 use memory::{Arg, FacetMemory, Memory, PairMemory, frames, requests};
@@ -193,10 +193,11 @@ impl FacetMasks {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
-        self.record_seen(rec, casters, FacetSource::Found, MapSource::Made)
+        self.record_seen(rec, casters, FacetSource::Found, MapSource::Made, Extent::Everything)
     }
 
-    /// As [`FacetMasks::record`], with what pixels show from elsewhere, or the light's maps of the strip before.
+    /// As [`FacetMasks::record`], with what pixels show from elsewhere, or the light's maps of the strip before, or no more than `extent`.
+    /// Where nothing casts a shadow the frames must have [`Frame::NOTHING_CASTS`] set, and there is one view.
     ///
     /// # Errors
     /// As [`FacetMasks::record`], and those of `seen`.
@@ -206,10 +207,17 @@ impl FacetMasks {
         casters: &CasterBuffers,
         seen: FacetSource,
         maps: MapSource,
+        extent: Extent,
     ) -> Result<()> {
         let m = &self.memory;
         let frame = &m.frames[0];
         rec.clear(m.status.raw());
+        if extent == Extent::Nothing {
+            rec.clear(m.geometry.id_keys.raw());
+            rec.clear(m.facets.pixel_facets.raw());
+            self.record_resolve(rec);
+            return Ok(());
+        }
         rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
         let geometry = &m.geometry;
@@ -239,13 +247,19 @@ impl FacetMasks {
         }
         for view in 0..self.capacities.views {
             // Views share the memory of the maps: of several the last would be left.
-            if maps == MapSource::Made || self.capacities.views > 1 {
+            if extent == Extent::Everything && (maps == MapSource::Made || self.capacities.views > 1) {
                 self.record_maps(rec, casters, view)?;
             }
-            self.record_view(rec, casters, view)?;
+            self.record_view(rec, casters, view, extent)?;
         }
-        self.with.resolve.record(&mut rec.stage("resolve"), frame, &m.facets, &m.visibility, &m.lit, &m.status);
+        self.record_resolve(rec);
         Ok(())
+    }
+
+    fn record_resolve(&self, rec: &mut Recorder) {
+        let m = &self.memory;
+        let stage = &mut rec.stage("resolve");
+        self.with.resolve.record(stage, &m.frames[0], &m.facets, &m.visibility, &m.lit, &m.status);
     }
 
     /// Records the maps of one view of the light: layers, silhouettes and their table.
@@ -265,7 +279,7 @@ impl FacetMasks {
     }
 
     /// Records the part of one view of the light in the facets and their masks.
-    fn record_view(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
+    fn record_view(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32, extent: Extent) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
         let frame = &m.frames[self.frame_at(view, 0, 0)];
         let (triangles, in_light) = (&casters.triangles, geometry.in_light(casters));
@@ -288,10 +302,16 @@ impl FacetMasks {
             self.args(stage, Arg::Listed, &m.facets.pixel_facets)?;
             let groups = Groups::Indirect(m.args.raw(), Arg::Listed.word());
             self.with.classify.record_classify(stage, frame, &m.samples, around, &m.facets, groups);
+            if extent != Extent::Everything {
+                return Ok(());
+            }
             self.list(stage, Arg::Facets, (&m.facets.items, count), &m.facet_offsets)?;
         }
+        let Some(with) = &self.with.pairs else {
+            return Err(Error::Config("the pipelines were made for frames in which nothing casts a shadow".to_owned()));
+        };
         for band in 0..self.capacities.bands {
-            self.record_band(rec, casters, in_light, view, band)?;
+            self.record_band(rec, with, casters, in_light, (view, band))?;
         }
         Ok(())
     }

@@ -1,18 +1,27 @@
-//! Computing a frame of a method whose memory the settings alone decide: no list can overflow, so one run is the frame, unless
-//! what the method left out turns out to be needed.
+//! Methods whose memory the settings alone decide: no list can overflow, so one run is the frame, unless what the method left out turns out
+//! to be needed.
 
 use super::debug_views::DebugViews;
+use super::facet_masks::FacetSource;
 use super::geometry::{Geometry, GeometryPipelines};
+use super::names::MethodName;
+use super::output::Counts;
 use super::prepared::{CasterBuffers, Prepared};
-use super::render::{Counts, Output};
-use super::settings::{FacetMode, LastView, Settings};
-use crate::Result;
+use super::ray_traced::RayTraced;
+use super::settings::Settings;
+use super::shadow_map::{MapQuery, ShadowMapping};
+use super::split_mapping::{Recipe, SplitMapping};
+use super::spsm::Spsm;
+use super::supersampled::Supersampled;
 use crate::frame::{Frame, sample_words};
-use crate::gpu::{Buffer, Gpu, Recorder, Timer};
+use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
+use crate::stages::facet_classify::Facets;
+use crate::status::Status;
+use crate::{Error, Result, status_word};
 use glam::DVec3;
-use std::time::Instant;
+use std::mem::offset_of;
 
 /// Inputs of a stage of such a method.
 #[derive(Clone, Copy)]
@@ -25,173 +34,252 @@ pub struct StageInputs<'a> {
     pub casters: &'a CasterBuffers,
     /// Projected vertices, rectangles, and the triangle at each pixel centre.
     pub geometry: &'a Geometry,
+    /// Counters, see [`Status`].
+    pub status: &'a Buffer<u32>,
+}
+
+/// What a method is made for.
+#[derive(Clone, Copy)]
+pub struct MethodParts<'a> {
+    /// The device.
+    pub device: &'a wgpu::Device,
+    /// Its queue.
+    pub queue: &'a wgpu::Queue,
+    /// The mesh.
+    pub prepared: &'a Prepared,
+    /// The same on the GPU.
+    pub casters: &'a CasterBuffers,
+    /// Image, map, samples and options.
+    pub settings: &'a Settings,
+}
+
+/// What is uploaded for a frame follows from this.
+#[derive(Clone, Copy)]
+pub struct FrameInputs<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The light's view of the casters.
+    pub view: &'a LightView,
+    /// The box of the casters.
+    pub bounds: (DVec3, DVec3),
+    /// The frame uniform.
+    pub frame: &'a Frame,
+}
+
+/// Words that a method may leave behind the counters of a frame.
+pub const OUTCOME_WORDS: usize = 4;
+
+/// What a method makes of the words that it left behind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outcome {
+    /// Something that was left out was needed: the frame lacks it, and the next will not leave it out.
+    pub left_out: bool,
+    /// Evaluations, and those of them that needed 46 bits.
+    pub evaluations: [u64; 2],
 }
 
 /// A method of fixed memory: stages after `triangle_setup` and `camera_visibility`, made for one mesh and setting.
-pub trait FixedMethod {
+pub trait FixedMethod: Send + Sync {
     /// Whether samples on the plane of a pixel's facet count beyond the surface, too: the light's view is wider then.
-    const BEYOND: bool = false;
+    fn beyond(&self) -> bool {
+        false
+    }
 
-    /// Takes in what changes from frame to frame.
+    /// Adds what changes from frame to frame.
     ///
     /// # Errors
-    /// [`crate::Error::Scene`] for a camera or light it cannot serve.
-    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, light: &Light, view: &LightView, frame: &Frame) -> Result<()>;
+    /// [`Error::Scene`] for a camera or light it cannot serve.
+    fn upload(&self, _: &mut Uploads, _: FrameInputs) -> Result<()> {
+        Ok(())
+    }
 
     /// Records its stages.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
+    /// [`Error::Gpu`] if the device has no memory for parameters.
     fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()>;
 
-    /// Whether the frame has to be recorded once more, as the method is set now: what it left out was needed.
+    /// Records the copy of [`OUTCOME_WORDS`] words or fewer to `to`, from word `at` on.
+    fn record_outcome(&self, _rec: &mut Recorder, _to: &Buffer<u32>, _at: u64) {}
+
+    /// Takes in these words.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`].
-    fn runs_again(&mut self, _: &Gpu) -> Result<bool> {
-        Ok(false)
+    /// [`Error::Limit`] if something was left out for want of steps.
+    fn outcome(&mut self, _: [u32; OUTCOME_WORDS]) -> Result<Outcome> {
+        Ok(Outcome::default())
     }
 
     /// Visibility of every pixel, row by row from the top; 1 where nothing is seen.
     fn visibility(&self) -> &Buffer<f32>;
 
     /// Lit samples of every pixel, where the method keeps them.
-    fn lit(&self) -> Option<&Buffer<u32>>;
+    fn lit(&self) -> Option<&Buffer<u32>> {
+        None
+    }
 
-    /// Reads back what was counted.
+    /// The facets of the last frame, where it has facets.
+    fn facets(&self) -> Option<&Facets> {
+        None
+    }
+
+    /// Counts that have to be read back, in place of those of the frame's counters.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`]; [`crate::Error::Limit`] if something was left out for want of steps.
-    fn counts(&self, gpu: &Gpu) -> Result<Counts>;
+    /// [`Error::Gpu`].
+    fn counts(&self, _: &Gpu) -> Result<Option<Counts>> {
+        Ok(None)
+    }
 
     /// Reads back what there is to look at; `None` where the method keeps neither classes nor a map.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`].
+    /// [`Error::Gpu`].
     fn looks(&self, _: &Gpu) -> Result<Option<DebugViews>> {
         Ok(None)
     }
 }
 
-/// A method set up for one mesh and one setting, to be rendered again and again.
-pub struct FixedRenderer<'a, M> {
-    gpu: &'a Gpu,
-    prepared: &'a Prepared,
-    casters: CasterBuffers,
+/// Such a method with the memory that all of them have: what the camera sees, the frame's uniform, counters.
+pub struct FixedMemory {
     settings: Settings,
     with: GeometryPipelines,
     geometry: Geometry,
     frame: Buffer<Frame>,
     samples: Buffer<[f32; 4]>,
-    timer: Option<Timer>,
-    method: M,
-    view: LastView,
+    status: Buffer<u32>,
+    method: Box<dyn FixedMethod>,
 }
 
-impl<'a, M: FixedMethod> FixedRenderer<'a, M> {
-    /// Uploads the mesh and makes the memory; `make` builds the method for the uploaded mesh.
+impl FixedMemory {
+    /// Builds pipelines and memory of `method`, which is not `facet-masks`.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] for impossible settings, [`crate::Error::Memory`] and [`crate::Error::Gpu`] if memory
-    /// does not suffice, and what `make` returns.
-    pub fn new(
-        gpu: &'a Gpu,
-        prepared: &'a Prepared,
-        settings: &Settings,
-        make: impl FnOnce(&CasterBuffers) -> Result<M>,
-    ) -> Result<Self> {
+    /// [`Error::Config`] for impossible settings and for `facet-masks`, [`Error::Memory`] and [`Error::Gpu`] if memory does not suffice.
+    pub fn new(method: MethodName, parts: MethodParts) -> Result<Self> {
+        let MethodParts { device, queue, casters, settings, .. } = parts;
         settings.check()?;
-        let casters = prepared.upload(&gpu.device, &gpu.queue)?;
-        let samples = Buffer::uniform(&gpu.device, "samples", 64)?;
-        samples.write(&gpu.queue, &sample_words(&settings.samples));
-        let method = make(&casters)?;
-        let made = Self {
-            gpu,
-            prepared,
-            settings: settings.clone(),
-            with: GeometryPipelines::new(&gpu.device),
-            geometry: Geometry::new(&gpu.device, &gpu.queue, &casters, settings.pixels(), settings.texels())?,
-            frame: Buffer::uniform(&gpu.device, "frame", 1)?,
-            samples,
-            timer: Timer::new(gpu)?,
-            casters,
-            method,
-            view: LastView::default(),
+        let samples = Buffer::uniform(device, "samples", 64)?;
+        samples.write(queue, &sample_words(&settings.samples));
+        let status = Buffer::storage(device, "status", Self::outcome_at() + OUTCOME_WORDS)?;
+        let of_maps = |query| Ok::<_, Error>(Box::new(ShadowMapping::new(parts, query)?) as Box<dyn FixedMethod>);
+        let of_splits = |recipe| Ok::<_, Error>(Box::new(SplitMapping::new(parts, recipe)?) as Box<dyn FixedMethod>);
+        let method: Box<dyn FixedMethod> = match method {
+            MethodName::FacetMasks => {
+                return Err(Error::Config("facet-masks: what its lists take is not known before a frame".to_owned()));
+            }
+            MethodName::Spsm => Box::new(Spsm::new(parts)?),
+            MethodName::ShadowMap => of_maps(MapQuery::Nearest)?,
+            MethodName::Pcf => of_maps(MapQuery::Filtered)?,
+            MethodName::Smsr => of_maps(MapQuery::Revectorized)?,
+            MethodName::Variance => of_splits(Recipe::Variance)?,
+            MethodName::Trapezoidal => of_splits(Recipe::Trapezoidal)?,
+            MethodName::Lispsm => of_splits(Recipe::LightSpace)?,
+            MethodName::ParallelSplit => of_splits(Recipe::ParallelSplit)?,
+            MethodName::Remix => of_splits(Recipe::Remix)?,
+            MethodName::RayTraced => Box::new(RayTraced::new(parts)?),
+            MethodName::Supersampled => Box::new(Supersampled::new(parts)?),
         };
-        gpu.check()?;
-        Ok(made)
-    }
-
-    /// Renders one frame.
-    ///
-    /// # Errors
-    /// [`crate::Error::Scene`] for an impossible camera or light, [`crate::Error::Gpu`], and as [`FixedMethod::counts`].
-    pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
-        camera.check()?;
-        light.check()?;
-        let gpu = self.gpu;
-        let own = Settings { facets: FacetMode::All, ..self.settings.clone() };
-        let view = self.view.of(if M::BEYOND { &self.settings } else { &own }, self.prepared, light)?;
-        let bounds = self.prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let mut frame = Frame::new(camera, light, &view, bounds, self.settings.size, &self.settings.samples);
-        frame.vertex_count = self.casters.positions.len() as u32;
-        frame.triangle_count = self.casters.triangles.len() as u32;
-        frame.edge_count = self.casters.edges.len() as u32;
-        frame.facets_total = self.settings.pixels() as u32;
-        frame.facet_count = frame.facets_total;
-        self.frame.write(&gpu.queue, &[frame]);
-        self.method.prepare(gpu, camera, light, &view, &frame)?;
-        let mut wall_ms = 0.0;
-        let mut dispatches = 0;
-        loop {
-            let mut encoder = gpu.encoder();
-            if let Some(timer) = &mut self.timer {
-                timer.reset();
-            }
-            let mut rec = Recorder::new(&gpu.device, &mut encoder, self.timer.as_mut());
-            self.geometry.record_setup(&mut rec, &self.with, &self.frame, &self.casters)?;
-            self.geometry.record_camera(&mut rec, &self.with, &self.frame, &self.casters)?;
-            let inputs = StageInputs {
-                frame: &self.frame,
-                samples: &self.samples,
-                casters: &self.casters,
-                geometry: &self.geometry,
-            };
-            self.method.record(&mut rec, inputs)?;
-            dispatches += rec.dispatches();
-            if let Some(timer) = &self.timer {
-                timer.resolve(&mut encoder);
-            }
-            let start = Instant::now();
-            gpu.submit_and_wait(encoder)?;
-            wall_ms += start.elapsed().as_secs_f64() * 1e3;
-            if !self.method.runs_again(gpu)? {
-                break;
-            }
-        }
-        Ok(Output {
-            visibility: self.method.visibility().read(gpu)?,
-            lit: self.method.lit().map_or(Ok(Vec::new()), |lit| lit.read(gpu))?,
-            words: self.settings.samples.words(),
-            triangles: self.geometry.id_keys.read(gpu)?.into_iter().map(|key| !key).collect(),
-            counts: self.method.counts(gpu)?,
-            lists: Vec::new(),
-            stages: self.timer.as_ref().map_or(Ok(Vec::new()), |t| t.read(gpu))?,
-            wall_ms,
-            dispatches,
+        Ok(Self {
+            settings: settings.clone(),
+            with: GeometryPipelines::new(device),
+            geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.texels())?,
+            frame: Buffer::uniform(device, "frame", 1)?,
+            samples,
+            status,
+            method,
         })
     }
 
-    /// Looks of the last frame, see [`FixedMethod::looks`].
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`].
-    pub fn looks(&self) -> Result<Option<DebugViews>> {
-        self.method.looks(self.gpu)
+    /// Where the outcome begins in the counters.
+    fn outcome_at() -> usize {
+        Status::words(1)
     }
 
-    /// The method, for looking at its buffers.
-    pub fn method(&self) -> &M {
-        &self.method
+    /// Contents of uniforms for a frame with this one view of the light, which is to leave `stamp` in its counters.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if camera or light cannot be used.
+    pub fn uploads(
+        &self,
+        casters: &CasterBuffers,
+        (camera, light): (&Camera, &Light),
+        view: &LightView,
+        bounds: (DVec3, DVec3),
+        stamp: u32,
+    ) -> Result<Uploads> {
+        camera.check()?;
+        light.check()?;
+        view.check()?;
+        let mut frame = Frame::new(camera, light, view, bounds, self.settings.size, &self.settings.samples);
+        frame.vertex_count = casters.positions.len() as u32;
+        frame.triangle_count = casters.triangles.len() as u32;
+        frame.edge_count = casters.edges.len() as u32;
+        frame.facets_total = self.settings.pixels() as u32;
+        frame.facet_count = frame.facets_total;
+        frame.stamp = stamp;
+        let mut uploads = Uploads::default();
+        uploads.write(&self.frame, &[frame]);
+        self.method.upload(&mut uploads, FrameInputs { camera, view, bounds, frame: &frame })?;
+        Ok(uploads)
+    }
+
+    /// Records the frame, with the triangle at each pixel's centre from elsewhere where `source` says so.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device has no memory for parameters, and those of `source`.
+    pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers, source: FacetSource) -> Result<()> {
+        let Self { with, geometry, frame, samples, status, method, .. } = self;
+        rec.clear(status.raw());
+        geometry.record_setup(rec, with, frame, casters)?;
+        match source {
+            FacetSource::Centres(write) => write(rec, frame)?,
+            _ => geometry.record_camera(rec, with, frame, casters)?,
+        }
+        method.record(rec, StageInputs { frame, samples, casters, geometry, status })?;
+        method.record_outcome(rec, status, Self::outcome_at() as u64);
+        // After all else.
+        let (stamp, finished) = (offset_of!(Frame, stamp) as u64 / 4, status_word!(finished) as u64);
+        rec.copy_words(frame.raw(), stamp, status.raw(), finished, 1);
+        Ok(())
+    }
+
+    /// Records the stage `camera_visibility` alone.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device has no memory for parameters.
+    pub fn record_camera(&self, rec: &mut Recorder, casters: &CasterBuffers) -> Result<()> {
+        self.geometry.record_camera(rec, &self.with, &self.frame, casters)
+    }
+
+    /// Takes in the counters of a frame.
+    ///
+    /// # Errors
+    /// As [`FixedMethod::outcome`].
+    pub fn outcome(&mut self, status: &[u32]) -> Result<Outcome> {
+        let mut words = [0; OUTCOME_WORDS];
+        let left = status.get(Self::outcome_at()..).unwrap_or_default();
+        words.iter_mut().zip(left).for_each(|(word, left)| *word = *left);
+        self.method.outcome(words)
+    }
+
+    /// The frame uniform.
+    pub fn frame(&self) -> &Buffer<Frame> {
+        &self.frame
+    }
+
+    /// Counters, see [`Status`]; behind them the method's own words.
+    pub fn status(&self) -> &Buffer<u32> {
+        &self.status
+    }
+
+    /// Complement of the triangle at every pixel centre; 0 where there is none.
+    pub fn id_keys(&self) -> &Buffer<u32> {
+        &self.geometry.id_keys
+    }
+
+    /// The method.
+    pub fn method(&self) -> &dyn FixedMethod {
+        &*self.method
     }
 }

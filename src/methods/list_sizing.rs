@@ -11,7 +11,7 @@ pub use needs::Needs;
 pub use together::{Together, Wanted, roomy};
 
 use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings};
-use super::render::{Budget, Counts, ListUse};
+use super::output::{Budget, Counts, ListUse};
 use crate::stages::SortedPairs;
 use crate::stages::candidate_pairs::ROUND_LENGTH;
 use crate::stages::facet_classify::{FacetState, Undecided};
@@ -384,7 +384,7 @@ mod tests {
             let (mut all, mut fitted) = (Together::default(), 0);
             for frame in 0..100 {
                 all = if together { all } else { Together::default() };
-                match all.wanted(needs(frame, now.bands), now, &settings, &limits, budget) {
+                match all.wanted(needs(frame, now.bands), now, &settings, &limits, (budget, 1000)) {
                     None => fitted += 1,
                     Some(more) => (now, fitted) = (more.capacities, 0),
                 }

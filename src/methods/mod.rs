@@ -1,7 +1,5 @@
 //! The methods: each a page of calls to stages, in order.
 
-#[cfg(feature = "baselines")]
-pub mod any_renderer;
 #[cfg(feature = "oracle")]
 pub mod cpu;
 #[cfg(feature = "baselines")]
@@ -17,10 +15,10 @@ pub mod light_maps;
 pub mod list_sizing;
 pub mod names;
 pub mod options;
+pub mod output;
 pub mod prepared;
 #[cfg(feature = "baselines")]
 pub mod ray_traced;
-pub mod render;
 pub mod settings;
 #[cfg(feature = "baselines")]
 pub mod shadow_map;
@@ -28,14 +26,11 @@ pub mod shadow_map;
 pub mod split_mapping;
 #[cfg(feature = "baselines")]
 pub mod spsm;
+pub mod strip_method;
 pub mod strips;
 #[cfg(feature = "baselines")]
 pub mod supersampled;
-#[cfg(feature = "baselines")]
-pub mod unshadowed;
 
-#[cfg(feature = "baselines")]
-pub use any_renderer::AnyRenderer;
 #[cfg(feature = "baselines")]
 pub use debug_views::{DebugMap, DebugViews, PixelClass};
 pub use facet_masks::FacetMasks;

@@ -7,7 +7,10 @@ use crate::scene::adjacency::{Adjacency, Edge};
 use crate::scene::mesh_tree::MeshTree;
 use crate::scene::{Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
+use rayon::prelude::*;
 use std::sync::OnceLock;
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
 
 /// A mesh in canonical order with its edges.
 #[derive(Clone, Debug)]
@@ -24,6 +27,43 @@ pub struct Prepared {
     /// Lowest triangle of each triangle's surface: the edge-connected ones that lie in one plane, exactly.
     pub surfaces: Vec<u32>,
     tree: OnceLock<MeshTree>,
+    pub(crate) known: KnownFacts,
+}
+
+/// What proofs about the mesh have found so far, so that a frame like the one before asks little.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct KnownFacts {
+    /// Whether all vertices lie in one plane.
+    pub in_one_plane: OnceLock<bool>,
+    /// A triangle that may show eye and light the same side.
+    pub facing_both: Counterexample,
+    /// One that may not.
+    pub facing_one: Counterexample,
+    /// One that may face the light.
+    pub facing_light: Counterexample,
+}
+
+/// A triangle for which something did not hold, which is asked first.
+#[derive(Debug, Default)]
+pub(crate) struct Counterexample(AtomicUsize);
+
+impl Clone for Counterexample {
+    fn clone(&self) -> Self {
+        Self(AtomicUsize::new(self.0.load(Relaxed)))
+    }
+}
+
+impl Counterexample {
+    /// Whether something holds for each of so many triangles.
+    pub fn all(&self, triangles: usize, holds: impl Fn(usize) -> bool + Sync) -> bool {
+        let last = self.0.load(Relaxed);
+        if last < triangles && !holds(last) {
+            return false;
+        }
+        let Some(found) = (0..triangles).into_par_iter().find_any(|&t| !holds(t)) else { return true };
+        self.0.store(found, Relaxed);
+        false
+    }
 }
 
 impl Prepared {
@@ -35,7 +75,22 @@ impl Prepared {
         mesh.check("mesh")?;
         let (mesh, given) = mesh.canonical();
         let Adjacency { edges, closed, bodies, surfaces, .. } = Adjacency::of(&mesh);
-        Ok(Self { mesh, given, edges, closed, bodies, surfaces, tree: OnceLock::new() })
+        Ok(Self { mesh, given, edges, closed, bodies, surfaces, tree: OnceLock::new(), known: KnownFacts::default() })
+    }
+
+    /// The same without the lists that only an upload asks for.
+    pub(crate) fn geometry(&self) -> Self {
+        let Self { mesh, closed, bodies, tree, known, .. } = self;
+        Self {
+            mesh: mesh.clone(),
+            given: Vec::new(),
+            edges: Vec::new(),
+            closed: *closed,
+            bodies: bodies.clone(),
+            surfaces: Vec::new(),
+            tree: tree.clone(),
+            known: known.clone(),
+        }
     }
 
     /// The mesh: vertices welded and sorted, triangles rotated and sorted, so that nothing depends on the file's order. It has passed

@@ -6,14 +6,8 @@
 //! fixed: about 190 bytes a pixel, and the tree. The tree is built once on the CPU, which is part of no frame's time.
 
 use super::early_out::EarlyOut;
-use super::fixed_memory::{FixedMethod, StageInputs};
-use super::prepared::{CasterBuffers, Prepared};
-use super::render::Counts;
-use super::settings::Settings;
-use crate::frame::Frame;
-use crate::gpu::{Buffer, Gpu, Recorder, Stage};
-use crate::light_view::LightView;
-use crate::scene::{Camera, Light};
+use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, OUTCOME_WORDS, Outcome, StageInputs};
+use crate::gpu::{Buffer, Recorder, Stage, Uploads};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::shadow_rays::{RayLists, RayStep, ShadowRays};
@@ -32,28 +26,25 @@ impl RayTraced {
     ///
     /// # Errors
     /// As [`EarlyOut::new`].
-    pub fn new(gpu: &Gpu, prepared: &Prepared, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
-        let (device, queue) = (&gpu.device, &gpu.queue);
+    pub fn new(parts: MethodParts) -> Result<Self> {
+        let MethodParts { device, queue, settings, .. } = parts;
         let scan = PrefixScan::new(device);
         let settle = settings.ray_traced.silhouettes && settings.settle;
         Ok(Self {
-            settled: EarlyOut::new(gpu, &scan, prepared, casters, settings, settle)?,
+            settled: EarlyOut::new(parts, &scan, settle)?,
             rays: ShadowRays::new(device, &scan, settings.samples.words()),
             work: RayLists::new(device, queue, settings.pixels(), settings.samples.count())?,
         })
     }
-
-    /// The facets of the last frame.
-    pub fn facets(&self) -> &Facets {
-        self.settled.facets()
-    }
 }
 
 impl FixedMethod for RayTraced {
-    const BEYOND: bool = true;
+    fn beyond(&self) -> bool {
+        true
+    }
 
-    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, _: &LightView, frame: &Frame) -> Result<()> {
-        self.settled.prepare(gpu, camera, frame);
+    fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
+        self.settled.upload(uploads, of.camera, of.frame);
         Ok(())
     }
 
@@ -72,7 +63,7 @@ impl FixedMethod for RayTraced {
         if self.settled.validity() {
             record(&mut rec.stage("shadow_rays_cut"), RayStep::Cut)?;
         }
-        self.settled.record_resolve(rec);
+        self.settled.record_resolve(rec, inputs.status);
         Ok(())
     }
 
@@ -84,15 +75,22 @@ impl FixedMethod for RayTraced {
         Some(self.settled.lit())
     }
 
-    fn counts(&self, gpu: &Gpu) -> Result<Counts> {
-        let [traced, refined, early] = self.work.read(gpu)?;
+    fn facets(&self) -> Option<&Facets> {
+        Some(self.settled.facets())
+    }
+
+    fn record_outcome(&self, rec: &mut Recorder, to: &Buffer<u32>, at: u64) {
+        rec.copy_words(self.work.work.raw(), 0, to.raw(), at, OUTCOME_WORDS as u64);
+    }
+
+    fn outcome(&mut self, words: [u32; OUTCOME_WORDS]) -> Result<Outcome> {
+        let [traced, refined, early] = RayLists::counts(words);
         if early > 0 {
             let what = format!("steps or more, as {early} shadow rays take through the tree of casters");
             let limit = u64::from(crate::gpu::kernels::shadow_rays::MOST_STEPS);
             return Err(Error::Limit { what, needed: limit + 1, limit });
         }
-        let counts = self.settled.counts(gpu)?;
         let rays = u64::from(traced) * u64::from(self.settled.samples());
-        Ok(Counts { visibility_evaluations: rays, refined_evaluations: u64::from(refined), ..counts })
+        Ok(Outcome { left_out: false, evaluations: [rays, u64::from(refined)] })
     }
 }

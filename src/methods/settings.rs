@@ -410,38 +410,3 @@ impl Settings {
         self.shadow_map.check()
     }
 }
-
-/// The light's views that were fitted last, kept while the light is the same.
-#[derive(Debug, Default)]
-pub(super) struct LastView(Option<(Light, Vec<LightView>)>);
-
-impl LastView {
-    /// The one view of `light`.
-    ///
-    /// # Errors
-    /// As [`LightView::fit`] and [`LightView::check`].
-    #[cfg(feature = "baselines")]
-    pub fn of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<LightView> {
-        let one = || {
-            let view = settings.light_view(prepared, light)?;
-            view.check()?;
-            Ok(vec![view])
-        };
-        Ok(self.kept(light, one)?[0])
-    }
-
-    /// All views of `light`.
-    ///
-    /// # Errors
-    /// As [`Settings::light_views`].
-    pub fn all_of(&mut self, settings: &Settings, prepared: &Prepared, light: &Light) -> Result<Vec<LightView>> {
-        self.kept(light, || settings.light_views(prepared, light)).map(<[_]>::to_vec)
-    }
-
-    fn kept(&mut self, light: &Light, views: impl FnOnce() -> Result<Vec<LightView>>) -> Result<&[LightView]> {
-        if self.0.as_ref().is_none_or(|(of, _)| of != light) {
-            self.0 = Some((*light, views()?));
-        }
-        Ok(self.0.as_ref().map_or(&[], |(_, views)| views))
-    }
-}

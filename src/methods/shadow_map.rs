@@ -3,14 +3,10 @@
 //! Memory is fixed: 4 bytes a texel. Triangles that reach behind a point light cast nothing.
 
 use super::debug_views::DebugViews;
-use super::fixed_memory::{FixedMethod, StageInputs};
-use super::render::Counts;
+use super::fixed_memory::{FixedMethod, MethodParts, StageInputs};
 use super::settings::{Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::Result;
-use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
-use crate::light_view::LightView;
-use crate::scene::{Camera, Light};
 use crate::stages::PrimaryHits;
 use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::shadow_map::{self, ShadowMap};
@@ -67,9 +63,9 @@ impl ShadowMapping {
     ///
     /// # Errors
     /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
-    pub fn new(gpu: &Gpu, settings: &Settings, ask: MapQuery) -> Result<Self> {
+    pub fn new(parts: MethodParts, ask: MapQuery) -> Result<Self> {
+        let MethodParts { device, settings, .. } = parts;
         settings.check()?;
-        let device = &gpu.device;
         Ok(Self {
             layers: LightLayers::nearest_only(device),
             compare: Compare::new(device, settings, ask),
@@ -85,10 +81,6 @@ impl ShadowMapping {
 }
 
 impl FixedMethod for ShadowMapping {
-    fn prepare(&mut self, _: &Gpu, _: &Camera, _: &Light, _: &LightView, _: &Frame) -> Result<()> {
-        Ok(())
-    }
-
     fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.map.nearest_keys.raw());
@@ -110,14 +102,6 @@ impl FixedMethod for ShadowMapping {
 
     fn visibility(&self) -> &Buffer<f32> {
         &self.visibility
-    }
-
-    fn lit(&self) -> Option<&Buffer<u32>> {
-        None
-    }
-
-    fn counts(&self, _: &Gpu) -> Result<Counts> {
-        Ok(Counts { facets: self.visibility.len() as u64, ..Counts::default() })
     }
 
     fn looks(&self, gpu: &Gpu) -> Result<Option<DebugViews>> {

@@ -4,20 +4,15 @@
 //! Memory is fixed: 4 bytes a texel and split, of moments 2.7 more, and 18 a triangle and split. Triangles that reach behind a point light cast nothing.
 
 use super::debug_views::DebugViews;
-use super::fixed_memory::{FixedMethod, StageInputs};
-use super::prepared::{CasterBuffers, Prepared};
-use super::render::Counts;
+use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, StageInputs};
 use super::settings::Settings;
 use crate::Result;
-use crate::frame::Frame;
-use crate::gpu::{Buffer, Gpu, Recorder};
-use crate::light_view::{LightView, SeenBox, SplitPlan, Warp, unit_scale};
-use crate::scene::{Camera, Light};
+use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
+use crate::light_view::{SeenBox, SplitPlan, Warp, unit_scale};
 use crate::stages::PrimaryHits;
 use crate::stages::map_moments::MapMoments;
 use crate::stages::split_maps::{Maps, SplitMapInputs, SplitMaps, SplitViews};
 use crate::stages::split_shadows::{OfMaps, SplitQuery, SplitShadows};
-use glam::DVec3;
 
 /// The method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +63,6 @@ pub struct SplitMapping {
     plan: SplitPlan,
     size: [u32; 2],
     map: u32,
-    bounds: (DVec3, DVec3),
     splits: Buffer<SplitViews>,
     make: SplitMaps,
     maps: Maps,
@@ -83,15 +77,9 @@ impl SplitMapping {
     ///
     /// # Errors
     /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
-    pub fn new(
-        gpu: &Gpu,
-        prepared: &Prepared,
-        casters: &CasterBuffers,
-        settings: &Settings,
-        recipe: Recipe,
-    ) -> Result<Self> {
+    pub fn new(parts: MethodParts, recipe: Recipe) -> Result<Self> {
+        let MethodParts { device, queue, casters, settings, .. } = parts;
         settings.check()?;
-        let device = &gpu.device;
         let (plan, ask) = (recipe.plan(settings), recipe.ask(settings));
         let (views, side) = (plan.splits as usize, settings.map);
         let filters = matches!(ask, SplitQuery::Moments { .. });
@@ -99,10 +87,9 @@ impl SplitMapping {
             plan,
             size: settings.size,
             map: side,
-            bounds: prepared.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE)),
             splits: Buffer::uniform(device, "split_maps.splits", 1)?,
             make: SplitMaps::new(device),
-            maps: Maps::new(device, &gpu.queue, views, side as usize, casters.triangles.len())?,
+            maps: Maps::new(device, queue, views, side as usize, casters.triangles.len())?,
             reduce: filters.then(|| MapMoments::new(device)),
             moments: MapMoments::memory(device, if filters { views } else { 0 }, side)?,
             ask: SplitShadows::new(device, ask),
@@ -119,12 +106,13 @@ impl SplitMapping {
 }
 
 impl FixedMethod for SplitMapping {
-    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, view: &LightView, _: &Frame) -> Result<()> {
+    fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
+        let FrameInputs { camera, view, bounds, .. } = of;
         let rays = camera.rays(self.size[0], self.size[1]);
-        let scale = unit_scale(rays.eye, self.bounds);
-        let seen = SeenBox::new(&rays, self.size, f64::from(camera.near), self.bounds, scale);
+        let scale = unit_scale(rays.eye, bounds);
+        let seen = SeenBox::new(&rays, self.size, f64::from(camera.near), bounds, scale);
         let view = view.relative_to(rays.eye, scale);
-        self.splits.write(&gpu.queue, &[SplitViews::of_view(&view, &seen, &self.plan)]);
+        uploads.write(&self.splits, &[SplitViews::of_view(&view, &seen, &self.plan)]);
         Ok(())
     }
 
@@ -147,14 +135,6 @@ impl FixedMethod for SplitMapping {
 
     fn visibility(&self) -> &Buffer<f32> {
         &self.visibility
-    }
-
-    fn lit(&self) -> Option<&Buffer<u32>> {
-        None
-    }
-
-    fn counts(&self, _: &Gpu) -> Result<Counts> {
-        Ok(Counts { facets: self.visibility.len() as u64, ..Counts::default() })
     }
 
     fn looks(&self, gpu: &Gpu) -> Result<Option<DebugViews>> {

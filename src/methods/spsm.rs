@@ -5,17 +5,14 @@
 //! [`SpsmSettings::seen_only`]: super::settings::SpsmSettings::seen_only
 
 use super::debug_views::DebugViews;
-use super::fixed_memory::{FixedMethod, StageInputs};
-use super::render::Counts;
-use super::settings::{Settings, SpsmEncoding};
+use super::fixed_memory::{FixedMethod, MethodParts, OUTCOME_WORDS, Outcome, StageInputs};
+use super::output::Counts;
+use super::settings::SpsmEncoding;
 use crate::Result;
-use crate::frame::Frame;
 use crate::gpu::{Buffer, Gpu, Recorder};
-use crate::light_view::LightView;
-use crate::scene::{Camera, Light};
 use crate::stages::PrefixScan;
 use crate::stages::PrimaryHits;
-use crate::stages::seen_texels::SeenTexels;
+use crate::stages::seen_texels::{SeenTexels, TexelMarks};
 use crate::stages::spsm_map::{SpsmMap, SpsmTexels};
 use crate::stages::spsm_query::{Class, SpsmPixels, SpsmQuery, SpsmQueryOptions};
 
@@ -27,8 +24,7 @@ pub struct Spsm {
     query: SpsmQuery,
     texels: SpsmTexels,
     pixels: SpsmPixels,
-    seen_only: bool,
-    /// Whether this frame makes all texels.
+    /// Whether frames make all texels.
     all: bool,
 }
 
@@ -37,9 +33,9 @@ impl Spsm {
     ///
     /// # Errors
     /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
-    pub fn new(gpu: &Gpu, settings: &Settings) -> Result<Self> {
+    pub fn new(parts: MethodParts) -> Result<Self> {
+        let MethodParts { device, queue, settings, .. } = parts;
         settings.check()?;
-        let (device, queue) = (&gpu.device, &gpu.queue);
         let words = settings.samples.words();
         let options = SpsmQueryOptions {
             encoding: match settings.spsm.encoding {
@@ -59,8 +55,7 @@ impl Spsm {
             query: SpsmQuery::new(device, &PrefixScan::new(device), options, &texels),
             texels,
             pixels: SpsmPixels::new(device, queue, settings.pixels(), words as usize)?,
-            seen_only: settings.spsm.seen_only,
-            all: false,
+            all: !settings.spsm.seen_only,
         })
     }
 
@@ -76,11 +71,6 @@ impl Spsm {
 }
 
 impl FixedMethod for Spsm {
-    fn prepare(&mut self, _: &Gpu, _: &Camera, _: &Light, _: &LightView, _: &Frame) -> Result<()> {
-        self.all = !self.seen_only;
-        Ok(())
-    }
-
     fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.texels.keys.raw());
@@ -113,10 +103,14 @@ impl FixedMethod for Spsm {
         Ok(())
     }
 
-    fn runs_again(&mut self, gpu: &Gpu) -> Result<bool> {
-        let again = !self.all && self.texels.marks.missed(gpu)?;
-        self.all |= again;
-        Ok(again)
+    fn record_outcome(&self, rec: &mut Recorder, to: &Buffer<u32>, at: u64) {
+        rec.copy_words(self.texels.marks.words.raw(), TexelMarks::MISSED as u64, to.raw(), at, 1);
+    }
+
+    fn outcome(&mut self, words: [u32; OUTCOME_WORDS]) -> Result<Outcome> {
+        let left_out = !self.all && words[0] != 0;
+        self.all |= left_out;
+        Ok(Outcome { left_out, ..Outcome::default() })
     }
 
     fn visibility(&self) -> &Buffer<f32> {
@@ -127,10 +121,10 @@ impl FixedMethod for Spsm {
         Some(&self.pixels.lit)
     }
 
-    fn counts(&self, gpu: &Gpu) -> Result<Counts> {
+    fn counts(&self, gpu: &Gpu) -> Result<Option<Counts>> {
         let classes = self.pixels.classes(gpu)?;
         let of = |class: Class| classes.iter().filter(|&&c| c == class as u32).count() as u64;
-        Ok(Counts {
+        Ok(Some(Counts {
             silhouette_pixels: of(Class::Uncertain),
             facets: classes.len() as u64,
             empty_facets: of(Class::Empty),
@@ -138,7 +132,7 @@ impl FixedMethod for Spsm {
             lit_facets: of(Class::Lit),
             shadowed_facets: of(Class::Shadowed),
             ..Counts::default()
-        })
+        }))
     }
 
     fn looks(&self, gpu: &Gpu) -> Result<Option<DebugViews>> {

@@ -1,7 +1,6 @@
 //! An image in strips of rows, for devices that cannot bind the facets of all of it at once.
 
 use super::facet_masks::Strip;
-use super::render::{Counts, ListUse, Output};
 
 /// How an image is cut: into strips of equally many rows, of which the last may overlap the one before; all overlap by the rows in which
 /// neighbours are read.
@@ -69,6 +68,11 @@ impl Strips {
         [self.image[0], self.rows]
     }
 
+    /// One of them with its number, or each of them.
+    pub(crate) fn part(self, strip: Option<u32>) -> Vec<(u32, Rows)> {
+        (0..).zip(self.rows()).filter(|(k, _)| strip.is_none_or(|strip| strip == *k)).collect()
+    }
+
     /// Each of them, from the top.
     pub fn rows(self) -> impl Iterator<Item = Rows> {
         let height = self.image[1];
@@ -80,62 +84,6 @@ impl Strips {
             next += own;
             (own > 0).then_some(Rows { first, known, own })
         })
-    }
-}
-
-impl Output {
-    /// Adds the strip below. Facets, pairs, times and dispatches add up, those of rows that were known already too; of a list
-    /// the largest need is kept.
-    pub(super) fn add_rows(&mut self, below: Self, rows: Rows) {
-        let width = self.visibility.len() / (rows.first + rows.known) as usize;
-        let skip = rows.known as usize * width;
-        // Strips that are read back show no neighbours: the rest is their own.
-        self.visibility.extend_from_slice(&below.visibility[skip..]);
-        self.lit.extend_from_slice(&below.lit[skip * self.words as usize..]);
-        self.triangles.extend_from_slice(&below.triangles[skip..]);
-        self.counts = self.counts.with_rows(below.counts);
-        for (list, more) in self.lists.iter_mut().zip(below.lists) {
-            list.add_rows(&more);
-        }
-        for more in below.stages {
-            match self.stages.iter_mut().find(|stage| stage.name == more.name) {
-                Some(stage) => stage.gpu_ms += more.gpu_ms,
-                None => self.stages.push(more),
-            }
-        }
-        self.wall_ms += below.wall_ms;
-        self.dispatches += below.dispatches;
-    }
-}
-
-impl ListUse {
-    /// Takes in how the list fared for other rows: the largest need, and all runs.
-    pub(crate) fn add_rows(&mut self, more: &Self) {
-        self.needed = self.needed.max(more.needed);
-        self.capacity = self.capacity.max(more.capacity);
-        self.runs += more.runs;
-    }
-}
-
-impl Counts {
-    /// With the counts of other rows; what the light sees is the same for all, and is found for one of them at least.
-    pub(crate) fn with_rows(self, o: Self) -> Self {
-        Self {
-            silhouette_edges: self.silhouette_edges.max(o.silhouette_edges),
-            silhouette_texels: self.silhouette_texels.max(o.silhouette_texels),
-            silhouette_pixels: self.silhouette_pixels + o.silhouette_pixels,
-            pixel_texel_pairs: self.pixel_texel_pairs + o.pixel_texel_pairs,
-            triangle_texel_pairs: self.triangle_texel_pairs + o.triangle_texel_pairs,
-            candidate_tests: self.candidate_tests + o.candidate_tests,
-            visibility_evaluations: self.visibility_evaluations + o.visibility_evaluations,
-            refined_evaluations: self.refined_evaluations + o.refined_evaluations,
-            facets: self.facets + o.facets,
-            complex_pixels: self.complex_pixels + o.complex_pixels,
-            empty_facets: self.empty_facets + o.empty_facets,
-            dark_facets: self.dark_facets + o.dark_facets,
-            lit_facets: self.lit_facets + o.lit_facets,
-            shadowed_facets: self.shadowed_facets + o.shadowed_facets,
-        }
     }
 }
 

@@ -6,14 +6,8 @@
 //! (with [`Settings::validity`]) is found through the tree of casters of `ray-traced`.
 
 use super::early_out::EarlyOut;
-use super::fixed_memory::{FixedMethod, StageInputs};
-use super::prepared::{CasterBuffers, Prepared};
-use super::render::Counts;
-use super::settings::Settings;
-use crate::frame::Frame;
-use crate::gpu::{Buffer, Gpu, Recorder};
-use crate::light_view::LightView;
-use crate::scene::{Camera, Light};
+use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, StageInputs};
+use crate::gpu::{Buffer, Recorder, Uploads};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::sample_bins::{self, Bins, SampleBins};
@@ -35,29 +29,27 @@ impl Supersampled {
     ///
     /// # Errors
     /// As [`EarlyOut::new`].
-    pub fn new(gpu: &Gpu, prepared: &Prepared, casters: &CasterBuffers, settings: &Settings) -> Result<Self> {
-        let (device, queue) = (&gpu.device, &gpu.queue);
+    pub fn new(parts: MethodParts) -> Result<Self> {
+        let MethodParts { device, queue, settings, .. } = parts;
         let (count, pixels) = (settings.samples.count(), settings.pixels());
         let scan = PrefixScan::new(device);
         Ok(Self {
-            settled: EarlyOut::new(gpu, &scan, prepared, casters, settings, false)?,
+            settled: EarlyOut::new(parts, &scan, false)?,
             test: SampleBins::new(device, &scan, settings.samples.words()),
             bins: Bins::new(device, queue, settings.map as usize, pixels, count)?,
             cut: ShadowRays::new(device, &scan, settings.samples.words()),
             cut_work: RayLists::with_doubts(device, queue, pixels, count, 0)?,
         })
     }
-
-    /// The facets of the last frame.
-    pub fn facets(&self) -> &Facets {
-        self.settled.facets()
-    }
 }
 
 impl FixedMethod for Supersampled {
-    const BEYOND: bool = true;
+    fn beyond(&self) -> bool {
+        true
+    }
 
-    fn prepare(&mut self, gpu: &Gpu, camera: &Camera, _: &Light, view: &LightView, frame: &Frame) -> Result<()> {
+    fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
+        let FrameInputs { view, frame, .. } = of;
         let [nearest, clear] = [frame.light_low[3], frame.eye_low[3]];
         if view.perspective && nearest > clear {
             return Err(Error::Scene(format!(
@@ -66,8 +58,8 @@ impl FixedMethod for Supersampled {
                 clear / nearest
             )));
         }
-        self.settled.prepare(gpu, camera, frame);
-        self.bins.prepare(&gpu.queue, frame);
+        self.settled.upload(uploads, of.camera, frame);
+        self.bins.frames_of(frame).for_each(|(buffer, frame)| uploads.write(buffer, &[frame]));
         Ok(())
     }
 
@@ -95,7 +87,7 @@ impl FixedMethod for Supersampled {
             let scene = self.settled.scene(inputs);
             self.cut.record(stage, RayStep::Cut, self.settled.frame(), scene, facets, &self.cut_work)?;
         }
-        self.settled.record_resolve(rec);
+        self.settled.record_resolve(rec, inputs.status);
         Ok(())
     }
 
@@ -107,7 +99,7 @@ impl FixedMethod for Supersampled {
         Some(self.settled.lit())
     }
 
-    fn counts(&self, gpu: &Gpu) -> Result<Counts> {
-        self.settled.counts(gpu)
+    fn facets(&self) -> Option<&Facets> {
+        Some(self.settled.facets())
     }
 }

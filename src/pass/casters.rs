@@ -34,17 +34,21 @@ impl CasterSet {
         if moving {
             buffers.surfaces = None; // what lies in one plane at rest may not in motion
         }
-        let mut numbers = vec![0; prepared.given.len()];
-        for (number, &triangle) in (0..).zip(&prepared.given) {
-            numbers[triangle as usize] = number;
-        }
         let places = match casters {
             Casters::Static { .. } => None,
             Casters::Moving { .. } => Some(Buffer::from_slice(device, queue, "casters.places", &places(&given))?),
         };
-        let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers)?;
+        let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
         (prepared.given, prepared.edges, prepared.surfaces) = Default::default();
         Ok(Self { prepared, buffers, numbers, places })
+    }
+
+    /// Uploads casters that stand and are prepared.
+    pub fn of_prepared(device: &wgpu::Device, queue: &wgpu::Queue, prepared: &Prepared) -> Result<Self> {
+        prepared.tree(); // of the original, so that all who use it have it
+        let buffers = prepared.upload(device, queue)?;
+        let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
+        Ok(Self { prepared: prepared.geometry(), buffers, numbers, places: None })
     }
 
     /// Uses other memory for positions and triangles from now on.
@@ -53,6 +57,15 @@ impl CasterSet {
             (self.buffers.positions, self.buffers.triangles) = surfaces;
         }
     }
+}
+
+/// The number in canonical order of each triangle, where `given` is the triangle of each number.
+fn numbers(given: &[u32]) -> Vec<u32> {
+    let mut numbers = vec![0; given.len()];
+    for (number, &triangle) in (0..).zip(given) {
+        numbers[triangle as usize] = number;
+    }
+    numbers
 }
 
 /// Place of each vertex in the canonical mesh, and the first vertex with that place.

@@ -1,7 +1,7 @@
 //! Checks of settings, device and a frame's inputs.
 
-use super::{GBuffer, Moved, ShadowPass};
-use crate::methods::{FacetMode, Settings};
+use super::{Casters, GBuffer, Moved, ShadowPass};
+use crate::methods::{FacetMode, MethodName, Settings};
 use crate::scene::Camera;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
@@ -47,9 +47,25 @@ impl ShadowPass {
 
 /// The settings as the pass can use them for any camera and light: without validity masks no facet is settled (see
 /// [`crate::plan`]), and casters that turn away are left out where that changes nothing.
-pub fn settled(wanted: &Settings) -> Settings {
+pub fn settled(wanted: &Settings, method: MethodName) -> Settings {
+    let wanted = &match method {
+        MethodName::FacetMasks => wanted.clone(),
+        // A method of one receiver a pixel.
+        _ => Settings { facets: FacetMode::One, ..wanted.clone() },
+    };
     let proved = wanted.validity || wanted.samples.count() == 1 || wanted.facets == FacetMode::All;
     Settings { cull_back: true, settle: wanted.settle && proved, ..wanted.clone() }
+}
+
+/// Refuses casters that move for a method whose tree of them is made once.
+pub fn check_moving(casters: &Casters, method: MethodName) -> Result<()> {
+    let by_tree = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
+    match casters {
+        Casters::Moving { .. } if by_tree => {
+            Err(Error::Config(format!("{}: its tree of casters is made once, they cannot move", method.name())))
+        }
+        _ => Ok(()),
+    }
 }
 
 pub fn check_limits(have: &wgpu::Limits) -> Result<()> {

@@ -7,7 +7,8 @@ use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::every_surface::SampleIds;
-use crate::methods::facet_masks::{self, FacetMasks, MapSource};
+use crate::methods::facet_masks::{Extent, FacetSource, MapSource};
+use crate::methods::strip_method::StripMethod;
 use crate::methods::{FacetMode, Settings};
 use crate::stages::PrefixScan;
 use crate::stages::gbuffer_triangles::{GbufferTriangles, SampleGbuffer, Texture};
@@ -27,11 +28,13 @@ pub struct GbufferStage {
 /// Inputs of a strip of rows.
 #[derive(Clone, Copy)]
 pub struct With<'a> {
-    pub method: &'a FacetMasks,
+    pub method: &'a StripMethod,
     pub casters: &'a CasterSet,
     pub faults: &'a Buffer<u32>,
     /// Whether the strip before has found what the light sees.
     pub maps: MapSource,
+    /// What of the method runs.
+    pub extent: Extent,
 }
 
 /// Rows of neighbours on either side in which `pixel_receivers` looks for what a pixel shows.
@@ -66,12 +69,12 @@ impl GbufferStage {
 
     /// Records the method with what the G-buffer says.
     pub fn record(&self, rec: &mut Recorder, gbuffer: &GBuffer, ours: &[[f32; 2]], with: With) -> Result<()> {
-        let With { method, casters, maps, .. } = with;
+        let With { method, casters, maps, extent, .. } = with;
         let buffers = &casters.buffers;
         match (gbuffer, &self.receivers) {
             (GBuffer::TriangleIds(given), _) => {
                 let ids = |rec: &mut Recorder, frame: &Buffer<Frame>| self.record_ids(rec, frame, *given, with);
-                method.record_seen(rec, buffers, facet_masks::FacetSource::Centres(&ids), maps)
+                method.record(rec, buffers, FacetSource::Centres(&ids), maps, extent)
             }
             (GBuffer::Surfaces(given), Some(receivers)) => {
                 let surfaces = |rec: &mut Recorder, frame: &Buffer<Frame>| {
@@ -80,24 +83,24 @@ impl GbufferStage {
                     }
                     receivers.record(rec, frame, given, with)
                 };
-                method.record_seen(rec, buffers, facet_masks::FacetSource::Centres(&surfaces), maps)
+                method.record(rec, buffers, FacetSource::Centres(&surfaces), maps, extent)
             }
             (GBuffer::SampleIds(given), _) => self.record_samples(rec, given, ours, with),
-            _ => method.record_seen(rec, buffers, facet_masks::FacetSource::Found, maps),
+            _ => method.record(rec, buffers, FacetSource::Found, maps, extent),
         }
     }
 
     fn record_samples(&self, rec: &mut Recorder, given: &SampleTexture, ours: &[[f32; 2]], with: With) -> Result<()> {
-        let With { method, casters, faults, maps } = with;
+        let With { method, casters, faults, maps, extent } = with;
         let Some(stage) = &self.samples else {
-            return method.record_seen(rec, &casters.buffers, facet_masks::FacetSource::Found, maps);
+            return method.record(rec, &casters.buffers, FacetSource::Found, maps, extent);
         };
         let multisampled = given.is_multisampled();
         let view = if multisampled { first_level(given.texture) } else { all_layers(given.texture) };
         let texture = if multisampled { Texture::Samples(&view) } else { Texture::Layers(&view) };
         let given = SampleGbuffer { texture, params: given.params(ours)?, numbers: &casters.numbers };
         let samples = SampleIds { stage, given, faults };
-        method.record_seen(rec, &casters.buffers, facet_masks::FacetSource::Samples(&samples), maps)
+        method.record(rec, &casters.buffers, FacetSource::Samples(&samples), maps, extent)
     }
 
     fn record_ids(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: TriangleTexture, with: With) -> Result<()> {

@@ -13,21 +13,23 @@ use crate::stages::visibility_texture::{LastPicture, Lists};
 #[derive(Clone)]
 pub struct HeldPicture {
     pub visibility: Buffer<f32>,
-    pub lit: Buffer<u32>,
+    pub lit: Option<Buffer<u32>>,
     verdict: Buffer<u32>,
 }
 
 impl HeldPicture {
     /// Memory for the picture of an image; until there is a complete one all is lit.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, settings: &Settings) -> Result<Self> {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, settings: &Settings, image: &ImageStrips) -> Result<Self> {
         let (pixels, words) = (settings.pixels(), settings.samples.words() as usize);
         let held = Self {
             visibility: Buffer::banded(device, "shadow_pass.held_visibility", pixels)?,
-            lit: Buffer::banded(device, "shadow_pass.held_lit", pixels * words)?,
+            lit: image.lit().map(|_| Buffer::banded(device, "shadow_pass.held_lit", pixels * words)).transpose()?,
             verdict: Buffer::storage(device, "shadow_pass.verdict", 1)?,
         };
         held.visibility.write(queue, &vec![1.0; pixels]);
-        held.lit.write(queue, &vec![u32::MAX; pixels * words]);
+        if let Some(lit) = &held.lit {
+            lit.write(queue, &vec![u32::MAX; pixels * words]);
+        }
         Ok(held)
     }
 
@@ -45,7 +47,7 @@ impl HeldPicture {
         faults: &Buffer<u32>,
     ) -> Result<()> {
         let (method, c) = (&image.method, image.method.capacities());
-        let frame = &method.frames()[0];
+        let frame = method.frame();
         let stage = &mut rec.stage("visibility_texture");
         with.record_judge(stage, frame, &lists(c), method.status(), faults, &self.verdict)
     }
@@ -54,7 +56,9 @@ impl HeldPicture {
     pub fn record_hold(&self, rec: &mut Recorder, with: &LastPicture, image: &ImageStrips) {
         let stage = &mut rec.stage("visibility_texture");
         with.record_hold(stage, &self.verdict, image.visibility(), &self.visibility);
-        with.record_hold(stage, &self.verdict, image.lit(), &self.lit);
+        if let Some((lit, held)) = image.lit().zip(self.lit.as_ref()) {
+            with.record_hold(stage, &self.verdict, lit, held);
+        }
     }
 }
 

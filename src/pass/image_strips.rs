@@ -7,20 +7,20 @@ use super::inputs::Target;
 use super::textures::first_level;
 use crate::gpu::{Buffer, Recorder};
 use crate::light_view::MapTiles;
-use crate::methods::facet_masks::{Capacities, FacetMasks, Pipelines};
+use crate::methods::facet_masks::Capacities;
+use crate::methods::output::Budget;
 use crate::methods::prepared::{MeshBuffers, surfaces};
-use crate::methods::render::Budget;
+use crate::methods::strip_method::{MethodPipelines, StripMethod};
 use crate::methods::strips::{Rows, Strips};
 use crate::methods::{Settings, list_sizing};
 use crate::stages::visibility_texture::VisibilityTexture;
 use crate::{Error, Result};
-use std::sync::Arc;
 
 /// Maker of strips.
 pub struct StripMaker {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
-    pub pipelines: Arc<Pipelines>,
+    pub pipelines: MethodPipelines,
     pub parts: MapTiles,
     pub budget: Budget,
     /// Room for surfaces that are no casters.
@@ -32,13 +32,13 @@ pub struct StripMaker {
 /// An image in strips.
 pub struct ImageStrips {
     pub strips: Strips,
-    pub method: FacetMasks,
+    pub method: StripMethod,
     whole: Option<Whole>,
 }
 
 struct Whole {
     visibility: Buffer<f32>,
-    lit: Buffer<u32>,
+    lit: Option<Buffer<u32>>,
 }
 
 /// Result of [`StripMaker::make`].
@@ -74,12 +74,17 @@ impl StripMaker {
                 list_sizing::of_rows(wanted, share, settings.facets)
             });
             match self.make_strips(settings, casters, strips, start) {
-                Err(error @ Error::Memory { .. }) => strips = strips.more().ok_or(error)?,
+                Err(error @ Error::Memory { .. }) if !self.pipelines.is_fixed() => {
+                    strips = strips.more().ok_or(error)?;
+                }
                 made => break made?,
             }
         };
         if made.image.strips.count() > 1 {
-            let whole = before.map_or_else(|| Whole::new(&self.device, settings), |(image, _)| Ok(image.results()));
+            let whole = before.map_or_else(
+                || Whole::new(&self.device, settings, &made.image.method),
+                |(image, _)| Ok(image.results()),
+            );
             made.image.whole = Some(whole?);
         }
         Ok(made)
@@ -98,7 +103,8 @@ impl StripMaker {
         let first = list_sizing::first_for(&of_strip, self.budget, casters.buffers.triangles.len());
         let first = start.map_or(first, |start| list_sizing::larger(first, start));
         let first = list_sizing::within(&device.limits(), &of_strip, self.budget, first);
-        let method = FacetMasks::new(device, queue, self.pipelines.clone(), &casters.buffers, &of_strip, first)?;
+        let mesh = (&casters.prepared, &casters.buffers);
+        let method = StripMethod::new(device, queue, &self.pipelines, mesh, &of_strip, first)?;
         let room = |_| surfaces(device, queue, &casters.prepared.mesh, &casters.prepared.bodies, pixels);
         Ok(NewStrips {
             image: ImageStrips { strips, method, whole: None },
@@ -109,12 +115,15 @@ impl StripMaker {
 }
 
 impl Whole {
-    fn new(device: &wgpu::Device, settings: &Settings) -> Result<Self> {
+    fn new(device: &wgpu::Device, settings: &Settings, method: &StripMethod) -> Result<Self> {
         // They are copied to, and bound by nobody here.
         let words = settings.samples.words() as usize;
         Ok(Self {
             visibility: Buffer::banded(device, "shadow_pass.visibility", settings.pixels())?,
-            lit: Buffer::banded(device, "shadow_pass.lit", settings.pixels() * words)?,
+            lit: method
+                .lit()
+                .map(|_| Buffer::banded(device, "shadow_pass.lit", settings.pixels() * words))
+                .transpose()?,
         })
     }
 }
@@ -125,38 +134,41 @@ impl ImageStrips {
         self.whole.as_ref().map_or(self.method.visibility(), |whole| &whole.visibility)
     }
 
-    /// Lit masks of the whole image.
-    pub fn lit(&self) -> &Buffer<u32> {
-        self.whole.as_ref().map_or(self.method.lit(), |whole| &whole.lit)
+    /// Lit masks of the whole image, where the method keeps them.
+    pub fn lit(&self) -> Option<&Buffer<u32>> {
+        self.whole.as_ref().map_or(self.method.lit(), |whole| whole.lit.as_ref())
     }
 
     /// The memory of both.
     fn results(&self) -> Whole {
-        Whole { visibility: self.visibility().clone(), lit: self.lit().clone() }
+        Whole { visibility: self.visibility().clone(), lit: self.lit().cloned() }
     }
 
     /// The visibility of a strip to where the application wants it.
     pub fn record_store(&self, rec: &mut Recorder, store: &VisibilityTexture, target: &Target) -> Result<()> {
         let Some(texture) = target.visibility else { return Ok(()) };
         let (method, view) = (&self.method, first_level(texture));
-        store.record(&mut rec.stage("visibility_texture"), &method.frames()[0], method.visibility(), &view);
+        store.record(&mut rec.stage("visibility_texture"), method.frame(), method.visibility(), &view);
         Ok(())
     }
 
     /// Copies a strip's own rows to where they belong, here and in the application's buffer.
     pub fn record_copies(&self, rec: &mut Recorder, rows: Rows, target: Option<&wgpu::Buffer>) {
         let (width, pixels) = (u64::from(self.strips.size()[0]), self.method.visibility().len() as u64);
-        let words = self.method.lit().len() as u64 / pixels.max(1);
+        let lit = self.method.lit();
+        let words = lit.map_or(0, |lit| lit.len() as u64 / pixels.max(1));
         let mut copy = |from: &wgpu::Buffer, to: &wgpu::Buffer, each: u64| {
             let [first, at, count] = rows.own_words(each);
             rec.copy_words(from, first, to, at, count);
         };
         if let Some(whole) = &self.whole {
             copy(self.method.visibility().raw(), whole.visibility.raw(), width);
-            copy(self.method.lit().raw(), whole.lit.raw(), width * words);
+            if let Some((lit, whole)) = lit.zip(whole.lit.as_ref()) {
+                copy(lit.raw(), whole.raw(), width * words);
+            }
         }
-        if let Some(target) = target {
-            copy(self.method.lit().raw(), target, width * words);
+        if let Some((lit, target)) = lit.zip(target) {
+            copy(lit.raw(), target, width * words);
         }
     }
 }

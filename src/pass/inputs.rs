@@ -78,12 +78,15 @@ pub struct Target<'a> {
 }
 
 impl Target<'_> {
-    pub(super) fn check(&self, size: [u32; 2], lit_bytes: u64) -> Result<()> {
+    pub(super) fn check(&self, size: [u32; 2], lit_bytes: Option<u64>) -> Result<()> {
         if let Some(texture) = self.visibility {
             use wgpu::{TextureFormat, TextureUsages};
             check_texture("visibility", texture, &[TextureFormat::R32Float], TextureUsages::STORAGE_BINDING, size)?;
         }
         let Some(lit) = self.lit else { return Ok(()) };
+        let Some(lit_bytes) = lit_bytes else {
+            return Err(Error::Config("lit masks: the method keeps none".to_owned()));
+        };
         if !lit.usage().contains(wgpu::BufferUsages::COPY_DST) {
             return Err(Error::Config(format!("lit masks: the usage {:?} of the buffer lacks COPY_DST", lit.usage())));
         }

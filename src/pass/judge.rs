@@ -4,7 +4,7 @@ use super::status::{Faults, Finished, FrameStatus, Label};
 use super::{ShadowPass, list_sizing};
 use crate::methods::facet_masks::Capacities;
 use crate::methods::list_sizing::Needs;
-use crate::methods::render::Counts;
+use crate::methods::output::Counts;
 use crate::status::Status;
 
 /// Stamp that the last stage of a frame writes into its counters: never 0, and different for each of some billion frames.
@@ -25,13 +25,14 @@ impl ShadowPass {
     }
 
     fn judge(&mut self, finished: Finished) -> FrameStatus {
-        let Finished { label: Label { frame, generation, capacities, strips }, read } = finished;
+        let Finished { label: Label { frame, generation, capacities, strips, dispatches }, read } = finished;
         let mut status = FrameStatus {
             frame,
             complete: false,
             overflowed: false,
             faults: Faults::default(),
             error: None,
+            dispatches,
             counts: Counts::default(),
             lists: Vec::new(),
             stages: Vec::new(),
@@ -41,6 +42,7 @@ impl ShadowPass {
             Ok(read) => read,
             Err(error) => {
                 status.error = Some(error.to_string());
+                self.failure = Some(error);
                 return status;
             }
         };
@@ -57,18 +59,55 @@ impl ShadowPass {
             status.counts = status.counts.with_rows(list_sizing::counts(strip));
             needs = needs.or(Needs::of(strip));
         }
+        let same = generation == self.generation;
+        if self.image.method.is_fixed() {
+            return self.judge_fixed(status, &words, same);
+        }
         status.lists = list_sizing::lists(&needs, capacities, facets, 1);
-        match list_sizing::wanted(&needs, capacities, &self.settings, &limits, budget) {
+        let triangles = self.casters.buffers.triangles.len();
+        let reach = |wanted| list_sizing::in_reach(&needs, capacities, wanted, &self.settings, budget, triangles);
+        let wanted = list_sizing::wanted(&needs, capacities, &self.settings, &limits, budget);
+        match wanted.and_then(|wanted| wanted.map(reach).transpose()) {
             Ok(wanted) => status.overflowed = wanted.is_some(),
-            Err(error) => (status.overflowed, status.error) = (true, Some(error.to_string())),
+            Err(error) => {
+                (status.overflowed, status.error) = (true, Some(error.to_string()));
+                self.failure = Some(error);
+            }
         }
         // A frame with other lists than those in use says nothing of these, and one for which there are none is not waited for.
         let in_use = self.image.method.capacities();
-        let same = generation == self.generation && in_use == (Capacities { views: in_use.views, ..capacities });
+        let same = same && in_use == (Capacities { views: in_use.views, ..capacities });
         if same && status.error.is_none() {
-            self.wanted = self.together.wanted(needs, capacities, &self.settings, &limits, budget).or(self.wanted);
+            self.wanted =
+                self.together.wanted(needs, capacities, &self.settings, &limits, (budget, triangles)).or(self.wanted);
         }
         status.complete = !status.overflowed && status.faults == Faults::default();
+        status
+    }
+
+    /// The status of a frame of a method without lists, given its counters.
+    #[cfg(feature = "baselines")]
+    fn judge_fixed(&mut self, mut status: FrameStatus, words: &[u32], same: bool) -> FrameStatus {
+        if status.counts.facets == 0 {
+            status.counts.facets = self.settings.pixels() as u64;
+        }
+        // Frames of other memory say nothing of this one.
+        match if same { self.image.method.outcome(words) } else { Ok(Default::default()) } {
+            Ok(outcome) => {
+                status.overflowed = outcome.left_out;
+                [status.counts.visibility_evaluations, status.counts.refined_evaluations] = outcome.evaluations;
+            }
+            Err(error) => {
+                status.error = Some(error.to_string());
+                self.failure = Some(error);
+            }
+        }
+        status.complete = !status.overflowed && status.error.is_none() && status.faults == Faults::default();
+        status
+    }
+
+    #[cfg(not(feature = "baselines"))]
+    fn judge_fixed(&mut self, status: FrameStatus, _: &[u32], _: bool) -> FrameStatus {
         status
     }
 }

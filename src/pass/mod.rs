@@ -46,19 +46,21 @@ pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
 use crate::frame::Frame;
-use crate::gpu::buffer::filled;
-use crate::gpu::{Buffer, Gpu, KeptPrograms, Recorder, Timer};
+use crate::gpu::{Buffer, Gpu, KeptPrograms, Recorder, Timer, Uploads};
 use crate::light_view::MapTiles;
-use crate::methods::Settings;
-use crate::methods::facet_masks::{Capacities, MapSource, Pipelines};
+use crate::methods::facet_masks::{Capacities, Extent, MapSource};
 use crate::methods::list_sizing::{self, Together, Wanted};
-use crate::methods::render::Budget;
+use crate::methods::output::Budget;
+use crate::methods::strip_method::{FrameOf, MethodPipelines, StripMethod};
+use crate::methods::strips::Rows;
 pub use crate::methods::strips::Strips;
+use crate::methods::{MethodName, Prepared, Settings};
+use crate::plan::extent_of;
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::visibility_texture::{LastPicture, VisibilityTexture};
 use crate::{Error, Result};
 use casters::{CasterSet, checked_mesh};
-use checks::{check_limits, settled};
+use checks::{check_limits, check_moving, settled};
 use futures::executor::block_on;
 use gbuffer_stage::{GbufferStage, With};
 use held::HeldPicture;
@@ -66,12 +68,15 @@ use image_strips::{ImageStrips, NewStrips, StripMaker};
 use judge::stamp_of;
 use status::{FAULT_WORDS, InFlight, Label, Staging};
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::num::NonZeroU32;
 use views::Views;
 
 /// Configuration of a pass.
 #[derive(Clone, Debug)]
 pub struct PassConfig<'a> {
+    /// The method. All but `facet-masks` need the feature `baselines`, take one surface a pixel, no receivers that are no casters and one
+    /// view of the light, which therefore may not stand among the casters.
+    pub method: MethodName,
     /// Image size, samples, map and facets. Not read are `cull_back` (casters of closed bodies that turn away from the light are
     /// left out wherever that changes nothing) and, but that they must be possible ([`Settings::check`]), the options of other methods.
     pub settings: Settings,
@@ -93,12 +98,16 @@ pub struct PassConfig<'a> {
     pub keep_last: bool,
     /// Take the time of each stage, where the device has [`wgpu::Features::TIMESTAMP_QUERY`].
     pub timing: bool,
+    /// Leave out what is proved to change nothing of a frame of casters that stand ([`Plan`](crate::plan::Plan)): all of it where no caster
+    /// can be seen, all tests where none can shadow another. Of `facet-masks`.
+    pub prove: bool,
 }
 
 impl<'a> PassConfig<'a> {
     /// Default budget, lists that grow, no room for receivers that are no casters, no more strips than it takes, no last picture, no times.
     pub fn new(settings: Settings, casters: Casters<'a>) -> Self {
         Self {
+            method: MethodName::FacetMasks,
             settings,
             casters,
             budget: Budget::default(),
@@ -107,6 +116,7 @@ impl<'a> PassConfig<'a> {
             strips: 1,
             keep_last: false,
             timing: false,
+            prove: true,
         }
     }
 }
@@ -116,6 +126,7 @@ pub struct ShadowPass {
     settings: Settings,
     maker: StripMaker,
     grows: bool,
+    proves: bool,
     gather: CasterPositions,
     seen: GbufferStage,
     store: VisibilityTexture,
@@ -126,6 +137,8 @@ pub struct ShadowPass {
     timer: Option<Timer>,
     in_flight: InFlight,
     known: VecDeque<FrameStatus>,
+    /// Why the last frame that no list can hold is one.
+    failure: Option<Error>,
     together: Together,
     wanted: Option<Wanted>,
     views: Views,
@@ -161,50 +174,99 @@ impl ShadowPass {
     /// casters that are no geometry; [`Error::Memory`] and [`Error::Gpu`] if memory does not suffice or the device refuses.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, config: &PassConfig) -> Result<Self> {
         check_limits(&device.limits())?;
-        let settings = settled(&config.settings);
+        let mut settings = settled(&config.settings, config.method);
         settings.check()?;
+        // Whether a texel was missed is not known before the frame is shown.
+        settings.spsm.seen_only &= !config.keep_last;
         let mesh = checked_mesh(&config.casters)?;
+        check_moving(&config.casters, config.method)?;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let made = KeptPrograms::once(|| {
-            let build = if config.receivers { Pipelines::with_receivers } else { Pipelines::new };
-            let maker = StripMaker {
-                device: device.clone(),
-                queue: queue.clone(),
-                pipelines: Arc::new(build(device, &settings)),
-                parts: MapTiles::within(settings.map, &device.limits()),
-                budget: config.budget,
-                receivers: config.receivers,
-                strips: config.strips,
-            };
-            let mut casters = CasterSet::new(device, queue, &config.casters, mesh)?;
-            let made = maker.make(&settings, &casters, maker.first_strips(&settings), None)?;
-            casters.take(made.surfaces);
-            let held = || Ok::<_, Error>((LastPicture::new(device), HeldPicture::new(device, queue, &settings)?));
-            Ok(Self {
-                last: config.keep_last.then(held).transpose()?,
-                seen: GbufferStage::new(device, &settings, made.keys)?,
-                settings,
-                maker,
-                grows: config.grow,
-                gather: CasterPositions::new(device),
-                store: VisibilityTexture::new(device),
-                casters,
-                image: made.image,
-                faults: Buffer::storage(device, "shadow_pass.faults", FAULT_WORDS)?,
-                timer: if config.timing { Timer::on(device, queue)? } else { None },
-                in_flight: InFlight::default(),
-                known: VecDeque::new(),
-                together: Together::default(),
-                wanted: None,
-                views: Views::default(),
-                frame: 0,
-                generation: 0,
-            })
+            let pipelines = MethodPipelines::new(device, config.method, &settings, config.receivers)?;
+            let casters = CasterSet::new(device, queue, &config.casters, mesh)?;
+            Self::made(device, queue, settings, pipelines, casters, config)
         });
         match block_on(scope.pop()) {
             Some(error) => Err(Error::Gpu(error.to_string().replace('\n', " "))),
             None => made,
         }
+    }
+
+    /// A pass of casters that stand, with pipelines that exist already, the settings as they are and no proofs of its own: for frames that
+    /// are read back. Its lists grow when [`ShadowPass::grow`] is called.
+    pub(crate) fn of_prepared(
+        gpu: &Gpu,
+        prepared: &Prepared,
+        settings: &Settings,
+        pipelines: MethodPipelines,
+        budget: Budget,
+        strips: u32,
+    ) -> Result<Self> {
+        settings.check()?;
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let casters = CasterSet::of_prepared(device, queue, prepared)?;
+        let none = Casters::Static { positions: &[], triangles: &[] };
+        let config = PassConfig {
+            budget,
+            grow: false,
+            strips,
+            timing: true,
+            prove: false,
+            ..PassConfig::new(settings.clone(), none)
+        };
+        let made = Self::made(device, queue, settings.clone(), pipelines, casters, &config)?;
+        gpu.check()?;
+        Ok(made)
+    }
+
+    fn made(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        settings: Settings,
+        pipelines: MethodPipelines,
+        mut casters: CasterSet,
+        config: &PassConfig,
+    ) -> Result<Self> {
+        let limits = device.limits();
+        let parts = match pipelines.is_fixed() {
+            true => MapTiles::new(settings.map, NonZeroU32::MIN),
+            false => MapTiles::within(settings.map, &limits),
+        };
+        let maker = StripMaker {
+            device: device.clone(),
+            queue: queue.clone(),
+            pipelines,
+            parts,
+            budget: config.budget,
+            receivers: config.receivers,
+            strips: config.strips,
+        };
+        let made = maker.make(&settings, &casters, maker.first_strips(&settings), None)?;
+        casters.take(made.surfaces);
+        let held =
+            || Ok::<_, Error>((LastPicture::new(device), HeldPicture::new(device, queue, &settings, &made.image)?));
+        Ok(Self {
+            last: config.keep_last.then(held).transpose()?,
+            seen: GbufferStage::new(device, &settings, made.keys)?,
+            settings,
+            maker,
+            grows: config.grow,
+            proves: config.prove,
+            gather: CasterPositions::new(device),
+            store: VisibilityTexture::new(device),
+            casters,
+            image: made.image,
+            faults: Buffer::storage(device, "shadow_pass.faults", FAULT_WORDS)?,
+            timer: if config.timing { Timer::on(device, queue)? } else { None },
+            in_flight: InFlight::default(),
+            known: VecDeque::new(),
+            failure: None,
+            together: Together::default(),
+            wanted: None,
+            views: Views::default(),
+            frame: 0,
+            generation: 0,
+        })
     }
 
     /// Takes other casters. Pipelines stay; memory is made anew, so frames that are recorded already are not touched.
@@ -227,6 +289,7 @@ impl ShadowPass {
     }
 
     fn caster_set(&self, casters: &Casters) -> Result<CasterSet> {
+        check_moving(casters, self.maker.pipelines.method())?;
         CasterSet::new(&self.maker.device, &self.maker.queue, casters, checked_mesh(casters)?)
     }
 
@@ -236,7 +299,7 @@ impl ShadowPass {
         if let Some((_, held)) = &mut self.last
             && settings.size != self.settings.size
         {
-            *held = HeldPicture::new(&self.maker.device, &self.maker.queue, &settings)?;
+            *held = HeldPicture::new(&self.maker.device, &self.maker.queue, &settings, &made.image)?;
         }
         self.settings = settings;
         if let Some(casters) = casters {
@@ -271,36 +334,71 @@ impl ShadowPass {
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs, target: &Target) -> Result<u64> {
         inputs.camera.check()?;
         inputs.light.check()?;
-        target.check(self.settings.size, self.image.lit().len() as u64 * 4)?;
+        let extent = self.extent(inputs);
+        self.record_part(encoder, inputs, target, extent, None)
+    }
+
+    /// How much of a frame has to run, as far as that is proved: of casters that stand.
+    fn extent(&self, inputs: &Inputs) -> Extent {
+        let known = matches!(inputs.gbuffer, GBuffer::None | GBuffer::TriangleIds(_) | GBuffer::SampleIds(_));
+        if !self.proves || !known || self.casters.places.is_some() || self.image.method.is_fixed() {
+            return Extent::Everything;
+        }
+        match extent_of(&self.casters.prepared, inputs.camera, inputs.light, &self.settings).0 {
+            // What is seen is what the G-buffer says.
+            Extent::Nothing if !matches!(inputs.gbuffer, GBuffer::None) => Extent::Everything,
+            extent => extent,
+        }
+    }
+
+    /// As [`ShadowPass::record`], of no more than `extent`, and of one strip of rows where that is wanted. Strips after the first use the
+    /// light maps of the one before.
+    pub(crate) fn record_part(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs,
+        target: &Target,
+        extent: Extent,
+        strip: Option<u32>,
+    ) -> Result<u64> {
+        inputs.camera.check()?;
+        inputs.light.check()?;
+        target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
         self.check_gbuffer(&inputs.gbuffer, inputs.camera)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
-        let views = self.maker.parts.of(self.views.of(inputs, &self.casters, &self.settings, bounds)?);
+        let (settings, one) = (self.image.method.view_settings(&self.settings), self.image.method.is_fixed());
+        let mut views = self.maker.parts.of(self.views.of(inputs, &self.casters, &settings, bounds, one)?);
+        if extent != Extent::Everything {
+            views.truncate(1);
+        }
         if self.grows {
             self.grow()?;
         } else {
             self.collect();
         }
         self.make_room_for(views.len() as u32)?;
-        let mut frames = Vec::new();
-        for rows in self.image.strips.rows() {
-            let (casters, strip) = (&self.casters.buffers, self.image.strips.strip(rows));
-            let method = &self.image.method;
-            frames.extend(method.frames_for(casters, inputs.camera, inputs.light, &views, bounds, strip)?);
-        }
-        let stamp = stamp_of(self.frame + 1);
-        frames.iter_mut().for_each(|frame| frame.stamp = stamp);
+        let part = self.image.strips.part(strip);
+        let (stamp, mut flags) = (stamp_of(self.frame + 1), 0);
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
-            frames.iter_mut().for_each(|frame| frame.flags |= Frame::BEYOND);
+            flags |= Frame::BEYOND;
         }
-        let (strips, status) = (self.image.strips.count(), self.image.method.status());
+        if extent == Extent::Facing {
+            flags |= Frame::NOTHING_CASTS;
+        }
+        let of = FrameOf { camera: inputs.camera, light: inputs.light, views: &views, bounds, stamp, flags };
+        let method = &self.image.method;
+        let uploads =
+            part.iter().map(|&(_, rows)| method.uploads(&self.casters.buffers, of, self.image.strips.strip(rows)));
+        let uploads = uploads.collect::<Result<Vec<_>>>()?;
+        let (strips, status) = (part.len() as u32, self.image.method.status());
         let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;
         encoder.push_debug_group("shadow_pass");
-        let recorded = self.record_checked(encoder, inputs, target, &frames, &staging);
+        let recorded = self.record_checked(encoder, inputs, target, extent, (&part, uploads), &staging);
         encoder.pop_debug_group();
-        recorded?;
+        let dispatches = recorded?;
         self.frame += 1;
         let (generation, capacities) = (self.generation, self.image.method.capacities());
-        let label = Label { frame: self.frame, generation, capacities, strips };
+        let label = Label { frame: self.frame, generation, capacities, strips, dispatches };
         self.in_flight.push(encoder, label, staging, &self.faults, self.timer.as_ref());
         Ok(self.frame)
     }
@@ -310,34 +408,32 @@ impl ShadowPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs,
         target: &Target,
-        frames: &[Frame],
+        extent: Extent,
+        (part, uploads): (&[(u32, Rows)], Vec<Uploads>),
         staging: &Staging,
-    ) -> Result<()> {
+    ) -> Result<u32> {
         if let Some(timer) = &mut self.timer {
             timer.reset();
         }
         let (image, casters, faults) = (&self.image, &self.casters, &self.faults);
         let method = &image.method;
         // Written by the encoder and not by the queue: a second frame of the same submission must not change the first.
-        let staged = self.stage(frames)?;
+        let stage = |uploads: Uploads| uploads.stage(&self.maker.device);
+        let staged = uploads.into_iter().map(stage).collect::<Result<Vec<_>>>()?;
         let rec = &mut Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
         rec.clear(faults.raw());
         if let Some((_, held)) = &self.last {
             held.record_begin(rec);
         }
-        let words = size_of::<Frame>() as u64 / 4;
-        let each = frames.len() as u64 / u64::from(image.strips.count());
-        for (k, rows) in (0..).zip(image.strips.rows()) {
-            for (at, frame) in (k * each..(k + 1) * each).zip(method.frames()) {
-                rec.copy_words(&staged, at * words, frame.raw(), 0, words);
-            }
-            if let (0, Some(moved), Some(places)) = (k, &inputs.moved, &casters.places) {
+        for ((k, &(strip, rows)), staged) in (0..).zip(part).zip(&staged) {
+            staged.record(rec);
+            if let (0, Some(moved), Some(places)) = (strip, &inputs.moved, &casters.places) {
                 let stage = &mut rec.stage("caster_positions");
                 self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
             }
-            let maps = if k == 0 { MapSource::Made } else { MapSource::Kept };
+            let maps = if strip == 0 { MapSource::Made } else { MapSource::Kept };
             let offsets = self.settings.samples.offsets();
-            self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps })?;
+            self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps, extent })?;
             match &self.last {
                 Some((with, held)) => {
                     held.record_judge(rec, with, image, faults)?;
@@ -350,30 +446,27 @@ impl ShadowPass {
             }
             staging.record(rec, method.status(), k);
         }
-        let Some((with, held)) = &self.last else { return Ok(()) };
+        let Some((with, held)) = &self.last else { return Ok(rec.dispatches()) };
         held.record_hold(rec, with, image);
-        for (k, rows) in (0..).zip(image.strips.rows()) {
-            rec.copy_words(&staged, k * each * words, method.frames()[0].raw(), 0, words);
+        for (&(_, rows), staged) in part.iter().zip(&staged) {
+            staged.record(rec);
             let (width, pixels) = (u64::from(self.settings.size[0]), method.visibility().len() as u64);
             let (from, to) = (held.visibility.raw(), method.visibility().raw());
             rec.copy_words(from, u64::from(rows.first) * width, to, 0, pixels);
             image.record_store(rec, &self.store, target)?;
         }
-        if let Some(lit) = target.lit {
-            rec.copy(held.lit.raw(), lit, held.lit.len() as u64 * 4);
+        if let Some((lit, held)) = target.lit.zip(held.lit.as_ref()) {
+            rec.copy(held.raw(), lit, held.len() as u64 * 4);
         }
-        Ok(())
-    }
-
-    /// A buffer that holds `frames`.
-    fn stage(&self, frames: &[Frame]) -> Result<wgpu::Buffer> {
-        let usage = wgpu::BufferUsages::COPY_SRC;
-        filled(&self.maker.device, "shadow_pass.frames", bytemuck::cast_slice(frames), usage)
+        Ok(rec.dispatches())
     }
 
     /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all views.
     fn make_room_for(&mut self, views: u32) -> Result<()> {
         let method = &mut self.image.method;
+        if method.is_fixed() {
+            return Ok(());
+        }
         method.resize(&self.maker.device, &self.maker.queue, Capacities { views, ..method.capacities() })
     }
 
@@ -429,9 +522,30 @@ impl ShadowPass {
         self.last.as_ref().map_or(self.image.visibility(), |(_, held)| &held.visibility).raw()
     }
 
-    /// The lit samples of the last frame, as [`Target::lit`] describes them; else as [`ShadowPass::visibility`].
-    pub fn lit(&self) -> &wgpu::Buffer {
-        self.last.as_ref().map_or(self.image.lit(), |(_, held)| &held.lit).raw()
+    /// The lit samples of the last frame, as [`Target::lit`] describes them; else as [`ShadowPass::visibility`]. `None` for a method that
+    /// keeps none.
+    pub fn lit(&self) -> Option<&wgpu::Buffer> {
+        self.last.as_ref().map_or(self.image.lit(), |(_, held)| held.lit.as_ref()).map(Buffer::raw)
+    }
+
+    /// The method as the last strip left it.
+    pub(crate) fn method(&self) -> &StripMethod {
+        &self.image.method
+    }
+
+    /// How the light's map is cut.
+    pub(crate) fn map_tiles(&self) -> MapTiles {
+        self.maker.parts
+    }
+
+    /// How the image is cut.
+    pub(crate) fn image_strips(&self) -> Strips {
+        self.image.strips
+    }
+
+    /// Takes the error of the last frame that no list can hold.
+    pub(crate) fn take_failure(&mut self) -> Option<Error> {
+        self.failure.take()
     }
 
     /// Settings of the pass.

@@ -4,7 +4,7 @@
 use crate::gpu::buffer::{allocate, not_mapped};
 use crate::gpu::{Buffer, Recorder, StageTime, Timer};
 use crate::methods::facet_masks::Capacities;
-use crate::methods::render::{Counts, ListUse};
+use crate::methods::output::{Counts, ListUse};
 use crate::stages::{caster_positions, pixel_receivers, triangle_ids};
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -53,6 +53,8 @@ pub struct FrameStatus {
     pub faults: Faults,
     /// Why no list can hold such a frame, or why nothing is known of it.
     pub error: Option<String>,
+    /// Dispatches that were recorded for it.
+    pub dispatches: u32,
     /// Counts of the frame. Rows that strips share count in each strip.
     pub counts: Counts,
     /// Need of each list, in the strip that needed most, and its capacity. Where one list was too short, later ones may have needed more
@@ -114,6 +116,7 @@ pub(super) struct Label {
     pub(super) capacities: Capacities,
     /// Strips of rows that it was rendered in, each with counters of its own.
     pub(super) strips: u32,
+    pub(super) dispatches: u32,
 }
 
 /// A buffer that the counters of a frame are copied to.

@@ -2,7 +2,8 @@
 //!
 //! They are made in `f64` with margins far above the rounding of the kernels: what is not certain is not claimed.
 
-use crate::methods::prepared::Prepared;
+use crate::methods::prepared::{Counterexample, Prepared};
+use crate::scene::mesh_tree::Which;
 use crate::scene::{Camera, Light};
 use glam::{DVec3, DVec4, Vec3};
 use rayon::prelude::*;
@@ -26,16 +27,20 @@ pub fn nothing_seen(prepared: &Prepared, camera: &Camera, [width, height]: [u32;
         let n = p.cross(q);
         (name, n * n.dot(middle).signum() / n.length())
     });
-    let (lowest, highest) = prepared.mesh.bounds()?;
+    let (lowest, highest) = prepared.tree().bounds()?;
     let size = (lowest - rays.eye).abs().max((highest - rays.eye).abs()).max_element();
-    let all = |outside: &(dyn Fn(DVec3) -> bool + Sync)| {
-        prepared.mesh.positions.par_iter().all(|p| outside(Vec3::from(*p).as_dvec3() - rays.eye))
+    // How far the mesh reaches from the eye.
+    let reach = |axis: DVec3| {
+        let of_corners =
+            |corners: [DVec3; 3]| corners.map(|p| (p - rays.eye).dot(axis)).into_iter().fold(f64::MIN, f64::max);
+        let tree = prepared.tree();
+        let greatest = tree.greatest(&prepared.mesh, Which::All, |b| b.reach(axis) - rays.eye.dot(axis), of_corners);
+        greatest.map_or(f64::NEG_INFINITY, |(reach, _)| reach)
     };
-    let near = f64::from(camera.near);
-    if all(&|p| p.dot(rays.forward) < near - CLEAR * size) {
+    if reach(rays.forward) < f64::from(camera.near) - CLEAR * size {
         return Some("the whole mesh lies nearer than the near plane or behind the camera".to_owned());
     }
-    let (name, _) = planes.into_iter().find(|(_, n)| all(&|p| p.dot(*n) < -CLEAR * size))?;
+    let (name, _) = planes.into_iter().find(|(_, n)| reach(*n) < -CLEAR * size)?;
     Some(format!("the whole mesh lies {name} the view"))
 }
 
@@ -54,12 +59,17 @@ pub fn no_shadow(prepared: &Prepared, camera: &Camera, light: &Light, only_seen:
 
 /// Why every sample that sees a surface is lit, if that is certain.
 pub fn all_is_lit(prepared: &Prepared, camera: &Camera, light: &Light) -> Option<String> {
-    let lit = in_one_plane(prepared) && sides_of_eye_and_light(prepared, camera, light, |product| product > 0);
+    let lit = in_one_plane(prepared)
+        && sides_of_eye_and_light(prepared, camera, light, &prepared.known.facing_one, |product| product > 0);
     lit.then(|| "all triangles lie in one plane and face the light: none shadows another".to_owned())
 }
 
-/// Whether all vertices lie in one plane, exactly.
-fn in_one_plane(prepared: &Prepared) -> bool {
+/// Whether all vertices lie in one plane, exactly; found once.
+pub fn in_one_plane(prepared: &Prepared) -> bool {
+    *prepared.known.in_one_plane.get_or_init(|| found_in_one_plane(prepared))
+}
+
+fn found_in_one_plane(prepared: &Prepared) -> bool {
     let mesh = &prepared.mesh;
     let area = |t: usize| {
         let [a, b, c] = mesh.corners(t);
@@ -78,16 +88,22 @@ fn in_one_plane(prepared: &Prepared) -> bool {
 
 /// Whether every triangle certainly shows the eye the side it hides from the light.
 fn nothing_faces_both(prepared: &Prepared, camera: &Camera, light: &Light) -> bool {
-    sides_of_eye_and_light(prepared, camera, light, |product| product < 0)
+    sides_of_eye_and_light(prepared, camera, light, &prepared.known.facing_both, |product| product < 0)
 }
 
 /// Whether the product of the sides on which eye and light lie, 0 where that is not certain, is as wanted for all triangles.
-fn sides_of_eye_and_light(prepared: &Prepared, camera: &Camera, light: &Light, wanted: fn(i32) -> bool) -> bool {
+fn sides_of_eye_and_light(
+    prepared: &Prepared,
+    camera: &Camera,
+    light: &Light,
+    known: &Counterexample,
+    wanted: fn(i32) -> bool,
+) -> bool {
     // Relative to the eye, as the kernels see it.
     let (eye, l) = (Vec3::from(camera.eye).as_dvec3(), light.homogeneous());
     let light = (l.truncate() - eye * l.w).extend(l.w);
     let mesh = &prepared.mesh;
-    (0..mesh.triangles.len()).into_par_iter().all(|t| {
+    known.all(mesh.triangles.len(), |t| {
         let corners = mesh.corners(t).map(|p| p - eye);
         wanted(side(corners, DVec4::W) * side(corners, light))
     })
@@ -117,7 +133,7 @@ fn light_inside_one_closed_body(prepared: &Prepared, light: &Light) -> bool {
         return false;
     }
     let (mesh, at) = (&prepared.mesh, light.homogeneous());
-    let all_back = (0..mesh.triangles.len()).into_par_iter().all(|t| side(mesh.corners(t), at) == -1);
+    let all_back = prepared.known.facing_light.all(mesh.triangles.len(), |t| side(mesh.corners(t), at) == -1);
     // A closed mesh fills the view as often as it runs around the light.
     all_back && prepared.bodies_around(light) == Some(1)
 }

@@ -25,11 +25,12 @@ pub struct FacetSet {
 }
 
 impl FacetSet {
-    /// Reads the facets of the frame that was rendered last.
+    /// Reads the facets of the frame that was rendered last; none of a method that has none.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub fn read(gpu: &Gpu, facets: &Facets, words: u32) -> Result<Self> {
+    pub fn read<'f>(gpu: &Gpu, facets: impl Into<Option<&'f Facets>>, words: u32) -> Result<Self> {
+        let Some(facets) = facets.into() else { return Ok(Self { words, ..Self::default() }) };
         Ok(Self { words, facets: facets.list.read(gpu)?, masks: facets.masks.read(gpu)? })
     }
 
@@ -52,7 +53,14 @@ impl FacetSet {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub fn add(&mut self, gpu: &Gpu, facets: &Facets, words: u32, width: u32, rows: Rows) -> Result<()> {
+    pub fn add<'f>(
+        &mut self,
+        gpu: &Gpu,
+        facets: impl Into<Option<&'f Facets>>,
+        words: u32,
+        width: u32,
+        rows: Rows,
+    ) -> Result<()> {
         let strip = Self::read(gpu, facets, words)?;
         let size = 3 * words.max(1) as usize;
         self.words = words;

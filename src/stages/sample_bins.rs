@@ -114,11 +114,16 @@ impl Bins {
 
     /// Writes the frame of each band: which of the listed facets it takes, of `frame.facets_total` at most.
     pub fn prepare(&self, queue: &wgpu::Queue, frame: &Frame) {
-        for (band, buffer) in self.frames.iter().enumerate() {
+        self.frames_of(frame).for_each(|(buffer, frame)| buffer.write(queue, &[frame]));
+    }
+
+    /// The uniform of each band, and what [`Bins::prepare`] writes there.
+    pub fn frames_of(&self, frame: &Frame) -> impl Iterator<Item = (&Buffer<Frame>, Frame)> {
+        self.frames.iter().enumerate().map(|(band, buffer)| {
             let first = ((band * self.facets) as u32).min(frame.facets_total);
             let count = (self.facets as u32).min(frame.facets_total - first);
-            buffer.write(queue, &[Frame { first_facet: first, facet_count: count, ..*frame }]);
-        }
+            (buffer, Frame { first_facet: first, facet_count: count, ..*frame })
+        })
     }
 }
 

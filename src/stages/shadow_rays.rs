@@ -144,7 +144,12 @@ impl RayLists {
     /// [`crate::Error::Gpu`].
     pub fn read(&self, gpu: &Gpu) -> Result<[u32; 3]> {
         let words = self.work.read_first(gpu, kernel::WORK_HEAD as usize)?;
-        Ok([words[0], words[3], words[2]])
+        Ok(Self::counts([words[0], words[1], words[2], words[3]]))
+    }
+
+    /// The same of the first words of [`RayLists::work`].
+    pub fn counts(work: [u32; 4]) -> [u32; 3] {
+        [work[0], work[3], work[2]]
     }
 }
 

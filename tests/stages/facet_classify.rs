@@ -6,11 +6,11 @@ use crate::support::{Random, assert_same, gpu, poisoned, run, sizes_around, uplo
 use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::methods::render::{Budget, Renderer};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::reference::facet_classify::{self as reference, FacetState, MapAround, classify, pixel_ray};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
 use subpixel_shadows::reference::view::block_count;
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets, Undecided};
 use subpixel_shadows::truth::Tracer;
@@ -468,7 +468,7 @@ fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5
         let camera = camera(eye, vector(&mut random) * 0.3, 50.0);
         let light = random_light(view % 2 == 0, &mut random);
         renderer.render(&camera, &light).expect("a frame");
-        let facets = renderer.method().facets().list.read(gpu()).expect("readback");
+        let facets = renderer.facets().expect("facets").list.read(gpu()).expect("readback");
         let rays = camera.rays(size[0], size[1]);
         for facet in facets {
             states[facet.state as usize] += 1;

@@ -61,6 +61,7 @@ const FLAG_MORE_VIEWS = 128u;   // another view of the light follows
 const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of facets is kept
 // Four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
 const FLAG_ENDS = 1024u;
+const FLAG_NOTHING_CASTS = 16384u; // a facet that faces the light is lit
 // The view is one of several: facets are settled only where all of them lies in it
 const FLAG_ONE_OF_SEVERAL = 512u;
 

@@ -3,8 +3,8 @@
 use super::shadows::{Known, Pairs};
 use super::{Clock, CpuRequest, MARGIN};
 use crate::light_view::LightView;
+use crate::methods::output::Counts;
 use crate::methods::prepared::Prepared;
-use crate::methods::render::Counts;
 use crate::methods::settings::Settings;
 use crate::reference::facet_classify::{FacetState, MapAround, Part, classify_parts, marks_table};
 use crate::reference::resolve::FacetBits;

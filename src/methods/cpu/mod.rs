@@ -10,9 +10,8 @@ mod shadows;
 
 use super::debug_views::{DebugMap, DebugViews, PixelClass};
 use super::facet_masks::Settings;
+use super::output::{Counts, ListUse, Output};
 use super::prepared::Prepared;
-use super::render::{Counts, ListUse, Output};
-use super::unshadowed::nothing_seen;
 use crate::reference::facet_classify::FacetState;
 use crate::reference::front_layer::Margin;
 use crate::reference::resolve::{FacetBits, pixel};
@@ -118,7 +117,7 @@ pub fn render(
     let truth = if validity { truth } else { truth.without_validity() };
 
     let mut frame = CpuFrame {
-        output: nothing_seen(settings),
+        output: Output::nothing_seen(settings),
         stages: Vec::new(),
         facets: Vec::new(),
         looks: request.looks.then(|| DebugViews {

@@ -1,7 +1,7 @@
 //! Layers that the light sees, and the masks of the facets that they leave undecided.
 
 use super::{Clock, MARGIN, list};
-use crate::methods::render::{Counts, ListUse};
+use crate::methods::output::{Counts, ListUse};
 use crate::reference::candidate_pairs::candidates;
 use crate::reference::facet_classify::{FacetAtPixel, FacetState};
 use crate::reference::front_layer::{self, Split};

@@ -2,6 +2,7 @@
 
 use super::FacetMasks;
 use super::memory::Arg;
+use super::pipelines::PairPipelines;
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
@@ -19,18 +20,18 @@ impl FacetMasks {
     pub(super) fn record_band(
         &self,
         rec: &mut Recorder,
+        with: &PairPipelines,
         casters: &CasterBuffers,
         in_light: Blocks,
-        view: u32,
-        band: u32,
+        (view, band): (u32, u32),
     ) -> Result<()> {
         let m = &self.memory;
         let places = m.lists.place_counts.len();
         let frame_of = |round: u32| &m.frames[self.frame_at(view, band, round)];
         rec.clear(m.lists.place_deepest.raw());
         match &m.unsorted {
-            None => self.record_grouped(rec, frame_of(0), in_light)?,
-            Some(unsorted) => self.record_sorted(rec, frame_of(0), in_light, unsorted)?,
+            None => self.record_grouped(rec, with, frame_of(0), in_light)?,
+            Some(unsorted) => self.record_sorted(rec, with, frame_of(0), in_light, unsorted)?,
         }
         rec.copy_words(
             m.lists.pixel_offsets.raw(),
@@ -46,7 +47,7 @@ impl FacetMasks {
             self.args(stage, Arg::Pairs, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Pairs.word());
             for round in 0..self.capacities.rounds {
-                self.with.candidates.record(
+                with.candidates.record(
                     stage,
                     frame_of(round),
                     triangles,
@@ -63,7 +64,7 @@ impl FacetMasks {
             let frame = frame_of(0);
             self.args(stage, Arg::Candidates, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Candidates.word());
-            self.with.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args);
+            with.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args);
         }
         {
             let stage = &mut rec.stage("visibility_refine");
@@ -71,7 +72,7 @@ impl FacetMasks {
             let frame = frame_of(0);
             self.args(stage, Arg::Doubts, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Doubts.word());
-            self.with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args);
+            with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args);
         }
         let slot = self.capacities.status_band(view, band) as u64;
         let at = |field: usize| slot + field as u64 / 4;
@@ -107,7 +108,13 @@ impl FacetMasks {
     }
 
     /// The pairs of one band, counted, scanned and written to their places.
-    fn record_grouped(&self, rec: &mut Recorder, frame: &Buffer<Frame>, in_light: Blocks) -> Result<()> {
+    fn record_grouped(
+        &self,
+        rec: &mut Recorder,
+        with: &PairPipelines,
+        frame: &Buffer<Frame>,
+        in_light: Blocks,
+    ) -> Result<()> {
         let m = &self.memory;
         let places = m.lists.place_counts.len();
         let args = [Arg::Facets, Arg::FacetsAgain].map(|arg| (m.args.raw(), arg.word()));
@@ -119,7 +126,7 @@ impl FacetMasks {
             if run == 1 {
                 self.args(stage, Arg::FacetsAgain, offsets)?;
             }
-            self.with.pixel_pairs.record(stage, run, frame, &m.facets, offsets, args, splits, &m.lists)?;
+            with.pixel_pairs.record(stage, run, frame, &m.facets, offsets, args, splits, &m.lists)?;
             if run == 0 {
                 self.scan(stage, &m.lists.place_counts, &m.lists.pixel_offsets, places)?;
             }
@@ -131,7 +138,7 @@ impl FacetMasks {
                 self.args(stage, Arg::CastersAgain, in_light.offsets)?;
             }
             let rest = (m.args.raw(), Arg::CastersAgain.word());
-            self.with.triangle_pairs.record(stage, run, frame, in_light, rest, &m.lists)?;
+            with.triangle_pairs.record(stage, run, frame, in_light, rest, &m.lists)?;
             if run == 0 {
                 self.scan(stage, &m.lists.place_counts, &m.lists.triangle_offsets, places)?;
             }
@@ -143,12 +150,13 @@ impl FacetMasks {
     fn record_sorted(
         &self,
         rec: &mut Recorder,
+        with: &PairPipelines,
         frame: &Buffer<Frame>,
         in_light: Blocks,
         [of_pixels, of_triangles]: &[sorted_pairs::SortedPairsScratch; 2],
     ) -> Result<()> {
         let m = &self.memory;
-        let Some(sorted) = &self.with.sorted else { return Ok(()) };
+        let Some(sorted) = &with.sorted else { return Ok(()) };
         let (counts, args) = (&m.lists.place_counts, (m.args.raw(), Arg::Facets.word()));
         let (places, splits) = (counts.len(), &m.maps.layers.splits);
         let counted = |rec: &mut Recorder, from: &sorted_pairs::SortedPairsScratch, offsets: &Buffer<u32>| {
@@ -162,7 +170,7 @@ impl FacetMasks {
         {
             let stage = &mut rec.stage("pixel_texel_pairs");
             let offsets = &m.facet_offsets;
-            self.with.pixel_pairs.record_append(stage, frame, &m.facets, offsets, args, splits, &m.lists, of_pixels)?;
+            with.pixel_pairs.record_append(stage, frame, &m.facets, offsets, args, splits, &m.lists, of_pixels)?;
             sorted.record(stage, of_pixels, Sorted::Pairs(&m.lists.pixel_pairs), counts)?;
             self.scan(stage, counts, &m.lists.pixel_offsets, places)?;
         }
@@ -170,7 +178,7 @@ impl FacetMasks {
         rec.clear(counts.raw());
         {
             let stage = &mut rec.stage("triangle_texel_pairs");
-            self.with.triangle_pairs.record_append(stage, frame, in_light, &m.lists, of_triangles)?;
+            with.triangle_pairs.record_append(stage, frame, in_light, &m.lists, of_triangles)?;
             sorted.record(stage, of_triangles, Sorted::Items(&m.lists.triangle_pairs), counts)?;
             self.scan(stage, counts, &m.lists.triangle_offsets, places)?;
         }

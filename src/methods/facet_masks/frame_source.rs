@@ -33,6 +33,17 @@ pub enum MapSource {
     Kept,
 }
 
+/// How much of a method runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// Nothing: no pixel sees a surface, so every pixel is lit.
+    Nothing,
+    /// The surface of each pixel and whether it faces the light; no caster is tested.
+    Facing,
+    /// Everything.
+    Everything,
+}
+
 /// Source of the surfaces that pixels show.
 #[derive(Clone, Copy, Default)]
 pub enum FacetSource<'a> {

@@ -42,6 +42,20 @@ pub struct Capacities {
 }
 
 impl Capacities {
+    /// No list: one view, band and round.
+    pub const NONE: Self = Self {
+        pixel_pairs: 0,
+        triangle_pairs: 0,
+        candidates: 0,
+        bands: 1,
+        views: 1,
+        rounds: 1,
+        facets: 0,
+        pixel_triangles: 0,
+        complex_pixels: 0,
+        camera_rounds: 1,
+    };
+
     /// Bands of all views.
     pub(crate) fn all_bands(self) -> usize {
         (self.views * self.bands) as usize

@@ -29,29 +29,41 @@ pub struct Pipelines {
     pub(super) geometry: GeometryPipelines,
     pub(super) light_maps: LightMapPipelines,
     pub(super) classify: FacetClassify,
-    pub(super) pixel_pairs: PixelTexelPairs,
-    pub(super) triangle_pairs: TriangleTexelPairs,
-    pub(super) candidates: CandidatePairs,
-    pub(super) masks: VisibilityMasks,
+    /// `None` for frames in which nothing casts a shadow.
+    pub(super) pairs: Option<PairPipelines>,
     pub(super) resolve: Resolve,
-    pub(super) sorted: Option<SortedPairs>,
     pub(super) scan: PrefixScan,
     pub(super) work: ListWork,
     pub(super) fold: DispatchArgs,
 }
 
+/// The pipelines that test casters against facets.
+#[derive(Debug)]
+pub struct PairPipelines {
+    pub(super) pixel_pairs: PixelTexelPairs,
+    pub(super) triangle_pairs: TriangleTexelPairs,
+    pub(super) candidates: CandidatePairs,
+    pub(super) masks: VisibilityMasks,
+    pub(super) sorted: Option<SortedPairs>,
+}
+
 impl Pipelines {
     /// Builds the pipelines that `settings` need.
     pub fn new(device: &wgpu::Device, settings: &Settings) -> Self {
-        KeptPrograms::once(|| Self::build(device, settings, false))
+        KeptPrograms::once(|| Self::build(device, settings, false, true))
     }
 
     /// As [`Pipelines::new`], for frames with surfaces that are no casters, too.
     pub fn with_receivers(device: &wgpu::Device, settings: &Settings) -> Self {
-        KeptPrograms::once(|| Self::build(device, settings, true))
+        KeptPrograms::once(|| Self::build(device, settings, true, true))
     }
 
-    fn build(device: &wgpu::Device, settings: &Settings, receivers: bool) -> Self {
+    /// As [`Pipelines::new`], for frames in which nothing casts a shadow ([`Extent::Facing`](super::Extent::Facing)) alone.
+    pub fn facing(device: &wgpu::Device, settings: &Settings) -> Self {
+        KeptPrograms::once(|| Self::build(device, settings, false, false))
+    }
+
+    fn build(device: &wgpu::Device, settings: &Settings, receivers: bool, casters: bool) -> Self {
         let clamp = settings.facets == FacetMode::All;
         let two_step = settings.projection == ProjectionVariant::TwoStep;
         let words = settings.samples.words();
@@ -67,18 +79,20 @@ impl Pipelines {
             geometry: GeometryPipelines::new(device),
             light_maps: LightMapPipelines::new(device, &scan),
             classify: FacetClassify::specialised(device, words, clamp, receivers),
-            pixel_pairs: PixelTexelPairs::new(device, places),
-            triangle_pairs: TriangleTexelPairs::new(device, places),
-            candidates: CandidatePairs::new(device, words, places, clamp),
-            masks: VisibilityMasks::specialised(
-                device,
-                settings.samples.count(),
-                settings.masks.size(),
-                two_step,
-                !clamp,
-            ),
+            pairs: casters.then(|| PairPipelines {
+                pixel_pairs: PixelTexelPairs::new(device, places),
+                triangle_pairs: TriangleTexelPairs::new(device, places),
+                candidates: CandidatePairs::new(device, words, places, clamp),
+                masks: VisibilityMasks::specialised(
+                    device,
+                    settings.samples.count(),
+                    settings.masks.size(),
+                    two_step,
+                    !clamp,
+                ),
+                sorted: sorted.then(|| SortedPairs::new(device, &scan)),
+            }),
             resolve: Resolve::new(device, words),
-            sorted: sorted.then(|| SortedPairs::new(device, &scan)),
             work: ListWork::new(device, &scan),
             scan,
             fold: DispatchArgs::new(device),

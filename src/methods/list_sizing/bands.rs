@@ -43,7 +43,7 @@ pub fn in_reach(
 mod tests {
     use super::*;
     use crate::methods::list_sizing::first;
-    use crate::methods::render::Budget;
+    use crate::methods::output::Budget;
     use crate::samples::{Pattern, Samples};
 
     #[test]

@@ -4,7 +4,7 @@ use super::{
     Capacities, FacetMode, ROUND_LENGTH, Settings, Undecided, affordable, first, largest_binding, longest_lists,
     sample_surfaces,
 };
-use crate::methods::render::Budget;
+use crate::methods::output::Budget;
 
 /// Most rounds that are guessed: a round without triangles still takes a dispatch.
 const MOST_ROUNDS: u32 = 4;

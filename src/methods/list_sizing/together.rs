@@ -2,7 +2,7 @@
 
 use super::{
     Capacities, FacetMode, MAX_CAMERA_ROUNDS, MAX_ROUNDS, Needs, ROUND_LENGTH, Settings, Undecided, ahead, bound,
-    largest_binding, of_lists, pair_bytes, sample_surfaces, wanted,
+    in_reach, largest_binding, of_lists, pair_bytes, sample_surfaces, wanted,
 };
 
 /// As `c`, where a list of which more than seven eighths are needed has room for a quarter more than that, so that a frame which needs
@@ -56,19 +56,20 @@ pub struct Wanted {
 
 impl Together {
     /// Lists for all frames so far, of which the last needed `needs` with the capacities `now`; `None` if those hold all with room to
-    /// spare, or if none can. As [`wanted`], [`ahead`] of it, and [`roomy`].
+    /// spare, or if none can. `budget`: bytes of the lists of pairs, and how many triangles there are. As [`wanted`], [`ahead`] of it, and [`roomy`].
     pub fn wanted(
         &mut self,
         needs: Needs,
         now: Capacities,
         settings: &Settings,
         limits: &wgpu::Limits,
-        budget: u64,
+        (budget, triangles): (u64, usize),
     ) -> Option<Wanted> {
         // What bands of other facets needed says nothing of these.
         let before = if self.bands == now.bands { self.needs } else { Needs::default() };
         (self.needs, self.bands) = (before.or(needs), now.bands);
-        let wanted = wanted(&self.needs, now, settings, limits, budget).ok()?;
+        let reach = |wanted| in_reach(&self.needs, now, wanted, settings, budget, triangles);
+        let wanted = wanted(&self.needs, now, settings, limits, budget).ok()?.map(reach).transpose().ok()?;
         let must = wanted.is_some();
         let wanted = wanted.map_or(now, |wanted| ahead(&self.needs, now, wanted, settings, limits, budget));
         let roomy = if self.cramped { wanted } else { roomy(&self.needs, wanted, settings, limits, budget) };
@@ -85,7 +86,7 @@ impl Together {
 mod tests {
     use super::*;
     use crate::methods::list_sizing::first_for;
-    use crate::methods::render::Budget;
+    use crate::methods::output::Budget;
     use crate::samples::{Pattern, Samples};
 
     fn settings(facets: FacetMode) -> Settings {
@@ -112,7 +113,7 @@ mod tests {
                     longest_pixel: 256 + 5 * frame as u32,
                 };
                 assert!(wanted(&needs, now, &settings, &limits, 1 << 30).expect("they fit").is_none(), "frame {frame}");
-                if let Some(more) = together.wanted(needs, now, &settings, &limits, 1 << 30) {
+                if let Some(more) = together.wanted(needs, now, &settings, &limits, (1 << 30, 1000)) {
                     assert!(!more.must && more.capacities != now, "frame {frame}");
                     let most = [needs.pixel_pairs, needs.triangle_pairs, needs.candidates].map(|n| n + n / 4 + 1);
                     let (p, t, c) = of_lists(more.capacities);
@@ -122,7 +123,11 @@ mod tests {
                     );
                     (now, steps) = (more.capacities, steps + 1);
                 }
-                assert_eq!(together.wanted(needs, now, &settings, &limits, 1 << 30), None, "frame {frame}: at rest");
+                assert_eq!(
+                    together.wanted(needs, now, &settings, &limits, (1 << 30, 1000)),
+                    None,
+                    "frame {frame}: at rest"
+                );
             }
             assert!((3..80).contains(&steps), "{facets:?}: {steps} steps");
         }
@@ -136,12 +141,12 @@ mod tests {
         let needs = Needs { pixel_pairs: 990, ..Needs::default() };
         let budget = pair_bytes(&settings, of_lists(now));
         let mut together = Together::default();
-        assert_eq!(together.wanted(needs, now, &settings, &limits, budget), None);
-        let wanted = together.wanted(needs, now, &settings, &limits, 2 * budget).expect("room");
+        assert_eq!(together.wanted(needs, now, &settings, &limits, (budget, 1000)), None);
+        let wanted = together.wanted(needs, now, &settings, &limits, (2 * budget, 1000)).expect("room");
         assert_eq!(wanted, Wanted { capacities: Capacities { pixel_pairs: 1238, ..now }, must: false });
         together.cramp();
-        assert_eq!(together.wanted(needs, now, &settings, &limits, 2 * budget), None);
+        assert_eq!(together.wanted(needs, now, &settings, &limits, (2 * budget, 1000)), None);
         let more = Needs { pixel_pairs: 1001, ..needs };
-        assert!(together.wanted(more, now, &settings, &limits, 2 * budget).is_some_and(|wanted| wanted.must));
+        assert!(together.wanted(more, now, &settings, &limits, (2 * budget, 1000)).is_some_and(|wanted| wanted.must));
     }
 }

@@ -4,10 +4,9 @@ use super::row::{ListRow, Row, Timing};
 use super::variant::ReportVariant;
 use crate::Result;
 use crate::gpu::Gpu;
-use crate::methods::render::{Budget, Output};
-use crate::methods::unshadowed::{self, Unshadowed};
-use crate::methods::{AnyRenderer, MethodName, Prepared, Settings};
-use crate::plan::{Extent, Plan};
+use crate::methods::{MethodName, Prepared, Settings};
+use crate::plan::Plan;
+use crate::render::{Budget, Output, Renderer};
 use crate::report::{SceneErrors, TracedScene};
 use crate::scene::Scene;
 use crate::truth::{Progress, SceneTruth, Tracer};
@@ -122,35 +121,14 @@ impl SceneCase {
 }
 
 /// A method set up for one scene as the plan has it.
-enum Subject<'a> {
-    Nothing(Settings),
-    Facing(Box<Unshadowed<'a>>),
-    Whole(Box<AnyRenderer<'a>>),
+fn subject<'a>(gpu: &'a Gpu, case: &SceneCase, variant: &ReportVariant, budget: Budget) -> Result<Renderer<'a>> {
+    let (scene, prepared) = (&case.scene, &case.prepared);
+    let plan = Plan::of_method(variant.method, prepared, &scene.camera, &scene.light, &variant.settings, false)?;
+    Renderer::of_plan(gpu, prepared, variant.method, &plan, budget)
 }
 
-impl<'a> Subject<'a> {
-    fn new(gpu: &'a Gpu, case: &'a SceneCase, variant: &ReportVariant, budget: Budget) -> Result<Self> {
-        let scene = &case.scene;
-        let plan =
-            Plan::of_method(variant.method, &case.prepared, &scene.camera, &scene.light, &variant.settings, false)?;
-        Ok(match plan.extent {
-            Extent::Nothing => Self::Nothing(plan.settings),
-            Extent::Facing => Self::Facing(Box::new(Unshadowed::new(gpu, &case.prepared, &plan.settings)?)),
-            Extent::Everything => {
-                let made = AnyRenderer::new(gpu, &case.prepared, variant.method, &plan.settings, budget)?;
-                Self::Whole(Box::new(made))
-            }
-        })
-    }
-
-    fn render(&mut self, case: &SceneCase) -> Result<Output> {
-        let (camera, light) = (&case.scene.camera, &case.scene.light);
-        match self {
-            Self::Nothing(settings) => Ok(unshadowed::nothing_seen(settings)),
-            Self::Facing(renderer) => renderer.render(camera, light),
-            Self::Whole(renderer) => renderer.render(camera, light),
-        }
-    }
+fn render(subject: &mut Renderer, case: &SceneCase) -> Result<Output> {
+    subject.render(&case.scene.camera, &case.scene.light)
 }
 
 /// How rows are measured.
@@ -188,8 +166,8 @@ impl Measuring<'_> {
         reference: &ReportVariant,
         group: &[ReportVariant],
     ) -> Result<Vec<Measured>> {
-        let mut first = Subject::new(self.gpu, case, reference, self.budget)?;
-        first.render(case)?;
+        let mut first = subject(self.gpu, case, reference, self.budget)?;
+        render(&mut first, case)?;
         let mut subjects = Vec::new();
         let mut rows = Vec::new();
         for variant in group {
@@ -207,7 +185,7 @@ impl Measuring<'_> {
         }
         let mut of_reference = Vec::new();
         for round in 0..self.repeats {
-            of_reference.push(timing(first.render(case)?));
+            of_reference.push(timing(render(&mut first, case)?));
             // Each other round the other way about, so that no row always follows the same one.
             let mut order: Vec<usize> = (0..subjects.len()).collect();
             if round % 2 == 1 {
@@ -216,7 +194,7 @@ impl Measuring<'_> {
             for k in order {
                 let (_, subject, times) = &mut subjects[k];
                 if times.is_empty() || spent(times) < self.row_ms {
-                    times.push(timing(subject.render(case)?));
+                    times.push(timing(render(subject, case)?));
                 }
             }
         }
@@ -231,7 +209,7 @@ impl Measuring<'_> {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn picture(&self, case: &SceneCase, variant: &ReportVariant) -> Result<Option<Vec<f32>>> {
-        match Subject::new(self.gpu, case, variant, self.budget).and_then(|mut s| s.render(case)) {
+        match subject(self.gpu, case, variant, self.budget).and_then(|mut s| render(&mut s, case)) {
             Ok(output) => Ok(Some(output.visibility)),
             Err(error) if error.is_gpu() => Err(error),
             Err(_) => Ok(None),
@@ -244,10 +222,10 @@ impl Measuring<'_> {
         case: &'c SceneCase,
         variant: &ReportVariant,
         row: &mut Row,
-    ) -> Result<(Subject<'c>, Output)> {
+    ) -> Result<(Renderer<'c>, Output)> {
         let before = self.allocated();
-        let mut subject = Subject::new(self.gpu, case, variant, self.budget)?;
-        let output = subject.render(case)?;
+        let mut subject = subject(self.gpu, case, variant, self.budget)?;
+        let output = render(&mut subject, case)?;
         row.memory = before.zip(self.allocated()).map(|(before, after)| after.saturating_sub(before));
         row.counts = output.counts;
         row.lists = output.lists.iter().map(ListRow::from).collect();

@@ -1,7 +1,7 @@
 //! Results of one method with one setting on one scene.
 
 use crate::gpu::{AdapterSummary, StageTime};
-use crate::methods::render::{Counts, ListUse};
+use crate::render::{Counts, ListUse};
 use crate::report::SceneErrors;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! The stiff and extreme cases: small scenes, each pushed in steps towards what breaks shadow algorithms.
 
 use super::shapes::{Numbers, add, at, ball, block, sheet};
-use crate::methods::render::Budget;
+use crate::render::Budget;
 use crate::scene::{Camera, Light, Mesh};
 use glam::{DQuat, DVec3};
 

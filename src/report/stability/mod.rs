@@ -8,10 +8,9 @@ pub use cases::{StiffCase, StiffFrame, cases};
 use crate::gpu::Gpu;
 use crate::mask_table::MaskVariant;
 use crate::methods::facet_masks::Pipelines;
-use crate::methods::render::{Output, Renderer};
-use crate::methods::unshadowed::{self, Unshadowed};
-use crate::methods::{FacetMode, Prepared, ProjectionVariant, Settings};
+use crate::methods::{FacetMode, MethodName, Prepared, ProjectionVariant, Settings};
 use crate::plan::{Extent, Plan};
+use crate::render::{Output, Renderer};
 use crate::report::{FacetErrors, FacetSet, SceneErrors, SeenErrors, TracedScene, or_dash};
 use crate::truth::Tracer;
 use crate::{Error, Result};
@@ -138,29 +137,22 @@ fn measure(gpu: &Gpu, step: &StiffFrame, variant: &StabilityVariant, outcome: &m
     let plan = Plan::of(&prepared, &step.camera, &step.light, &wanted, false)?;
     let settings = &plan.settings;
     let words = settings.samples.words();
-    let (output, facets) = match plan.extent {
-        Extent::Nothing => (unshadowed::nothing_seen(settings), FacetSet { words, ..FacetSet::default() }),
-        Extent::Facing => {
-            let (mut set, width) = (FacetSet::default(), settings.size[0]);
-            let mut renderer = Unshadowed::new(gpu, &prepared, settings)?;
-            let output = renderer.render_and(&step.camera, &step.light, &mut |facets, rows| {
-                if rows.first == 0 {
-                    set = FacetSet::default();
-                }
-                set.add(gpu, facets, words, width, rows)
-            })?;
-            let Output { stages, .. } = renderer.render(&step.camera, &step.light)?;
-            (Output { stages, ..output }, set)
-        }
+    let mut renderer = match plan.extent {
         Extent::Everything => {
-            let pipelines = variant.pipelines.clone();
-            let mut renderer = Renderer::with_pipelines(gpu, &prepared, settings, step.budget, pipelines)?;
-            let output = renderer.render(&step.camera, &step.light)?;
-            // The first frame, which compiles, is not timed.
-            let Output { stages, .. } = renderer.render(&step.camera, &step.light)?;
-            (Output { stages, ..output }, FacetSet::read(gpu, renderer.method().facets(), words)?)
+            Renderer::with_pipelines(gpu, &prepared, settings, step.budget, variant.pipelines.clone())?
         }
+        _ => Renderer::of_plan(gpu, &prepared, MethodName::FacetMasks, &plan, step.budget)?,
     };
+    let (mut facets, width) = (FacetSet { words, ..FacetSet::default() }, settings.size[0]);
+    let output = renderer.render_and(&step.camera, &step.light, &mut |method, rows| {
+        if rows.first == 0 {
+            facets = FacetSet { words, ..FacetSet::default() };
+        }
+        facets.add(gpu, method.facets(), words, width, rows)
+    })?;
+    // The first frame, which compiles, is not timed.
+    let Output { stages, .. } = renderer.render(&step.camera, &step.light)?;
+    let output = Output { stages, ..output };
     let tracer = Tracer::new(&prepared.mesh)?;
     let (camera, light) = (&step.camera, &step.light);
     outcome.facet = FacetErrors::of(&facets, &tracer, camera, light, settings, None)?;

@@ -1,0 +1,282 @@
+//! Frames that are rendered by themselves and read back: a device, a [`ShadowPass`] and readback.
+
+use crate::gpu::{Gpu, KeptPrograms};
+use crate::light_view::MapTiles;
+#[cfg(feature = "baselines")]
+use crate::methods::DebugViews;
+use crate::methods::facet_masks::{Extent, Pipelines};
+pub use crate::methods::output::{Budget, Counts, ListUse, Output};
+use crate::methods::strip_method::{MethodPipelines, StripMethod};
+pub use crate::methods::strips::{Rows, Strips};
+use crate::methods::{MethodName, Prepared, Settings};
+use crate::pass::{FrameStatus, Inputs, ShadowPass, Target};
+use crate::plan::Plan;
+use crate::scene::{Camera, Light};
+use crate::{Error, Result};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A method set up for one mesh and one setting, to be rendered again and again.
+///
+/// Each frame is that of a [`ShadowPass`] of casters that stand, run again with larger lists, more bands, rounds or strips until nothing
+/// is left out. Strips of rows are submitted one by one.
+pub struct Renderer<'a> {
+    gpu: &'a Gpu,
+    settings: Settings,
+    extent: Extent,
+    /// `None` where nothing is to be computed.
+    pass: Option<ShadowPass>,
+}
+
+/// Looks at the method after each strip.
+pub type StripLook<'a> = &'a mut dyn FnMut(&StripMethod, Rows) -> Result<()>;
+
+/// A strip that was rendered.
+struct Strip {
+    status: FrameStatus,
+    wall_ms: f64,
+    runs: u32,
+}
+
+impl<'a> Renderer<'a> {
+    /// Uploads the mesh and builds pipelines and memory of `facet-masks`.
+    ///
+    /// # Errors
+    /// As [`ShadowPass::new`].
+    pub fn new(gpu: &'a Gpu, prepared: &Prepared, settings: &Settings, budget: Budget) -> Result<Self> {
+        Self::of_method(gpu, prepared, MethodName::FacetMasks, settings, budget)
+    }
+
+    /// Uploads the mesh and builds pipelines and memory of a method.
+    ///
+    /// # Errors
+    /// As [`ShadowPass::new`].
+    pub fn of_method(
+        gpu: &'a Gpu,
+        prepared: &Prepared,
+        method: MethodName,
+        settings: &Settings,
+        budget: Budget,
+    ) -> Result<Self> {
+        KeptPrograms::once(|| {
+            settings.check()?;
+            let pipelines = MethodPipelines::new(&gpu.device, method, settings, false)?;
+            Self::with(gpu, prepared, settings, budget, pipelines, 1)
+        })
+    }
+
+    /// As [`Renderer::of_method`], of no more than a plan asks for. Where nothing casts a shadow all methods are the facets of `facet-masks`,
+    /// lit or dark.
+    ///
+    /// # Errors
+    /// As [`ShadowPass::new`].
+    pub fn of_plan(gpu: &'a Gpu, prepared: &Prepared, method: MethodName, plan: &Plan, budget: Budget) -> Result<Self> {
+        let Plan { extent, ref settings, .. } = *plan;
+        match extent {
+            Extent::Nothing => Ok(Self { gpu, settings: settings.clone(), extent, pass: None }),
+            Extent::Facing => Self::facing(gpu, prepared, settings),
+            Extent::Everything => Self::of_method(gpu, prepared, method, settings, budget),
+        }
+    }
+
+    /// Frames in which it is known that nothing casts a shadow: what pixels see and whether that faces the light.
+    ///
+    /// # Errors
+    /// As [`ShadowPass::new`].
+    pub fn facing(gpu: &'a Gpu, prepared: &Prepared, settings: &Settings) -> Result<Self> {
+        settings.check()?;
+        // No caster is tested: neither map nor lists are asked.
+        let settings = Settings { map: 1, facets: crate::methods::FacetMode::One, ..settings.clone() };
+        let budget = Budget { start: Some(1), ..Budget::default() };
+        let pipelines = Pipelines::facing(&gpu.device, &settings);
+        let made = Self::with_pipelines(gpu, prepared, &settings, budget, Arc::new(pipelines))?;
+        Ok(Self { extent: Extent::Facing, ..made })
+    }
+
+    /// Uploads the mesh and makes memory of `facet-masks`, with pipelines that exist already.
+    ///
+    /// # Errors
+    /// As [`ShadowPass::new`].
+    pub fn with_pipelines(
+        gpu: &'a Gpu,
+        prepared: &Prepared,
+        settings: &Settings,
+        budget: Budget,
+        pipelines: Arc<Pipelines>,
+    ) -> Result<Self> {
+        Self::in_strips(gpu, prepared, settings, budget, pipelines, 1)
+    }
+
+    /// As [`Renderer::with_pipelines`], in at least so many strips of rows.
+    ///
+    /// # Errors
+    /// As [`ShadowPass::new`].
+    pub fn in_strips(
+        gpu: &'a Gpu,
+        prepared: &Prepared,
+        settings: &Settings,
+        budget: Budget,
+        pipelines: Arc<Pipelines>,
+        strips: u32,
+    ) -> Result<Self> {
+        Self::with(gpu, prepared, settings, budget, MethodPipelines::FacetMasks(pipelines), strips)
+    }
+
+    fn with(
+        gpu: &'a Gpu,
+        prepared: &Prepared,
+        settings: &Settings,
+        budget: Budget,
+        pipelines: MethodPipelines,
+        strips: u32,
+    ) -> Result<Self> {
+        let pass = ShadowPass::of_prepared(gpu, prepared, settings, pipelines, budget, strips)?;
+        Ok(Self { gpu, settings: settings.clone(), extent: Extent::Everything, pass: Some(pass) })
+    }
+
+    /// Renders one frame.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an impossible camera or light, [`Error::Memory`] if the lists fit in no way, [`Error::Limit`], [`Error::Gpu`].
+    pub fn render(&mut self, camera: &Camera, light: &Light) -> Result<Output> {
+        self.render_and(camera, light, &mut |_, _| Ok(()))
+    }
+
+    /// As [`Renderer::render`], and lets `look` see the method after each strip of rows; from row 0 on once more, with other
+    /// rows, where strips turned out too large.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`], and those of `look`.
+    pub fn render_and(&mut self, camera: &Camera, light: &Light, look: StripLook) -> Result<Output> {
+        let (gpu, settings, extent) = (self.gpu, &self.settings, self.extent);
+        let Some(pass) = &mut self.pass else { return Ok(Output::nothing_seen(settings)) };
+        let inputs = Inputs::new(camera, light);
+        'image: loop {
+            let mut image: Option<Output> = None;
+            for (k, rows) in (0..).zip(pass.image_strips().rows()) {
+                let Some(strip) = render_strip(gpu, pass, &inputs, extent, k)? else { continue 'image };
+                look(pass.method(), rows)?;
+                let output = read(gpu, settings, pass.method(), strip)?;
+                match &mut image {
+                    None => image = Some(output),
+                    Some(image) => image.add_rows(output, rows),
+                }
+            }
+            return image.ok_or_else(|| Error::Config("an image without rows".to_owned()));
+        }
+    }
+
+    /// As [`Renderer::render`], and what there is to look at besides the picture; `None` where the method keeps neither
+    /// classes nor a map.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    #[cfg(feature = "baselines")]
+    pub fn render_and_look(&mut self, camera: &Camera, light: &Light) -> Result<(Output, Option<DebugViews>)> {
+        let (gpu, width, mut looks) = (self.gpu, self.settings.size[0], DebugViews::default());
+        let output = self.render_and(camera, light, &mut |method, rows| looks.add_rows(gpu, method, width, rows))?;
+        Ok((output, (looks != DebugViews::default()).then_some(looks)))
+    }
+
+    /// The method as the last strip left it; `None` where nothing is computed.
+    pub fn method(&self) -> Option<&StripMethod> {
+        self.pass.as_ref().map(ShadowPass::method)
+    }
+
+    /// The facets of the last strip, where the method has them.
+    pub fn facets(&self) -> Option<&crate::stages::facet_classify::Facets> {
+        self.method().and_then(StripMethod::facets)
+    }
+
+    /// Where it runs.
+    pub fn gpu(&self) -> &'a Gpu {
+        self.gpu
+    }
+
+    /// Settings it is made for.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Views of the light in the last frame, not counting parts.
+    pub fn views(&self) -> u32 {
+        let of = |pass: &ShadowPass| pass.capacities().views / pass.map_tiles().across().pow(2);
+        self.pass.as_ref().map_or(0, of)
+    }
+
+    /// Parts into which the light's map is cut.
+    pub fn parts(&self) -> MapTiles {
+        let none = || MapTiles::new(self.settings.map, std::num::NonZeroU32::MIN);
+        self.pass.as_ref().map_or_else(none, ShadowPass::map_tiles)
+    }
+
+    /// Strips of rows in which the image is rendered.
+    pub fn strips(&self) -> u32 {
+        self.pass.as_ref().map_or(1, ShadowPass::strips)
+    }
+}
+
+/// One strip; `None` if its lists fit no binding, and there are more strips now.
+fn render_strip(
+    gpu: &Gpu,
+    pass: &mut ShadowPass,
+    inputs: &Inputs,
+    extent: Extent,
+    strip: u32,
+) -> Result<Option<Strip>> {
+    let (mut runs, mut wall_ms) = (0, 0.0);
+    loop {
+        runs += 1;
+        let mut encoder = gpu.encoder();
+        let frame = pass.record_part(&mut encoder, inputs, &Target::default(), extent, Some(strip))?;
+        let start = Instant::now();
+        gpu.submit_and_wait(encoder)?;
+        let took = start.elapsed().as_secs_f64() * 1e3;
+        // What a method without lists runs again is a part of its frame.
+        wall_ms = if pass.method().is_fixed() { wall_ms + took } else { took };
+        let Some(status) = pass.status().filter(|status| status.frame == frame) else {
+            return Err(Error::Gpu(format!("nothing is known of frame {frame}, which was submitted")));
+        };
+        if let Some(error) = pass.take_failure() {
+            return Err(error);
+        }
+        if status.complete {
+            return Ok(Some(Strip { status, wall_ms, runs }));
+        }
+        if let Some(error) = status.error {
+            return Err(Error::Gpu(error));
+        }
+        let strips = pass.image_strips();
+        let grown = pass.grow()?;
+        if !grown && !pass.method().is_fixed() {
+            return Err(Error::Gpu(format!("frame {frame} is incomplete, and no list is to grow")));
+        }
+        gpu.check()?;
+        if grown {
+            log::info!("lists overflowed: running again with {:?}", pass.capacities());
+        }
+        if pass.image_strips() != strips {
+            log::info!("lists fit no binding: {} strips of rows", pass.strips());
+            return Ok(None);
+        }
+    }
+}
+
+fn read(gpu: &Gpu, settings: &Settings, method: &StripMethod, strip: Strip) -> Result<Output> {
+    let Strip { status, wall_ms, runs } = strip;
+    let FrameStatus { counts, mut lists, stages, dispatches, .. } = status;
+    lists.iter_mut().for_each(|list| list.runs = runs);
+    #[cfg(feature = "baselines")]
+    let counts = method.fixed().map_or(Ok(None), |fixed| fixed.method().counts(gpu))?.unwrap_or(counts);
+    Ok(Output {
+        visibility: method.visibility().read(gpu)?,
+        lit: method.lit().map_or(Ok(Vec::new()), |lit| lit.read(gpu))?,
+        words: settings.samples.words(),
+        triangles: method.id_keys().read(gpu)?.into_iter().map(|key| !key).collect(),
+        counts,
+        lists,
+        stages,
+        wall_ms,
+        dispatches,
+    })
+}
