@@ -5,7 +5,7 @@
 //! one bit per sample records what is occluded. Every stage is a WGSL compute kernel over GPU buffers, and every stage
 //! has a CPU definition in [`mod@reference`] that knows nothing of the GPU.
 //!
-//! Dependencies run one way: `cli` → `report` → `plan` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
+//! Dependencies run one way: `cli` → `report` → `render` → `pass` → `plan` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
 
 #![cfg_attr(
     not(test),

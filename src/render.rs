@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::scene::{Camera, Light};
 use crate::{Error, Result};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A method set up for one mesh and one setting, to be rendered again and again.
 ///
@@ -234,9 +234,7 @@ fn render_strip(
         let took = start.elapsed().as_secs_f64() * 1e3;
         // What a method without lists runs again is a part of its frame.
         wall_ms = if pass.method().is_fixed() { wall_ms + took } else { took };
-        let Some(status) = pass.status().filter(|status| status.frame == frame) else {
-            return Err(Error::Gpu(format!("nothing is known of frame {frame}, which was submitted")));
-        };
+        let status = status_of(pass, frame)?;
         if let Some(error) = pass.take_failure() {
             return Err(error);
         }
@@ -260,6 +258,18 @@ fn render_strip(
             return Ok(None);
         }
     }
+}
+
+/// How a frame came out that has run. Another thread that polls the device may still be telling.
+fn status_of(pass: &mut ShadowPass, frame: u64) -> Result<FrameStatus> {
+    for _ in 0..5000 {
+        match pass.status() {
+            Some(status) if status.frame == frame => return Ok(status),
+            Some(_) => {}
+            None => std::thread::sleep(Duration::from_millis(1)),
+        }
+    }
+    Err(Error::Gpu(format!("nothing is known of frame {frame}, which was submitted")))
 }
 
 fn read(gpu: &Gpu, settings: &Settings, method: &StripMethod, strip: Strip) -> Result<Output> {

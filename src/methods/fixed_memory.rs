@@ -71,7 +71,7 @@ pub const OUTCOME_WORDS: usize = 4;
 
 /// What a method makes of the words that it left behind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Outcome {
+pub struct StripOutcome {
     /// Something that was left out was needed: the frame lacks it, and the next will not leave it out.
     pub left_out: bool,
     /// Evaluations, and those of them that needed 46 bits.
@@ -106,8 +106,8 @@ pub trait FixedMethod: Send + Sync {
     ///
     /// # Errors
     /// [`Error::Limit`] if something was left out for want of steps.
-    fn outcome(&mut self, _: [u32; OUTCOME_WORDS]) -> Result<Outcome> {
-        Ok(Outcome::default())
+    fn outcome(&mut self, _: [u32; OUTCOME_WORDS]) -> Result<StripOutcome> {
+        Ok(StripOutcome::default())
     }
 
     /// Visibility of every pixel, row by row from the top; 1 where nothing is seen.
@@ -256,7 +256,7 @@ impl FixedMemory {
     ///
     /// # Errors
     /// As [`FixedMethod::outcome`].
-    pub fn outcome(&mut self, status: &[u32]) -> Result<Outcome> {
+    pub fn outcome(&mut self, status: &[u32]) -> Result<StripOutcome> {
         let mut words = [0; OUTCOME_WORDS];
         let left = status.get(Self::outcome_at()..).unwrap_or_default();
         words.iter_mut().zip(left).for_each(|(word, left)| *word = *left);

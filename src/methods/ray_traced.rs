@@ -6,7 +6,7 @@
 //! fixed: about 190 bytes a pixel, and the tree. The tree is built once on the CPU, which is part of no frame's time.
 
 use super::early_out::EarlyOut;
-use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, OUTCOME_WORDS, Outcome, StageInputs};
+use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, OUTCOME_WORDS, StageInputs, StripOutcome};
 use crate::gpu::{Buffer, Recorder, Stage, Uploads};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
@@ -83,7 +83,7 @@ impl FixedMethod for RayTraced {
         rec.copy_words(self.work.work.raw(), 0, to.raw(), at, OUTCOME_WORDS as u64);
     }
 
-    fn outcome(&mut self, words: [u32; OUTCOME_WORDS]) -> Result<Outcome> {
+    fn outcome(&mut self, words: [u32; OUTCOME_WORDS]) -> Result<StripOutcome> {
         let [traced, refined, early] = RayLists::counts(words);
         if early > 0 {
             let what = format!("steps or more, as {early} shadow rays take through the tree of casters");
@@ -91,6 +91,6 @@ impl FixedMethod for RayTraced {
             return Err(Error::Limit { what, needed: limit + 1, limit });
         }
         let rays = u64::from(traced) * u64::from(self.settled.samples());
-        Ok(Outcome { left_out: false, evaluations: [rays, u64::from(refined)] })
+        Ok(StripOutcome { left_out: false, evaluations: [rays, u64::from(refined)] })
     }
 }

@@ -5,7 +5,7 @@
 //! [`SpsmSettings::seen_only`]: super::settings::SpsmSettings::seen_only
 
 use super::debug_views::DebugViews;
-use super::fixed_memory::{FixedMethod, MethodParts, OUTCOME_WORDS, Outcome, StageInputs};
+use super::fixed_memory::{FixedMethod, MethodParts, OUTCOME_WORDS, StageInputs, StripOutcome};
 use super::output::Counts;
 use super::settings::SpsmEncoding;
 use crate::Result;
@@ -107,10 +107,10 @@ impl FixedMethod for Spsm {
         rec.copy_words(self.texels.marks.words.raw(), TexelMarks::MISSED as u64, to.raw(), at, 1);
     }
 
-    fn outcome(&mut self, words: [u32; OUTCOME_WORDS]) -> Result<Outcome> {
+    fn outcome(&mut self, words: [u32; OUTCOME_WORDS]) -> Result<StripOutcome> {
         let left_out = !self.all && words[0] != 0;
         self.all |= left_out;
-        Ok(Outcome { left_out, ..Outcome::default() })
+        Ok(StripOutcome { left_out, ..StripOutcome::default() })
     }
 
     fn visibility(&self) -> &Buffer<f32> {

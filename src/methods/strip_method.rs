@@ -2,7 +2,7 @@
 
 use super::facet_masks::{Capacities, Extent, FacetMasks, FacetSource, MapSource, Pipelines, Settings, Strip};
 #[cfg(feature = "baselines")]
-use super::fixed_memory::{FixedMemory, MethodParts, Outcome};
+use super::fixed_memory::{FixedMemory, MethodParts, StripOutcome};
 use super::names::MethodName;
 use super::prepared::{CasterBuffers, Prepared};
 use crate::frame::Frame;
@@ -221,9 +221,9 @@ impl StripMethod {
     /// # Errors
     /// As [`FixedMethod::outcome`](super::fixed_memory::FixedMethod::outcome).
     #[cfg(feature = "baselines")]
-    pub fn outcome(&mut self, status: &[u32]) -> Result<Outcome> {
+    pub fn outcome(&mut self, status: &[u32]) -> Result<StripOutcome> {
         match self {
-            Self::FacetMasks(_) => Ok(Outcome::default()),
+            Self::FacetMasks(_) => Ok(StripOutcome::default()),
             Self::Fixed(method) => method.outcome(status),
         }
     }

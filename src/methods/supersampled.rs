@@ -3,7 +3,7 @@
 //! of `facet-masks` with one facet a pixel, and so is the model.
 //!
 //! Memory is fixed: about 180 bytes a pixel, 8 a texel, and 40 MiB for a band of samples. Which samples see another surface
-//! (with [`Settings::validity`]) is found through the tree of casters of `ray-traced`.
+//! (with [`Settings::validity`](super::Settings::validity)) is found through the tree of casters of `ray-traced`.
 
 use super::early_out::EarlyOut;
 use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, StageInputs};
