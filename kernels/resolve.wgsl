@@ -2,7 +2,7 @@
 // Reads facets, their masks (coverage, occluded, invalid: WORDS words each) and which facets a pixel has.
 // Writes `visibility` (lit share of the samples that count, 1 where nothing is seen) and `lit` (WORDS words a
 // pixel: which samples are lit, all of them where nothing is seen). Counts into `status` how many facets each
-// state has; a pixel without a facet counts as an empty one. Writes the frame's stamp there:
+// state has; with FLAG_CLAMP a pixel without a facet counts as an empty one. Writes the frame's stamp there:
 // this stage is the last, so that who reads the stamp knows that the frame has run.
 
 //@import frame dispatch status facet
@@ -34,7 +34,7 @@ fn resolve(
         var bright = 0u;
         var words = vec4(0u);
         let end = min(pixel_facets[pixel + 1u], arrayLength(&facets));
-        if pixel_facets[pixel] >= end { atomicAdd(&wg_states[STATE_EMPTY], 1u); }
+        if (frame.flags & FLAG_CLAMP) != 0u && pixel_facets[pixel] >= end { atomicAdd(&wg_states[STATE_EMPTY], 1u); }
         for (var f = pixel_facets[pixel]; f < end; f++) {
             let state = facets[f].state;
             atomicAdd(&wg_states[state], 1u);

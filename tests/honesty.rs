@@ -392,7 +392,7 @@ mod gpu {
 
     /// The settings with another value of an option.
     fn with(option: &str, s: &Settings) -> Option<Settings> {
-        use subpixel_shadows::light_view::Warp;
+        use subpixel_shadows::light_view::{SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
         use subpixel_shadows::methods::{PairVariant, ProjectionVariant, SmsrShape, SpsmEncoding};
         let mut s = s.clone();
@@ -408,9 +408,18 @@ mod gpu {
             "kernel" => s.shadow_map.kernel = 7,
             "shape" => s.smsr.shape = SmsrShape::Corners,
             "reach" => s.smsr.reach = 1,
-            "splits" => s.split.splits = 1,
-            "warp" => s.split.warp = Warp::Trapezoid,
-            "focus" => s.split.focus = 0.2,
+            "splits" => {
+                s.split.splits = 1;
+                s.partition = Some(SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 });
+            }
+            "warp" => {
+                s.split.warp = Warp::Trapezoid;
+                s.partition = Some(SplitPlan { splits: 1, warp: Warp::Trapezoid, focus: 0.6 });
+            }
+            "focus" => {
+                s.split.focus = 0.2;
+                s.partition = s.partition.map(|plan| SplitPlan { focus: 0.2, ..plan });
+            }
             "bleeding" => s.split.bleeding = 0.4,
             "grazing" => s.split.grazing = 20.0,
             // Of the renderer's memory and of what is written.
@@ -449,11 +458,7 @@ mod gpu {
                 // Of facet-masks where they say something: with one facet a pixel, a warp of the view's own.
                 let base = match option {
                     "validity" => with("facets", &default),
-                    "focus" if method == MethodName::Remix => {
-                        let mut warped = default.clone();
-                        warped.split.warp = subpixel_shadows::light_view::Warp::Trapezoid;
-                        Some(warped)
-                    }
+                    "focus" if method != MethodName::Trapezoidal => with("warp", &default),
                     _ => Some(default.clone()),
                 };
                 let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(option, &b)?))) else { continue };

@@ -9,7 +9,7 @@ use gpu_test::gpu_test;
 use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
-use subpixel_shadows::light_view::{LightView, MapTiles};
+use subpixel_shadows::light_view::{LightView, MapTiles, SplitPlan, Warp};
 use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
 use subpixel_shadows::methods::{MethodName, Prepared, cpu};
 use subpixel_shadows::render::{Budget, Output, Renderer};
@@ -224,6 +224,51 @@ fn views_tell_the_same_in_any_number_and_order() {
         views.extend(views.clone());
         assert!(through(&scene, &settings, &views) == one, "{name}: each twice");
     }
+}
+
+/// Slices of what the camera sees, warped or not, tell what one view does, to the bit, from outside and from within, with one facet and
+/// with all. Without the slice that holds most, something is missing.
+#[gpu_test]
+fn slices_tell_what_the_whole_view_does() {
+    let mut inside = builtin("windmill").expect("a built-in scene");
+    inside.camera = Camera { eye: [0.4, 0.5, 1.1], target: [0.0, 0.8, 0.0], near: 0.01, ..inside.camera };
+    let mut lamp = builtin("plant").expect("a built-in scene");
+    lamp.light = point([1.0, 2.0, 1.0]);
+    let scenes = [("windmill", builtin("windmill").expect("a built-in scene")), ("inside", inside), ("lamp", lamp)];
+    let [mut missed, mut left_out, mut denser] = [0; 3];
+    for (name, scene) in scenes {
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let bounds = prepared.mesh().bounds().expect("a mesh");
+        for facets in [FacetMode::One, FacetMode::All] {
+            let wanted = settings(facets, 32);
+            // Of one facet a pixel, which samples are cut off by other surfaces is not looked at once it is settled as lit.
+            let seen = |(visibility, lit)| (visibility, if facets == FacetMode::All { lit } else { Vec::new() });
+            let output = render(&scene, &wanted);
+            let whole = seen(picture(&output));
+            for (splits, warp) in
+                [(1, Warp::Box), (1, Warp::Fitted), (2, Warp::Trapezoid), (3, Warp::LightSpace), (4, Warp::Fitted)]
+            {
+                let plan = SplitPlan { splits, warp, focus: 0.3 };
+                let sliced = render(&scene, &Settings { partition: Some(plan), ..wanted.clone() });
+                assert!(seen(picture(&sliced)) == whole, "{name} {facets:?}: {plan:?}");
+                denser += usize::from(sliced.counts.candidate_tests < output.counts.candidate_tests);
+                let views = wanted.light_views(&prepared, &scene.light).expect("views");
+                let slices = views[0].slices(&scene.camera, SIZE, bounds, &plan);
+                assert_eq!(slices.len(), splits as usize);
+                if facets == FacetMode::All && splits > 1 {
+                    assert!(seen(through(&scene, &wanted, &slices)) == whole, "{name}: {plan:?} by themselves");
+                    for k in 0..slices.len() {
+                        let mut fewer = slices.clone();
+                        fewer.remove(k);
+                        left_out += 1;
+                        missed += usize::from(seen(through(&scene, &wanted, &fewer)) != whole);
+                    }
+                }
+            }
+        }
+    }
+    assert!(3 * missed > left_out, "leaving out a slice shows {missed} times of {left_out}");
+    assert!(denser > 5, "{denser} frames have fewer tests");
 }
 
 /// Parts of a map tell what the whole does, to the bit. Without one of them something is missing.

@@ -66,10 +66,13 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     if (frame.flags & FLAG_FURTHER_VIEW) != 0u {
         // Settled in one view it is so; to be evaluated in one, though there is nothing before it in another.
         let known = facets[f].state & ~WAS_MERGED;
-        if (known & WAS_SETTLED) != 0u || state == STATE_LIT { state = known; }
+        if (known & (WAS_SETTLED | WAS_HELD)) != 0u || state == STATE_LIT {
+            state = known;
+            found.here = false;
+        }
     }
     // To be evaluated in this view.
-    let is_here = (state == STATE_UNDECIDED) & found.here;
+    let is_here = ((state & STATE_BITS) == STATE_UNDECIDED) & found.here;
     let rect = select(EMPTY_RECT, found.rect, is_here);
     if (frame.flags & FLAG_MORE_VIEWS) != 0u {
         if merged { state |= WAS_MERGED; }
@@ -172,7 +175,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
         }
     }
     *found = Found(plane, ray, depth, limit, low - margin, high + margin, farthest, rect, span, true);
-    return STATE_UNDECIDED;
+    return select(STATE_UNDECIDED, STATE_UNDECIDED | WAS_HELD, inside && outline.in_front);
 }
 
 // Depth from the light over texels on a plane, as (per x, per y, at 0) and how far it may be off.

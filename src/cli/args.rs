@@ -8,7 +8,7 @@ use super::progress::Console;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use subpixel_shadows::Result;
-use subpixel_shadows::light_view::Warp;
+use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
@@ -125,13 +125,14 @@ pub struct RenderOptions {
     /// Texels to either side that smsr follows a border, its search distance: 1 to 64
     #[arg(long, default_value_t = 16, value_name = "N")]
     pub reach: u32,
-    /// Slices of the view, each with a map, of parallel-split and remix: 1 to 4
-    #[arg(long, default_value_t = 3, value_name = "N")]
-    pub splits: u32,
-    /// How remix lays the texels of a map over its slice: evenly, over a trapezoid by the 80 % rule, by light-space perspective, or
-    /// as makes them smallest beside pixels
-    #[arg(long, value_enum, default_value_t, value_name = "HOW")]
-    pub warp: WarpBy,
+    /// Slices of the view, each with a map, of parallel-split, remix (3 if nothing is said) and facet-masks (one view for all, or with a
+    /// warp one slice): 1 to 4
+    #[arg(long, value_name = "N")]
+    pub splits: Option<u32>,
+    /// How remix and facet-masks lay the texels of a map over its slice: evenly, over a trapezoid by the 80 % rule, by light-space
+    /// perspective, or as makes them smallest beside pixels [default: fitted]
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub warp: Option<WarpBy>,
     /// Share of a slice's depth, nearest the eye, that gets 80 % of a trapezoid's rows (trapezoidal, --warp trapezoid)
     #[arg(long, default_value_t = 0.6, value_name = "SHARE")]
     pub focus: f32,
@@ -384,6 +385,12 @@ impl RenderOptions {
             Search::Wide => [2, 0],
             Search::Along => [1, 2],
         };
+        let warp = match self.warp.unwrap_or_default() {
+            WarpBy::Even => Warp::Box,
+            WarpBy::Trapezoid => Warp::Trapezoid,
+            WarpBy::Lispsm => Warp::LightSpace,
+            WarpBy::Fitted => Warp::Fitted,
+        };
         let settings = Settings {
             facets: self.facets.into(),
             validity: self.validity == Switch::On,
@@ -410,14 +417,11 @@ impl RenderOptions {
                 reach: self.reach,
                 ..SmsrSettings::default()
             },
+            partition: (self.method == MethodName::FacetMasks && (self.splits.is_some() || self.warp.is_some()))
+                .then_some(SplitPlan { splits: self.splits.unwrap_or(1), warp, focus: f64::from(self.focus) }),
             split: SplitSettings {
-                splits: self.splits,
-                warp: match self.warp {
-                    WarpBy::Even => Warp::Box,
-                    WarpBy::Trapezoid => Warp::Trapezoid,
-                    WarpBy::Lispsm => Warp::LightSpace,
-                    WarpBy::Fitted => Warp::Fitted,
-                },
+                splits: self.splits.unwrap_or(SplitSettings::default().splits),
+                warp,
                 focus: self.focus,
                 bleeding: self.bleeding,
                 grazing: self.grazing,

@@ -19,6 +19,13 @@ pub fn run(as_json: bool) -> Result<()> {
         rows.push(vec![row.name.to_owned(), options.join(" "), row.paper.to_owned(), row.section.to_owned()]);
     }
     report.table(&rows, &[]);
+    report.text("");
+    let mut rows =
+        vec![["method", "the light's texels lie", "a texel keeps", "a pixel asks"].map(String::from).to_vec()];
+    for row in &METHODS {
+        rows.push([row.name, row.parts[0], row.parts[1], row.parts[2]].map(str::to_owned).to_vec());
+    }
+    report.table(&rows, &[]);
     report.print()
 }
 
@@ -31,5 +38,8 @@ fn object(row: &MethodRow) -> Value {
         "section": row.section,
         "options": ["--method", row.name],
         "takes": takes,
+        "views": row.parts[0],
+        "texel": row.parts[1],
+        "query": row.parts[2],
     })
 }

@@ -1,6 +1,7 @@
 //! A case as files: the scene, its mesh, and the command that repeats it.
 
 use super::{Fault, FuzzCase};
+use crate::light_view::{SplitPlan, Warp};
 use crate::mask_table::MaskVariant;
 use crate::methods::{FacetMode, MethodName, PairVariant};
 use crate::samples::Pattern;
@@ -58,6 +59,15 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
             PairVariant::Sorted => "sorted",
         };
         let _ = write!(line, " --facets {facets} --masks {masks} --pairs {pairs}");
+        if let Some(SplitPlan { splits, warp, focus }) = s.partition {
+            let warp = match warp {
+                Warp::Whole | Warp::Box => "even",
+                Warp::Trapezoid => "trapezoid",
+                Warp::LightSpace => "lispsm",
+                Warp::Fitted => "fitted",
+            };
+            let _ = write!(line, " --splits {splits} --warp {warp} --focus {}", focus as f32);
+        }
         let _ = write!(line, " --memory-limit {}", (how.budget.bytes >> 20).max(1));
         if let Some(start) = how.budget.start {
             let _ = write!(line, " --list-start {start}");

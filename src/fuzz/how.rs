@@ -2,6 +2,7 @@
 
 use super::random::Random;
 use crate::Result;
+use crate::light_view::{SplitPlan, Warp};
 use crate::mask_table::MaskVariant;
 use crate::methods::{FacetMode, MethodName, PairVariant, RayTracedSettings, Settings};
 use crate::render::Budget;
@@ -82,8 +83,14 @@ impl How {
             _ => [r.whole(8, most), r.whole(6, most * 3 / 4)],
         };
         let map = if r.chance(0.4) { r.pick(MAPS) } else { r.whole(1, 300) };
+        // Of a stream of its own, so that cases of seeds that were run before stay what they are but for this.
+        let slices = &mut Random::of(seed ^ 0x51ce_5000, number);
+        let warp = slices.pick([Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted, Warp::Fitted]);
+        let plan = SplitPlan { splits: slices.whole(1, SplitPlan::MOST), warp, focus: slices.pick([0.1, 0.6, 1.0]) };
+        let partition = (method == MethodName::FacetMasks && slices.chance(0.3)).then_some(plan);
         let settings = Settings {
             facets,
+            partition,
             validity: r.chance(0.75),
             cull_back: true,
             masks,

@@ -110,6 +110,7 @@ impl Shrinker<'_> {
         }
         let plain = FuzzCase { how: super::How { force_all: false, ..self.case.how.clone() }, ..self.case.clone() };
         self.takes(plain);
+        self.try_settings(|s| s.partition = None);
         self.try_settings(|s| s.pairs = PairVariant::Tiled);
         self.try_settings(|s| s.masks = MaskVariant::Exact);
         self.try_settings(|s| s.validity = true);

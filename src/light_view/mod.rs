@@ -27,13 +27,13 @@ pub struct LightView {
     pub v: DVec4,
     /// Row of depth: 0 at the nearest caster, 1 at the farthest, growing away from the light.
     pub z: DVec4,
-    /// Row of the divisor: `(0,0,0,1)` for a directional light, else the distance along the view's axis.
+    /// Row of the divisor: `(0,0,0,1)` for a directional light, else the distance along the view's axis; times the divisor of a warp.
     pub w: DVec4,
     /// Points with a smaller divisor are not in front of the light.
     pub near: f64,
     /// Smallest divisor of what the view was fitted to, for a light at a point; else 0.
     pub clear: f64,
-    /// Whether the light is at a point.
+    /// Whether there is a divisor other than 1: the light is at a point, or the view is [warped](LightView::slices).
     pub perspective: bool,
     /// Whether the view holds every caster that can shadow something. Where it does not, a receiver outside the map may
     /// be in shadow all the same.

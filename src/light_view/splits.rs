@@ -4,7 +4,9 @@
 //!
 //! A warp is a projective map of the texels of the whole view. Depth stays that of the whole view (Oliveira, section 3.2.3).
 
-use super::{LightView, SeenBox};
+use super::{LightView, SeenBox, unit_scale};
+use crate::scene::Camera;
+use crate::{Error, Result};
 use glam::{DMat3, DVec2, DVec3, DVec4};
 
 /// How the texels of a map lie over what is seen of a slice.
@@ -39,6 +41,23 @@ pub struct SplitPlan {
 impl SplitPlan {
     /// Most slices.
     pub const MOST: u32 = 4;
+
+    /// Checks the values against what is possible.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers.
+    pub fn check(&self) -> Result<()> {
+        let Self { splits, focus, .. } = *self;
+        let most = Self::MOST;
+        if !(1..=most).contains(&splits) {
+            return Err(Error::Config(format!("{splits} splits of the view; 1 to {most} are possible")));
+        }
+        if !(focus > 0.0 && focus <= 1.0) {
+            let text = format!("a focus on the first {focus} of a slice; more than 0, up to 1, is possible");
+            return Err(Error::Config(text));
+        }
+        Ok(())
+    }
 }
 
 /// The light's view of a slice.
@@ -85,6 +104,44 @@ impl LightView {
             last.end = f64::INFINITY;
         }
         views
+    }
+
+    /// A view of this light for each slice of what a camera sees between two corners of a box, near to far, in world units as this one's
+    /// rows are: together they hold every point there that this view holds. Depth along a ray of light still grows, as the divisor of a
+    /// warp is the same all along it. Of a light at a point texels lie evenly. Texels are no smaller than single precision tells points apart.
+    pub fn slices(&self, camera: &Camera, size: [u32; 2], bounds: (DVec3, DVec3), plan: &SplitPlan) -> Vec<LightView> {
+        let rays = camera.rays(size[0], size[1]);
+        let scale = unit_scale(rays.eye, bounds);
+        let seen = SeenBox::new(&rays, size, f64::from(camera.near), bounds, scale);
+        let whole = self.relative_to(rays.eye, scale);
+        // A warp bends what a light at a point sees twice: what is near to it would come to lie behind its view.
+        let bent = self.perspective && plan.warp != Warp::Whole;
+        let plan = SplitPlan { warp: if bent { Warp::Box } else { plan.warp }, ..*plan };
+        // Rounding stays a fraction of a texel, and what casts in front.
+        let allowed = if self.perspective { whole.noise_in_texels().max(whole.clear / 8.0) } else { 0.1 * scale };
+        let of_slice = |split: &SplitView| {
+            let SplitView { rows: [u, v, w], .. } = split_view(self, split.warp, split.end);
+            // Nowhere in the slice is the divisor of the warp less than 1.
+            let near = if self.perspective { self.near } else { 0.5 };
+            let slice =
+                Self { u, v, w, near, clear: 0.0, perspective: true, one_of_several: true, ends: [false; 4], ..*self };
+            let noise = slice.relative_to(rays.eye, scale).noise_in_texels();
+            (slice, (allowed / noise).min(1.0))
+        };
+        let even = whole.split(&seen, &SplitPlan { warp: Warp::Box, ..plan });
+        let coarse_enough = |(warped, even): (SplitView, &SplitView)| match of_slice(&warped) {
+            (slice, 1.0) => slice,
+            _ => {
+                // Where a map without a warp holds more than the slice, no point of it has another divisor.
+                let (slice, by) = of_slice(if plan.warp == Warp::Whole { &warped } else { even });
+                let about_middle = |row: DVec4| {
+                    let middle = slice.w * (0.5 * f64::from(self.map_size));
+                    middle + (row - middle) * by
+                };
+                Self { u: about_middle(slice.u), v: about_middle(slice.v), ..slice }
+            }
+        };
+        whole.split(&seen, &plan).into_iter().zip(&even).map(coarse_enough).collect()
     }
 
     /// The view of what is seen between two view depths.

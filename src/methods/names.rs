@@ -41,6 +41,8 @@ pub struct MethodRow {
     pub paper: &'static str,
     /// The section of that, or of a survey that describes it.
     pub section: &'static str,
+    /// Its three parts: where the light's texels lie, what a texel keeps, how a pixel asks.
+    pub parts: [&'static str; 3],
     /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::DebugViews)).
     pub keeps: [bool; 2],
 }
@@ -52,6 +54,11 @@ pub const METHODS: [MethodRow; 12] = [
         name: "facet-masks",
         paper: "Pan, Wang, Chen, Zhou, Bao 2009: Fast, Sub-pixel Antialiased Shadow Maps",
         section: "3",
+        parts: [
+            "over casters and receivers; slices, warps; a cube; tiles",
+            "two nearest depths, silhouettes, the split between sheets",
+            "facets against casters of their texels, half-planes into masks",
+        ],
         keeps: [true, true],
     },
     MethodRow {
@@ -59,6 +66,11 @@ pub const METHODS: [MethodRow; 12] = [
         name: "spsm",
         paper: "Lecocq, Marvie, Sourimant, Gautron 2013: Sub-Pixel Shadow Mapping",
         section: "3 and 4",
+        parts: [
+            "over casters and receivers",
+            "closest triangle, 128 bits",
+            "reconstruct borders of triangles around the sample",
+        ],
         keeps: [true, true],
     },
     MethodRow {
@@ -66,6 +78,7 @@ pub const METHODS: [MethodRow; 12] = [
         name: "shadow-map",
         paper: "Williams 1978: Casting Curved Shadows on Curved Surfaces",
         section: "Scherzer 2011: 2",
+        parts: ["over casters and receivers", "nearest depth", "compare every sample"],
         keeps: [false, true],
     },
     MethodRow {
@@ -73,6 +86,11 @@ pub const METHODS: [MethodRow; 12] = [
         name: "pcf",
         paper: "Reeves, Salesin, Cook 1987: Rendering Antialiased Shadows with Depth Maps",
         section: "Scherzer 2011: 6",
+        parts: [
+            "over casters and receivers",
+            "nearest depth",
+            "compare every sample with a box of texels on the receiver's plane",
+        ],
         keeps: [false, true],
     },
     MethodRow {
@@ -80,6 +98,7 @@ pub const METHODS: [MethodRow; 12] = [
         name: "smsr",
         paper: "Bondarev 2014: Shadow Map Silhouette Revectorization",
         section: "2",
+        parts: ["over casters and receivers", "nearest depth", "compare, and draw stepped borders anew"],
         keeps: [false, true],
     },
     MethodRow {
@@ -87,6 +106,11 @@ pub const METHODS: [MethodRow; 12] = [
         name: "variance",
         paper: "Donnelly, Lauritzen 2006: Variance Shadow Maps",
         section: "Oliveira 2009: 3.4",
+        parts: [
+            "over casters and receivers",
+            "mean and variance of depth",
+            "bound the lit share of the pixel's footprint",
+        ],
         keeps: [false, true],
     },
     MethodRow {
@@ -94,6 +118,7 @@ pub const METHODS: [MethodRow; 12] = [
         name: "trapezoidal",
         paper: "Martin, Tan 2004: Anti-aliasing and Continuity with Trapezoidal Shadow Maps",
         section: "Oliveira 2009: 3.2",
+        parts: ["over what is seen, trapezoid by focus", "nearest depth", "compare every sample"],
         keeps: [false, true],
     },
     MethodRow {
@@ -101,6 +126,7 @@ pub const METHODS: [MethodRow; 12] = [
         name: "lispsm",
         paper: "Wimmer, Scherzer, Purgathofer 2004: Light Space Perspective Shadow Maps",
         section: "Scherzer 2011: 4.2",
+        parts: ["over what is seen, trapezoid by angle", "nearest depth", "compare every sample"],
         keeps: [false, true],
     },
     MethodRow {
@@ -108,6 +134,7 @@ pub const METHODS: [MethodRow; 12] = [
         name: "parallel-split",
         paper: "Zhang, Sun, Xu, Lun 2006: Parallel-Split Shadow Maps for Large-scale Virtual Environments",
         section: "Oliveira 2009: 3.3",
+        parts: ["over what is seen of each slice", "nearest depth", "compare every sample"],
         keeps: [false, true],
     },
     MethodRow {
@@ -115,6 +142,11 @@ pub const METHODS: [MethodRow; 12] = [
         name: "remix",
         paper: "Oliveira 2009: Analysis and Proposal of a Shadow Mapping Remix Approach",
         section: "4.2",
+        parts: [
+            "over what is seen of each slice, any warp",
+            "mean and variance of depth",
+            "bound the lit share of the pixel's footprint",
+        ],
         keeps: [false, true],
     },
     MethodRow {
@@ -122,6 +154,7 @@ pub const METHODS: [MethodRow; 12] = [
         name: "ray-traced",
         paper: "Whitted 1980: An Improved Illumination Model for Shaded Display",
         section: "Pan 2009: 5",
+        parts: ["none; to settle early as facet-masks", "none", "a ray through a tree of casters from every sample"],
         keeps: [false, false],
     },
     MethodRow {
@@ -129,6 +162,11 @@ pub const METHODS: [MethodRow; 12] = [
         name: "supersampled",
         paper: "Aila, Laine 2004: Alias-Free Shadow Maps",
         section: "Scherzer 2011: 4.5",
+        parts: [
+            "over casters and receivers",
+            "the samples that project to it",
+            "every sample against every caster of its texel",
+        ],
         keeps: [false, false],
     },
 ];

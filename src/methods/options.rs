@@ -34,9 +34,9 @@ pub const METHOD_OPTIONS: [MethodOption; 19] = {
         of("kernel", &[Pcf]),
         of("shape", &[Smsr]),
         of("reach", &[Smsr]),
-        of("splits", &[ParallelSplit, Remix]),
-        of("warp", &[Remix]),
-        of("focus", &[Trapezoidal, Remix]),
+        of("splits", &[FacetMasks, ParallelSplit, Remix]),
+        of("warp", &[FacetMasks, Remix]),
+        of("focus", &[FacetMasks, Trapezoidal, Remix]),
         of("bleeding", &[Variance, Remix]),
         of("grazing", &[Remix]),
         // As [`MethodName::keeps`].

@@ -4,9 +4,10 @@ use super::prepared::Prepared;
 use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan, Warp};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
-use crate::scene::Light;
+use crate::scene::{Camera, Light};
 use crate::stages::pixel_texel_pairs::PairTiles;
 use crate::{Error, Result};
+use glam::DVec3;
 
 /// How many facets a pixel has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -230,15 +231,9 @@ impl SplitSettings {
     /// # Errors
     /// [`Error::Config`] with the numbers.
     pub fn check(&self) -> Result<()> {
-        let Self { splits, focus, bleeding, grazing, .. } = *self;
-        let most = SplitPlan::MOST;
+        let Self { splits, warp, focus, bleeding, grazing } = *self;
         let refuse = |text: String| Err(Error::Config(text));
-        if !(1..=most).contains(&splits) {
-            return refuse(format!("{splits} splits of the view; 1 to {most} are possible"));
-        }
-        if !(focus > 0.0 && focus <= 1.0) {
-            return refuse(format!("a focus on the first {focus} of a slice; more than 0, up to 1, is possible"));
-        }
+        SplitPlan { splits, warp, focus: f64::from(focus) }.check()?;
         if !(0.0..=0.9).contains(&bleeding) {
             return refuse(format!("{bleeding} of the light taken off against leaks; 0 to 0.9 are possible"));
         }
@@ -279,6 +274,10 @@ pub struct Settings {
     pub pairs: PairVariant,
     /// How shadows become lines of the image.
     pub projection: ProjectionVariant,
+    /// Slices of what the camera sees, each with a view of the light of its own, whose texels a warp may lay more densely near the eye; `None`:
+    /// one view for all. It changes no decision: a facet is evaluated in the first view that holds all of it, else in all that it touches. A
+    /// light among its casters has a cube of views instead. Of `facet-masks`.
+    pub partition: Option<SplitPlan>,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
     /// Options of `spsm`.
@@ -333,6 +332,27 @@ impl Settings {
         Ok(cube.into_iter().map(|side| LightView { outside: view.outside, ..side }).collect())
     }
 
+    /// These views of the light, or those of the [slices](Settings::partition) of what a camera sees between two corners of a box. `beyond`:
+    /// receivers may lie outside that box.
+    pub(crate) fn in_slices(
+        &self,
+        views: Vec<LightView>,
+        camera: &Camera,
+        bounds: (DVec3, DVec3),
+        beyond: bool,
+    ) -> Vec<LightView> {
+        let (Some(plan), &[view]) = (&self.partition, &views[..]) else { return views };
+        if !view.complete {
+            return views;
+        }
+        let mut slices = view.slices(camera, self.size, bounds, plan);
+        // One facet a pixel goes on beyond what is seen: the whole view holds what no slice does.
+        if beyond || (self.facets == FacetMode::One && self.samples.count() > 1) {
+            slices.push(LightView { one_of_several: true, ..view });
+        }
+        slices
+    }
+
     /// The settings of each of the views that a map is cut into.
     pub(crate) fn of_part(&self, parts: MapTiles) -> Self {
         Self { map: parts.texels(), ..self.clone() }
@@ -373,6 +393,7 @@ impl Settings {
             masks: MaskVariant::Exact,
             pairs: PairVariant::default(),
             projection: ProjectionVariant::Pencil,
+            partition: None,
             settle: true,
             spsm: SpsmSettings::default(),
             smsr: SmsrSettings::default(),
@@ -404,6 +425,7 @@ impl Settings {
                 return Err(Error::Config(format!("a table of {angles} x {offsets} masks; 1 to {most} are possible")));
             }
         }
+        self.partition.map_or(Ok(()), |plan| plan.check())?;
         self.spsm.check()?;
         self.smsr.check()?;
         self.split.check()?;

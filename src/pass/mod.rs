@@ -1,5 +1,5 @@
-//! [`ShadowPass`]: `facet-masks` as a deferred-shadowing pass inside an application's own frame, with its device, queue,
-//! encoder, G-buffer and vertex buffers.
+//! [`ShadowPass`]: shadows as a deferred pass inside an application's own frame, with its device, queue, encoder, G-buffer and vertex
+//! buffers. The method is `facet-masks` if [`PassConfig::method`] names no other; what follows of facets, receivers and lists is of it.
 //!
 //! - [`ShadowPass::new`] builds every pipeline and all memory. [`ShadowPass::record`] appends a frame to the application's
 //!   encoder: it never submits, waits or reads back. [`ShadowPass::status`] says afterwards how each frame came out.
@@ -26,6 +26,8 @@
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
 //!   whole one: each status says for itself whether its frame was complete. Lists of which more than seven eighths are needed grow
 //!   before they overflow; with [`PassConfig::keep_last`] the last complete picture stands meanwhile.
+//! - **What a frame does not need.** Of casters that stand the pass proves, frame by frame, that none can be seen, or that none can shadow another,
+//!   and leaves out what then changes nothing ([`PassConfig::prove`]).
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
 mod casters;
@@ -367,7 +369,10 @@ impl ShadowPass {
         self.check_gbuffer(&inputs.gbuffer, inputs.camera)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
         let (settings, one) = (self.image.method.view_settings(&self.settings), self.image.method.is_fixed());
-        let mut views = self.maker.parts.of(self.views.of(inputs, &self.casters, &settings, bounds, one)?);
+        let views = self.views.of(inputs, &self.casters, &settings, bounds, one)?;
+        let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_));
+        let views = if one { views } else { settings.in_slices(views, inputs.camera, bounds, beyond) };
+        let mut views = self.maker.parts.of(views);
         if extent != Extent::Everything {
             views.truncate(1);
         }
@@ -382,9 +387,12 @@ impl ShadowPass {
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             flags |= Frame::BEYOND;
         }
-        if extent == Extent::Facing {
-            flags |= Frame::NOTHING_CASTS;
-        }
+        flags |= match extent {
+            Extent::Everything => 0,
+            Extent::Facing => Frame::NOTHING_CASTS,
+            // A pixel without a facet counts as an empty one.
+            Extent::Nothing => Frame::CLAMP,
+        };
         let of = FrameOf { camera: inputs.camera, light: inputs.light, views: &views, bounds, stamp, flags };
         let method = &self.image.method;
         let uploads =

@@ -56,6 +56,7 @@ const STATE_UNDECIDED = 4u;  // to be evaluated
 const STATE_MERGED = 5u;
 const STATE_BITS = 7u;
 const WAS_SETTLED = 16u;     // likewise: it is lit or shadowed whatever other views tell
+const WAS_HELD = 32u;        // likewise: a view holds all of it, in which it is evaluated
 const WAS_MERGED = 8u;       // beside the state, while views follow: it was STATE_MERGED
 
 const PIXEL_REACH = 0.50390625;  // half a pixel and 1/256: samples lie well inside the outline

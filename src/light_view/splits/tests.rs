@@ -158,6 +158,43 @@ fn camera_and_light_along_one_line_fall_back_to_a_box() {
     }
 }
 
+/// Every point that is seen and in the whole view is on the map of some slice, in front of its light and within its border; along a ray of
+/// light depth grows; what two points are apart near the eye takes more texels than in the whole view.
+#[test]
+fn slices_hold_what_is_seen() {
+    let scene = Scene::open("windmill", &Default::default()).unwrap();
+    let bounds = scene.mesh.bounds().unwrap();
+    let mut points = 0;
+    for light in lights() {
+        for camera in cameras(&scene) {
+            let (moved, seen) = setup(&light, &camera, &scene.mesh, 64);
+            let view = LightView::fit(&scene.mesh, &light, 64).unwrap();
+            let rays = camera.rays(64, 48);
+            let scale = unit_scale(rays.eye, bounds);
+            for (warp, splits) in WARPS.into_iter().flat_map(|warp| [(warp, 1), (warp, 3)]) {
+                let plan = SplitPlan { splits, warp, focus: 0.3 };
+                let slices = view.slices(&camera, [64, 48], bounds, &plan);
+                assert_eq!(slices.len(), splits as usize);
+                assert!(slices.iter().all(|slice| slice.one_of_several && slice.perspective));
+                for p in seen_points(&moved, &seen) {
+                    let p = rays.eye + p / scale;
+                    let on = |slice: &&LightView| {
+                        slice.project(p).is_some_and(|t| {
+                            t.truncate().min_element() > -1e-6 && t.truncate().max_element() < 64.0 + 1e-6
+                        })
+                    };
+                    let Some(slice) = slices.iter().find(on) else { panic!("{p} is on no map of {plan:?}") };
+                    let towards = light.towards(p).normalize() * 1e-3;
+                    let [here, nearer] = [p, p + towards].map(|p| slice.project(p).unwrap());
+                    assert!(nearer.z < here.z && (nearer - here).truncate().length() < 1e-6, "{here} {nearer}");
+                    points += 1;
+                }
+            }
+        }
+    }
+    assert!(points > 10_000, "{points}");
+}
+
 /// Near the eye a warped map has more texels than an even one.
 #[test]
 fn what_is_near_gets_more_texels() {

@@ -18,6 +18,7 @@ use crate::reference::resolve::{FacetBits, pixel};
 use crate::scene::{Camera, Light};
 use crate::truth::{FacetTruth, Progress, Tracer, split_mask};
 use crate::{Error, Result};
+use glam::DVec3;
 use light_side::{LightSide, join};
 use std::time::Instant;
 
@@ -103,7 +104,10 @@ pub fn render(
     let of_light = Settings { map: size, ..settings.clone() };
     let maps = match request.unshadowed {
         true => vec![of_light.light_view(prepared, light)?],
-        false => of_light.light_views(prepared, light)?,
+        false => {
+            let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+            of_light.in_slices(of_light.light_views(prepared, light)?, camera, bounds, false)
+        }
     };
     let side = |clock: &mut Clock, map| LightSide::new(clock, prepared, settings, camera, light, map, &request);
     // What the first view tells is kept; further ones, which take as much each, come one at a time.
