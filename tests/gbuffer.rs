@@ -11,6 +11,7 @@ use frames::status_of;
 use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::Buffer;
+use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{
     Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, SampleTexture, SurfacePosition,
@@ -708,6 +709,12 @@ fn the_samples_of_the_picture_are_the_full_search() {
         let fewer: Vec<_> = layers.iter().step_by(4).cloned().collect();
         let places: Vec<_> = settings.samples.offsets().iter().step_by(4).copied().collect();
         let got = ask(&fewer, &places);
+        // Seen by the light in slices of what the camera sees: the same.
+        let partition = Some(SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 });
+        let mut sliced = self::pass(Settings { partition, ..settings.clone() }, &scene.mesh);
+        let texture = layer_texture(&fewer);
+        let gbuffer = GBuffer::SampleIds(SampleTexture::new(&texture, &places));
+        assert_same(&format!("{name}, in slices"), &frame(&mut sliced, &Inputs { gbuffer, ..plain }).0, &got);
         let off = |p: &usize| (got.visibility[*p] - want.visibility[*p]).abs() > 1.0 / 32.0;
         let wrong = (0..PIXELS).filter(off).count();
         println!("{name}: {wrong} of {PIXELS} pixels off with {} of {count} samples", fewer.len());
@@ -746,18 +753,24 @@ fn surfaces_in_strips_are_the_whole() {
         ("position, normals", SurfaceTextures { normals: Some(&normals), ..by_position }),
     ] {
         let inputs = Inputs { gbuffer: GBuffer::Surfaces(given), ..plain };
-        let in_strips_of = |strips, casters, inputs: &Inputs| {
-            let config =
-                PassConfig { receivers: true, strips, ..PassConfig::new(settings(FacetMode::One, 32), casters) };
+        let slices = SplitPlan { splits: 3, warp: Warp::Fitted, focus: 0.6 };
+        let in_strips_of = |strips, partition, casters, inputs: &Inputs| {
+            let settings = Settings { partition, ..settings(FacetMode::One, 32) };
+            let config = PassConfig { receivers: true, strips, ..PassConfig::new(settings, casters) };
             let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
             (frame(&mut pass, inputs), pass.strips())
         };
         let (positions, triangles) = (&casters.positions, &casters.triangles);
-        let in_strips = |strips| in_strips_of(strips, Casters::Static { positions, triangles }, &inputs);
+        let standing = Casters::Static { positions, triangles };
+        let in_strips = |strips| in_strips_of(strips, None, standing, &inputs);
         let ((want, status), _) = in_strips(1);
+        // Seen by the light in slices of what the camera sees.
+        let ((got, of_slices), _) = in_strips_of(1, Some(slices), standing, &inputs);
+        assert_same_shadows(&format!("{what}, in slices"), &got, &want);
+        assert_eq!(of_slices.faults, status.faults, "{what}, in slices");
         // Moving casters, at rest.
         let moving = Casters::Moving { rest: positions, triangles };
-        let ((got, of_strips), _) = in_strips_of(3, moving, &Inputs { moved: Some(at_rest), ..inputs });
+        let ((got, of_strips), _) = in_strips_of(3, Some(slices), moving, &Inputs { moved: Some(at_rest), ..inputs });
         assert_same_shadows(&format!("{what}, moving"), &got, &want);
         assert_eq!(of_strips.faults, status.faults, "{what}, moving");
         for strips in [2, 5, 61] {

@@ -9,6 +9,7 @@ use device::gpu;
 use frames::status_of;
 use gpu_test::gpu_test;
 use subpixel_shadows::gpu::program::made_here;
+use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings, SplitSettings};
 use subpixel_shadows::pass::{
     Casters, FrameStatus, GBuffer, Inputs, Moved, PassConfig, Target, TriangleTexture, Vertices,
@@ -261,6 +262,27 @@ fn what_a_method_cannot_do_is_refused() {
         let kept = record(&plain.light, &Target { visibility: None, lit: Some(&lit) });
         let keeps = !rendered(&plain, method, &settings(8)).1.is_empty();
         assert_eq!(kept.is_ok(), keeps, "{name}: {kept:?}");
+    }
+}
+
+/// Slices of the view in a pass, with what is seen found or given: the same bits as one view. A camera that moves moves them.
+#[gpu_test]
+fn slices_follow_the_camera() {
+    let plain = scene("windmill");
+    for facets in [FacetMode::One, FacetMode::All] {
+        let settings = Settings { facets, ..settings(8) };
+        let plan = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 };
+        let sliced = Settings { partition: Some(plan), ..settings.clone() };
+        let [mut one, mut several] =
+            [settings, sliced].map(|settings| pass(&PassConfig::new(settings, casters(&plain.mesh))));
+        for by in [0.0, 0.3, 0.9] {
+            let camera = turned(&plain.camera, by);
+            let inputs = Inputs::new(&camera, &plain.light);
+            let [(want, whole), (got, status)] = [frame(&mut one, &inputs), frame(&mut several, &inputs)];
+            assert!(got.0 == want.0 && (facets == FacetMode::One || got.1 == want.1), "{facets:?}, {by}");
+            assert!(status.dispatches > whole.dispatches, "{facets:?}: one view");
+            assert!(one.capacities().views == 1 && several.capacities().views > 1);
+        }
     }
 }
 

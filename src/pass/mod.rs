@@ -370,7 +370,8 @@ impl ShadowPass {
         let bounds = self.check_moved(inputs.moved.as_ref())?;
         let (settings, one) = (self.image.method.view_settings(&self.settings), self.image.method.is_fixed());
         let views = self.views.of(inputs, &self.casters, &settings, bounds, one)?;
-        let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_));
+        // These may show what lies beside the casters.
+        let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_) | GBuffer::SampleIds(_));
         let views = if one { views } else { settings.in_slices(views, inputs.camera, bounds, beyond) };
         let mut views = self.maker.parts.of(views);
         if extent != Extent::Everything {
