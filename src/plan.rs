@@ -8,6 +8,7 @@ mod methods;
 mod proofs;
 
 use crate::Result;
+use crate::light_view::Warp;
 pub use crate::methods::facet_masks::Extent;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
@@ -121,7 +122,8 @@ impl Plan {
         if wanted.facets == FacetMode::All {
             part(MERGE, (!prepared.merges()).then(|| "no two neighbouring triangles are coplanar".to_owned()));
         }
-        part(PERSPECTIVE, light.is_directional().then(|| "directional light: its view is affine".to_owned()));
+        let affine = light.is_directional() && wanted.partition.is_none_or(|plan| plan.warp == Warp::Whole);
+        part(PERSPECTIVE, affine.then(|| "directional light: its view is affine".to_owned()));
         Ok(Self { extent, steps, settings })
     }
 
@@ -185,6 +187,7 @@ fn no_settling(wanted: &Settings, validity: bool, force_all: bool) -> Option<Str
 mod tests {
     use super::methods::UNSEEN;
     use super::*;
+    use crate::light_view::SplitPlan;
     use crate::methods::MethodName;
     use crate::samples::{Pattern, Samples};
     use crate::scene::{Mesh, Scene};
@@ -296,6 +299,9 @@ mod tests {
         let one = of(sun(1.0), 1, true);
         assert!(reason(&one, VALIDITY.0).unwrap().contains("one sample"));
         assert!(reason(&one, PERSPECTIVE.0).unwrap().contains("directional"));
+        let warped = SplitPlan { splits: 1, warp: Warp::Fitted, focus: 0.6 };
+        let warped = Settings { partition: Some(warped), ..settings(1, true) };
+        assert_eq!(reason(&plan(body(), sun(1.0), &warped, false), PERSPECTIVE.0), None, "a warp divides");
         assert!(one.settings.cull_back && one.settings.settle && !one.settings.validity);
         let many = of(spot, 32, true);
         assert_eq!(many.left_out().count(), 1, "{many:?}");
