@@ -132,8 +132,11 @@ impl Engine {
                     ));
                 }
                 if views > 1 {
-                    console
-                        .note(&format!("the light stands among its casters: {views} views of it, one after the other"));
+                    let why = match settings.partition {
+                        Some(_) => "in slices of what the camera sees, or around a light among its casters",
+                        None => "the light stands among its casters",
+                    };
+                    console.note(&format!("{why}: {views} views of the light, one after the other"));
                 }
                 if renderer.strips() > 1 {
                     console.note(&format!(

@@ -346,8 +346,9 @@ impl Settings {
             return views;
         }
         let mut slices = view.slices(camera, self.size, bounds, plan);
-        // One facet a pixel goes on beyond what is seen: the whole view holds what no slice does.
-        if beyond || (self.facets == FacetMode::One && self.samples.count() > 1) {
+        // The whole view holds what no slice does: one facet a pixel goes on beyond what is seen, and what comes nearer to a light at a
+        // point than its view tells apart is on no map.
+        if beyond || view.perspective || (self.facets == FacetMode::One && self.samples.count() > 1) {
             slices.push(LightView { one_of_several: true, ..view });
         }
         slices
