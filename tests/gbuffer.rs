@@ -709,12 +709,15 @@ fn the_samples_of_the_picture_are_the_full_search() {
         let fewer: Vec<_> = layers.iter().step_by(4).cloned().collect();
         let places: Vec<_> = settings.samples.offsets().iter().step_by(4).copied().collect();
         let got = ask(&fewer, &places);
-        // Seen by the light in slices of what the camera sees: the same.
+        // Seen by the light in slices of what the camera sees: nearly the same. What a texel settles shows at samples that no surface of
+        // the few is at.
         let partition = Some(SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 });
         let mut sliced = self::pass(Settings { partition, ..settings.clone() }, &scene.mesh);
         let texture = layer_texture(&fewer);
         let gbuffer = GBuffer::SampleIds(SampleTexture::new(&texture, &places));
-        assert_same(&format!("{name}, in slices"), &frame(&mut sliced, &Inputs { gbuffer, ..plain }).0, &got);
+        let (of_slices, status) = frame(&mut sliced, &Inputs { gbuffer, ..plain });
+        let others = (0..PIXELS).filter(|&p| of_slices.visibility[p] != got.visibility[p]).count();
+        assert!(status.complete && others * 100 < PIXELS, "{name}, in slices: {others} pixels differ");
         let off = |p: &usize| (got.visibility[*p] - want.visibility[*p]).abs() > 1.0 / 32.0;
         let wrong = (0..PIXELS).filter(off).count();
         println!("{name}: {wrong} of {PIXELS} pixels off with {} of {count} samples", fewer.len());
