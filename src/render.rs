@@ -232,7 +232,7 @@ fn render_strip(
         let start = Instant::now();
         gpu.submit_and_wait(encoder)?;
         let took = start.elapsed().as_secs_f64() * 1e3;
-        // What a method without lists runs again is a part of its frame.
+        // Of a method without lists a second run is a part of the frame.
         wall_ms = if pass.method().is_fixed() { wall_ms + took } else { took };
         let status = status_of(pass, frame)?;
         if let Some(error) = pass.take_failure() {

@@ -38,7 +38,7 @@ pub struct StageInputs<'a> {
     pub status: &'a Buffer<u32>,
 }
 
-/// What a method is made for.
+/// Device, mesh and settings that a method is made for.
 #[derive(Clone, Copy)]
 pub struct MethodParts<'a> {
     /// The device.
@@ -53,7 +53,7 @@ pub struct MethodParts<'a> {
     pub settings: &'a Settings,
 }
 
-/// What is uploaded for a frame follows from this.
+/// Camera, light view and box that a frame's uniforms follow from.
 #[derive(Clone, Copy)]
 pub struct FrameInputs<'a> {
     /// The camera.
@@ -69,7 +69,7 @@ pub struct FrameInputs<'a> {
 /// Words that a method may leave behind the counters of a frame.
 pub const OUTCOME_WORDS: usize = 4;
 
-/// What a method makes of the words that it left behind.
+/// Meaning of the words that a method left behind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StripOutcome {
     /// Something that was left out was needed: the frame lacks it, and the next will not leave it out.

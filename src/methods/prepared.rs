@@ -30,7 +30,7 @@ pub struct Prepared {
     pub(crate) known: KnownFacts,
 }
 
-/// What proofs about the mesh have found so far, so that a frame like the one before asks little.
+/// Findings of proofs about the mesh, so that a frame like the one before asks little.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KnownFacts {
     /// Whether all vertices lie in one plane.

@@ -70,7 +70,7 @@ pub enum StripMethod {
     Fixed(Box<FixedMemory>),
 }
 
-/// What a frame differs in from others.
+/// Camera, light and views of one frame.
 #[derive(Clone, Copy)]
 pub struct FrameOf<'a> {
     /// The camera.
@@ -81,7 +81,7 @@ pub struct FrameOf<'a> {
     pub views: &'a [LightView],
     /// The box of the casters.
     pub bounds: (DVec3, DVec3),
-    /// What the GPU leaves in the counters when it is done.
+    /// Stamp that the GPU leaves in the counters when it is done.
     pub stamp: u32,
     /// Flags of [`Frame`] besides those that follow from settings and views.
     pub flags: u32,

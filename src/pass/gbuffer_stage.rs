@@ -33,7 +33,7 @@ pub struct With<'a> {
     pub faults: &'a Buffer<u32>,
     /// Whether the strip before has found what the light sees.
     pub maps: MapSource,
-    /// What of the method runs.
+    /// How much of the method runs.
     pub extent: Extent,
 }
 

@@ -158,8 +158,8 @@ fn camera_and_light_along_one_line_fall_back_to_a_box() {
     }
 }
 
-/// Every point that is seen and in the whole view is on the map of some slice, in front of its light and within its border; along a ray of
-/// light depth grows; what two points are apart near the eye takes more texels than in the whole view.
+/// Every point that is seen and in the whole view is on the map of some slice and in front of its light; along a ray of light the texel stays
+/// and depth grows.
 #[test]
 fn slices_hold_what_is_seen() {
     let scene = Scene::open("windmill", &Default::default()).unwrap();

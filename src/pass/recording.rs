@@ -1,0 +1,154 @@
+//! Recording one frame, or one strip of it: views, uniforms, the method, and the copies to where the application wants them.
+
+use super::gbuffer_stage::With;
+use super::judge::stamp_of;
+use super::status::{Label, Staging};
+use super::{GBuffer, Inputs, ShadowPass, Target};
+use crate::Result;
+use crate::frame::Frame;
+use crate::gpu::{Recorder, Uploads};
+use crate::methods::facet_masks::{Capacities, Extent, MapSource};
+use crate::methods::strip_method::FrameOf;
+use crate::methods::strips::Rows;
+use crate::plan::extent_of;
+
+impl ShadowPass {
+    /// How much of a frame has to run, as far as that is proved: of casters that stand.
+    pub(super) fn extent(&self, inputs: &Inputs) -> Extent {
+        let known = matches!(inputs.gbuffer, GBuffer::None | GBuffer::TriangleIds(_) | GBuffer::SampleIds(_));
+        if !self.proves || !known || self.casters.places.is_some() || self.image.method.is_fixed() {
+            return Extent::Everything;
+        }
+        match extent_of(&self.casters.prepared, inputs.camera, inputs.light, &self.settings).0 {
+            // The G-buffer says what is seen.
+            Extent::Nothing if !matches!(inputs.gbuffer, GBuffer::None) => Extent::Everything,
+            extent => extent,
+        }
+    }
+
+    /// As [`ShadowPass::record`], of no more than `extent`, and of one strip of rows where that is wanted. Strips after the first use the
+    /// light maps of the one before.
+    pub(crate) fn record_part(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs,
+        target: &Target,
+        extent: Extent,
+        strip: Option<u32>,
+    ) -> Result<u64> {
+        inputs.camera.check()?;
+        inputs.light.check()?;
+        target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
+        self.check_gbuffer(&inputs.gbuffer, inputs.camera)?;
+        let bounds = self.check_moved(inputs.moved.as_ref())?;
+        let (settings, one) = (self.image.method.view_settings(&self.settings), self.image.method.is_fixed());
+        let views = self.views.of(inputs, &self.casters, &settings, bounds, one)?;
+        // These may show what lies beside the casters.
+        let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_) | GBuffer::SampleIds(_));
+        let views = if one { views } else { settings.in_slices(views, inputs.camera, bounds, beyond) };
+        let mut views = self.maker.parts.of(views);
+        if extent != Extent::Everything {
+            views.truncate(1);
+        }
+        if self.grows {
+            self.grow()?;
+        } else {
+            self.collect();
+        }
+        self.make_room_for(views.len() as u32)?;
+        let part = self.image.strips.part(strip);
+        let (stamp, mut flags) = (stamp_of(self.frame + 1), 0);
+        if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
+            flags |= Frame::BEYOND;
+        }
+        flags |= match extent {
+            Extent::Everything => 0,
+            Extent::Facing => Frame::NOTHING_CASTS,
+            // A pixel without a facet counts as an empty one.
+            Extent::Nothing => Frame::CLAMP,
+        };
+        let of = FrameOf { camera: inputs.camera, light: inputs.light, views: &views, bounds, stamp, flags };
+        let method = &self.image.method;
+        let uploads =
+            part.iter().map(|&(_, rows)| method.uploads(&self.casters.buffers, of, self.image.strips.strip(rows)));
+        let uploads = uploads.collect::<Result<Vec<_>>>()?;
+        let (strips, status) = (part.len() as u32, self.image.method.status());
+        let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;
+        encoder.push_debug_group("shadow_pass");
+        let recorded = self.record_checked(encoder, inputs, target, extent, (&part, uploads), &staging);
+        encoder.pop_debug_group();
+        let dispatches = recorded?;
+        self.frame += 1;
+        let (generation, capacities) = (self.generation, self.image.method.capacities());
+        let label = Label { frame: self.frame, generation, capacities, strips, dispatches };
+        self.in_flight.push(encoder, label, staging, &self.faults, self.timer.as_ref());
+        Ok(self.frame)
+    }
+
+    fn record_checked(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs,
+        target: &Target,
+        extent: Extent,
+        (part, uploads): (&[(u32, Rows)], Vec<Uploads>),
+        staging: &Staging,
+    ) -> Result<u32> {
+        if let Some(timer) = &mut self.timer {
+            timer.reset();
+        }
+        let (image, casters, faults) = (&self.image, &self.casters, &self.faults);
+        let method = &image.method;
+        // Written by the encoder and not by the queue: a second frame of the same submission must not change the first.
+        let stage = |uploads: Uploads| uploads.stage(&self.maker.device);
+        let staged = uploads.into_iter().map(stage).collect::<Result<Vec<_>>>()?;
+        let rec = &mut Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
+        rec.clear(faults.raw());
+        if let Some((_, held)) = &self.last {
+            held.record_begin(rec);
+        }
+        for ((k, &(strip, rows)), staged) in (0..).zip(part).zip(&staged) {
+            staged.record(rec);
+            if let (0, Some(moved), Some(places)) = (strip, &inputs.moved, &casters.places) {
+                let stage = &mut rec.stage("caster_positions");
+                self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
+            }
+            let maps = if strip == 0 { MapSource::Made } else { MapSource::Kept };
+            let offsets = self.settings.samples.offsets();
+            self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps, extent })?;
+            match &self.last {
+                Some((with, held)) => {
+                    held.record_judge(rec, with, image, faults)?;
+                    image.record_copies(rec, rows, None);
+                }
+                None => {
+                    image.record_store(rec, &self.store, target)?;
+                    image.record_copies(rec, rows, target.lit);
+                }
+            }
+            staging.record(rec, method.status(), k);
+        }
+        let Some((with, held)) = &self.last else { return Ok(rec.dispatches()) };
+        held.record_hold(rec, with, image);
+        for (&(_, rows), staged) in part.iter().zip(&staged) {
+            staged.record(rec);
+            let (width, pixels) = (u64::from(self.settings.size[0]), method.visibility().len() as u64);
+            let (from, to) = (held.visibility.raw(), method.visibility().raw());
+            rec.copy_words(from, u64::from(rows.first) * width, to, 0, pixels);
+            image.record_store(rec, &self.store, target)?;
+        }
+        if let Some((lit, held)) = target.lit.zip(held.lit.as_ref()) {
+            rec.copy(held.raw(), lit, held.len() as u64 * 4);
+        }
+        Ok(rec.dispatches())
+    }
+
+    /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all views.
+    fn make_room_for(&mut self, views: u32) -> Result<()> {
+        let method = &mut self.image.method;
+        if method.is_fixed() {
+            return Ok(());
+        }
+        method.resize(&self.maker.device, &self.maker.queue, Capacities { views, ..method.capacities() })
+    }
+}
