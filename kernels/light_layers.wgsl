@@ -3,9 +3,11 @@
 // that is put out by a larger one, goes on to `second_keys`: all but one of the largest are seen there, in
 // whatever order they come. Where two casters are equally near, both hold the same key. Marks in `mask` every
 // texel of which an edge passes within CENTRE_GUARD of the centre. Triangles that are no casters
-// (FLAG_CULL_BACK) are left out. Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0
+// (FLAG_CULL_BACK) are left out, and those that are not wholly in front of the light, of which `raster_nearest`
+// takes the part that is: there marks need not make up for them. Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0
 // where there is none), `mask` (one bit a texel, rows padded to 32). Depths are conservative nowhere:
 // front_layer checks what is built on them.
+//@bindings Blocks: raster, raster_nearest
 
 //@import frame dispatch rect work_items front_split span block_bits facing
 
@@ -31,35 +33,15 @@ fn mark(x: u32, y: u32) {
     atomicOr(&mask[word], 1u << (x % 32u));
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn raster(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    take_frame(local);
-    let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
-    // Vertices in order of index, so that an edge has one value in both of its triangles.
-    let given = triangles[t];
-    if is_culled(given.w, facing[t]) { return; }
-    var i = given.xyz;
-    if i.x > i.y { i = i.yxz; }
-    if i.y > i.z { i = i.xzy; }
-    if i.x > i.y { i = i.yxz; }
-    let a = map_points[i.x];
-    let b = map_points[i.y];
-    let c = map_points[i.z];
-    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 { return; }  // front_layer marks every texel of it
+// Puts the depths of a triangle into the texels of a block; `guarded`: texels by which its edges may be off.
+fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32) {
     let ab = b.xy - a.xy;
     let bc = c.xy - b.xy;
     let ac = c.xy - a.xy;
     let area = ab.x * ac.y - ab.y * ac.x;
     let nearest = min(a.z, min(b.z, c.z));
     let farthest = max(a.z, max(b.z, c.z));
-    let guard = CENTRE_GUARD * vec3(abs(ab.x) + abs(ab.y), abs(bc.x) + abs(bc.y), abs(ac.x) + abs(ac.y));
+    let guard = guarded * vec3(abs(ab.x) + abs(ab.y), abs(bc.x) + abs(bc.y), abs(ac.x) + abs(ac.y));
     let turn = select(-1.0, 1.0, area > 0.0);
     // The edges again, grown by the guard, to cut rows by.
     let cut_ab = vec3(turn * vec2(-ab.y, ab.x), turn * (ab.y * a.x - ab.x * a.y) + guard.x);
@@ -94,3 +76,101 @@ fn raster(
         if BOTH != 0u && atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
     }
 }
+
+// Vertices in order of index, so that an edge has one value in both of its triangles.
+fn ordered(given: vec3<u32>) -> vec3<u32> {
+    var i = given;
+    if i.x > i.y { i = i.yxz; }
+    if i.y > i.z { i = i.xzy; }
+    if i.x > i.y { i = i.yxz; }
+    return i;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn raster(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    take_frame(local);
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let given = triangles[t];
+    if is_culled(given.w, facing[t]) { return; }
+    let i = ordered(given.xyz);
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
+    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 { return; }  // front_layer marks every texel of it
+    cover(a, b, c, block, CENTRE_GUARD);
+}
+
+// A point of `map_points` before division.
+fn undivided(p: vec4<f32>) -> vec4<f32> {
+    if p.w > 0.0 { return vec4(p.xyz * p.w, p.w); }
+    return vec4(p.xyz, p.w + frame.light_low.w);
+}
+
+// Where the edge from a point in front to one that is not comes to the nearest distance.
+fn cut_point(front: vec4<f32>, behind: vec4<f32>) -> vec4<f32> {
+    let p = undivided(front);
+    let q = undivided(behind);
+    let near = frame.light_low.w;
+    let at = mix(p, q, clamp((p.w - near) / (p.w - q.w), 0.0, 1.0));
+    return vec4(at.xyz / near, near);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn raster_nearest(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    take_frame(local);
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let given = triangles[t];
+    if is_culled(given.w, facing[t]) { return; }
+    let i = ordered(given.xyz);
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
+    // A fan of one triangle or two, whose edges go from a vertex in front to where they are cut.
+    var fan = array(a, b, c, c);
+    var parts = 1u;
+    var guarded = CENTRE_GUARD;
+    let behind = vec3(a.w, b.w, c.w) <= vec3(0.0);
+    // Few are cut: a loop that the others do not enter.
+    for (var cut = any(behind); cut; cut = false) {
+        parts = 0u;
+        if all(behind) || (frame.flags & FLAG_PERSPECTIVE) == 0u { continue; }
+        // The vertex on a side of its own, and the others in their order.
+        var alone = a;
+        var first = b;
+        var second = c;
+        if behind.x == behind.z {
+            alone = b;
+            first = a;
+        } else if behind.x == behind.y {
+            alone = c;
+            first = a;
+            second = b;
+        }
+        if alone.w > 0.0 {
+            fan = array(alone, cut_point(alone, first), cut_point(alone, second), alone);
+            parts = 1u;
+        } else {
+            fan = array(first, second, cut_point(second, alone), cut_point(first, alone));
+            parts = 2u;
+        }
+        let extent = max(max(largest_of(fan[0]), largest_of(fan[1])), max(largest_of(fan[2]), largest_of(fan[3])));
+        guarded = max(CENTRE_GUARD, 4e-7 * extent);
+    }
+    for (var k = 0u; k < parts; k++) { cover(fan[0], fan[k + 1u], fan[k + 2u], block, guarded); }
+}
+
+fn largest_of(p: vec4<f32>) -> f32 { return max(abs(p.x), abs(p.y)); }

@@ -118,6 +118,8 @@ impl Frame {
     pub const MORE_VIEWS: u32 = 128;
     /// Nothing casts a shadow: a facet that faces the light is lit.
     pub const NOTHING_CASTS: u32 = 16384;
+    /// Nothing is known of what lies outside the light's view.
+    pub const NO_VIEW: u32 = 32768;
     /// This is not the first view of the light: what was found of facets is kept.
     pub const FURTHER_VIEW: u32 = 256;
 

@@ -200,7 +200,7 @@ impl<'a> Renderer<'a> {
 
     /// Views of the light in the last frame, not counting parts.
     pub fn views(&self) -> u32 {
-        let of = |pass: &ShadowPass| pass.capacities().views / pass.map_tiles().across().pow(2);
+        let of = |pass: &ShadowPass| pass.method().views() / pass.map_tiles().across().pow(2);
         self.pass.as_ref().map_or(0, of)
     }
 

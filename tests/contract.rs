@@ -13,9 +13,9 @@ use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
-    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, pixel_receivers, prefix_scan,
-    radix_sort, sample_surfaces, sorted_pairs, split_maps, summed_area, texel_group, triangle_ids, visibility_texture,
-    work_owners,
+    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, pixel_receivers, pixel_views,
+    prefix_scan, radix_sort, sample_surfaces, sorted_pairs, split_maps, summed_area, texel_group, triangle_ids,
+    visibility_texture, work_owners,
 };
 use subpixel_shadows::status::{Need, StatusBand, StatusHead};
 
@@ -95,6 +95,7 @@ fn registry() -> Vec<Registered> {
         of::<facet_classify::Undecided>(),
         of::<gbuffer_triangles::GbufferTrianglesParams>(),
         of::<pixel_receivers::PixelReceiversParams>(),
+        of::<pixel_views::LightViews>(),
         of::<prefix_scan::PrefixScanParams>(),
         of::<radix_sort::RadixSortParams>(),
         of::<sample_surfaces::SurfaceStep>(),
@@ -256,10 +257,11 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 10] = [
+const WITHOUT_A_LIST: [&str; 11] = [
     "front_layer",
     "light_layers",
     "map_moments",
+    "pixel_views",
     "seen_texels",
     "shadow_map",
     "smsr",

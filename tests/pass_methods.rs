@@ -251,8 +251,13 @@ fn what_a_method_cannot_do_is_refused() {
             let mut encoder = gpu().encoder();
             pass.record(&mut encoder, &Inputs::new(&plain.camera, light), target).map(drop)
         };
-        // A light among its casters has a cube of views.
-        refused(name, record(&Light::Point { position: [0.0, 0.5, 0.0] }, &Target::default()));
+        // A light among its casters has a cube of views, which those do not take that fit one view to what is seen.
+        let among = record(&Light::Point { position: [0.0, 0.5, 0.0] }, &Target::default());
+        let fits = ["variance", "trapezoidal", "lispsm", "parallel-split", "remix"].contains(&name);
+        match fits {
+            true => refused(name, among),
+            false => among.expect("a cube of views"),
+        }
         let lit = gpu().device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("test"),
             size: 4 * u64::from(SIZE[0] * SIZE[1]),

@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
 use subpixel_shadows::light_view::{LightView, MapTiles, SplitPlan, Warp};
 use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
-use subpixel_shadows::methods::{MethodName, Prepared, cpu};
+use subpixel_shadows::methods::{MethodName, Prepared, RayTracedSettings, cpu};
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -226,6 +226,86 @@ fn views_tell_the_same_in_any_number_and_order() {
     }
 }
 
+/// Visibility in `method`; `None` where the light is nearer to a caster than the method can do with.
+fn visibility(scene: &Scene, method: MethodName, settings: &Settings) -> Option<Vec<f32>> {
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    let mut renderer = Renderer::of_method(gpu(), &prepared, method, settings, Budget::default()).expect("a renderer");
+    match renderer.render(&scene.camera, &scene.light) {
+        Ok(output) => Some(output.visibility),
+        Err(error) => {
+            assert!(error.to_string().contains("nearer to a caster"), "{}: {error}", method.name());
+            None
+        }
+    }
+}
+
+fn mean_difference(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / a.len() as f32
+}
+
+/// Methods that ask one view a pixel.
+const ASK_ONE: [MethodName; 4] = [MethodName::ShadowMap, MethodName::Pcf, MethodName::Smsr, MethodName::Spsm];
+
+/// Those of the other methods whose answer is exact tell what `facet-masks` does of a light among its casters, to the bit; those with a map
+/// come as near to it as elsewhere, and nearer than to the picture of a lamp beside it.
+#[gpu_test]
+fn other_methods_take_a_cube() {
+    let mut exact = 0;
+    for (name, scene) in scenes() {
+        let settings = Settings { map: 512, ..settings(FacetMode::One, 8) };
+        let want = visibility(&scene, MethodName::FacetMasks, &settings).expect("a frame");
+        let coarse = Settings { map: 64, ..settings.clone() };
+        let silhouettes = Settings { ray_traced: RayTracedSettings { silhouettes: true }, ..coarse.clone() };
+        for (method, settings) in [
+            (MethodName::RayTraced, &coarse),
+            (MethodName::RayTraced, &silhouettes),
+            (MethodName::Supersampled, &coarse),
+        ] {
+            if let Some(got) = visibility(&scene, method, settings) {
+                assert!(got == want, "{name}, {}: another picture", method.name());
+                exact += 1;
+            }
+        }
+        let beside = match scene.light {
+            Light::Spot { position: [x, y, z], target, angle_degrees } => {
+                Light::Spot { position: [x + 0.4, y - 0.4, z + 0.2], target, angle_degrees }
+            }
+            _ => {
+                let at = scene.light.homogeneous().as_vec4();
+                point([at.x + 0.2, at.y - 0.1, at.z])
+            }
+        };
+        let moved = Scene { light: beside, ..scene.clone() };
+        for method in ASK_ONE {
+            let [got, moved] = [&scene, &moved].map(|s| visibility(s, method, &settings).expect("a frame"));
+            let [off, away] = [got, moved].map(|picture| mean_difference(&picture, &want));
+            assert!(off < 0.03 && 1.2 * off < away, "{name}, {}: {off}, moved {away}", method.name());
+        }
+    }
+    assert!(exact >= 16, "{exact} exact pictures");
+}
+
+/// The same methods in slices of what the camera sees: from near by, with most of the scene behind, their maps tell more than one view does.
+#[gpu_test]
+fn other_methods_take_slices() {
+    let mut near = builtin("windmill").expect("a built-in scene");
+    near.camera = Camera { eye: [0.9, 0.35, 1.6], target: [0.2, 0.2, 0.4], near: 0.01, ..near.camera };
+    let settings = Settings { map: 96, ..settings(FacetMode::One, 8) };
+    let want = visibility(&near, MethodName::FacetMasks, &settings).expect("a frame");
+    for (splits, warp) in [(1, Warp::Box), (2, Warp::Fitted), (4, Warp::Trapezoid)] {
+        let sliced = Settings { partition: Some(SplitPlan { splits, warp, focus: 0.3 }), ..settings.clone() };
+        let exact = visibility(&near, MethodName::Supersampled, &sliced).expect("a frame");
+        assert!(exact == want, "{splits} {warp:?}: another picture");
+        for method in ASK_ONE {
+            let [one, several] = [&settings, &sliced].map(|s| visibility(&near, method, s).expect("a frame"));
+            let [one, several] = [one, several].map(|picture| mean_difference(&picture, &want));
+            // A trapezoid by focus alone may stretch what is far away.
+            let better = several < one || warp == Warp::Trapezoid;
+            assert!(several < 0.007 && better, "{splits} {warp:?}, {}: {several}, {one} in one view", method.name());
+        }
+    }
+}
+
 /// Slices of what the camera sees, warped or not, tell what one view does, to the bit, from outside and from within, with one facet and
 /// with all. Without the slice that holds most, something is missing.
 #[gpu_test]
@@ -253,7 +333,7 @@ fn slices_tell_what_the_whole_view_does() {
                 assert!(seen(picture(&sliced)) == whole, "{name} {facets:?}: {plan:?}");
                 denser += usize::from(sliced.counts.candidate_tests < output.counts.candidate_tests);
                 let views = wanted.light_views(&prepared, &scene.light).expect("views");
-                let slices = views[0].slices(&scene.camera, SIZE, bounds, &plan);
+                let slices = views[0].slices(&scene.camera, SIZE, bounds, &plan, 0.0);
                 assert_eq!(slices.len(), splits as usize);
                 if facets == FacetMode::All && splits > 1 {
                     assert!(seen(through(&scene, &wanted, &slices)) == whole, "{name}: {plan:?} by themselves");
@@ -364,7 +444,13 @@ fn methods_of_one_view_refuse() {
     let scene = room();
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let settings = settings(FacetMode::One, 1);
-    for method in [MethodName::Spsm, MethodName::ShadowMap, MethodName::RayTraced, MethodName::Supersampled] {
+    for method in [
+        MethodName::Variance,
+        MethodName::Trapezoidal,
+        MethodName::Lispsm,
+        MethodName::ParallelSplit,
+        MethodName::Remix,
+    ] {
         let made = Renderer::of_method(gpu(), &prepared, method, &settings, Budget::default());
         let frame = made.and_then(|mut renderer| renderer.render(&scene.camera, &scene.light));
         let message = frame.map(drop).expect_err("a light among its casters").to_string();

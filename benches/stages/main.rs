@@ -25,6 +25,7 @@ mod map_moments;
 mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;
+mod pixel_views;
 mod prefix_scan;
 mod radix_sort;
 mod resolve;
@@ -70,7 +71,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 33] = [
+    let without_textures: [Maker; 34] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -97,6 +98,7 @@ fn run(options: &Options) -> Result<()> {
         spsm_query::cases,
         front_layer::cases,
         pixel_triangles::cases,
+        pixel_views::cases,
         sample_surfaces::cases,
         facet_classify::cases,
         pixel_texel_pairs::cases,

@@ -147,13 +147,18 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
         farthest += frame.depth_margin * reach;
         outline.nearest -= frame.depth_margin * (reach + 1.0);
     }
-    if !outline.in_front && outline.beyond != 0u && (frame.flags & FLAG_PERSPECTIVE) != 0u { return STATE_LIT; }
+    let lit_outside = (frame.flags & FLAG_NO_VIEW) == 0u;
+    let beside = !outline.in_front && outline.beyond != 0u && (frame.flags & FLAG_PERSPECTIVE) != 0u;
+    if beside && lit_outside { return STATE_LIT; }
     if outline.in_front {
         rect = cells_touched(low - margin, high + margin, vec2(frame.map_size));
     } else {
         rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
-    if is_empty(rect) { return STATE_LIT; }
+    if is_empty(rect) {
+        if lit_outside { return STATE_LIT; }
+        rect = pack_rect(Rect(vec2(0u), vec2(0u)));
+    }
     // A facet partly beyond one of several views is not settled in that one.
     let inside = all((low >= vec2(margin)) & (high <= vec2(f32(frame.map_size) - margin)));
     let whole = inside || (frame.flags & FLAG_ONE_OF_SEVERAL) == 0u;

@@ -21,8 +21,16 @@ fn made(texel: u32, centre: vec2<f32>) -> vec4<u32> {
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
     let shift = vec3(centre, 0.0);
-    return encode_record(Corners(map_points[i.x].xyz - shift, map_points[i.y].xyz - shift, map_points[i.z].xyz - shift), centre);
+    if ENCODING == 1u && min(a.w, min(b.w, c.w)) <= 0.0 {
+        let part = cut_shape(a, b, c);
+        let edges = array(line_around(part.edges[0], centre), line_around(part.edges[1], centre), line_around(part.edges[2], centre));
+        return encode_lines(edges, vec3(part.depth.xy, dot(part.depth, vec3(centre, 1.0))));
+    }
+    return encode_record(Corners(a.xyz - shift, b.xyz - shift, c.xyz - shift), centre);
 }
 
 // One invocation the texels of a word of bits: 8 x 4.

@@ -2,7 +2,7 @@
 // the casters' arrays `triangles`, `map_points`, `light_rects` and `work_offsets`, `seen`, and held_depth,
 // the depth key that a texel holds.
 
-//@import rect work_items cover_cells spsm_record seen_texels
+//@import rect work_items cover_cells spsm_record spsm_cut seen_texels
 
 const TIE = 1e-5;   // of depth
 const LIFT = 2.0;   // times its own range of depths by which a triangle may count as nearer than it is
@@ -30,9 +30,21 @@ fn key_of(depth: f32) -> u32 {
 
 fn cover_of(t: u32) -> Cover {
     let i = triangles[t];
-    var shape = cover_triangle_by(map_points[i.x], map_points[i.y], map_points[i.z], place_noise());
-    // A texel cannot hold what is cut off at the light.
-    shape.in_front = !shape.cut;
+    let a = map_points[i.x];
+    let b = map_points[i.y];
+    let c = map_points[i.z];
+    var shape = cover_triangle_by(a, b, c, place_noise());
+    // Corners that are cut off at the light have no code: only lines hold the rest. A loop that few enter.
+    let held = shape.in_front && ENCODING == 1u;
+    for (var cut = shape.cut && held; cut; cut = false) {
+        let part = cut_shape(a, b, c);
+        let slope = abs(part.depth.x) + abs(part.depth.y);
+        shape.depth = part.depth;
+        shape.half_range = shape.reach * slope + frame.depth_margin;
+        shape.nearest = part.nearest;
+        shape.farthest = part.farthest;
+    }
+    shape.in_front = !shape.cut || held;
     return shape;
 }
 

@@ -125,11 +125,11 @@ pub struct RenderOptions {
     /// Texels to either side that smsr follows a border, its search distance: 1 to 64
     #[arg(long, default_value_t = 16, value_name = "N")]
     pub reach: u32,
-    /// Slices of the view, each with a map, of parallel-split, remix (3 if nothing is said) and facet-masks (one view for all, or with a
-    /// warp one slice): 1 to 4
+    /// Slices of the view, each with a map, of parallel-split, remix (3 if nothing is said), facet-masks, spsm, shadow-map, pcf, smsr and
+    /// supersampled (one view for all, or with a warp one slice): 1 to 4
     #[arg(long, value_name = "N")]
     pub splits: Option<u32>,
-    /// How remix and facet-masks lay the texels of a map over its slice: evenly, over a trapezoid by the 80 % rule, by light-space
+    /// How these, but for parallel-split, lay the texels of a map over its slice: evenly, over a trapezoid by the 80 % rule, by light-space
     /// perspective, or as makes them smallest beside pixels [default: fitted]
     #[arg(long, value_enum, value_name = "HOW")]
     pub warp: Option<WarpBy>,
@@ -417,7 +417,7 @@ impl RenderOptions {
                 reach: self.reach,
                 ..SmsrSettings::default()
             },
-            partition: (self.method == MethodName::FacetMasks && (self.splits.is_some() || self.warp.is_some()))
+            partition: (self.method.in_slices() && (self.splits.is_some() || self.warp.is_some()))
                 .then_some(SplitPlan { splits: self.splits.unwrap_or(1), warp, focus: f64::from(self.focus) }),
             split: SplitSettings {
                 splits: self.splits.unwrap_or(SplitSettings::default().splits),

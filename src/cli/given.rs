@@ -205,7 +205,7 @@ pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<
     let o = options;
     let number = |value: f32| json!(value.to_string().parse::<f64>().unwrap_or(f64::from(value)));
     let [width, height] = o.size;
-    let split_method = o.method != MethodName::FacetMasks;
+    let split_method = !o.method.in_slices();
     let all = [
         ("scene", json!(scene.name)),
         ("method", json!(o.method.name())),
@@ -332,6 +332,6 @@ mod tests {
         assert_eq!(refusal("map", MethodName::Spsm), None);
         let text = refusal("kernel", MethodName::Spsm).unwrap();
         assert_eq!(text, "the method spsm does not take '--kernel'; pcf does");
-        assert!(refusal("splits", MethodName::Pcf).unwrap().ends_with("parallel-split, remix do"));
+        assert!(refusal("splits", MethodName::Lispsm).unwrap().ends_with("remix, supersampled do"));
     }
 }

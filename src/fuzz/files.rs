@@ -59,19 +59,19 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
             PairVariant::Sorted => "sorted",
         };
         let _ = write!(line, " --facets {facets} --masks {masks} --pairs {pairs}");
-        if let Some(SplitPlan { splits, warp, focus }) = s.partition {
-            let warp = match warp {
-                Warp::Whole | Warp::Box => "even",
-                Warp::Trapezoid => "trapezoid",
-                Warp::LightSpace => "lispsm",
-                Warp::Fitted => "fitted",
-            };
-            let _ = write!(line, " --splits {splits} --warp {warp} --focus {}", focus as f32);
-        }
         let _ = write!(line, " --memory-limit {}", (how.budget.bytes >> 20).max(1));
         if let Some(start) = how.budget.start {
             let _ = write!(line, " --list-start {start}");
         }
+    }
+    if let Some(SplitPlan { splits, warp, focus }) = s.partition {
+        let warp = match warp {
+            Warp::Whole | Warp::Box => "even",
+            Warp::Trapezoid => "trapezoid",
+            Warp::LightSpace => "lispsm",
+            Warp::Fitted => "fitted",
+        };
+        let _ = write!(line, " --splits {splits} --warp {warp} --focus {}", focus as f32);
     }
     if how.method == MethodName::RayTraced {
         line += if s.ray_traced.silhouettes { " --rays silhouettes" } else { " --rays all" };

@@ -89,12 +89,15 @@ impl FuzzCase {
         let mesh = kind.mesh(r);
         let ground = r.chance(0.35);
         let camera = view::camera(r, &mesh);
-        let outside = how.method != MethodName::FacetMasks;
+        let outside = how.method == MethodName::Supersampled;
         let light = view::light(r, &mesh, camera.eye.unwrap_or_default(), outside);
         let world = World { mesh, ground, camera, light };
         if outside && !in_one_view(&world, &how) {
-            // The other methods refuse a light among its casters.
-            how.method = MethodName::FacetMasks;
+            // It refuses a light that is nearer to a caster than it tells.
+            how.method = MethodName::RayTraced;
+        }
+        if how.method == MethodName::RayTraced || outside && !world.light.is_directional() {
+            how.settings.partition = None;
         }
         Ok(Self { seed, number, kind, world, how })
     }

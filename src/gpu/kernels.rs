@@ -14,9 +14,9 @@ pub mod camera_visibility {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3,
-        WORKGROUP = 64, SETTLED = 2147483648,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8,
+        HEAD = 3, WORKGROUP = 64, SETTLED = 2147483648,
     }
     entry_point! { "camera_visibility", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -87,12 +87,12 @@ pub mod candidate_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5,
-        STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3,
-        TALLY_CUTS = 4, TALLY_TESTS = 5, BLOCK = 8, BLOCK_SHIFT = 3, NOTHING = 0, MATTERS = 1, COVERS = 2,
-        WORKGROUP = 64, ROUND_LENGTH = 4096, NEARLY_ROUND = 3584, SEEN_BITS = 16, KNOWN = 2147483648,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
+        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2,
+        TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, BLOCK = 8, BLOCK_SHIFT = 3, NOTHING = 0, MATTERS = 1,
+        COVERS = 2, WORKGROUP = 64, ROUND_LENGTH = 4096, NEARLY_ROUND = 3584, SEEN_BITS = 16, KNOWN = 2147483648,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -220,10 +220,11 @@ pub mod facet_classify {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        BLOCK = 8, BLOCK_SHIFT = 3, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64, UNSURE_GROUPS = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
+        UNSURE_GROUPS = 64,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",
@@ -289,9 +290,9 @@ pub mod front_layer {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        STRIDE = 8, HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "front_layer", "check", [64, 1, 1], SOURCE, () => Check, CheckProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -328,8 +329,8 @@ pub mod gbuffer_triangles {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        WORKGROUP = 64, FAULT_UNKNOWN = 2, MOST = 128,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2, MOST = 128,
     }
     entry_point! { "gbuffer_triangles", "count_layers", [64, 1, 1], SOURCE, () => CountLayers, CountLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -405,9 +406,9 @@ pub mod light_layers {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, WORKGROUP = 64,
     }
     overrides! {
         both: u32 = 1, "BOTH",
@@ -423,8 +424,36 @@ pub mod light_layers {
         7 mask: Write<'a, u32>,
         8 facing: Read<'a, u32>,
     } }
+    entry_point! { "light_layers", "raster_nearest", [64, 1, 1], SOURCE, Constants => RasterNearest, RasterNearestProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 map_points: Read<'a, [f32; 4]>,
+        3 light_rects: Read<'a, [u32; 2]>,
+        4 work_offsets: Read<'a, u32>,
+        5 nearest_keys: Write<'a, u32>,
+        6 second_keys: Write<'a, u32>,
+        7 mask: Write<'a, u32>,
+        8 facing: Read<'a, u32>,
+    } }
+    group! { Blocks {
+        work_offsets: Read<'a, u32>,
+        frame: Uniform<'a, crate::frame::Frame>,
+        triangles: Read<'a, [u32; 4]>,
+        map_points: Read<'a, [f32; 4]>,
+        light_rects: Read<'a, [u32; 2]>,
+        nearest_keys: Write<'a, u32>,
+        second_keys: Write<'a, u32>,
+        mask: Write<'a, u32>,
+        facing: Read<'a, u32>,
+    } }
+    subset! { Raster => RasterNearest { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
+    subset! { Raster => Blocks { work_offsets, frame, triangles, map_points, light_rects, nearest_keys, second_keys, mask, facing } }
+    subset! { RasterNearest => Raster { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
+    subset! { RasterNearest => Blocks { work_offsets, frame, triangles, map_points, light_rects, nearest_keys, second_keys, mask, facing } }
+    subset! { Blocks => Raster { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
+    subset! { Blocks => RasterNearest { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
     entries! {
-        Raster,
+        Raster, RasterNearest,
     }
 }
 
@@ -440,8 +469,8 @@ pub mod map_moments {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        WORKGROUP = 256, TILE = 32, HALF = 16, LEVELS = 5,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, WORKGROUP = 256, TILE = 32, HALF = 16, LEVELS = 5,
     }
     overrides! {
         first: u32 = 0, "FIRST",
@@ -470,9 +499,10 @@ pub mod pixel_receivers {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, NOTHING = 0, SURFACE = 1, FAULT = 2, GIVEN_POSITIONS = 1,
-        WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, GIVEN_NORMALS = 2, GIVEN_IDS = 4, MOST_STEPS = 4,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, NOTHING = 0, SURFACE = 1, FAULT = 2,
+        GIVEN_POSITIONS = 1, WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, GIVEN_NORMALS = 2,
+        GIVEN_IDS = 4, MOST_STEPS = 4,
     }
     entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -507,10 +537,11 @@ pub mod pixel_texel_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
-        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
-        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256,
+        WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -588,9 +619,9 @@ pub mod pixel_triangles {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "pixel_triangles", "cover", [64, 1, 1], SOURCE, () => Cover, CoverProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -662,6 +693,54 @@ pub mod pixel_triangles {
     subset! { Raster => EmitRest { frame, step, triangles, points, camera_rects, work_offsets, cover_keys, pixel_counts, pixel_offsets, pixel_list } }
     entries! {
         Cover, Count, Emit, EmitRest, Judge,
+    }
+}
+
+/// `kernels/pixel_views.wgsl`.
+pub mod pixel_views {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/frame/facing",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/facet/receiver", "pixel_views",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64,
+    }
+    overrides! {
+        reach: f32 = 1.0, "REACH",
+        stride: u32 = 1, "STRIDE",
+        skip: u32 = 0, "SKIP",
+    }
+    entry_point! { "pixel_views", "choose", [64, 1, 1], SOURCE, Constants => Choose, ChooseProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 views: Uniform<'a, crate::stages::pixel_views::LightViews>,
+        4 id_keys: Read<'a, u32>,
+        5 triangles: Read<'a, [u32; 4]>,
+        6 points: Read<'a, [f32; 4]>,
+        7 view_of: Write<'a, u32>,
+    } }
+    entry_point! { "pixel_views", "keep", [64, 1, 1], SOURCE, Constants => Keep, KeepProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        4 id_keys: Read<'a, u32>,
+        7 view_of: Write<'a, u32>,
+        8 view_keys: Write<'a, u32>,
+    } }
+    entry_point! { "pixel_views", "take", [64, 1, 1], SOURCE, Constants => Take, TakeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        7 view_of: Write<'a, u32>,
+        9 left: Read<'a, u32>,
+        10 taken: Write<'a, u32>,
+    } }
+    entries! {
+        Choose, Keep, Take,
     }
 }
 
@@ -756,9 +835,9 @@ pub mod resolve {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5,
-        STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
+        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -793,11 +872,11 @@ pub mod sample_bins {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
-        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
-        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, FREE = 0, BLOCKED = 1, DOUBTFUL = 2,
-        CROWD = 2048, WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, FREE = 0, BLOCKED = 1,
+        DOUBTFUL = 2, CROWD = 2048, WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -939,10 +1018,10 @@ pub mod sample_surfaces {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5,
-        STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, BATCH = 8, ROUND_LENGTH = 512, WORKGROUP = 64, SEVERAL = 2147483648,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
+        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, BATCH = 8, ROUND_LENGTH = 512, WORKGROUP = 64, SEVERAL = 2147483648,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1071,9 +1150,9 @@ pub mod seen_texels {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, SEEN_WON = 0,
-        SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
         EMPTY_WORD = 4294967295, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2,
         CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
     }
@@ -1128,8 +1207,9 @@ pub mod shadow_map {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64,
     }
     overrides! {
         kernel: u32 = 1, "KERNEL",
@@ -1166,11 +1246,11 @@ pub mod shadow_rays {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5,
-        STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, STACK = 24, MOST_STEPS = 60000, INNER = 4278190080, FREE = 0, BLOCKED = 1, DOUBTFUL = 2,
-        WORK_HEAD = 4, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
+        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, STACK = 24, MOST_STEPS = 60000, INNER = 4278190080, FREE = 0, BLOCKED = 1,
+        DOUBTFUL = 2, WORK_HEAD = 4, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1252,9 +1332,9 @@ pub mod silhouette_mask {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "silhouette_mask", "classify", [64, 1, 1], SOURCE, () => Classify, ClassifyProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1292,9 +1372,9 @@ pub mod smsr {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
-        DARK = 0, LIT = 1, SEVERAL = 2,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64, DARK = 0, LIT = 1, SEVERAL = 2,
     }
     overrides! {
         bias_slope: f32 = 0.5, "BIAS_SLOPE",
@@ -1358,8 +1438,8 @@ pub mod split_maps {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64,
     }
     entry_point! { "split_maps", "measure", [64, 1, 1], SOURCE, () => Measure, MeasureProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1397,9 +1477,9 @@ pub mod split_shadows {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, MOST_PROBES = 16,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        MOST_PROBES = 16, WORKGROUP = 64,
     }
     overrides! {
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
@@ -1454,15 +1534,15 @@ pub mod spsm_map {
         "shared/frame/dispatch", "spsm_map/keys", "shared/frame/frame", "shared/frame/pass",
         "spsm_map/spsm_bindings", "shared/math/divide", "shared/raster/rect", "shared/raster/work_items",
         "shared/raster/conservative", "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells",
-        "shared/math/cross_sign", "shared/spsm/spsm_record", "shared/spsm/seen_texels", "spsm_map/spsm_raster",
-        "spsm_map/spsm_encode", "spsm_map",
+        "shared/math/cross_sign", "shared/spsm/spsm_record", "spsm_map/spsm_cut", "shared/spsm/seen_texels",
+        "spsm_map/spsm_raster", "spsm_map/spsm_encode", "spsm_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0,
-        SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295,
+        SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
         PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
@@ -1545,15 +1625,15 @@ pub mod spsm_map_64 {
         "shared/frame/dispatch", "spsm_map/keys_64", "shared/frame/frame", "shared/frame/pass",
         "spsm_map/spsm_bindings", "shared/math/divide", "shared/raster/rect", "shared/raster/work_items",
         "shared/raster/conservative", "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells",
-        "shared/math/cross_sign", "shared/spsm/spsm_record", "shared/spsm/seen_texels", "spsm_map/spsm_raster",
-        "spsm_map/spsm_encode", "spsm_map_64",
+        "shared/math/cross_sign", "shared/spsm/spsm_record", "spsm_map/spsm_cut", "shared/spsm/seen_texels",
+        "spsm_map/spsm_raster", "spsm_map/spsm_encode", "spsm_map_64",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0,
-        SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295,
+        SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
         PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
@@ -1615,11 +1695,12 @@ pub mod spsm_query {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_BITS = 8, SEEN_NONE = 0,
-        SEEN_DARK = 1, SEEN_OPEN = 2, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1,
-        CLASS_LIT = 2, CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, SEEN_WON = 0,
-        SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_BITS = 8,
+        SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0,
+        CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2,
+        SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6,
+        WORKGROUP = 64,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -1812,8 +1893,8 @@ pub mod triangle_ids {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        WORKGROUP = 64, FAULT_UNKNOWN = 2,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2,
     }
     entry_point! { "triangle_ids", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1841,8 +1922,8 @@ pub mod triangle_setup {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "triangle_setup", "setup", [64, 1, 1], SOURCE, () => Setup, SetupProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1874,8 +1955,8 @@ pub mod triangle_texel_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        STRIDE = 8, HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -1959,8 +2040,8 @@ pub mod vertex_project {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, WORKGROUP = 64,
     }
     entry_point! { "vertex_project", "project", [64, 1, 1], SOURCE, () => Project, ProjectProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1989,11 +2070,11 @@ pub mod visibility_masks {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5,
-        STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3,
-        TALLY_CUTS = 4, TALLY_TESTS = 5, WORKGROUP = 64, CUT_GROUPS = 256,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
+        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2,
+        TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, WORKGROUP = 64, CUT_GROUPS = 256,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",
@@ -2059,8 +2140,8 @@ pub mod visibility_texture {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, WORKGROUP = 64,
     }
     entry_point! { "visibility_texture", "judge", [64, 1, 1], SOURCE, () => Judge, JudgeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2119,6 +2200,7 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("pixel_receivers", pixel_receivers::SOURCE, pixel_receivers::ENTRIES),
     ("pixel_texel_pairs", pixel_texel_pairs::SOURCE, pixel_texel_pairs::ENTRIES),
     ("pixel_triangles", pixel_triangles::SOURCE, pixel_triangles::ENTRIES),
+    ("pixel_views", pixel_views::SOURCE, pixel_views::ENTRIES),
     ("prefix_scan", prefix_scan::SOURCE, prefix_scan::ENTRIES),
     ("radix_sort", radix_sort::SOURCE, radix_sort::ENTRIES),
     ("resolve", resolve::SOURCE, resolve::ENTRIES),

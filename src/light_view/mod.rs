@@ -91,8 +91,8 @@ impl LightView {
             return Ok(());
         }
         Err(Error::Scene(
-            "the light stands among its casters: one view of at most 160 degrees does not hold them; facet-masks alone takes \
-             a cube of views"
+            "the light stands among its casters: one view of at most 160 degrees does not hold them, and the method takes \
+             no cube of views"
                 .to_owned(),
         ))
     }

@@ -81,9 +81,16 @@ pub fn ends(near: f64, far: f64, splits: u32) -> Vec<f64> {
 }
 
 impl LightView {
+    /// Share of its depth by which slices overlap where a pixel asks one: as far as most pixels reach along the view.
+    pub const OVERLAP: f64 = 1.0 / 32.0;
+
     /// The views of all slices of what is seen, near to far, whose rows take points of the space of this view's, the space of `seen`.
     /// The last has no end. One slice at the least, [`SplitPlan::MOST`] at most.
     pub fn split(&self, seen: &SeenBox, plan: &SplitPlan) -> Vec<SplitView> {
+        self.split_with(seen, plan, 0.0)
+    }
+
+    fn split_with(&self, seen: &SeenBox, plan: &SplitPlan, overlap: f64) -> Vec<SplitView> {
         let splits = plan.splits.clamp(1, SplitPlan::MOST);
         let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max) * (1.0 + 1e-9);
         let all = seen.part(self, seen.near, farthest.max(seen.near));
@@ -95,7 +102,7 @@ impl LightView {
         let near = near.max(seen.near);
         let mut from = near;
         let slice = |end: f64| {
-            let made = self.slice(seen, plan, from, end);
+            let made = self.slice(seen, plan, (from * (1.0 - overlap)).max(near), end);
             from = end;
             made
         };
@@ -109,7 +116,15 @@ impl LightView {
     /// A view of this light for each slice of what a camera sees between two corners of a box, near to far, in world units as this one's
     /// rows are: together they hold every point there that this view holds. Depth along a ray of light still grows, as the divisor of a
     /// warp is the same all along it. Of a light at a point texels lie evenly. Texels are no smaller than single precision tells points apart.
-    pub fn slices(&self, camera: &Camera, size: [u32; 2], bounds: (DVec3, DVec3), plan: &SplitPlan) -> Vec<LightView> {
+    /// Each slice begins before the end of the one in front of it by a share `overlap` of its depth.
+    pub fn slices(
+        &self,
+        camera: &Camera,
+        size: [u32; 2],
+        bounds: (DVec3, DVec3),
+        plan: &SplitPlan,
+        overlap: f64,
+    ) -> Vec<LightView> {
         let rays = camera.rays(size[0], size[1]);
         let scale = unit_scale(rays.eye, bounds);
         let seen = SeenBox::new(&rays, size, f64::from(camera.near), bounds, scale);
@@ -123,12 +138,14 @@ impl LightView {
             let SplitView { rows: [u, v, w], .. } = split_view(self, split.warp, split.end);
             // Nowhere in the slice is the divisor of the warp less than 1.
             let near = if self.perspective { self.near } else { 0.5 };
+            // Without a warp the divisor is that of the whole view.
+            let clear = if self.perspective { self.clear } else { 0.0 };
             let slice =
-                Self { u, v, w, near, clear: 0.0, perspective: true, one_of_several: true, ends: [false; 4], ..*self };
+                Self { u, v, w, near, clear, perspective: true, one_of_several: true, ends: [false; 4], ..*self };
             let noise = slice.relative_to(rays.eye, scale).noise_in_texels();
             (slice, (allowed / noise).min(1.0))
         };
-        let even = whole.split(&seen, &SplitPlan { warp: Warp::Box, ..plan });
+        let even = whole.split_with(&seen, &SplitPlan { warp: Warp::Box, ..plan }, overlap);
         let coarse_enough = |(warped, even): (SplitView, &SplitView)| match of_slice(&warped) {
             (slice, 1.0) => slice,
             _ => {
@@ -141,7 +158,7 @@ impl LightView {
                 Self { u: about_middle(slice.u), v: about_middle(slice.v), ..slice }
             }
         };
-        whole.split(&seen, &plan).into_iter().zip(&even).map(coarse_enough).collect()
+        whole.split_with(&seen, &plan, overlap).into_iter().zip(&even).map(coarse_enough).collect()
     }
 
     /// The view of what is seen between two view depths.

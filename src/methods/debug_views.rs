@@ -64,7 +64,7 @@ pub struct DebugMap {
 pub struct DebugViews {
     /// Class of each pixel, row by row from the top; empty where the method has no classes.
     pub classes: Vec<PixelClass>,
-    /// The map, where one was made; none where `facet-masks` has several views.
+    /// The map, where one was made; none where there are several views.
     pub map: Option<DebugMap>,
 }
 
@@ -79,6 +79,8 @@ impl DebugViews {
             StripMethod::FacetMasks(method) => self.add_rows_of_facets(gpu, method, width, rows),
             StripMethod::Fixed(method) => {
                 *self = method.method().looks(gpu)?.unwrap_or_default();
+                // Several views have no one map.
+                self.map = self.map.take().filter(|_| method.views() == 1);
                 Ok(())
             }
         }

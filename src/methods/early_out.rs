@@ -1,14 +1,13 @@
 //! Parts shared by methods of one facet a pixel: the facets, settled early where that is proved, the tree of casters, and the way from the
 //! facets' masks to the picture.
 
-use super::fixed_memory::{MethodParts, StageInputs};
+use super::fixed_memory::{FrameInputs, MethodParts, StageInputs};
 use super::light_maps::{LightMapPipelines, LightMaps};
 use super::settings::Settings;
 use crate::Result;
 use crate::caster_tree::CasterTree;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Groups, Recorder, Uploads};
-use crate::scene::Camera;
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::{ClassifyInputs, FacetClassify, Facets};
 use crate::stages::resolve::Resolve;
@@ -87,10 +86,13 @@ impl EarlyOut {
     }
 
     /// Adds the frame, with what this way of settling changes of it, and where the tree lies in it.
-    pub fn upload(&self, uploads: &mut Uploads, camera: &Camera, frame: &Frame) {
+    pub fn upload(&self, uploads: &mut Uploads, of: FrameInputs) {
+        let FrameInputs { camera, frame, several, .. } = of;
         let mut own = *frame;
         own.flags |= if self.validity() { Frame::VALIDITY } else { 0 };
-        own.flags |= if matches!(self.maps, Maps::Unused { .. }) { Frame::ALL_UNDECIDED } else { 0 };
+        // One of several views proves nothing.
+        own.flags |= if several { Frame::NO_VIEW } else { 0 };
+        own.flags |= if several || matches!(self.maps, Maps::Unused { .. }) { Frame::ALL_UNDECIDED } else { 0 };
         uploads.write(&self.frame, &[own]);
         let place = self.tree.place(DVec3::from(camera.eye.map(f64::from)), f64::from(frame.eye[3]));
         uploads.write(&self.tree_buffers.place, &[place]);
@@ -147,7 +149,7 @@ impl EarlyOut {
         let around =
             ClassifyInputs { triangles: &inputs.casters.triangles, positions: &inputs.casters.positions, sat, splits };
         let stage = &mut rec.stage("facet_classify");
-        self.classify.record_one(stage, frame, &inputs.geometry.id_keys, &self.facets);
+        self.classify.record_one(stage, frame, inputs.id_keys, &self.facets);
         self.classify.record_classify(
             stage,
             frame,

@@ -1,6 +1,7 @@
 //! Methods whose memory the settings alone decide: no list can overflow, so one run is the frame, unless what the method left out turns out
 //! to be needed.
 
+use super::by_views::{ByViews, Left};
 use super::debug_views::DebugViews;
 use super::facet_masks::FacetSource;
 use super::geometry::{Geometry, GeometryPipelines};
@@ -14,10 +15,11 @@ use super::split_mapping::{Recipe, SplitMapping};
 use super::spsm::Spsm;
 use super::supersampled::Supersampled;
 use crate::frame::{Frame, sample_words};
-use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
-use crate::light_view::LightView;
+use crate::gpu::{Buffer, Gpu, Recorder, StagedUploads, Uploads};
+use crate::light_view::{LightView, SplitPlan, unit_scale};
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::Facets;
+use crate::stages::pixel_views::LightViews;
 use crate::status::Status;
 use crate::{Error, Result, status_word};
 use glam::DVec3;
@@ -32,8 +34,12 @@ pub struct StageInputs<'a> {
     pub samples: &'a Buffer<[f32; 4]>,
     /// The mesh.
     pub casters: &'a CasterBuffers,
-    /// Projected vertices, rectangles, and the triangle at each pixel centre.
+    /// Projected vertices and rectangles.
     pub geometry: &'a Geometry,
+    /// Complement of the triangle at the centre of each pixel that asks this view of the light; 0 for all others.
+    pub id_keys: &'a Buffer<u32>,
+    /// Which of the light's views it is, and how many there are.
+    pub view: [u32; 2],
     /// Counters, see [`Status`].
     pub status: &'a Buffer<u32>,
 }
@@ -60,6 +66,8 @@ pub struct FrameInputs<'a> {
     pub camera: &'a Camera,
     /// The light's view of the casters.
     pub view: &'a LightView,
+    /// Whether there are others.
+    pub several: bool,
     /// The box of the casters.
     pub bounds: (DVec3, DVec3),
     /// The frame uniform.
@@ -78,6 +86,19 @@ pub struct StripOutcome {
     pub evaluations: [u64; 2],
 }
 
+/// Which of several views of the light a pixel asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AskedViews {
+    /// One that holds all of it and these many texels around.
+    One(f32),
+    /// All, one after the other: what they tell adds up in the method's memory.
+    All,
+    /// The one that holds everything; there may be no others.
+    Whole,
+    /// None: the first will do.
+    None,
+}
+
 /// A method of fixed memory: stages after `triangle_setup` and `camera_visibility`, made for one mesh and setting.
 pub trait FixedMethod: Send + Sync {
     /// Whether samples on the plane of a pixel's facet count beyond the surface, too: the light's view is wider then.
@@ -85,7 +106,17 @@ pub trait FixedMethod: Send + Sync {
         false
     }
 
-    /// Adds what changes from frame to frame.
+    /// Which views of the light a pixel asks.
+    fn asks(&self) -> AskedViews {
+        AskedViews::One(1.0)
+    }
+
+    /// Slices of what the camera sees, each with a view of the light.
+    fn partition(&self, settings: &Settings) -> Option<SplitPlan> {
+        settings.partition
+    }
+
+    /// Adds what changes from frame to frame and view to view.
     ///
     /// # Errors
     /// [`Error::Scene`] for a camera or light it cannot serve.
@@ -93,7 +124,7 @@ pub trait FixedMethod: Send + Sync {
         Ok(())
     }
 
-    /// Records its stages.
+    /// Records its stages for one view of the light.
     ///
     /// # Errors
     /// [`Error::Gpu`] if the device has no memory for parameters.
@@ -115,6 +146,11 @@ pub trait FixedMethod: Send + Sync {
 
     /// Lit samples of every pixel, where the method keeps them.
     fn lit(&self) -> Option<&Buffer<u32>> {
+        None
+    }
+
+    /// Classes of pixels, where it keeps them, behind as many other words.
+    fn classes(&self) -> Option<&Buffer<u32>> {
         None
     }
 
@@ -149,9 +185,23 @@ pub struct FixedMemory {
     samples: Buffer<[f32; 4]>,
     status: Buffer<u32>,
     method: Box<dyn FixedMethod>,
+    by_views: Option<ByViews>,
+    views: usize,
+}
+
+/// Nearest divisor of a view for methods whose answers are not exact: what lies nearer casts nothing, which is worse than corners that
+/// rounding moves by some texels.
+fn nearest(view: &LightView, bounds: (DVec3, DVec3), camera: &Camera) -> f32 {
+    let eye = camera.rays(1, 1).eye;
+    let scale = unit_scale(eye, bounds);
+    let fitted = view.near * if view.perspective { scale } else { 1.0 };
+    (view.relative_to(eye, scale).near / 64.0).max(fitted) as f32
 }
 
 impl FixedMemory {
+    /// Most views of the light.
+    pub const MOST_VIEWS: usize = LightViews::MOST;
+
     /// Builds pipelines and memory of `method`, which is not `facet-masks`.
     ///
     /// # Errors
@@ -161,7 +211,7 @@ impl FixedMemory {
         settings.check()?;
         let samples = Buffer::uniform(device, "samples", 64)?;
         samples.write(queue, &sample_words(&settings.samples));
-        let status = Buffer::storage(device, "status", Self::outcome_at() + OUTCOME_WORDS)?;
+        let status = Buffer::storage(device, "status", Self::outcome_at(Self::MOST_VIEWS))?;
         let of_maps = |query| Ok::<_, Error>(Box::new(ShadowMapping::new(parts, query)?) as Box<dyn FixedMethod>);
         let of_splits = |recipe| Ok::<_, Error>(Box::new(SplitMapping::new(parts, recipe)?) as Box<dyn FixedMethod>);
         let method: Box<dyn FixedMethod> = match method {
@@ -188,56 +238,128 @@ impl FixedMemory {
             samples,
             status,
             method,
+            by_views: None,
+            views: 1,
         })
     }
 
-    /// Where the outcome begins in the counters.
-    fn outcome_at() -> usize {
-        Status::words(1)
+    /// Where the outcome of a view begins in the counters.
+    fn outcome_at(view: usize) -> usize {
+        Status::words(1) + view * OUTCOME_WORDS
     }
 
-    /// Contents of uniforms for a frame with this one view of the light, which is to leave `stamp` in its counters.
+    /// Makes room for so many views of the light, of [`FixedMemory::MOST_VIEWS`].
     ///
     /// # Errors
-    /// [`Error::Scene`] if camera or light cannot be used.
+    /// As [`Buffer::storage`].
+    pub fn make_room_for(&mut self, device: &wgpu::Device, views: usize) -> Result<()> {
+        if let (AskedViews::One(reach), true, None) = (self.method.asks(), views > 1, &self.by_views) {
+            self.by_views = Some(ByViews::new(device, reach, self.left())?);
+        }
+        self.views = views;
+        Ok(())
+    }
+
+    /// Views of the light in the last frame.
+    pub fn views(&self) -> usize {
+        self.views
+    }
+
+    fn left(&self) -> Left<'_> {
+        let method = &self.method;
+        Left { visibility: method.visibility(), lit: method.lit(), classes: method.classes() }
+    }
+
+    /// Contents of uniforms for a frame with these views of the light, which is to leave `stamp` in its counters: those of the first, then
+    /// of each further one.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if camera or light cannot be used, [`Error::Config`] for too many views.
     pub fn uploads(
         &self,
         casters: &CasterBuffers,
         (camera, light): (&Camera, &Light),
-        view: &LightView,
+        views: &[LightView],
         bounds: (DVec3, DVec3),
         stamp: u32,
-    ) -> Result<Uploads> {
+    ) -> Result<Vec<Uploads>> {
         camera.check()?;
         light.check()?;
-        view.check()?;
-        let mut frame = Frame::new(camera, light, view, bounds, self.settings.size, &self.settings.samples);
-        frame.vertex_count = casters.positions.len() as u32;
-        frame.triangle_count = casters.triangles.len() as u32;
-        frame.edge_count = casters.edges.len() as u32;
-        frame.facets_total = self.settings.pixels() as u32;
-        frame.facet_count = frame.facets_total;
-        frame.stamp = stamp;
-        let mut uploads = Uploads::default();
-        uploads.write(&self.frame, &[frame]);
-        self.method.upload(&mut uploads, FrameInputs { camera, view, bounds, frame: &frame })?;
+        let (count, most) = (views.len(), Self::MOST_VIEWS);
+        if !(1..=most).contains(&count) {
+            return Err(Error::Config(format!("{count} views of the light, 1 to {most} are possible")));
+        }
+        if self.method.asks() == AskedViews::Whole {
+            LightView { complete: views[0].complete && count == 1, ..views[0] }.check()?;
+        }
+        let asked = if self.method.asks() == AskedViews::None { &views[..1] } else { views };
+        let of_view = |view: &LightView| {
+            let mut frame = Frame::new(camera, light, view, bounds, self.settings.size, &self.settings.samples);
+            frame.vertex_count = casters.positions.len() as u32;
+            frame.triangle_count = casters.triangles.len() as u32;
+            frame.edge_count = casters.edges.len() as u32;
+            frame.facets_total = self.settings.pixels() as u32;
+            frame.facet_count = frame.facets_total;
+            frame.stamp = stamp;
+            if let AskedViews::One(_) = self.method.asks() {
+                frame.light_low[3] = nearest(view, bounds, camera);
+            }
+            let mut uploads = Uploads::default();
+            uploads.write(&self.frame, &[frame]);
+            let several = count > 1;
+            self.method.upload(&mut uploads, FrameInputs { camera, view, several, bounds, frame: &frame })?;
+            Ok(uploads)
+        };
+        let mut uploads = asked.iter().map(of_view).collect::<Result<Vec<_>>>()?;
+        if let (Some(by_views), [first, _, ..]) = (&self.by_views, &mut uploads[..]) {
+            let eye = camera.rays(1, 1).eye;
+            let scale = unit_scale(eye, bounds);
+            let relative: Vec<LightView> = asked.iter().map(|view| view.relative_to(eye, scale)).collect();
+            first.write(&by_views.choice().views, &[LightViews::new(&relative)]);
+        }
         Ok(uploads)
     }
 
-    /// Records the frame, with the triangle at each pixel's centre from elsewhere where `source` says so.
+    /// Records the frame, with the triangle at each pixel's centre from elsewhere where `source` says so. Before each view of the light but the
+    /// first its uniforms are written.
     ///
     /// # Errors
     /// [`Error::Gpu`] if the device has no memory for parameters, and those of `source`.
-    pub fn record(&self, rec: &mut Recorder, casters: &CasterBuffers, source: FacetSource) -> Result<()> {
+    pub fn record(
+        &self,
+        rec: &mut Recorder,
+        casters: &CasterBuffers,
+        source: FacetSource,
+        further: &[StagedUploads],
+    ) -> Result<()> {
         let Self { with, geometry, frame, samples, status, method, .. } = self;
         rec.clear(status.raw());
-        geometry.record_setup(rec, with, frame, casters)?;
-        match source {
-            FacetSource::Centres(write) => write(rec, frame)?,
-            _ => geometry.record_camera(rec, with, frame, casters)?,
+        let count = 1 + further.len() as u32;
+        let by_views = self.by_views.as_ref().filter(|_| count > 1);
+        for view in 0..count {
+            if let Some(uploads) = view.checked_sub(1).and_then(|k| further.get(k as usize)) {
+                uploads.record(rec);
+            }
+            geometry.record_setup(rec, with, frame, casters)?;
+            match source {
+                _ if view > 0 => {}
+                FacetSource::Centres(write) => write(rec, frame)?,
+                _ => geometry.record_camera(rec, with, frame, casters)?,
+            }
+            let id_keys = match by_views {
+                Some(by) => by.record_keep(rec, view, (frame, samples), casters, geometry)?,
+                None => &geometry.id_keys,
+            };
+            method
+                .record(rec, StageInputs { frame, samples, casters, geometry, id_keys, view: [view, count], status })?;
+            method.record_outcome(rec, status, Self::outcome_at(view as usize) as u64);
+            if let Some(by) = by_views {
+                by.record_take(rec, view, frame, self.left())?;
+            }
         }
-        method.record(rec, StageInputs { frame, samples, casters, geometry, status })?;
-        method.record_outcome(rec, status, Self::outcome_at() as u64);
+        if let Some(by) = by_views {
+            by.record_put(rec, self.left());
+        }
         // After all else.
         let (stamp, finished) = (offset_of!(Frame, stamp) as u64 / 4, status_word!(finished) as u64);
         rec.copy_words(frame.raw(), stamp, status.raw(), finished, 1);
@@ -257,10 +379,15 @@ impl FixedMemory {
     /// # Errors
     /// As [`FixedMethod::outcome`].
     pub fn outcome(&mut self, status: &[u32]) -> Result<StripOutcome> {
-        let mut words = [0; OUTCOME_WORDS];
-        let left = status.get(Self::outcome_at()..).unwrap_or_default();
-        words.iter_mut().zip(left).for_each(|(word, left)| *word = *left);
-        self.method.outcome(words)
+        let mut all = StripOutcome::default();
+        for left in status.get(Self::outcome_at(0)..).unwrap_or_default().chunks_exact(OUTCOME_WORDS) {
+            let mut words = [0; OUTCOME_WORDS];
+            words.copy_from_slice(left);
+            let StripOutcome { left_out, evaluations: [some, refined] } = self.method.outcome(words)?;
+            all.left_out |= left_out;
+            all.evaluations = [all.evaluations[0] + some, all.evaluations[1] + refined];
+        }
+        Ok(all)
     }
 
     /// The frame uniform.

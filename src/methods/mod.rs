@@ -1,5 +1,7 @@
 //! The methods: each a page of calls to stages, in order.
 
+#[cfg(feature = "baselines")]
+pub mod by_views;
 #[cfg(feature = "oracle")]
 pub mod cpu;
 #[cfg(feature = "baselines")]

@@ -67,7 +67,7 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Lecocq, Marvie, Sourimant, Gautron 2013: Sub-Pixel Shadow Mapping",
         section: "3 and 4",
         parts: [
-            "over casters and receivers",
+            "over casters and receivers; slices, warps; a cube",
             "closest triangle, 128 bits",
             "reconstruct borders of triangles around the sample",
         ],
@@ -78,7 +78,7 @@ pub const METHODS: [MethodRow; 12] = [
         name: "shadow-map",
         paper: "Williams 1978: Casting Curved Shadows on Curved Surfaces",
         section: "Scherzer 2011: 2",
-        parts: ["over casters and receivers", "nearest depth", "compare every sample"],
+        parts: ["over casters and receivers; slices, warps; a cube", "nearest depth", "compare every sample"],
         keeps: [false, true],
     },
     MethodRow {
@@ -87,7 +87,7 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Reeves, Salesin, Cook 1987: Rendering Antialiased Shadows with Depth Maps",
         section: "Scherzer 2011: 6",
         parts: [
-            "over casters and receivers",
+            "over casters and receivers; slices, warps; a cube",
             "nearest depth",
             "compare every sample with a box of texels on the receiver's plane",
         ],
@@ -98,7 +98,11 @@ pub const METHODS: [MethodRow; 12] = [
         name: "smsr",
         paper: "Bondarev 2014: Shadow Map Silhouette Revectorization",
         section: "2",
-        parts: ["over casters and receivers", "nearest depth", "compare, and draw stepped borders anew"],
+        parts: [
+            "over casters and receivers; slices, warps; a cube",
+            "nearest depth",
+            "compare, and draw stepped borders anew",
+        ],
         keeps: [false, true],
     },
     MethodRow {
@@ -163,7 +167,7 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Aila, Laine 2004: Alias-Free Shadow Maps",
         section: "Scherzer 2011: 4.5",
         parts: [
-            "over casters and receivers",
+            "over casters and receivers; slices, warps; a cube",
             "the samples that project to it",
             "every sample against every caster of its texel",
         ],

@@ -34,9 +34,9 @@ pub const METHOD_OPTIONS: [MethodOption; 19] = {
         of("kernel", &[Pcf]),
         of("shape", &[Smsr]),
         of("reach", &[Smsr]),
-        of("splits", &[FacetMasks, ParallelSplit, Remix]),
-        of("warp", &[FacetMasks, Remix]),
-        of("focus", &[FacetMasks, Trapezoidal, Remix]),
+        of("splits", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, ParallelSplit, Remix, Supersampled]),
+        of("warp", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, Remix, Supersampled]),
+        of("focus", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, Trapezoidal, Remix, Supersampled]),
         of("bleeding", &[Variance, Remix]),
         of("grazing", &[Remix]),
         // As [`MethodName::keeps`].
@@ -48,6 +48,13 @@ impl MethodName {
     /// The options that it takes of those that not every method takes, in the order of [`METHOD_OPTIONS`].
     pub fn options(self) -> impl Iterator<Item = &'static str> {
         METHOD_OPTIONS.iter().filter(move |option| option.methods.contains(&self)).map(|option| option.name)
+    }
+
+    /// Whether it takes one view of the light or one for each [slice](crate::methods::Settings::partition) of what the camera sees; the others
+    /// cut the view their own way, if at all.
+    pub fn in_slices(self) -> bool {
+        use MethodName::{FacetMasks, Pcf, ShadowMap, Smsr, Spsm, Supersampled};
+        matches!(self, FacetMasks | Spsm | ShadowMap | Pcf | Smsr | Supersampled)
     }
 
     /// Whether it takes an option; one that is not among [`METHOD_OPTIONS`] is of all methods.
@@ -67,6 +74,7 @@ mod tests {
             assert!((1..MethodName::ALL.len()).contains(&option.methods.len()), "{}", option.name);
             for method in MethodName::ALL {
                 assert_eq!(method.takes(option.name), method.options().any(|name| name == option.name));
+                assert!(!method.in_slices() || ["splits", "warp", "focus"].iter().all(|option| method.takes(option)));
             }
         }
         assert!(

@@ -6,8 +6,12 @@
 //! fixed: about 190 bytes a pixel, and the tree. The tree is built once on the CPU, which is part of no frame's time.
 
 use super::early_out::EarlyOut;
-use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, OUTCOME_WORDS, StageInputs, StripOutcome};
+use super::fixed_memory::{
+    AskedViews, FixedMethod, FrameInputs, MethodParts, OUTCOME_WORDS, StageInputs, StripOutcome,
+};
+use super::settings::Settings;
 use crate::gpu::{Buffer, Recorder, Stage, Uploads};
+use crate::light_view::SplitPlan;
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::shadow_rays::{RayLists, RayStep, ShadowRays};
@@ -43,8 +47,16 @@ impl FixedMethod for RayTraced {
         true
     }
 
+    fn asks(&self) -> AskedViews {
+        AskedViews::None
+    }
+
+    fn partition(&self, _: &Settings) -> Option<SplitPlan> {
+        None
+    }
+
     fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
-        self.settled.upload(uploads, of.camera, of.frame);
+        self.settled.upload(uploads, of);
         Ok(())
     }
 

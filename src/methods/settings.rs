@@ -276,7 +276,8 @@ pub struct Settings {
     pub projection: ProjectionVariant,
     /// Slices of what the camera sees, each with a view of the light of its own, whose texels a warp may lay more densely near the eye; `None`:
     /// one view for all. It changes no decision: a facet is evaluated in the first view that holds all of it, else in all that it touches. A
-    /// light among its casters has a cube of views instead. Of `facet-masks`.
+    /// light among its casters has a cube of views instead. Of the methods that are [`in_slices`](super::MethodName::in_slices): of one receiver a
+    /// pixel, each pixel asks the first view that holds it.
     pub partition: Option<SplitPlan>,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
@@ -333,19 +334,19 @@ impl Settings {
     }
 
     /// These views of the light, or those of the [slices](Settings::partition) of what a camera sees between two corners of a box. `beyond`:
-    /// receivers may lie outside that box.
+    /// receivers may lie outside that box. `one`: a pixel asks one view, so slices overlap.
     pub(crate) fn in_slices(
         &self,
         views: Vec<LightView>,
         camera: &Camera,
         bounds: (DVec3, DVec3),
-        beyond: bool,
+        (beyond, one): (bool, bool),
     ) -> Vec<LightView> {
         let (Some(plan), &[view]) = (&self.partition, &views[..]) else { return views };
         if !view.complete {
             return views;
         }
-        let mut slices = view.slices(camera, self.size, bounds, plan);
+        let mut slices = view.slices(camera, self.size, bounds, plan, if one { LightView::OVERLAP } else { 0.0 });
         // The whole view holds what no slice does: one facet a pixel goes on beyond what is seen, and what comes nearer to a light at a
         // point than its view tells apart is on no map.
         if beyond || view.perspective || (self.facets == FacetMode::One && self.samples.count() > 1) {

@@ -1,9 +1,9 @@
 //! `shadow-map` (Williams 1978), `pcf` (Reeves, Salesin, Cook 1987) and `smsr` (Bondarev 2014): a map of nearest depths, and
 //! comparisons for every sample.
-//! Memory is fixed: 4 bytes a texel. Triangles that reach behind a point light cast nothing.
+//! Memory is fixed: 4 bytes a texel.
 
 use super::debug_views::DebugViews;
-use super::fixed_memory::{FixedMethod, MethodParts, StageInputs};
+use super::fixed_memory::{AskedViews, FixedMethod, MethodParts, StageInputs};
 use super::settings::{Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::Result;
 use crate::gpu::{Buffer, Gpu, Recorder};
@@ -52,6 +52,8 @@ impl Compare {
 /// One of the methods for one image, map and setting.
 #[derive(Debug)]
 pub struct ShadowMapping {
+    /// Texels around a place that are asked.
+    reach: f32,
     layers: LightLayers,
     compare: Compare,
     map: Layers,
@@ -67,6 +69,11 @@ impl ShadowMapping {
         let MethodParts { device, settings, .. } = parts;
         settings.check()?;
         Ok(Self {
+            reach: match ask {
+                MapQuery::Nearest => 1.0,
+                MapQuery::Filtered => 0.5 * settings.shadow_map.kernel as f32 + 1.0,
+                MapQuery::Revectorized => 2.0,
+            },
             layers: LightLayers::nearest_only(device),
             compare: Compare::new(device, settings, ask),
             map: Layers::nearest_only(device, settings.map as usize)?,
@@ -81,6 +88,10 @@ impl ShadowMapping {
 }
 
 impl FixedMethod for ShadowMapping {
+    fn asks(&self) -> AskedViews {
+        AskedViews::One(self.reach)
+    }
+
     fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.map.nearest_keys.raw());
@@ -88,7 +99,7 @@ impl FixedMethod for ShadowMapping {
         self.layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map);
         let seen = PrimaryHits {
             samples: inputs.samples,
-            id_keys: &geometry.id_keys,
+            id_keys: inputs.id_keys,
             triangles: &inputs.casters.triangles,
             points: &geometry.points,
         };

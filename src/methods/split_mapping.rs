@@ -4,7 +4,7 @@
 //! Memory is fixed: 4 bytes a texel and split, of moments 2.7 more, and 18 a triangle and split. Triangles that reach behind a point light cast nothing.
 
 use super::debug_views::DebugViews;
-use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, StageInputs};
+use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
 use super::settings::Settings;
 use crate::Result;
 use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
@@ -106,6 +106,14 @@ impl SplitMapping {
 }
 
 impl FixedMethod for SplitMapping {
+    fn asks(&self) -> AskedViews {
+        AskedViews::Whole
+    }
+
+    fn partition(&self, _: &Settings) -> Option<SplitPlan> {
+        None
+    }
+
     fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
         let FrameInputs { camera, view, bounds, .. } = of;
         let rays = camera.rays(self.size[0], self.size[1]);
@@ -127,7 +135,7 @@ impl FixedMethod for SplitMapping {
             let (stage, views) = (&mut rec.stage("map_moments"), self.plan.splits as usize);
             reduce.record(stage, frame, &self.splits, keys, &self.moments, views, self.map);
         }
-        let seen = PrimaryHits { samples: inputs.samples, id_keys: &geometry.id_keys, triangles, points };
+        let seen = PrimaryHits { samples: inputs.samples, id_keys: inputs.id_keys, triangles, points };
         let maps = OfMaps { splits: &self.splits, keys, moments: &self.moments };
         self.ask.record(&mut rec.stage("split_shadows"), frame, seen, maps, &self.visibility);
         Ok(())

@@ -5,7 +5,7 @@
 //! [`SpsmSettings::seen_only`]: super::settings::SpsmSettings::seen_only
 
 use super::debug_views::DebugViews;
-use super::fixed_memory::{FixedMethod, MethodParts, OUTCOME_WORDS, StageInputs, StripOutcome};
+use super::fixed_memory::{AskedViews, FixedMethod, MethodParts, OUTCOME_WORDS, StageInputs, StripOutcome};
 use super::output::Counts;
 use super::settings::SpsmEncoding;
 use crate::Result;
@@ -24,6 +24,8 @@ pub struct Spsm {
     query: SpsmQuery,
     texels: SpsmTexels,
     pixels: SpsmPixels,
+    /// Texels around a place that are searched.
+    reach: f32,
     /// Whether frames make all texels.
     all: bool,
 }
@@ -55,6 +57,7 @@ impl Spsm {
             query: SpsmQuery::new(device, &PrefixScan::new(device), options, &texels),
             texels,
             pixels: SpsmPixels::new(device, queue, settings.pixels(), words as usize)?,
+            reach: (settings.spsm.radius + settings.spsm.stretch) as f32,
             all: !settings.spsm.seen_only,
         })
     }
@@ -71,13 +74,17 @@ impl Spsm {
 }
 
 impl FixedMethod for Spsm {
+    fn asks(&self) -> AskedViews {
+        AskedViews::One(1.0 + self.reach)
+    }
+
     fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         rec.clear(self.texels.keys.raw());
         rec.clear(self.texels.marks.words.raw());
         let seen = PrimaryHits {
             samples: inputs.samples,
-            id_keys: &geometry.id_keys,
+            id_keys: inputs.id_keys,
             triangles: &inputs.casters.triangles,
             points: &geometry.points,
         };
@@ -119,6 +126,10 @@ impl FixedMethod for Spsm {
 
     fn lit(&self) -> Option<&Buffer<u32>> {
         Some(&self.pixels.lit)
+    }
+
+    fn classes(&self) -> Option<&Buffer<u32>> {
+        Some(&self.pixels.marks)
     }
 
     fn counts(&self, gpu: &Gpu) -> Result<Option<Counts>> {

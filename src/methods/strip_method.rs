@@ -2,13 +2,13 @@
 
 use super::facet_masks::{Capacities, Extent, FacetMasks, FacetSource, MapSource, Pipelines, Settings, Strip};
 #[cfg(feature = "baselines")]
-use super::fixed_memory::{FixedMemory, MethodParts, StripOutcome};
+use super::fixed_memory::{AskedViews, FixedMemory, MethodParts, StripOutcome};
 use super::names::MethodName;
 use super::prepared::{CasterBuffers, Prepared};
 use crate::frame::Frame;
 #[cfg(feature = "baselines")]
 use crate::gpu::KeptPrograms;
-use crate::gpu::{Buffer, Recorder, Uploads};
+use crate::gpu::{Buffer, Recorder, StagedUploads, Uploads};
 use crate::light_view::LightView;
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::Facets;
@@ -55,7 +55,7 @@ impl MethodPipelines {
         }
     }
 
-    /// Whether the method's memory is fixed: no list grows, there is one view of the light and one strip.
+    /// Whether the method's memory is fixed: no list grows, and there is one strip.
     pub fn is_fixed(&self) -> bool {
         !matches!(self, Self::FacetMasks(_))
     }
@@ -115,11 +115,11 @@ impl StripMethod {
         }
     }
 
-    /// Contents of uniforms for a frame.
+    /// Contents of uniforms for a frame; of a method that takes the light's views one by one, those of the first, then of each further one.
     ///
     /// # Errors
     /// As [`FacetMasks::frames_for`].
-    pub fn uploads(&self, casters: &CasterBuffers, of: FrameOf, strip: Strip) -> Result<Uploads> {
+    pub fn uploads(&self, casters: &CasterBuffers, of: FrameOf, strip: Strip) -> Result<Vec<Uploads>> {
         let FrameOf { camera, light, views, bounds, stamp, flags } = of;
         match self {
             Self::FacetMasks(method) => {
@@ -129,19 +129,14 @@ impl StripMethod {
                     (frame.stamp, frame.flags) = (stamp, frame.flags | flags);
                     uploads.write(buffer, &[frame]);
                 }
-                Ok(uploads)
+                Ok(vec![uploads])
             }
             #[cfg(feature = "baselines")]
-            Self::Fixed(method) => {
-                let [view] = views else {
-                    return Err(Error::Config(format!("{} views of the light, one is possible", views.len())));
-                };
-                method.uploads(casters, (camera, light), view, bounds, stamp)
-            }
+            Self::Fixed(method) => method.uploads(casters, (camera, light), views, bounds, stamp),
         }
     }
 
-    /// Records the frame, of which the uniforms are written.
+    /// Records the frame, of which the uniforms are written, but for those of `further` views.
     ///
     /// # Errors
     /// [`Error::Gpu`] if the device has no memory for parameters, and those of `source`.
@@ -150,13 +145,36 @@ impl StripMethod {
         rec: &mut Recorder,
         casters: &CasterBuffers,
         source: FacetSource,
-        maps: MapSource,
-        extent: Extent,
+        (maps, extent): (MapSource, Extent),
+        further: &[StagedUploads],
     ) -> Result<()> {
+        #[cfg(not(feature = "baselines"))]
+        let _ = further;
         match self {
             Self::FacetMasks(method) => method.record_seen(rec, casters, source, maps, extent),
             #[cfg(feature = "baselines")]
-            Self::Fixed(method) => method.record(rec, casters, source),
+            Self::Fixed(method) => method.record(rec, casters, source, further),
+        }
+    }
+
+    /// Makes room for a frame with so many views of the light; lists serve all views.
+    ///
+    /// # Errors
+    /// As [`FacetMasks::resize`]; all is then as before.
+    pub fn make_room_for(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, views: u32) -> Result<()> {
+        match self {
+            Self::FacetMasks(method) => method.resize(device, queue, Capacities { views, ..method.capacities() }),
+            #[cfg(feature = "baselines")]
+            Self::Fixed(method) => method.make_room_for(device, views as usize),
+        }
+    }
+
+    /// Views of the light in the last frame.
+    pub fn views(&self) -> u32 {
+        match self {
+            Self::FacetMasks(method) => method.capacities().views,
+            #[cfg(feature = "baselines")]
+            Self::Fixed(method) => method.views() as u32,
         }
     }
 
@@ -184,7 +202,7 @@ impl StripMethod {
         }
     }
 
-    /// How the lists are sized; without lists one view, band and round.
+    /// How the lists are sized; without lists one band and round.
     pub fn capacities(&self) -> Capacities {
         match self {
             Self::FacetMasks(method) => method.capacities(),
@@ -228,15 +246,25 @@ impl StripMethod {
         }
     }
 
+    /// Whether a pixel asks one of several views of the light.
+    pub fn asks_one(&self) -> bool {
+        match self {
+            Self::FacetMasks(_) => false,
+            #[cfg(feature = "baselines")]
+            Self::Fixed(method) => matches!(method.method().asks(), AskedViews::One(_)),
+        }
+    }
+
     /// The settings that the light's views are fitted by.
     pub fn view_settings<'a>(&self, settings: &'a Settings) -> std::borrow::Cow<'a, Settings> {
         match self {
             #[cfg(feature = "baselines")]
-            Self::Fixed(method) if !method.method().beyond() => {
-                let facets = super::FacetMode::All;
-                std::borrow::Cow::Owned(Settings { facets, ..settings.clone() })
+            Self::Fixed(method) => {
+                let method = method.method();
+                let facets = if method.beyond() { settings.facets } else { super::FacetMode::All };
+                std::borrow::Cow::Owned(Settings { facets, partition: method.partition(settings), ..settings.clone() })
             }
-            _ => std::borrow::Cow::Borrowed(settings),
+            Self::FacetMasks(_) => std::borrow::Cow::Borrowed(settings),
         }
     }
 

@@ -6,8 +6,8 @@
 //! (with [`Settings::validity`](super::Settings::validity)) is found through the tree of casters of `ray-traced`.
 
 use super::early_out::EarlyOut;
-use super::fixed_memory::{FixedMethod, FrameInputs, MethodParts, StageInputs};
-use crate::gpu::{Buffer, Recorder, Uploads};
+use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
+use crate::gpu::{Buffer, Recorder, Stage, Uploads};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::sample_bins::{self, Bins, SampleBins};
@@ -43,22 +43,36 @@ impl Supersampled {
     }
 }
 
+impl Supersampled {
+    /// Which samples see another surface; also where none does: invalid masks are cleared.
+    fn record_cut(&self, stage: &mut Stage, inputs: StageInputs) -> Result<()> {
+        let (facets, scene) = (self.settled.facets(), self.settled.scene(inputs));
+        self.cut.record_list(stage, facets, &self.cut_work)?;
+        self.cut.record(stage, RayStep::Cut, self.settled.frame(), scene, facets, &self.cut_work)
+    }
+}
+
 impl FixedMethod for Supersampled {
     fn beyond(&self) -> bool {
         true
     }
 
+    fn asks(&self) -> AskedViews {
+        AskedViews::All
+    }
+
     fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
-        let FrameInputs { view, frame, .. } = of;
+        let frame = of.frame;
         let [nearest, clear] = [frame.light_low[3], frame.eye_low[3]];
-        if view.perspective && nearest > clear {
+        // A sample that is not before one slice of the view of a directional light is before another.
+        if frame.light[3] != 0.0 && nearest > clear {
             return Err(Error::Scene(format!(
                 "the light is nearer to a caster ({:.3} of the nearest distance that its view tells) than supersampled can sort samples; \
                  facet-masks and ray-traced can",
                 clear / nearest
             )));
         }
-        self.settled.upload(uploads, of.camera, frame);
+        self.settled.upload(uploads, of);
         self.bins.frames_of(frame).for_each(|(buffer, frame)| uploads.write(buffer, &[frame]));
         Ok(())
     }
@@ -67,10 +81,13 @@ impl FixedMethod for Supersampled {
         let (casters, facets, samples) = (inputs.casters, self.settled.facets(), inputs.samples);
         let positions = &casters.positions;
         let blocks = inputs.geometry.in_light(casters);
-        rec.clear_words(self.cut_work.work.raw(), 0, 4);
-        self.settled.record_facets(rec, inputs)?;
+        let [view, views] = inputs.view;
         let binned = sample_bins::BinInputs { samples, blocks, positions, facets };
-        self.test.record_list(&mut rec.stage("sample_bins"), facets, &self.bins)?;
+        if view == 0 {
+            rec.clear_words(self.cut_work.work.raw(), 0, 4);
+            self.settled.record_facets(rec, inputs)?;
+            self.test.record_list(&mut rec.stage("sample_bins"), facets, &self.bins)?;
+        }
         let (ends, starts) = (&self.bins.texel_ends, &self.bins.texel_offsets);
         for band in 0..self.bins.frames.len() {
             rec.clear(ends.raw());
@@ -80,14 +97,10 @@ impl FixedMethod for Supersampled {
             self.test.record_occlude(&mut rec.stage("sample_tests"), band, binned, &self.bins)?;
             self.test.record_refine(&mut rec.stage("sample_tests_refine"), band, binned, &self.bins)?;
         }
-        {
-            // Also where nothing is cut: invalid masks are cleared.
-            let stage = &mut rec.stage("shadow_rays_cut");
-            self.cut.record_list(stage, facets, &self.cut_work)?;
-            let scene = self.settled.scene(inputs);
-            self.cut.record(stage, RayStep::Cut, self.settled.frame(), scene, facets, &self.cut_work)?;
+        if view + 1 == views {
+            self.record_cut(&mut rec.stage("shadow_rays_cut"), inputs)?;
+            self.settled.record_resolve(rec, inputs.status);
         }
-        self.settled.record_resolve(rec, inputs.status);
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use super::gbuffer::{GBuffer, SampleTexture, SurfacePosition, SurfaceTextures, T
 use super::textures::{all_layers, first_level};
 use crate::Result;
 use crate::frame::Frame;
-use crate::gpu::{Buffer, Recorder};
+use crate::gpu::{Buffer, Recorder, StagedUploads};
 use crate::methods::every_surface::SampleIds;
 use crate::methods::facet_masks::{Extent, FacetSource, MapSource};
 use crate::methods::strip_method::StripMethod;
@@ -35,6 +35,8 @@ pub struct With<'a> {
     pub maps: MapSource,
     /// How much of the method runs.
     pub extent: Extent,
+    /// Uniforms of further views of the light.
+    pub further: &'a [StagedUploads],
 }
 
 /// Rows of neighbours on either side in which `pixel_receivers` looks for what a pixel shows.
@@ -69,12 +71,12 @@ impl GbufferStage {
 
     /// Records the method with what the G-buffer says.
     pub fn record(&self, rec: &mut Recorder, gbuffer: &GBuffer, ours: &[[f32; 2]], with: With) -> Result<()> {
-        let With { method, casters, maps, extent, .. } = with;
+        let With { method, casters, maps, extent, further, .. } = with;
         let buffers = &casters.buffers;
         match (gbuffer, &self.receivers) {
             (GBuffer::TriangleIds(given), _) => {
                 let ids = |rec: &mut Recorder, frame: &Buffer<Frame>| self.record_ids(rec, frame, *given, with);
-                method.record(rec, buffers, FacetSource::Centres(&ids), maps, extent)
+                method.record(rec, buffers, FacetSource::Centres(&ids), (maps, extent), further)
             }
             (GBuffer::Surfaces(given), Some(receivers)) => {
                 let surfaces = |rec: &mut Recorder, frame: &Buffer<Frame>| {
@@ -83,24 +85,24 @@ impl GbufferStage {
                     }
                     receivers.record(rec, frame, given, with)
                 };
-                method.record(rec, buffers, FacetSource::Centres(&surfaces), maps, extent)
+                method.record(rec, buffers, FacetSource::Centres(&surfaces), (maps, extent), further)
             }
             (GBuffer::SampleIds(given), _) => self.record_samples(rec, given, ours, with),
-            _ => method.record(rec, buffers, FacetSource::Found, maps, extent),
+            _ => method.record(rec, buffers, FacetSource::Found, (maps, extent), further),
         }
     }
 
     fn record_samples(&self, rec: &mut Recorder, given: &SampleTexture, ours: &[[f32; 2]], with: With) -> Result<()> {
-        let With { method, casters, faults, maps, extent } = with;
+        let With { method, casters, faults, maps, extent, further } = with;
         let Some(stage) = &self.samples else {
-            return method.record(rec, &casters.buffers, FacetSource::Found, maps, extent);
+            return method.record(rec, &casters.buffers, FacetSource::Found, (maps, extent), further);
         };
         let multisampled = given.is_multisampled();
         let view = if multisampled { first_level(given.texture) } else { all_layers(given.texture) };
         let texture = if multisampled { Texture::Samples(&view) } else { Texture::Layers(&view) };
         let given = SampleGbuffer { texture, params: given.params(ours)?, numbers: &casters.numbers };
         let samples = SampleIds { stage, given, faults };
-        method.record(rec, &casters.buffers, FacetSource::Samples(&samples), maps, extent)
+        method.record(rec, &casters.buffers, FacetSource::Samples(&samples), (maps, extent), further)
     }
 
     fn record_ids(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: TriangleTexture, with: With) -> Result<()> {

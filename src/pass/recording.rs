@@ -7,7 +7,7 @@ use super::{GBuffer, Inputs, ShadowPass, Target};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Recorder, Uploads};
-use crate::methods::facet_masks::{Capacities, Extent, MapSource};
+use crate::methods::facet_masks::{Extent, MapSource};
 use crate::methods::strip_method::FrameOf;
 use crate::methods::strips::Rows;
 use crate::plan::extent_of;
@@ -41,11 +41,11 @@ impl ShadowPass {
         target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
         self.check_gbuffer(&inputs.gbuffer, inputs.camera)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
-        let (settings, one) = (self.image.method.view_settings(&self.settings), self.image.method.is_fixed());
-        let views = self.views.of(inputs, &self.casters, &settings, bounds, one)?;
+        let settings = self.image.method.view_settings(&self.settings);
+        let views = self.views.of(inputs, &self.casters, &settings, bounds)?;
         // These may show what lies beside the casters.
         let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_) | GBuffer::SampleIds(_));
-        let views = if one { views } else { settings.in_slices(views, inputs.camera, bounds, beyond) };
+        let views = settings.in_slices(views, inputs.camera, bounds, (beyond, self.image.method.asks_one()));
         let mut views = self.maker.parts.of(views);
         if extent != Extent::Everything {
             views.truncate(1);
@@ -91,7 +91,7 @@ impl ShadowPass {
         inputs: &Inputs,
         target: &Target,
         extent: Extent,
-        (part, uploads): (&[(u32, Rows)], Vec<Uploads>),
+        (part, uploads): (&[(u32, Rows)], Vec<Vec<Uploads>>),
         staging: &Staging,
     ) -> Result<u32> {
         if let Some(timer) = &mut self.timer {
@@ -101,21 +101,23 @@ impl ShadowPass {
         let method = &image.method;
         // Written by the encoder and not by the queue: a second frame of the same submission must not change the first.
         let stage = |uploads: Uploads| uploads.stage(&self.maker.device);
-        let staged = uploads.into_iter().map(stage).collect::<Result<Vec<_>>>()?;
+        let of_views = |uploads: Vec<Uploads>| uploads.into_iter().map(stage).collect::<Result<Vec<_>>>();
+        let staged = uploads.into_iter().map(of_views).collect::<Result<Vec<_>>>()?;
         let rec = &mut Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
         rec.clear(faults.raw());
         if let Some((_, held)) = &self.last {
             held.record_begin(rec);
         }
         for ((k, &(strip, rows)), staged) in (0..).zip(part).zip(&staged) {
-            staged.record(rec);
+            let (first, further) = staged.split_at(1);
+            first.iter().for_each(|uploads| uploads.record(rec));
             if let (0, Some(moved), Some(places)) = (strip, &inputs.moved, &casters.places) {
                 let stage = &mut rec.stage("caster_positions");
                 self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
             }
             let maps = if strip == 0 { MapSource::Made } else { MapSource::Kept };
             let offsets = self.settings.samples.offsets();
-            self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps, extent })?;
+            self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps, extent, further })?;
             match &self.last {
                 Some((with, held)) => {
                     held.record_judge(rec, with, image, faults)?;
@@ -131,7 +133,7 @@ impl ShadowPass {
         let Some((with, held)) = &self.last else { return Ok(rec.dispatches()) };
         held.record_hold(rec, with, image);
         for (&(_, rows), staged) in part.iter().zip(&staged) {
-            staged.record(rec);
+            staged.iter().take(1).for_each(|uploads| uploads.record(rec));
             let (width, pixels) = (u64::from(self.settings.size[0]), method.visibility().len() as u64);
             let (from, to) = (held.visibility.raw(), method.visibility().raw());
             rec.copy_words(from, u64::from(rows.first) * width, to, 0, pixels);
@@ -143,12 +145,8 @@ impl ShadowPass {
         Ok(rec.dispatches())
     }
 
-    /// Makes room for the counters of a frame with another number of views than the one before; the lists serve all views.
+    /// Makes room for a frame with another number of views than the one before.
     fn make_room_for(&mut self, views: u32) -> Result<()> {
-        let method = &mut self.image.method;
-        if method.is_fixed() {
-            return Ok(());
-        }
-        method.resize(&self.maker.device, &self.maker.queue, Capacities { views, ..method.capacities() })
+        self.image.method.make_room_for(&self.maker.device, &self.maker.queue, views)
     }
 }

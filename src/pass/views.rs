@@ -14,20 +14,18 @@ use glam::DVec3;
 pub struct Views(Option<(Light, bool, Vec<LightView>)>);
 
 impl Views {
-    /// One view of the casters, which lie between `bounds`; a cube of them if the light stands among these, which is an error where there
-    /// may be only `one`.
+    /// One view of the casters, which lie between `bounds`; a cube of them if the light stands among these.
     pub fn of(
         &mut self,
         inputs: &Inputs,
         casters: &CasterSet,
         settings: &Settings,
         bounds: (DVec3, DVec3),
-        one: bool,
     ) -> Result<Vec<LightView>> {
         let (light, map, prepared) = (inputs.light, settings.map, &casters.prepared);
         if inputs.moved.is_some() {
             let view = LightView::around(bounds, light, map)?;
-            return if view.complete || one { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) };
+            return if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) };
         }
         // What shadows no caster may shadow what is none.
         let all = matches!(inputs.gbuffer, GBuffer::Surfaces(_));
@@ -42,8 +40,6 @@ impl Views {
             let views = if view.complete { vec![view] } else { LightView::cube_of(of, light, map)? };
             let outside = prepared.backs_add_nothing(light);
             views.into_iter().map(|view| LightView { outside, ..view }).collect()
-        } else if one {
-            vec![settings.light_view(prepared, light)?]
         } else {
             settings.light_views(prepared, light)?
         };

@@ -1,7 +1,8 @@
 //! The nearest and the second nearest caster at every texel centre.
 
 use super::triangle_setup::{Reach, Triangle};
-use super::view::{Flat, by_rows, centre, columns};
+use super::view::{Flat, View, by_rows, centre, columns};
+use glam::{DVec2, DVec3};
 
 /// Layers over a texel centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,4 +71,26 @@ fn add(layer: &mut Layer, depth: f64, triangle: u32) {
 /// Whether a triangle counts as over every texel, because it reaches behind the light.
 pub fn any_everywhere(triangles: &[Triangle]) -> bool {
     triangles.iter().any(|t| t.map == Reach::Everywhere)
+}
+
+/// Depth at `centre` of a triangle, of whose corners some may lie behind the light, and how far within its edges that is, texels as |x| + |y|
+/// across the nearest edge, below 0 outside; `None` if the light lies in its plane, or what is there lies nearer than the view's nearest
+/// distance.
+pub fn depth_in_front(view: &View, corners: [DVec3; 3], centre: DVec2) -> Option<(f64, f64)> {
+    let rows = corners.map(|p| {
+        let p = p.extend(1.0);
+        (DVec3::new(view.map.u.dot(p), view.map.v.dot(p), view.map.w.dot(p)), view.map.z.dot(p))
+    });
+    let [(p, zp), (q, zq), (r, zr)] = rows;
+    let det = p.dot(q.cross(r));
+    // Shares of the corners in the point there, over its divisor.
+    let edges = [q.cross(r), r.cross(p), p.cross(q)].map(|edge| edge / det);
+    let at = centre.extend(1.0);
+    let shares = edges.map(|edge| edge.dot(at));
+    let within = edges.map(|edge| edge.dot(at) / (edge.x.abs() + edge.y.abs()));
+    // Positive where it is in front; its inverse is the divisor.
+    let over: f64 = shares.iter().sum();
+    let depth = shares[0] * zp + shares[1] * zq + shares[2] * zr;
+    let inside = within.into_iter().fold(f64::INFINITY, f64::min);
+    (det != 0.0 && over > 0.0 && 1.0 / over > view.map.near).then_some((depth, inside))
 }

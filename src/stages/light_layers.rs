@@ -17,7 +17,13 @@ use crate::gpu::{Buffer, Groups, Stage};
 /// The pipeline.
 #[derive(Debug)]
 pub struct LightLayers {
-    raster: kernel::RasterProgram,
+    raster: Raster,
+}
+
+#[derive(Debug)]
+enum Raster {
+    Both(kernel::RasterProgram),
+    Nearest(kernel::RasterNearestProgram),
 }
 
 /// State of every texel.
@@ -64,21 +70,18 @@ impl Layers {
 impl LightLayers {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self::with(device, true)
+        Self { raster: Raster::Both(kernel::RasterProgram::new(device, kernel::Constants { both: 1 })) }
     }
 
-    /// As [`LightLayers::new`], for `nearest_keys` alone: a shadow map.
+    /// As [`LightLayers::new`], for `nearest_keys` alone: a shadow map. Of triangles that reach behind the light's nearest distance it holds
+    /// the part before it, too.
     pub fn nearest_only(device: &wgpu::Device) -> Self {
-        Self::with(device, false)
-    }
-
-    fn with(device: &wgpu::Device, both: bool) -> Self {
-        Self { raster: kernel::RasterProgram::new(device, kernel::Constants { both: u32::from(both) }) }
+        Self { raster: Raster::Nearest(kernel::RasterNearestProgram::new(device, kernel::Constants { both: 0 })) }
     }
 
     /// Records it.
     pub fn record(&self, stage: &mut Stage, frame: &Buffer<Frame>, blocks: Blocks, layers: &Layers) {
-        let bindings = kernel::Raster {
+        let bindings = kernel::Blocks {
             frame: frame.as_uniform(),
             triangles: blocks.triangles.as_read(),
             map_points: blocks.points.as_read(),
@@ -89,6 +92,10 @@ impl LightLayers {
             second_keys: layers.second_keys.as_write(),
             mask: layers.mask.as_write(),
         };
-        stage.run(&self.raster, bindings, Groups::Indirect(blocks.args.0, blocks.args.1));
+        let groups = Groups::Indirect(blocks.args.0, blocks.args.1);
+        match &self.raster {
+            Raster::Both(raster) => stage.run(raster, bindings, groups),
+            Raster::Nearest(raster) => stage.run(raster, bindings, groups),
+        }
     }
 }

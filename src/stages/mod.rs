@@ -16,6 +16,7 @@ pub mod map_moments;
 pub mod pixel_receivers;
 pub mod pixel_texel_pairs;
 pub mod pixel_triangles;
+pub mod pixel_views;
 pub mod prefix_scan;
 pub mod radix_sort;
 pub mod resolve;

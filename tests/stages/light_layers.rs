@@ -1,11 +1,14 @@
 //! The two nearest casters at each texel centre, against `f64`: every texel whose centre is within the guard of an edge is
 //! marked; at all others both depths agree.
 
+use crate::support::depth_map::OnMap;
 use crate::support::geometry::{Case, MESHES, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away};
-use crate::support::{gpu, sizes_around, small_gpu};
+use crate::support::shadow::{World, add_triangle, camera, random_scene, samples, vector};
+use crate::support::{Random, gpu, sizes_around, small_gpu};
 use gpu_test::gpu_test;
-use subpixel_shadows::glam::DVec3;
+use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::reference::light_layers::depth_in_front;
 use subpixel_shadows::reference::triangle_setup::Reach;
 use subpixel_shadows::scene::{Light, Mesh};
 
@@ -203,4 +206,60 @@ fn what_only_cuts_is_left_out() {
         others += cutting.second_keys.iter().zip(&with_all.second_keys).filter(|(a, b)| a != b).count();
     }
     assert!(others > 0, "what turns away is seen nowhere");
+}
+
+/// Alone, the nearest depths hold of triangles that reach behind the light what lies in front of it.
+#[gpu_test]
+fn nearest_alone_holds_what_reaches_behind_the_light() {
+    let mut random = Random::new(23);
+    let [mut compared, mut cut] = [0; 2];
+    for seed in 0..6 {
+        let mut mesh = random_scene(seed, &mut random);
+        for _ in 0..6 {
+            // Through the height of the light, from far in front of it to far behind.
+            let [a, b, c] = [vector(&mut random), vector(&mut random), vector(&mut random)];
+            let up = DVec3::new(0.0, 9.0, 0.0);
+            let corners = [a * 2.0 - up * 0.3, b * 2.0 + up * f64::from(seed % 2 + 1), c * 6.0 - up * 0.1];
+            add_triangle(&mut mesh, corners.map(|p| p.as_vec3().into()));
+        }
+        let light = Light::Point { position: [0.3, 4.0 + seed as f32, 0.2] };
+        let world = World::new(
+            gpu(),
+            &mesh,
+            camera(DVec3::new(-3.0, 4.0, 1.0), DVec3::ZERO, 40.0),
+            light,
+            [4, 3],
+            64,
+            samples(1),
+        );
+        let on = OnMap::of(&world, |_, _, _, _, _| {});
+        let side = world.view.map.map_size as usize;
+        for (texel, got) in on.depths.iter().enumerate() {
+            let at = DVec2::new((texel % side) as f64 + 0.5, (texel / side) as f64 + 0.5);
+            let mut nearest = None::<(f64, bool)>;
+            let mut open = false;
+            for corners in world.triangles.iter().filter_map(|t| t.corners) {
+                let Some((depth, inside)) = depth_in_front(&world.view, corners, at) else { continue };
+                open |= inside.abs() < 0.05;
+                let behind = corners.iter().any(|p| world.view.on_map(*p).is_none());
+                if inside > 0.0 && nearest.is_none_or(|(other, _)| depth < other) {
+                    nearest = Some((depth, behind));
+                }
+            }
+            if open {
+                continue;
+            }
+            compared += 1;
+            let off = match (*got, nearest) {
+                (None, None) => 0.0,
+                (Some(got), Some((depth, behind))) => {
+                    cut += u32::from(behind);
+                    (got - depth.max(0.0)).abs()
+                }
+                _ => f64::INFINITY,
+            };
+            assert!(off < 2e-3, "seed {seed}, texel {at}: {got:?}, {nearest:?} expected");
+        }
+    }
+    assert!(compared > 5000 && cut > 1000, "{compared} texels compared, {cut} of what reaches behind");
 }

@@ -15,6 +15,7 @@ mod map_moments;
 mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;
+mod pixel_views;
 mod prefix_scan;
 mod radix_sort;
 mod resolve;

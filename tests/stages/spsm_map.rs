@@ -1,7 +1,8 @@
 //! The closest triangle of each texel and its record, against `f64`; and the codes themselves, bit for bit.
 
 use crate::support::shadow::{
-    World, above, add_triangle, camera, doubled, folding_gpu, random_light, random_scene, samples, sheet, soup, uniform,
+    World, above, add_triangle, camera, doubled, folding_gpu, random_light, random_scene, samples, sheet, soup,
+    uniform, vector,
 };
 use crate::support::spsm::{Made, middle, noise};
 use crate::support::{Random, gpu, run, sizes_around, upload};
@@ -11,6 +12,7 @@ use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::bindings::{Read, Uniform, Write};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
+use subpixel_shadows::reference::light_layers::depth_in_front;
 use subpixel_shadows::reference::spsm_map::{
     EMPTY, closest, direction_code, distance_code, lifted, slope_code_16, slope_of_16, unorm_code,
 };
@@ -545,4 +547,53 @@ fn planes_are_rebuilt_within_their_bounds() {
         }
     }
     assert!(beyond < tried, "{beyond} of {tried} are too steep");
+}
+
+/// Of a triangle that reaches behind the light edge lines hold what lies in front of it; the paper's corners hold nothing.
+#[gpu_test]
+fn lines_hold_what_reaches_behind_the_light() {
+    let mut random = Random::new(29);
+    let [mut held, mut cut] = [0; 2];
+    for seed in 0..40 {
+        let [a, b, c] = [vector(&mut random), vector(&mut random), vector(&mut random)];
+        let up = DVec3::new(0.0, 9.0, 0.0);
+        let corners = [a * 2.0 - up * 0.3, b * 2.0 + up * f64::from(seed % 2 + 1), c * 6.0 - up * 0.1];
+        let mut mesh = Mesh::default();
+        add_triangle(&mut mesh, corners.map(|p| p.as_vec3().into()));
+        add_triangle(&mut mesh, [[-2.0, -4.0, -2.0], [2.0, -4.0, -2.0], [0.0, -4.0, 2.0]]);
+        let world = world(gpu(), &mesh, Light::Point { position: [0.3, 4.0, 0.2] }, 48);
+        let reaches = |t: &Triangle| {
+            let corners = t.corners.expect("it is there");
+            corners.iter().any(|p| world.view.on_map(*p).is_none())
+        };
+        let Some(t) = world.triangles.iter().position(reaches) else { continue };
+        let corners = world.triangles[t].corners.expect("it is there");
+        let [paper, lines] = [false, true].map(|lines| Made::new(&world, lines));
+        let only = |made: &Made, texel: usize| made.triangle(texel) == Some(t as u32);
+        assert!((0..48 * 48).all(|texel| !only(&paper, texel)), "{seed}: held by corners");
+        cut += 1;
+        for texel in 0..48 * 48 {
+            let found = depth_in_front(&world.view, corners, middle(texel, 48));
+            let Some((depth, inside)) = found.filter(|(depth, _)| (-0.9..1.9).contains(depth)) else { continue };
+            if inside < -1.6 {
+                assert!(!only(&lines, texel), "{seed}, texel {texel}: {inside} beside");
+            }
+            let other = world.triangles[1 - t].corners.expect("it is there");
+            let hidden = depth_in_front(&world.view, other, middle(texel, 48)).is_some_and(|(_, by)| by > -1.6);
+            if inside < 1.6 || hidden {
+                continue;
+            }
+            held += 1;
+            assert!(only(&lines, texel), "{seed}, texel {texel}: not held, {inside} within");
+            let sheet = lines.coding.decode(lines.records[texel], middle(texel, 48)).expect("a record");
+            let off = (sheet.depth.z - depth).abs();
+            let steep = sheet.depth.x.abs() + sheet.depth.y.abs();
+            assert!(off < 1e-3 + 0.02 * steep, "{seed}, texel {texel}: depth {}, {depth} expected", sheet.depth.z);
+            // Beyond the code's range all of the texel is within.
+            let within = sheet.edges.iter().map(|edge| edge.z).fold(f64::INFINITY, f64::min);
+            let same = (within - inside).abs() < 0.02 || (within.min(inside) > 3.0);
+            assert!(same, "{seed}, texel {texel}: {within} within, {inside} expected");
+        }
+    }
+    assert!(cut > 10 && held > 2000, "{cut} triangles reach behind, {held} texels hold them");
 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage, kernels, recorder};
-use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::light_view::{LightView, unit_scale};
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
 use subpixel_shadows::reference::prefix_scan;
@@ -38,6 +38,8 @@ pub struct Work {
 /// Everything that the stages read and write.
 pub struct Setup {
     pub prepared: Prepared,
+    /// The light's view, whose rows take points of the frame.
+    pub view: LightView,
     pub frame: Buffer<Frame>,
     pub casters: CasterBuffers,
     pub points: Buffer<[f32; 4]>,
@@ -138,7 +140,10 @@ impl Setup {
         let light = Light::Point { position: [2.0, 4.0, 1.0] };
         let view = LightView::fit(prepared.mesh(), &light, MAP)?;
         let samples = Samples::new(Default::default(), 32)?;
-        let mut content = Frame::new(&Camera::framing(bounds.0, bounds.1), &light, &view, bounds, IMAGE, &samples);
+        let camera = Camera::framing(bounds.0, bounds.1);
+        let mut content = Frame::new(&camera, &light, &view, bounds, IMAGE, &samples);
+        let eye = camera.rays(1, 1).eye;
+        let view = view.relative_to(eye, unit_scale(eye, bounds));
         content.vertex_count = casters.positions.len() as u32;
         content.triangle_count = casters.triangles.len() as u32;
         content.edge_count = casters.edges.len() as u32;
@@ -193,6 +198,7 @@ impl Setup {
             status,
             casters,
             prepared,
+            view,
         };
         submit(gpu, |s| {
             CameraVisibility::new(device).record(

@@ -62,6 +62,7 @@ const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of face
 // Four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
 const FLAG_ENDS = 1024u;
 const FLAG_NOTHING_CASTS = 16384u; // a facet that faces the light is lit
+const FLAG_NO_VIEW = 32768u;    // what lies outside the view may be in shadow, too
 // The view is one of several: facets are settled only where all of them lies in it
 const FLAG_ONE_OF_SEVERAL = 512u;
 

@@ -113,6 +113,25 @@ fn plane_of(t: Corners) -> vec3<f32> {
     return vec3(slope, t.a.z - dot(slope, t.a.xy));
 }
 
+// A line over the map as an edge around a texel's centre.
+fn line_around(line: vec3<f32>, centre: vec2<f32>) -> vec3<f32> {
+    let size = abs(line.x) + abs(line.y);
+    if !(size > 0.0) { return vec3(1.0, 0.0, NEAREST_EDGE); }
+    return vec3(line.xy, dot(line, vec3(centre, 1.0))) / size;
+}
+
+// Edges and plane are relative to the texel's centre.
+fn encode_lines(edges: array<vec3<f32>, 3>, plane: vec3<f32>) -> vec4<u32> {
+    let steep = plane.xy * f32(frame.map_size);
+    // 24 bits over depths from -1 to 2: the centre may lie outside a steep triangle.
+    let depth = depth_code((plane.z + 1.0) / 3.0, 16777214.0);
+    return vec4(
+        (direction_code(edges[0].xy) << 20u) | (distance_code(edges[0].z) << 8u) | (depth >> 16u),
+        (direction_code(edges[1].xy) << 20u) | (distance_code(edges[1].z) << 8u) | ((depth >> 8u) & 255u),
+        (direction_code(edges[2].xy) << 20u) | (distance_code(edges[2].z) << 8u) | (depth & 255u),
+        (slope_code_16(steep.y) << 16u) | slope_code_16(steep.x));
+}
+
 // Corners are relative to the texel's centre, which is `centre` in the map.
 fn encode_record(t: Corners, centre: vec2<f32>) -> vec4<u32> {
     let plane = plane_of(t);
@@ -131,16 +150,8 @@ fn encode_record(t: Corners, centre: vec2<f32>) -> vec4<u32> {
     let ab = t.b.xy - t.a.xy;
     let ac = t.c.xy - t.a.xy;
     let turn = select(-1.0, 1.0, ab.x * ac.y - ab.y * ac.x > 0.0);
-    let e0 = edge_of(t.a.xy, t.b.xy, turn);
-    let e1 = edge_of(t.b.xy, t.c.xy, turn);
-    let e2 = edge_of(t.c.xy, t.a.xy, turn);
-    // 24 bits over depths from -1 to 2: the centre may lie outside a steep triangle.
-    let depth = depth_code((plane.z + 1.0) / 3.0, 16777214.0);
-    return vec4(
-        (direction_code(e0.xy) << 20u) | (distance_code(e0.z) << 8u) | (depth >> 16u),
-        (direction_code(e1.xy) << 20u) | (distance_code(e1.z) << 8u) | ((depth >> 8u) & 255u),
-        (direction_code(e2.xy) << 20u) | (distance_code(e2.z) << 8u) | (depth & 255u),
-        (slope_code_16(steep.y) << 16u) | slope_code_16(steep.x));
+    return encode_lines(
+        array(edge_of(t.a.xy, t.b.xy, turn), edge_of(t.b.xy, t.c.xy, turn), edge_of(t.c.xy, t.a.xy, turn)), plane);
 }
 
 // A coded vertex of ENCODING 0.

@@ -173,7 +173,7 @@ fn slices_hold_what_is_seen() {
             let scale = unit_scale(rays.eye, bounds);
             for (warp, splits) in WARPS.into_iter().flat_map(|warp| [(warp, 1), (warp, 3)]) {
                 let plan = SplitPlan { splits, warp, focus: 0.3 };
-                let slices = view.slices(&camera, [64, 48], bounds, &plan);
+                let slices = view.slices(&camera, [64, 48], bounds, &plan, 0.0);
                 assert_eq!(slices.len(), splits as usize);
                 assert!(slices.iter().all(|slice| slice.one_of_several && slice.perspective));
                 for p in seen_points(&moved, &seen) {
