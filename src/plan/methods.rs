@@ -52,6 +52,9 @@ const BIN_STAGES: [(&str, &str); 4] = [
 /// Stages that prove facets lit or shadowed.
 const PROOF: [&str; 4] = ["light_layers", "silhouette_mask", "front_layer", "summed_area"];
 
+/// Stage of the methods of one receiver a pixel where the light has several views.
+const CHOICE: (&str, &str) = ("pixel_views", "which view of the light each pixel asks, and its answer");
+
 /// Parts of stages that a setting makes needless.
 const EVERY_SAMPLE: (&str, &str) = ("split_shadows.samples", "every sample by itself");
 pub(super) const UNSEEN: (&str, &str) = ("spsm_map.unseen", "texels that no pixel asks for");
@@ -110,6 +113,12 @@ impl Plan {
         let mut steps: Vec<PlanStep> = shadowless.into_iter().filter(kept).collect();
         let at = if of_facets { steps.len() - 1 } else { 2 };
         steps.splice(at..at, own);
+        if matches!(method, MethodName::Spsm | MethodName::ShadowMap | MethodName::Pcf | MethodName::Smsr) {
+            let (name, purpose) = CHOICE;
+            let several = wanted.partition.is_some() || !settings.light_view(prepared, light)?.complete;
+            let one = (!several).then(|| "one view of the light holds all".to_owned());
+            steps.insert(at, PlanStep { name, purpose, left_out: reason.clone().or(one) });
+        }
         if filters {
             let (name, purpose) = EVERY_SAMPLE;
             let once = "one lookup in the moments of the pixel's footprint stands for all".to_owned();
