@@ -3,13 +3,13 @@
 // that is put out by a larger one, goes on to `second_keys`: all but one of the largest are seen there, in
 // whatever order they come. Where two casters are equally near, both hold the same key. Marks in `mask` every
 // texel of which an edge passes within CENTRE_GUARD of the centre. Triangles that are no casters
-// (FLAG_CULL_BACK) are left out, and those that are not wholly in front of the light, of which `raster_nearest`
-// takes the part that is: there marks need not make up for them. Writes `nearest_keys`, `second_keys` (complement of the bits of the depth; 0
-// where there is none), `mask` (one bit a texel, rows padded to 32). Depths are conservative nowhere:
-// front_layer checks what is built on them.
+// (FLAG_CULL_BACK) are left out, and those that are not wholly in front of the light, of which
+// `raster_nearest` takes the part that is: there marks need not make up for them. Writes `nearest_keys`,
+// `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit a texel, rows
+// padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
 //@bindings Blocks: raster, raster_nearest
 
-//@import frame dispatch rect work_items front_split span block_bits facing
+//@import frame dispatch rect work_items front_split span block_bits facing undivided
 
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
@@ -77,13 +77,28 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32) {
     }
 }
 
-// Vertices in order of index, so that an edge has one value in both of its triangles.
-fn ordered(given: vec3<u32>) -> vec3<u32> {
-    var i = given;
+// A block of a caster; none: `some` is false.
+struct Task {
+    some: bool,
+    block: Rect,
+    a: vec4<f32>,
+    b: vec4<f32>,
+    c: vec4<f32>,
+}
+
+fn task_of(item: u32) -> Task {
+    var task: Task;
+    if item >= work_offsets[frame.triangle_count] { return task; }
+    let t = owner_of(item, frame.triangle_count);
+    let given = triangles[t];
+    if is_culled(given.w, facing[t]) { return task; }
+    // Vertices in order of index, so that an edge has one value in both of its triangles.
+    var i = given.xyz;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
-    return i;
+    let block = block_of(light_rects[t], item - work_offsets[t]);
+    return Task(true, block, map_points[i.x], map_points[i.y], map_points[i.z]);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -93,24 +108,10 @@ fn raster(
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
-    let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
-    let given = triangles[t];
-    if is_culled(given.w, facing[t]) { return; }
-    let i = ordered(given.xyz);
-    let a = map_points[i.x];
-    let b = map_points[i.y];
-    let c = map_points[i.z];
-    if a.w <= 0.0 || b.w <= 0.0 || c.w <= 0.0 { return; }  // front_layer marks every texel of it
-    cover(a, b, c, block, CENTRE_GUARD);
-}
-
-// A point of `map_points` before division.
-fn undivided(p: vec4<f32>) -> vec4<f32> {
-    if p.w > 0.0 { return vec4(p.xyz * p.w, p.w); }
-    return vec4(p.xyz, p.w + frame.light_low.w);
+    let task = task_of(flat_invocation(group, groups, WORKGROUP, local));
+    // Of one that is not wholly in front front_layer marks every texel.
+    if !task.some || min(task.a.w, min(task.b.w, task.c.w)) <= 0.0 { return; }
+    cover(task.a, task.b, task.c, task.block, CENTRE_GUARD);
 }
 
 // Where the edge from a point in front to one that is not comes to the nearest distance.
@@ -129,16 +130,11 @@ fn raster_nearest(
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
-    let item = flat_invocation(group, groups, WORKGROUP, local);
-    if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
-    let given = triangles[t];
-    if is_culled(given.w, facing[t]) { return; }
-    let i = ordered(given.xyz);
-    let a = map_points[i.x];
-    let b = map_points[i.y];
-    let c = map_points[i.z];
+    let task = task_of(flat_invocation(group, groups, WORKGROUP, local));
+    if !task.some { return; }
+    let a = task.a;
+    let b = task.b;
+    let c = task.c;
     // A fan of one triangle or two, whose edges go from a vertex in front to where they are cut.
     var fan = array(a, b, c, c);
     var parts = 1u;
@@ -170,7 +166,7 @@ fn raster_nearest(
         let extent = max(max(largest_of(fan[0]), largest_of(fan[1])), max(largest_of(fan[2]), largest_of(fan[3])));
         guarded = max(CENTRE_GUARD, 4e-7 * extent);
     }
-    for (var k = 0u; k < parts; k++) { cover(fan[0], fan[k + 1u], fan[k + 2u], block, guarded); }
+    for (var k = 0u; k < parts; k++) { cover(fan[0], fan[k + 1u], fan[k + 2u], task.block, guarded); }
 }
 
 fn largest_of(p: vec4<f32>) -> f32 { return max(abs(p.x), abs(p.y)); }

@@ -6,8 +6,8 @@
 // when it came, with the texels where it was. `choose` goes through that list and finds the triangles.
 // `encode` says if a texel has a depth but no triangle: the list was too short, or `choose`, which is
 // compiled for itself, rounds otherwise than `raster`. Then `again` has `raster` run once more over all
-// blocks, and `encode` over all texels. Of a triangle that is not wholly in front of
-// the light the part that is counts; ENCODING 0, which keeps corners, leaves it out.
+// blocks, and `encode` over all texels. Of a triangle that is not wholly in front of the light the part that
+// is counts; ENCODING 0, which keeps corners, leaves it out.
 //@bindings Map: raster, encode, divide, choose, again
 
 //@import dispatch keys spsm_bindings spsm_raster spsm_encode

@@ -146,6 +146,40 @@ fn every_method_is_recorded() {
     }
 }
 
+/// A light that goes in among its casters and out again, and slices: the renderer's picture each time. From the first such frame on no
+/// pipeline is made, in another size neither.
+#[gpu_test]
+fn several_views_are_recorded() {
+    let plain = scene("spheres");
+    let lamp = Light::Point { position: [0.8, 1.9, 0.9] };
+    for method in [MethodName::ShadowMap, MethodName::Pcf, MethodName::Smsr, MethodName::Spsm, MethodName::RayTraced] {
+        let name = method.name();
+        let plan = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 };
+        let settings = Settings { partition: method.in_slices().then_some(plan), ..settings(8) };
+        let mut pass = pass(&PassConfig { method, ..PassConfig::new(settings.clone(), casters(&plain.mesh)) });
+        let mut pictures = Vec::new();
+        let mut made = 0;
+        for (k, light) in [plain.light, lamp, plain.light, lamp].into_iter().enumerate() {
+            let lit = Scene { light, ..plain.clone() };
+            if k == 2 {
+                made = made_here();
+                pass.set_size([24, 18]).expect("another size");
+                frame(&mut pass, &Inputs::new(&lit.camera, &lit.light));
+                pass.set_size(SIZE).expect("the first size");
+            }
+            let (got, _) = frame(&mut pass, &Inputs::new(&lit.camera, &lit.light));
+            if k == 3 {
+                assert_eq!(made_here(), made, "{name}: pipelines are made anew");
+            }
+            pictures.push((lit, got));
+        }
+        for (k, (lit, got)) in pictures.iter().enumerate() {
+            assert!(*got == rendered(lit, method, &settings), "{name}, frame {k}: another picture");
+        }
+        assert!(pictures[0].1 != pictures[1].1, "{name}: both lights show the same");
+    }
+}
+
 /// The last complete picture stands for them too, and a G-buffer of triangle numbers tells what is seen.
 #[gpu_test]
 fn every_method_takes_triangle_numbers_and_keeps_its_picture() {

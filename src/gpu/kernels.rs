@@ -283,9 +283,9 @@ pub mod front_layer {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/raster/work_items", "shared/raster/front_split",
-        "shared/math/divide", "shared/raster/rect", "shared/raster/conservative", "shared/raster/span",
-        "shared/raster/block_bits", "shared/raster/cover_cells", "shared/raster/mask_rows", "shared/frame/facing",
-        "shared/frame/frame_copy", "front_layer",
+        "shared/math/divide", "shared/raster/rect", "shared/raster/undivided", "shared/raster/conservative",
+        "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells", "shared/raster/mask_rows",
+        "shared/frame/facing", "shared/frame/frame_copy", "front_layer",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -401,7 +401,7 @@ pub mod light_layers {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span", "shared/raster/block_bits",
-        "shared/frame/facing", "shared/frame/frame_copy", "light_layers",
+        "shared/frame/facing", "shared/raster/undivided", "shared/frame/frame_copy", "light_layers",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -863,11 +863,11 @@ pub mod sample_bins {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
-        "shared/raster/rect", "shared/raster/work_items", "shared/raster/conservative", "shared/raster/span",
-        "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
-        "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/map_ends", "shared/frame/frame_copy",
-        "shared/lines/shadow_lines", "shared/lines/shadow_lines_46", "shared/lines/shadow_ray",
-        "sample_bins/mesh_caster", "sample_bins/bin_tests", "sample_bins",
+        "shared/raster/rect", "shared/raster/work_items", "shared/raster/undivided", "shared/raster/conservative",
+        "shared/raster/span", "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing",
+        "shared/math/double_float", "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/map_ends",
+        "shared/frame/frame_copy", "shared/lines/shadow_lines", "shared/lines/shadow_lines_46",
+        "shared/lines/shadow_ray", "sample_bins/mesh_caster", "sample_bins/bin_tests", "sample_bins",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1533,9 +1533,9 @@ pub mod spsm_map {
     source! {
         "shared/frame/dispatch", "spsm_map/keys", "shared/frame/frame", "shared/frame/pass",
         "spsm_map/spsm_bindings", "shared/math/divide", "shared/raster/rect", "shared/raster/work_items",
-        "shared/raster/conservative", "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells",
-        "shared/math/cross_sign", "shared/spsm/spsm_record", "spsm_map/spsm_cut", "shared/spsm/seen_texels",
-        "spsm_map/spsm_raster", "spsm_map/spsm_encode", "spsm_map",
+        "shared/raster/undivided", "shared/raster/conservative", "shared/raster/span", "shared/raster/block_bits",
+        "shared/raster/cover_cells", "shared/math/cross_sign", "shared/spsm/spsm_record", "spsm_map/spsm_cut",
+        "shared/spsm/seen_texels", "spsm_map/spsm_raster", "spsm_map/spsm_encode", "spsm_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1624,9 +1624,9 @@ pub mod spsm_map_64 {
     source! {
         "shared/frame/dispatch", "spsm_map/keys_64", "shared/frame/frame", "shared/frame/pass",
         "spsm_map/spsm_bindings", "shared/math/divide", "shared/raster/rect", "shared/raster/work_items",
-        "shared/raster/conservative", "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells",
-        "shared/math/cross_sign", "shared/spsm/spsm_record", "spsm_map/spsm_cut", "shared/spsm/seen_texels",
-        "spsm_map/spsm_raster", "spsm_map/spsm_encode", "spsm_map_64",
+        "shared/raster/undivided", "shared/raster/conservative", "shared/raster/span", "shared/raster/block_bits",
+        "shared/raster/cover_cells", "shared/math/cross_sign", "shared/spsm/spsm_record", "spsm_map/spsm_cut",
+        "shared/spsm/seen_texels", "spsm_map/spsm_raster", "spsm_map/spsm_encode", "spsm_map_64",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1948,9 +1948,10 @@ pub mod triangle_texel_pairs {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/raster/work_items",
-        "shared/math/divide", "shared/raster/rect", "shared/raster/conservative", "shared/raster/span",
-        "shared/raster/block_bits", "shared/raster/cover_cells", "shared/raster/places", "shared/raster/tile_cells",
-        "shared/raster/append", "shared/raster/map_ends", "shared/frame/frame_copy", "triangle_texel_pairs",
+        "shared/math/divide", "shared/raster/rect", "shared/raster/undivided", "shared/raster/conservative",
+        "shared/raster/span", "shared/raster/block_bits", "shared/raster/cover_cells", "shared/raster/places",
+        "shared/raster/tile_cells", "shared/raster/append", "shared/raster/map_ends", "shared/frame/frame_copy",
+        "triangle_texel_pairs",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,

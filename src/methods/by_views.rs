@@ -8,7 +8,7 @@ use crate::gpu::{Buffer, Recorder};
 use crate::stages::PrimaryHits;
 use crate::stages::pixel_views::{PixelChoice, PixelViews, TakeWords};
 
-/// What a method leaves of every pixel.
+/// Results that a method leaves of every pixel.
 #[derive(Clone, Copy)]
 pub struct Left<'a> {
     /// Visibility.

@@ -314,7 +314,12 @@ impl FixedMemory {
         if let (Some(by_views), [first, _, ..]) = (&self.by_views, &mut uploads[..]) {
             let eye = camera.rays(1, 1).eye;
             let scale = unit_scale(eye, bounds);
-            let relative: Vec<LightView> = asked.iter().map(|view| view.relative_to(eye, scale)).collect();
+            // In front of a view is what its run takes to be there.
+            let relative = |view: &LightView| {
+                let near = f64::from(nearest(view, bounds, camera));
+                LightView { near, ..view.relative_to(eye, scale) }
+            };
+            let relative: Vec<LightView> = asked.iter().map(relative).collect();
             first.write(&by_views.choice().views, &[LightViews::new(&relative)]);
         }
         Ok(uploads)

@@ -55,6 +55,15 @@ impl MethodPipelines {
         }
     }
 
+    /// Does `work` with the pipelines that are kept: none is made that was made before.
+    pub fn within<T>(&self, work: impl FnOnce() -> T) -> T {
+        match self {
+            Self::FacetMasks(_) => work(),
+            #[cfg(feature = "baselines")]
+            Self::Fixed(_, kept) => kept.within(work),
+        }
+    }
+
     /// Whether the method's memory is fixed: no list grows, and there is one strip.
     pub fn is_fixed(&self) -> bool {
         !matches!(self, Self::FacetMasks(_))

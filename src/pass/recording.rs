@@ -147,6 +147,7 @@ impl ShadowPass {
 
     /// Makes room for a frame with another number of views than the one before.
     fn make_room_for(&mut self, views: u32) -> Result<()> {
-        self.image.method.make_room_for(&self.maker.device, &self.maker.queue, views)
+        let (maker, method) = (&self.maker, &mut self.image.method);
+        maker.pipelines.within(|| method.make_room_for(&maker.device, &maker.queue, views))
     }
 }

@@ -15,7 +15,7 @@ use subpixel_shadows::stages::pixel_views::{LightViews, PixelChoice, PixelViews,
 
 const REACH: f32 = 1.5;
 
-/// What the stage made of a world in some views.
+/// Results of the stage for a world in some views.
 #[derive(Clone)]
 struct Ran {
     views: Vec<LightView>,

@@ -2,6 +2,8 @@
 // texel is tested with its square grown by frame.map_margin, which is far above the rounding of the
 // projection and of the edge functions; large coordinates grow it further.
 
+//@import undivided
+
 struct Cover {
     edges: array<vec3<f32>, 3>,  // inside where dot((x, y, 1), edge) >= 0 for a texel centre, reach included
     low: vec2<f32>,
@@ -63,20 +65,14 @@ fn cover_triangle_by(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> C
     return s;
 }
 
-// Texel x and y times the divisor, and the divisor, of a point of `map_points`.
-fn undivided(p: vec4<f32>) -> vec3<f32> {
-    if p.w > 0.0 { return vec3(p.xy * p.w, p.w); }
-    return vec3(p.xy, p.w + frame.light_low.w);
-}
-
 // A triangle that reaches behind the light's nearest distance. The lines of its edges are found without
 // division, so that of what lies in front of the light they hold all, however near to the light it comes
 // (Olano and Greer 1997). They reach out by what rounding may have moved the corners.
 fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     var s: Cover;
-    let p = undivided(a);
-    let q = undivided(b);
-    let r = undivided(c);
+    let p = undivided(a).xyw;
+    let q = undivided(b).xyw;
+    let r = undivided(c).xyw;
     let size = f32(frame.map_size);
     let far = vec3(
         max(max(abs(p.x), abs(p.y)), size * abs(p.z)), max(max(abs(q.x), abs(q.y)), size * abs(q.z)),
