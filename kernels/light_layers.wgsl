@@ -136,7 +136,10 @@ fn raster_nearest(
     let b = task.b;
     let c = task.c;
     // A fan of one triangle or two, whose edges go from a vertex in front to where they are cut.
-    var fan = array(a, b, c, c);
+    var middle = a;
+    var side_a = b;
+    var side_b = c;
+    var last = c;
     var parts = 1u;
     var guarded = CENTRE_GUARD;
     let behind = vec3(a.w, b.w, c.w) <= vec3(0.0);
@@ -157,16 +160,26 @@ fn raster_nearest(
             second = b;
         }
         if alone.w > 0.0 {
-            fan = array(alone, cut_point(alone, first), cut_point(alone, second), alone);
+            middle = alone;
+            side_a = cut_point(alone, first);
+            side_b = cut_point(alone, second);
+            last = side_b;
             parts = 1u;
         } else {
-            fan = array(first, second, cut_point(second, alone), cut_point(first, alone));
+            middle = first;
+            side_a = second;
+            side_b = cut_point(second, alone);
+            last = cut_point(first, alone);
             parts = 2u;
         }
-        let extent = max(max(largest_of(fan[0]), largest_of(fan[1])), max(largest_of(fan[2]), largest_of(fan[3])));
+        let extent = max(max(largest_of(middle), largest_of(side_a)), max(largest_of(side_b), largest_of(last)));
         guarded = max(CENTRE_GUARD, 4e-7 * extent);
     }
-    for (var k = 0u; k < parts; k++) { cover(fan[0], fan[k + 1u], fan[k + 2u], task.block, guarded); }
+    for (var k = 0u; k < parts; k++) {
+        cover(middle, side_a, side_b, task.block, guarded);
+        side_a = side_b;
+        side_b = last;
+    }
 }
 
 fn largest_of(p: vec4<f32>) -> f32 { return max(abs(p.x), abs(p.y)); }

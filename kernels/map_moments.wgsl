@@ -1,10 +1,10 @@
-// map_moments: mean and variance of the depths of ever larger squares of texels, of the maps of `split_maps`
-// (Donnelly and Lauritzen 2006, whose two moments they are: kept apart, so that nothing cancels). A cell of
-// level k is a square of 2^k texels a side, cut at the map's border; a texel without a caster is as deep as
-// `splits.far`. `reduce` makes up to five levels above level FIRST, which is the texels (`map_keys`) or was
-// made before. Writes `moments`, view after view, level after level.
+// map_moments: mean and variance of the depths of ever larger squares of texels of a map (Donnelly and
+// Lauritzen 2006, whose two moments they are: kept apart, so that nothing cancels). A cell of level k is a
+// square of 2^k texels a side, cut at the map's border; a texel without a caster is as deep as `levels.far`.
+// `reduce` makes up to five levels above level FIRST, which is the texels (`nearest_keys`) or was made before.
+// Writes `moments`, level after level.
 
-//@import frame split_views dispatch front_split moments
+//@import frame dispatch front_split moments
 
 const WORKGROUP = 256u;
 const TILE = 32u;    // cells of level FIRST a side that a workgroup takes
@@ -14,7 +14,7 @@ const LEVELS = 5u;   // that it makes of them
 override FIRST: u32 = 0u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(2) var<storage, read> map_keys: array<u32>;
+@group(0) @binding(2) var<storage, read> nearest_keys: array<u32>;
 @group(0) @binding(3) var<storage, read_write> moments: array<vec2<f32>>;
 
 var<workgroup> tile: array<vec3<f32>, 256>;  // mean, variance, texels
@@ -25,11 +25,11 @@ fn extent(level: u32, cell: u32) -> f32 {
     return select(0.0, f32(min(1u << level, frame.map_size - begin)), begin < frame.map_size);
 }
 
-fn cell_of(view: u32, at: vec2<u32>) -> vec3<f32> {
+fn cell_of(at: vec2<u32>) -> vec3<f32> {
     let size = extent(FIRST, at.x) * extent(FIRST, at.y);
     if size == 0.0 { return vec3(0.0); }
-    if FIRST == 0u { return vec3(texel_moments(map_keys[(view * frame.map_size + at.y) * frame.map_size + at.x]), size); }
-    return vec3(moments[view * splits.level_stride + level_start(FIRST) + at.y * level_side(FIRST) + at.x], size);
+    if FIRST == 0u { return vec3(texel_moments(nearest_keys[at.y * frame.map_size + at.x]), size); }
+    return vec3(moments[level_start(FIRST) + at.y * level_side(FIRST) + at.x], size);
 }
 
 fn joined(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f32>) -> vec3<f32> {
@@ -47,16 +47,10 @@ fn reduce(
 ) {
     let across = (level_side(FIRST) + TILE - 1u) / TILE;
     let number = flat_group(group, groups);
-    let view = number / (across * across);
-    let place = number - view * across * across;
-    let corner = vec2(place % across, place / across);
+    let corner = vec2(number % across, number / across);
     let own = vec2(local % HALF, local / HALF);
-    var made = vec3(0.0);
-    if view < splits.count {
-        let at = corner * TILE + own * 2u;
-        made = joined(
-            cell_of(view, at), cell_of(view, at + vec2(1u, 0u)), cell_of(view, at + vec2(0u, 1u)), cell_of(view, at + vec2(1u)));
-    }
+    let at = corner * TILE + own * 2u;
+    var made = joined(cell_of(at), cell_of(at + vec2(1u, 0u)), cell_of(at + vec2(0u, 1u)), cell_of(at + 1u));
     for (var k = 1u; k <= LEVELS; k++) {
         let side = TILE >> k;
         let level = FIRST + k;
@@ -66,8 +60,8 @@ fn reduce(
             made = joined(tile[base], tile[base + 1u], tile[base + HALF], tile[base + HALF + 1u]);
         }
         let cell = corner * side + own;
-        if active_cell && level <= splits.levels && view < splits.count && all(cell < vec2(level_side(level))) {
-            moments[view * splits.level_stride + level_start(level) + cell.y * level_side(level) + cell.x] = made.xy;
+        if active_cell && level <= levels.count && all(cell < vec2(level_side(level))) {
+            moments[level_start(level) + cell.y * level_side(level) + cell.x] = made.xy;
         }
         workgroupBarrier();
         if active_cell { tile[own.y * HALF + own.x] = made; }

@@ -47,6 +47,11 @@ fn inset(view: u32, point: vec4<f32>) -> f32 {
     return max(min(within.x, within.y), OUTSIDE);
 }
 
+// The same of a pixel's corner, which says nothing where its ray misses the plane.
+fn corner_inset(view: u32, point: vec4<f32>) -> f32 {
+    return select(inset(view, point), -OUTSIDE, point.w == 0.0);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn choose(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -59,16 +64,14 @@ fn choose(
     var chosen = 0u;
     if r.seen == SEEN_OPEN {
         let middle = plane_point(r, pixel_ray(pixel));
-        // A corner whose ray misses the plane says nothing.
-        var around = array(
-            plane_point(r, ray_at(pixel, vec2(-0.5))), plane_point(r, ray_at(pixel, vec2(0.5, -0.5))),
-            plane_point(r, ray_at(pixel, vec2(0.5))), plane_point(r, ray_at(pixel, vec2(-0.5, 0.5))));
+        let a = plane_point(r, ray_at(pixel, vec2(-0.5)));
+        let b = plane_point(r, ray_at(pixel, vec2(0.5, -0.5)));
+        let c = plane_point(r, ray_at(pixel, vec2(0.5)));
+        let d = plane_point(r, ray_at(pixel, vec2(-0.5, 0.5)));
         var best = OUTSIDE;
         for (var view = 0u; view < views.count && best < REACH; view++) {
-            var least = inset(view, middle);
-            for (var k = 0u; k < 4u; k++) {
-                if around[k].w != 0.0 { least = min(least, inset(view, around[k])); }
-            }
+            let sides = min(min(corner_inset(view, a), corner_inset(view, b)), min(corner_inset(view, c), corner_inset(view, d)));
+            let least = min(inset(view, middle), sides);
             if least > best {
                 best = least;
                 chosen = view;

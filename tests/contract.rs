@@ -13,8 +13,8 @@ use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
-    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, pixel_receivers, pixel_views,
-    prefix_scan, radix_sort, sample_surfaces, sorted_pairs, split_maps, summed_area, texel_group, triangle_ids,
+    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, map_moments, pixel_receivers,
+    pixel_views, prefix_scan, radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids,
     visibility_texture, work_owners,
 };
 use subpixel_shadows::status::{Need, StatusBand, StatusHead};
@@ -94,13 +94,13 @@ fn registry() -> Vec<Registered> {
         of::<facet_classify::Facet>(),
         of::<facet_classify::Undecided>(),
         of::<gbuffer_triangles::GbufferTrianglesParams>(),
+        of::<map_moments::MapLevels>(),
         of::<pixel_receivers::PixelReceiversParams>(),
         of::<pixel_views::LightViews>(),
         of::<prefix_scan::PrefixScanParams>(),
         of::<radix_sort::RadixSortParams>(),
         of::<sample_surfaces::SurfaceStep>(),
         of::<sorted_pairs::SortedPairsParams>(),
-        of::<split_maps::SplitViews>(),
         of::<summed_area::SummedAreaParams>(),
         of::<texel_group::TexelGroupParams>(),
         of::<triangle_ids::TriangleIdsParams>(),
@@ -257,16 +257,15 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 11] = [
+const WITHOUT_A_LIST: [&str; 10] = [
     "front_layer",
     "light_layers",
     "map_moments",
+    "moment_shadows",
     "pixel_views",
     "seen_texels",
     "shadow_map",
     "smsr",
-    "split_maps",
-    "split_shadows",
     "spsm_map",
     "spsm_query",
 ];

@@ -391,11 +391,13 @@ mod gpu {
     }
 
     /// The settings with another value of an option.
-    fn with(option: &str, s: &Settings) -> Option<Settings> {
+    fn with(method: MethodName, option: &str, s: &Settings) -> Option<Settings> {
         use subpixel_shadows::light_view::{SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
         use subpixel_shadows::methods::{PairVariant, ProjectionVariant, SmsrShape, SpsmEncoding};
         let mut s = s.clone();
+        let one = SplitPlan { splits: 1, warp: Warp::Fitted, focus: SplitPlan::FOCUS };
+        let plan = s.partition.or(method.row().partition).unwrap_or(one);
         match option {
             "facets" => s.facets = FacetMode::One,
             "validity" => s.validity = false,
@@ -408,20 +410,11 @@ mod gpu {
             "kernel" => s.shadow_map.kernel = 7,
             "shape" => s.smsr.shape = SmsrShape::Corners,
             "reach" => s.smsr.reach = 1,
-            "splits" => {
-                s.split.splits = 1;
-                s.partition = Some(SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 });
-            }
-            "warp" => {
-                s.split.warp = Warp::Trapezoid;
-                s.partition = Some(SplitPlan { splits: 1, warp: Warp::Trapezoid, focus: 0.6 });
-            }
-            "focus" => {
-                s.split.focus = 0.2;
-                s.partition = s.partition.map(|plan| SplitPlan { focus: 0.2, ..plan });
-            }
-            "bleeding" => s.split.bleeding = 0.4,
-            "grazing" => s.split.grazing = 20.0,
+            "splits" => s.partition = Some(SplitPlan { splits: 2, ..plan }),
+            "warp" => s.partition = Some(SplitPlan { warp: Warp::Trapezoid, ..plan }),
+            "focus" => s.partition = Some(SplitPlan { focus: 0.2, ..plan }),
+            "bleeding" => s.moments.bleeding = 0.4,
+            "grazing" => s.moments.grazing = 20.0,
             // Of the renderer's memory and of what is written.
             "memory-limit" | "list-start" | "looks" => return None,
             _ => panic!("--{option} is new: set it here"),
@@ -433,7 +426,7 @@ mod gpu {
     #[gpu_test]
     fn the_table_of_options_is_true() {
         let gpu = Gpu::open(None).expect("a GPU");
-        // Of a light at a point slices have no warp, and so no focus.
+        // Of a light at a point slices have no warp.
         let sun = Light::Directional { direction: [0.4, 1.0, 0.3] };
         let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
@@ -451,7 +444,7 @@ mod gpu {
                 if option.methods.contains(&method) {
                     own.push(option.name);
                 } else {
-                    others = with(option.name, &others).unwrap_or(others);
+                    others = with(method, option.name, &others).unwrap_or(others);
                 }
             }
             let plain = of(&default, &scene.light);
@@ -463,12 +456,14 @@ mod gpu {
             for option in own {
                 // Of facet-masks where they say something: with one facet a pixel, a warp of the view's own.
                 let base = match option {
-                    "validity" => with("facets", &default),
-                    "focus" if method != MethodName::Trapezoidal => with("warp", &default),
+                    "validity" => with(method, "facets", &default),
+                    "focus" if method != MethodName::Trapezoidal => with(method, "warp", &default),
                     _ => Some(default.clone()),
                 };
-                let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(option, &b)?))) else { continue };
-                let light = if option == "focus" { &sun } else { &scene.light };
+                let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(method, option, &b)?))) else {
+                    continue;
+                };
+                let light = if matches!(option, "focus" | "warp") { &sun } else { &scene.light };
                 let same = if base == default && light == &scene.light { plain.clone() } else { of(&base, light) };
                 // Where texels lie does not show in exact pictures.
                 let exact = matches!(method, MethodName::FacetMasks | MethodName::Supersampled);

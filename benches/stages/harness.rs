@@ -2,7 +2,6 @@
 
 pub mod geometry;
 pub mod shadow;
-pub mod splits;
 
 use serde::Serialize;
 use std::fmt;

@@ -22,6 +22,7 @@ mod gbuffer_triangles;
 mod harness;
 mod light_layers;
 mod map_moments;
+mod moment_shadows;
 mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;
@@ -37,8 +38,6 @@ mod shadow_rays;
 mod silhouette_mask;
 mod smsr;
 mod sorted_pairs;
-mod split_maps;
-mod split_shadows;
 mod spsm_map;
 mod spsm_query;
 mod summed_area;
@@ -71,7 +70,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 34] = [
+    let without_textures: [Maker; 33] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -87,9 +86,8 @@ fn run(options: &Options) -> Result<()> {
         light_layers::cases,
         shadow_map::cases,
         smsr::cases,
-        split_maps::cases,
         map_moments::cases,
-        split_shadows::cases,
+        moment_shadows::cases,
         shadow_rays::cases,
         sample_bins::cases,
         silhouette_mask::cases,

@@ -12,7 +12,7 @@ use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    MethodName, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SplitSettings,
+    MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
     SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
@@ -125,12 +125,12 @@ pub struct RenderOptions {
     /// Texels to either side that smsr follows a border, its search distance: 1 to 64
     #[arg(long, default_value_t = 16, value_name = "N")]
     pub reach: u32,
-    /// Slices of the view, each with a map, of parallel-split, remix (3 if nothing is said), facet-masks, spsm, shadow-map, pcf, smsr and
-    /// supersampled (one view for all, or with a warp one slice): 1 to 4
+    /// Slices of what the camera sees, each with a view of the light, 1 to 4: 3 of parallel-split and remix if nothing is said, of the
+    /// others one view for all, or with a warp one slice
     #[arg(long, value_name = "N")]
     pub splits: Option<u32>,
-    /// How these, but for parallel-split, lay the texels of a map over its slice: evenly, over a trapezoid by the 80 % rule, by light-space
-    /// perspective, or as makes them smallest beside pixels [default: fitted]
+    /// How the texels of a map lie over its slice: evenly, over a trapezoid by the 80 % rule, by light-space perspective, or as makes
+    /// them smallest beside pixels [default: fitted]
     #[arg(long, value_enum, value_name = "HOW")]
     pub warp: Option<WarpBy>,
     /// Share of a slice's depth, nearest the eye, that gets 80 % of a trapezoid's rows (trapezoidal, --warp trapezoid)
@@ -139,7 +139,8 @@ pub struct RenderOptions {
     /// Share of light that variance and remix take off against leaks; 0 as in the papers, up to 0.9
     #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
     pub bleeding: f32,
-    /// Degrees of elevation of the light over a surface below which remix takes half of it as lit: 5 in the paper, 0 for none
+    /// Degrees of elevation of the light over a surface below which variance and remix take half of it as lit: 5 in the
+    /// paper of remix, 0 for none
     #[arg(long, default_value_t = 0.0, value_name = "DEGREES")]
     pub grazing: f32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
@@ -385,12 +386,6 @@ impl RenderOptions {
             Search::Wide => [2, 0],
             Search::Along => [1, 2],
         };
-        let warp = match self.warp.unwrap_or_default() {
-            WarpBy::Even => Warp::Box,
-            WarpBy::Trapezoid => Warp::Trapezoid,
-            WarpBy::Lispsm => Warp::LightSpace,
-            WarpBy::Fitted => Warp::Fitted,
-        };
         let settings = Settings {
             facets: self.facets.into(),
             validity: self.validity == Switch::On,
@@ -417,21 +412,30 @@ impl RenderOptions {
                 reach: self.reach,
                 ..SmsrSettings::default()
             },
-            partition: (self.method.in_slices() && (self.splits.is_some() || self.warp.is_some()))
-                .then_some(SplitPlan { splits: self.splits.unwrap_or(1), warp, focus: f64::from(self.focus) }),
-            split: SplitSettings {
-                splits: self.splits.unwrap_or(SplitSettings::default().splits),
-                warp,
-                focus: self.focus,
-                bleeding: self.bleeding,
-                grazing: self.grazing,
-            },
+            partition: self.partition(),
+            moments: MomentSettings { bleeding: self.bleeding, grazing: self.grazing },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
             ..Settings::new(self.size, self.map, samples)
         };
         settings.check()?;
         Ok(settings)
+    }
+
+    /// Slices of what the camera sees: those of the method, with what is said of them.
+    fn partition(&self) -> Option<SplitPlan> {
+        let own = self.method.row().partition;
+        let warp = self.warp.map(|warp| match warp {
+            WarpBy::Even => Warp::Box,
+            WarpBy::Trapezoid => Warp::Trapezoid,
+            WarpBy::Lispsm => Warp::LightSpace,
+            WarpBy::Fitted => Warp::Fitted,
+        });
+        (self.splits.is_some() || warp.is_some() || own.is_some()).then(|| SplitPlan {
+            splits: self.splits.or(own.map(|plan| plan.splits)).unwrap_or(1),
+            warp: warp.or(own.map(|plan| plan.warp)).unwrap_or_default(),
+            focus: f64::from(self.focus),
+        })
     }
 
     /// Opens the scene with what the options change of it.

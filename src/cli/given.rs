@@ -8,7 +8,7 @@ use clap::{ArgMatches, CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value, json};
 use std::ffi::OsString;
 use std::path::Path;
-use subpixel_shadows::methods::{METHOD_OPTIONS, MethodName, SplitSettings};
+use subpixel_shadows::methods::{METHOD_OPTIONS, MethodName};
 use subpixel_shadows::report::FrameReport;
 use subpixel_shadows::scene::{BUILTIN_NAMES, Camera, CameraOverride, Light, Mesh, Scene};
 use subpixel_shadows::{Error, Result};
@@ -205,7 +205,7 @@ pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<
     let o = options;
     let number = |value: f32| json!(value.to_string().parse::<f64>().unwrap_or(f64::from(value)));
     let [width, height] = o.size;
-    let split_method = !o.method.in_slices();
+    let own = o.method.row().partition;
     let all = [
         ("scene", json!(scene.name)),
         ("method", json!(o.method.name())),
@@ -236,8 +236,8 @@ pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<
         ("kernel", json!(o.kernel)),
         ("shape", word(o.shape)),
         ("reach", json!(o.reach)),
-        ("splits", json!(o.splits.or(split_method.then_some(SplitSettings::default().splits)))),
-        ("warp", o.warp.or(split_method.then(Default::default)).map_or(Value::Null, word)),
+        ("splits", json!(o.splits.or(own.map(|plan| plan.splits)))),
+        ("warp", o.warp.or(own.map(|_| Default::default())).map_or(Value::Null, word)),
         ("focus", number(o.focus)),
         ("bleeding", number(o.bleeding)),
         ("grazing", number(o.grazing)),

@@ -87,7 +87,7 @@ impl How {
         let slices = &mut Random::of(seed ^ 0x51ce_5000, number);
         let warp = slices.pick([Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted, Warp::Fitted]);
         let plan = SplitPlan { splits: slices.whole(1, SplitPlan::MOST), warp, focus: slices.pick([0.1, 0.6, 1.0]) };
-        let partition = (method.in_slices() && slices.chance(0.3)).then_some(plan);
+        let partition = (method.takes("splits") && slices.chance(0.3)).then_some(plan);
         let settings = Settings {
             facets,
             partition,

@@ -463,8 +463,8 @@ pub mod map_moments {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/raster/split_views", "shared/frame/dispatch", "shared/raster/front_split",
-        "shared/raster/moments", "map_moments",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/raster/front_split", "shared/raster/moments",
+        "map_moments",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -477,12 +477,49 @@ pub mod map_moments {
     }
     entry_point! { "map_moments", "reduce", [256, 1, 1], SOURCE, Constants => Reduce, ReduceProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
-        2 map_keys: Read<'a, u32>,
+        1 levels: Uniform<'a, crate::stages::map_moments::MapLevels>,
+        2 nearest_keys: Read<'a, u32>,
         3 moments: Write<'a, [f32; 2]>,
     } }
     entries! {
         Reduce,
+    }
+}
+
+/// `kernels/moment_shadows.wgsl`.
+pub mod moment_shadows {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/raster/front_split", "shared/raster/moments",
+        "moment_shadows",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        MOST_PROBES = 16, WORKGROUP = 64,
+    }
+    overrides! {
+        bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
+        bleeding: f32 = 0.0, "BLEEDING",
+        grazing: f32 = 0.0, "GRAZING",
+    }
+    entry_point! { "moment_shadows", "filter_moments", [64, 1, 1], SOURCE, Constants => FilterMoments, FilterMomentsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 levels: Uniform<'a, crate::stages::map_moments::MapLevels>,
+        3 id_keys: Read<'a, u32>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 points: Read<'a, [f32; 4]>,
+        6 nearest_keys: Read<'a, u32>,
+        7 moments: Read<'a, [f32; 2]>,
+        8 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        FilterMoments,
     }
 }
 
@@ -1425,106 +1462,6 @@ pub mod sorted_pairs {
     }
 }
 
-/// `kernels/split_maps.wgsl`.
-pub mod split_maps {
-    use crate::entry_point;
-    use crate::gpu::bindings::*;
-
-    source! {
-        "shared/frame/frame", "shared/raster/split_views", "shared/frame/dispatch", "shared/math/divide",
-        "shared/raster/rect", "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span",
-        "shared/raster/block_bits", "split_maps",
-    }
-    constants! {
-        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
-        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64,
-    }
-    entry_point! { "split_maps", "measure", [64, 1, 1], SOURCE, () => Measure, MeasureProgram {
-        0 frame: Uniform<'a, crate::frame::Frame>,
-        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
-        2 triangles: Read<'a, [u32; 4]>,
-        3 points: Read<'a, [f32; 4]>,
-        4 light_rects: Read<'a, [u32; 2]>,
-        5 split_rects: Write<'a, [u32; 2]>,
-        6 split_items: Write<'a, u32>,
-    } }
-    entry_point! { "split_maps", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
-        0 frame: Uniform<'a, crate::frame::Frame>,
-        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
-        2 triangles: Read<'a, [u32; 4]>,
-        3 points: Read<'a, [f32; 4]>,
-        7 rects: Read<'a, [u32; 2]>,
-        8 work_offsets: Read<'a, u32>,
-        9 map_keys: Write<'a, u32>,
-    } }
-    entries! {
-        Measure, Raster,
-    }
-}
-
-/// `kernels/split_shadows.wgsl`.
-pub mod split_shadows {
-    use crate::entry_point;
-    use crate::gpu::bindings::*;
-
-    source! {
-        "shared/frame/frame", "shared/raster/split_views", "shared/frame/dispatch", "shared/frame/facing",
-        "shared/math/divide", "shared/frame/pixel_ray", "shared/facet/receiver", "shared/raster/front_split",
-        "shared/raster/moments", "split_shadows",
-    }
-    constants! {
-        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
-        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
-        MOST_PROBES = 16, WORKGROUP = 64,
-    }
-    overrides! {
-        bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
-        bias_slope: f32 = 1.05, "BIAS_SLOPE",
-        bleeding: f32 = 0.0, "BLEEDING",
-        grazing: f32 = 0.0, "GRAZING",
-    }
-    entry_point! { "split_shadows", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
-        0 frame: Uniform<'a, crate::frame::Frame>,
-        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
-        2 samples: Uniform<'a, [f32; 4]>,
-        3 id_keys: Read<'a, u32>,
-        4 triangles: Read<'a, [u32; 4]>,
-        5 points: Read<'a, [f32; 4]>,
-        6 map_keys: Read<'a, u32>,
-        8 visibility: Write<'a, f32>,
-    } }
-    entry_point! { "split_shadows", "filter_moments", [64, 1, 1], SOURCE, Constants => FilterMoments, FilterMomentsProgram {
-        0 frame: Uniform<'a, crate::frame::Frame>,
-        1 splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
-        3 id_keys: Read<'a, u32>,
-        4 triangles: Read<'a, [u32; 4]>,
-        5 points: Read<'a, [f32; 4]>,
-        6 map_keys: Read<'a, u32>,
-        7 moments: Read<'a, [f32; 2]>,
-        8 visibility: Write<'a, f32>,
-    } }
-    group! { Ask {
-        splits: Uniform<'a, crate::stages::split_maps::SplitViews>,
-        frame: Uniform<'a, crate::frame::Frame>,
-        id_keys: Read<'a, u32>,
-        triangles: Read<'a, [u32; 4]>,
-        points: Read<'a, [f32; 4]>,
-        samples: Uniform<'a, [f32; 4]>,
-        map_keys: Read<'a, u32>,
-        moments: Read<'a, [f32; 2]>,
-        visibility: Write<'a, f32>,
-    } }
-    subset! { Ask => Compare { frame, splits, samples, id_keys, triangles, points, map_keys, visibility } }
-    subset! { Ask => FilterMoments { frame, splits, id_keys, triangles, points, map_keys, moments, visibility } }
-    entries! {
-        Compare, FilterMoments,
-    }
-}
-
 /// `kernels/spsm_map.wgsl`.
 pub mod spsm_map {
     use crate::entry_point;
@@ -2198,6 +2135,7 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("gbuffer_triangles", gbuffer_triangles::SOURCE, gbuffer_triangles::ENTRIES),
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
+    ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),
     ("pixel_receivers", pixel_receivers::SOURCE, pixel_receivers::ENTRIES),
     ("pixel_texel_pairs", pixel_texel_pairs::SOURCE, pixel_texel_pairs::ENTRIES),
     ("pixel_triangles", pixel_triangles::SOURCE, pixel_triangles::ENTRIES),
@@ -2213,8 +2151,6 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("silhouette_mask", silhouette_mask::SOURCE, silhouette_mask::ENTRIES),
     ("smsr", smsr::SOURCE, smsr::ENTRIES),
     ("sorted_pairs", sorted_pairs::SOURCE, sorted_pairs::ENTRIES),
-    ("split_maps", split_maps::SOURCE, split_maps::ENTRIES),
-    ("split_shadows", split_shadows::SOURCE, split_shadows::ENTRIES),
     ("spsm_map", spsm_map::SOURCE, spsm_map::ENTRIES),
     ("spsm_map_64", spsm_map_64::SOURCE, spsm_map_64::ENTRIES),
     ("spsm_query", spsm_query::SOURCE, spsm_query::ENTRIES),

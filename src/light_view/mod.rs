@@ -10,10 +10,9 @@ mod splits;
 
 pub use map_tiles::MapTiles;
 pub(crate) use points::MeshAndTree;
-pub use seen_box::SeenBox;
-pub use splits::{SplitPlan, SplitView, Warp};
+use seen_box::SeenBox;
+pub use splits::{SplitPlan, Warp};
 
-use crate::{Error, Result};
 use glam::{DMat4, DVec3, DVec4};
 
 /// Rows that take a world point `p` to the light view: texel `x = u·(p,1) / w·(p,1)`, likewise `y` and `depth`.
@@ -81,21 +80,6 @@ pub enum Receivers {
 impl LightView {
     /// Most texels a side.
     pub const LARGEST_MAP: u32 = 8192;
-
-    /// Refuses a view that leaves casters out: what they shadow would silently be lit.
-    ///
-    /// # Errors
-    /// [`Error::Scene`] if the light stands among its casters, so that no one view holds them.
-    pub fn check(&self) -> Result<()> {
-        if self.complete {
-            return Ok(());
-        }
-        Err(Error::Scene(
-            "the light stands among its casters: one view of at most 160 degrees does not hold them, and the method takes \
-             no cube of views"
-                .to_owned(),
-        ))
-    }
 
     fn is_in_front(&self, point: DVec3) -> bool {
         self.w.dot(point.extend(1.0)) > self.near

@@ -41,6 +41,8 @@ pub struct SplitPlan {
 impl SplitPlan {
     /// Most slices.
     pub const MOST: u32 = 4;
+    /// The focus where none is told.
+    pub const FOCUS: f64 = 0.6;
 
     /// Checks the values against what is possible.
     ///
@@ -62,17 +64,17 @@ impl SplitPlan {
 
 /// The light's view of a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SplitView {
+struct SplitView {
     /// Takes texel `(x, y, 1)` of the whole view to `(x, y, 1) · w` of this one; `w` is 1 where it is least, and more elsewhere.
-    pub warp: DMat3,
+    warp: DMat3,
     /// Rows that take a point `(p, 1)` to texel x, y (times the third) and the divisor.
-    pub rows: [DVec4; 3],
+    rows: [DVec4; 3],
     /// View depth at which the slice ends.
-    pub end: f64,
+    end: f64,
 }
 
 /// Where the slices of depths `near` to `far` end (Oliveira, section 3.3.1, the practical scheme with `b = 0`).
-pub fn ends(near: f64, far: f64, splits: u32) -> Vec<f64> {
+fn ends(near: f64, far: f64, splits: u32) -> Vec<f64> {
     let end = |i: u32| {
         let share = f64::from(i) / f64::from(splits);
         0.5 * (near * (far / near).powf(share) + near + (far - near) * share)
@@ -85,12 +87,9 @@ impl LightView {
     pub const OVERLAP: f64 = 1.0 / 32.0;
 
     /// The views of all slices of what is seen, near to far, whose rows take points of the space of this view's, the space of `seen`.
-    /// The last has no end. One slice at the least, [`SplitPlan::MOST`] at most.
-    pub fn split(&self, seen: &SeenBox, plan: &SplitPlan) -> Vec<SplitView> {
-        self.split_with(seen, plan, 0.0)
-    }
-
-    fn split_with(&self, seen: &SeenBox, plan: &SplitPlan, overlap: f64) -> Vec<SplitView> {
+    /// The last has no end. One slice at the least, [`SplitPlan::MOST`] at most. Each begins before the end of the one in front of it by a
+    /// share `overlap` of its depth.
+    fn split(&self, seen: &SeenBox, plan: &SplitPlan, overlap: f64) -> Vec<SplitView> {
         let splits = plan.splits.clamp(1, SplitPlan::MOST);
         let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max) * (1.0 + 1e-9);
         let all = seen.part(self, seen.near, farthest.max(seen.near));
@@ -145,7 +144,7 @@ impl LightView {
             let noise = slice.relative_to(rays.eye, scale).noise_in_texels();
             (slice, (allowed / noise).min(1.0))
         };
-        let even = whole.split_with(&seen, &SplitPlan { warp: Warp::Box, ..plan }, overlap);
+        let even = whole.split(&seen, &SplitPlan { warp: Warp::Box, ..plan }, overlap);
         let coarse_enough = |(warped, even): (SplitView, &SplitView)| match of_slice(&warped) {
             (slice, 1.0) => slice,
             _ => {
@@ -158,7 +157,7 @@ impl LightView {
                 Self { u: about_middle(slice.u), v: about_middle(slice.v), ..slice }
             }
         };
-        whole.split_with(&seen, &plan, overlap).into_iter().zip(&even).map(coarse_enough).collect()
+        whole.split(&seen, &plan, overlap).into_iter().zip(&even).map(coarse_enough).collect()
     }
 
     /// The view of what is seen between two view depths.

@@ -2,7 +2,6 @@
 
 use super::facet_masks::FacetMasks;
 use super::shadow_map::ShadowMapping;
-use super::split_mapping::SplitMapping;
 use super::spsm::Spsm;
 use super::strip_method::StripMethod;
 use super::strips::Rows;
@@ -45,7 +44,7 @@ impl PixelClass {
     }
 }
 
-/// A light-view map, texel by texel, row by row; of several slices of the view one map below the other, the nearest first.
+/// A light-view map, texel by texel, row by row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DebugMap {
     /// Texels a side.
@@ -115,11 +114,6 @@ impl DebugViews {
         };
         let classes = method.pixels().classes(gpu)?.into_iter().map(PixelClass::of_class).collect();
         Ok(Self { classes, map: Some(map) })
-    }
-
-    pub(super) fn of_split_maps(gpu: &Gpu, method: &SplitMapping) -> Result<Self> {
-        let (keys, size) = method.maps();
-        Ok(Self { classes: Vec::new(), map: Some(DebugMap { size, ..DebugMap::of_keys(gpu, keys)? }) })
     }
 
     pub(super) fn of_shadow_map(gpu: &Gpu, method: &ShadowMapping) -> Result<Self> {

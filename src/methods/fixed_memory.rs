@@ -11,7 +11,6 @@ use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::settings::Settings;
 use super::shadow_map::{MapQuery, ShadowMapping};
-use super::split_mapping::{Recipe, SplitMapping};
 use super::spsm::Spsm;
 use super::supersampled::Supersampled;
 use crate::frame::{Frame, sample_words};
@@ -93,8 +92,6 @@ pub enum AskedViews {
     One(f32),
     /// All, one after the other: what they tell adds up in the method's memory.
     All,
-    /// The one that holds everything; there may be no others.
-    Whole,
     /// None: the first will do.
     None,
 }
@@ -109,11 +106,6 @@ pub trait FixedMethod: Send + Sync {
     /// Which views of the light a pixel asks.
     fn asks(&self) -> AskedViews {
         AskedViews::One(1.0)
-    }
-
-    /// Slices of what the camera sees, each with a view of the light.
-    fn partition(&self, settings: &Settings) -> Option<SplitPlan> {
-        settings.partition
     }
 
     /// Adds what changes from frame to frame and view to view.
@@ -213,27 +205,25 @@ impl FixedMemory {
         samples.write(queue, &sample_words(&settings.samples));
         let status = Buffer::storage(device, "status", Self::outcome_at(Self::MOST_VIEWS))?;
         let of_maps = |query| Ok::<_, Error>(Box::new(ShadowMapping::new(parts, query)?) as Box<dyn FixedMethod>);
-        let of_splits = |recipe| Ok::<_, Error>(Box::new(SplitMapping::new(parts, recipe)?) as Box<dyn FixedMethod>);
+        let settings = Settings { partition: method.partition(settings), ..settings.clone() };
         let method: Box<dyn FixedMethod> = match method {
             MethodName::FacetMasks => {
                 return Err(Error::Config("facet-masks: what its lists take is not known before a frame".to_owned()));
             }
             MethodName::Spsm => Box::new(Spsm::new(parts)?),
-            MethodName::ShadowMap => of_maps(MapQuery::Nearest)?,
+            MethodName::ShadowMap | MethodName::Trapezoidal | MethodName::Lispsm | MethodName::ParallelSplit => {
+                of_maps(MapQuery::Nearest)?
+            }
             MethodName::Pcf => of_maps(MapQuery::Filtered)?,
             MethodName::Smsr => of_maps(MapQuery::Revectorized)?,
-            MethodName::Variance => of_splits(Recipe::Variance)?,
-            MethodName::Trapezoidal => of_splits(Recipe::Trapezoidal)?,
-            MethodName::Lispsm => of_splits(Recipe::LightSpace)?,
-            MethodName::ParallelSplit => of_splits(Recipe::ParallelSplit)?,
-            MethodName::Remix => of_splits(Recipe::Remix)?,
+            MethodName::Variance | MethodName::Remix => of_maps(MapQuery::Moments)?,
             MethodName::RayTraced => Box::new(RayTraced::new(parts)?),
             MethodName::Supersampled => Box::new(Supersampled::new(parts)?),
         };
         Ok(Self {
-            settings: settings.clone(),
             with: GeometryPipelines::new(device),
             geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.texels())?,
+            settings,
             frame: Buffer::uniform(device, "frame", 1)?,
             samples,
             status,
@@ -258,6 +248,11 @@ impl FixedMemory {
         }
         self.views = views;
         Ok(())
+    }
+
+    /// Slices of what the camera sees, each with a view of the light.
+    pub fn partition(&self) -> Option<SplitPlan> {
+        self.settings.partition
     }
 
     /// Views of the light in the last frame.
@@ -288,9 +283,6 @@ impl FixedMemory {
         let (count, most) = (views.len(), Self::MOST_VIEWS);
         if !(1..=most).contains(&count) {
             return Err(Error::Config(format!("{count} views of the light, 1 to {most} are possible")));
-        }
-        if self.method.asks() == AskedViews::Whole {
-            LightView { complete: views[0].complete && count == 1, ..views[0] }.check()?;
         }
         let asked = if self.method.asks() == AskedViews::None { &views[..1] } else { views };
         let of_view = |view: &LightView| {

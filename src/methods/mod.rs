@@ -25,8 +25,6 @@ pub mod settings;
 #[cfg(feature = "baselines")]
 pub mod shadow_map;
 #[cfg(feature = "baselines")]
-pub mod split_mapping;
-#[cfg(feature = "baselines")]
 pub mod spsm;
 pub mod strip_method;
 pub mod strips;
@@ -40,6 +38,6 @@ pub use names::{METHODS, MethodName, MethodRow};
 pub use options::{METHOD_OPTIONS, MethodOption};
 pub use prepared::Prepared;
 pub use settings::{
-    FacetMode, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape,
-    SplitSettings, SpsmEncoding, SpsmSettings,
+    FacetMode, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings,
+    SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };

@@ -1,5 +1,8 @@
 //! The methods by name: one row each.
 
+use super::settings::Settings;
+use crate::light_view::{SplitPlan, Warp};
+
 /// The methods by their names, the same in API, program, reports and files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MethodName {
@@ -31,7 +34,7 @@ pub enum MethodName {
 }
 
 /// Description of a method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodRow {
     /// The method.
     pub method: MethodName,
@@ -43,8 +46,15 @@ pub struct MethodRow {
     pub section: &'static str,
     /// Its three parts: where the light's texels lie, what a texel keeps, how a pixel asks.
     pub parts: [&'static str; 3],
+    /// Slices of what the camera sees and their warp, where [`Settings::partition`] tells none.
+    pub partition: Option<SplitPlan>,
     /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::DebugViews)).
     pub keeps: [bool; 2],
+}
+
+/// Slices and a warp of a method's own.
+const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
+    Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS })
 }
 
 /// All methods, in the order of [`MethodName::ALL`].
@@ -59,6 +69,7 @@ pub const METHODS: [MethodRow; 12] = [
             "two nearest depths, silhouettes, the split between sheets",
             "facets against casters of their texels, half-planes into masks",
         ],
+        partition: None,
         keeps: [true, true],
     },
     MethodRow {
@@ -71,6 +82,7 @@ pub const METHODS: [MethodRow; 12] = [
             "closest triangle, 128 bits",
             "reconstruct borders of triangles around the sample",
         ],
+        partition: None,
         keeps: [true, true],
     },
     MethodRow {
@@ -79,6 +91,7 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Williams 1978: Casting Curved Shadows on Curved Surfaces",
         section: "Scherzer 2011: 2",
         parts: ["over casters and receivers; slices, warps; a cube", "nearest depth", "compare every sample"],
+        partition: None,
         keeps: [false, true],
     },
     MethodRow {
@@ -91,6 +104,7 @@ pub const METHODS: [MethodRow; 12] = [
             "nearest depth",
             "compare every sample with a box of texels on the receiver's plane",
         ],
+        partition: None,
         keeps: [false, true],
     },
     MethodRow {
@@ -103,6 +117,7 @@ pub const METHODS: [MethodRow; 12] = [
             "nearest depth",
             "compare, and draw stepped borders anew",
         ],
+        partition: None,
         keeps: [false, true],
     },
     MethodRow {
@@ -111,10 +126,11 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Donnelly, Lauritzen 2006: Variance Shadow Maps",
         section: "Oliveira 2009: 3.4",
         parts: [
-            "over casters and receivers",
+            "over casters and receivers; slices, warps; a cube",
             "mean and variance of depth",
             "bound the lit share of the pixel's footprint",
         ],
+        partition: None,
         keeps: [false, true],
     },
     MethodRow {
@@ -122,7 +138,8 @@ pub const METHODS: [MethodRow; 12] = [
         name: "trapezoidal",
         paper: "Martin, Tan 2004: Anti-aliasing and Continuity with Trapezoidal Shadow Maps",
         section: "Oliveira 2009: 3.2",
-        parts: ["over what is seen, trapezoid by focus", "nearest depth", "compare every sample"],
+        parts: ["over what is seen, trapezoid by focus; a cube", "nearest depth", "compare every sample"],
+        partition: own(1, Warp::Trapezoid),
         keeps: [false, true],
     },
     MethodRow {
@@ -130,7 +147,8 @@ pub const METHODS: [MethodRow; 12] = [
         name: "lispsm",
         paper: "Wimmer, Scherzer, Purgathofer 2004: Light Space Perspective Shadow Maps",
         section: "Scherzer 2011: 4.2",
-        parts: ["over what is seen, trapezoid by angle", "nearest depth", "compare every sample"],
+        parts: ["over what is seen, trapezoid by angle; a cube", "nearest depth", "compare every sample"],
+        partition: own(1, Warp::LightSpace),
         keeps: [false, true],
     },
     MethodRow {
@@ -138,7 +156,8 @@ pub const METHODS: [MethodRow; 12] = [
         name: "parallel-split",
         paper: "Zhang, Sun, Xu, Lun 2006: Parallel-Split Shadow Maps for Large-scale Virtual Environments",
         section: "Oliveira 2009: 3.3",
-        parts: ["over what is seen of each slice", "nearest depth", "compare every sample"],
+        parts: ["over what is seen of each slice; a cube", "nearest depth", "compare every sample"],
+        partition: own(3, Warp::Box),
         keeps: [false, true],
     },
     MethodRow {
@@ -147,10 +166,11 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Oliveira 2009: Analysis and Proposal of a Shadow Mapping Remix Approach",
         section: "4.2",
         parts: [
-            "over what is seen of each slice, any warp",
+            "over what is seen of each slice, warps; a cube",
             "mean and variance of depth",
             "bound the lit share of the pixel's footprint",
         ],
+        partition: own(3, Warp::Fitted),
         keeps: [false, true],
     },
     MethodRow {
@@ -159,6 +179,7 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Whitted 1980: An Improved Illumination Model for Shaded Display",
         section: "Pan 2009: 5",
         parts: ["none; to settle early as facet-masks", "none", "a ray through a tree of casters from every sample"],
+        partition: None,
         keeps: [false, false],
     },
     MethodRow {
@@ -171,6 +192,7 @@ pub const METHODS: [MethodRow; 12] = [
             "the samples that project to it",
             "every sample against every caster of its texel",
         ],
+        partition: None,
         keeps: [false, false],
     },
 ];
@@ -196,6 +218,20 @@ impl MethodName {
     /// The one name of the method.
     pub fn name(self) -> &'static str {
         self.row().name
+    }
+
+    /// Slices of what the camera sees that it takes with these settings; `None`: one view of the light for all, or none at all.
+    pub fn partition(self, settings: &Settings) -> Option<SplitPlan> {
+        match (settings.partition, self.row().partition) {
+            // A ray asks no view.
+            _ if self == Self::RayTraced => None,
+            (Some(told), Some(own)) => Some(SplitPlan {
+                splits: if self.takes("splits") { told.splits } else { own.splits },
+                warp: if self.takes("warp") { told.warp } else { own.warp },
+                focus: told.focus,
+            }),
+            (told, own) => told.or(own),
+        }
     }
 
     /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::DebugViews)).

@@ -34,11 +34,11 @@ pub const METHOD_OPTIONS: [MethodOption; 19] = {
         of("kernel", &[Pcf]),
         of("shape", &[Smsr]),
         of("reach", &[Smsr]),
-        of("splits", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, ParallelSplit, Remix, Supersampled]),
-        of("warp", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, Remix, Supersampled]),
-        of("focus", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, Trapezoidal, Remix, Supersampled]),
+        of("splits", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, Variance, ParallelSplit, Remix, Supersampled]),
+        of("warp", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, Variance, Remix, Supersampled]),
+        of("focus", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, Variance, Trapezoidal, Remix, Supersampled]),
         of("bleeding", &[Variance, Remix]),
-        of("grazing", &[Remix]),
+        of("grazing", &[Variance, Remix]),
         // As [`MethodName::keeps`].
         of("looks", &[FacetMasks, Spsm, ShadowMap, Pcf, Smsr, Variance, Trapezoidal, Lispsm, ParallelSplit, Remix]),
     ]
@@ -48,13 +48,6 @@ impl MethodName {
     /// The options that it takes of those that not every method takes, in the order of [`METHOD_OPTIONS`].
     pub fn options(self) -> impl Iterator<Item = &'static str> {
         METHOD_OPTIONS.iter().filter(move |option| option.methods.contains(&self)).map(|option| option.name)
-    }
-
-    /// Whether it takes one view of the light or one for each [slice](crate::methods::Settings::partition) of what the camera sees; the others
-    /// cut the view their own way, if at all.
-    pub fn in_slices(self) -> bool {
-        use MethodName::{FacetMasks, Pcf, ShadowMap, Smsr, Spsm, Supersampled};
-        matches!(self, FacetMasks | Spsm | ShadowMap | Pcf | Smsr | Supersampled)
     }
 
     /// Whether it takes an option; one that is not among [`METHOD_OPTIONS`] is of all methods.
@@ -74,7 +67,9 @@ mod tests {
             assert!((1..MethodName::ALL.len()).contains(&option.methods.len()), "{}", option.name);
             for method in MethodName::ALL {
                 assert_eq!(method.takes(option.name), method.options().any(|name| name == option.name));
-                assert!(!method.in_slices() || ["splits", "warp", "focus"].iter().all(|option| method.takes(option)));
+                // A method has slices of its own, or takes all options of them, or asks no view.
+                let all = ["splits", "warp", "focus"].iter().all(|option| method.takes(option));
+                assert!(method.row().partition.is_some() || all || method == MethodName::RayTraced);
             }
         }
         assert!(

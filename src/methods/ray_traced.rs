@@ -9,9 +9,7 @@ use super::early_out::EarlyOut;
 use super::fixed_memory::{
     AskedViews, FixedMethod, FrameInputs, MethodParts, OUTCOME_WORDS, StageInputs, StripOutcome,
 };
-use super::settings::Settings;
 use crate::gpu::{Buffer, Recorder, Stage, Uploads};
-use crate::light_view::SplitPlan;
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::shadow_rays::{RayLists, RayStep, ShadowRays};
@@ -49,10 +47,6 @@ impl FixedMethod for RayTraced {
 
     fn asks(&self) -> AskedViews {
         AskedViews::None
-    }
-
-    fn partition(&self, _: &Settings) -> Option<SplitPlan> {
-        None
     }
 
     fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {

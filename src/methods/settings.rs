@@ -1,7 +1,7 @@
 //! Uniform of a frame.
 
 use super::prepared::Prepared;
-use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan, Warp};
+use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
@@ -202,38 +202,23 @@ impl SmsrSettings {
     }
 }
 
-/// Options of the methods whose maps are fitted to what the camera sees (`trapezoidal`, `lispsm`, `parallel-split`, `remix`), and of
-/// those that filter maps by their moments (`variance`, `remix`). Their bias is that of [`ShadowMapSettings`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SplitSettings {
-    /// Slices of the view, each with a map, of `parallel-split` and `remix`: 1 to [`SplitPlan::MOST`]; 3 in Oliveira 2009.
-    pub splits: u32,
-    /// How `remix` lays the texels of a map over its slice.
-    pub warp: Warp,
-    /// Share of a slice's depth, from its near side, that gets 80 % of the rows of a [`Warp::Trapezoid`].
-    pub focus: f32,
-    /// Share of light that is taken off against the leaks of moments; 0 in the paper.
+/// Options of the methods that filter maps by their moments, whose bias is [`ShadowMapSettings::constant`]: `variance` and `remix`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MomentSettings {
+    /// Share of light that is taken off against leaks; 0 in the papers.
     pub bleeding: f32,
-    /// Degrees of elevation of the light over a surface below which `remix` takes half of it as lit (Oliveira, section 4.2.2: 5); 0
-    /// for none.
+    /// Degrees of elevation of the light over a surface below which half of it is taken as lit (Oliveira, section 4.2.2: 5); 0 for none.
     pub grazing: f32,
 }
 
-impl Default for SplitSettings {
-    fn default() -> Self {
-        Self { splits: 3, warp: Warp::Fitted, focus: 0.6, bleeding: 0.0, grazing: 0.0 }
-    }
-}
-
-impl SplitSettings {
+impl MomentSettings {
     /// Checks the values against what is possible.
     ///
     /// # Errors
     /// [`Error::Config`] with the numbers.
     pub fn check(&self) -> Result<()> {
-        let Self { splits, warp, focus, bleeding, grazing } = *self;
+        let Self { bleeding, grazing } = *self;
         let refuse = |text: String| Err(Error::Config(text));
-        SplitPlan { splits, warp, focus: f64::from(focus) }.check()?;
         if !(0.0..=0.9).contains(&bleeding) {
             return refuse(format!("{bleeding} of the light taken off against leaks; 0 to 0.9 are possible"));
         }
@@ -275,9 +260,9 @@ pub struct Settings {
     /// How shadows become lines of the image.
     pub projection: ProjectionVariant,
     /// Slices of what the camera sees, each with a view of the light of its own, whose texels a warp may lay more densely near the eye; `None`:
-    /// one view for all. It changes no decision: a facet is evaluated in the first view that holds all of it, else in all that it touches. A
-    /// light among its casters has a cube of views instead. Of the methods that are [`in_slices`](super::MethodName::in_slices): of one receiver a
-    /// pixel, each pixel asks the first view that holds it.
+    /// those of the [method](super::MethodRow::partition), for most one view for all; what makes a method what it is stays. It changes no decision of `facet-masks`: a facet is evaluated
+    /// in the first view that holds all of it, else in all that it touches. A light among its casters has a cube of views instead. With the
+    /// methods of one receiver a pixel each pixel asks the first view that holds it.
     pub partition: Option<SplitPlan>,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
@@ -287,8 +272,8 @@ pub struct Settings {
     pub smsr: SmsrSettings,
     /// Options of the methods that compare depths.
     pub shadow_map: ShadowMapSettings,
-    /// Options of `variance`, `trapezoidal`, `lispsm`, `parallel-split` and `remix`.
-    pub split: SplitSettings,
+    /// Options of `variance` and `remix`.
+    pub moments: MomentSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,
 }
@@ -347,9 +332,9 @@ impl Settings {
             return views;
         }
         let mut slices = view.slices(camera, self.size, bounds, plan, if one { LightView::OVERLAP } else { 0.0 });
-        // The whole view holds what no slice does: one facet a pixel goes on beyond what is seen, and what comes nearer to a light at a
-        // point than its view tells apart is on no map.
-        if beyond || view.perspective || (self.facets == FacetMode::One && self.samples.count() > 1) {
+        // The whole view holds what no slice does: one facet a pixel goes on beyond what is seen, and of facets what comes nearer to a light
+        // at a point than its view tells apart is on no map.
+        if beyond || (view.perspective && !one) || (self.facets == FacetMode::One && self.samples.count() > 1) {
             slices.push(LightView { one_of_several: true, ..view });
         }
         slices
@@ -400,7 +385,7 @@ impl Settings {
             spsm: SpsmSettings::default(),
             smsr: SmsrSettings::default(),
             shadow_map: ShadowMapSettings::default(),
-            split: SplitSettings::default(),
+            moments: MomentSettings::default(),
             ray_traced: RayTracedSettings::default(),
         }
     }
@@ -430,7 +415,7 @@ impl Settings {
         self.partition.map_or(Ok(()), |plan| plan.check())?;
         self.spsm.check()?;
         self.smsr.check()?;
-        self.split.check()?;
+        self.moments.check()?;
         self.shadow_map.check()
     }
 }

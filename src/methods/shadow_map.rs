@@ -1,51 +1,74 @@
-//! `shadow-map` (Williams 1978), `pcf` (Reeves, Salesin, Cook 1987) and `smsr` (Bondarev 2014): a map of nearest depths, and
-//! comparisons for every sample.
-//! Memory is fixed: 4 bytes a texel.
+//! A map of nearest depths, asked four ways: by comparing every sample with its texel (`shadow-map`: Williams 1978), with a box of texels
+//! (`pcf`: Reeves, Salesin, Cook 1987), with borders drawn anew (`smsr`: Bondarev 2014), or by the moments of the depths in the pixel's
+//! footprint (`variance`: Donnelly, Lauritzen 2006).
+//!
+//! In slices and warps of its own the first is `trapezoidal` (Martin, Tan 2004), `lispsm` (Wimmer, Scherzer, Purgathofer 2004) or
+//! `parallel-split` (Zhang et al. 2006), and the last `remix` (Oliveira 2009): see [`MethodRow::partition`](super::MethodRow::partition).
+//! Memory is fixed: 4 bytes a texel, of moments 2.7 more.
 
 use super::debug_views::DebugViews;
-use super::fixed_memory::{AskedViews, FixedMethod, MethodParts, StageInputs};
-use super::settings::{Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
+use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
+use super::settings::{MomentSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::Result;
-use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
 use crate::stages::PrimaryHits;
 use crate::stages::light_layers::{Layers, LightLayers};
-use crate::stages::shadow_map::{self, ShadowMap};
-use crate::stages::smsr::{self, Smsr};
+use crate::stages::map_moments::{MapLevels, MapMoments};
+use crate::stages::moment_shadows::{MapWithMoments, MomentShadows, MomentShadowsOptions};
+use crate::stages::shadow_map::{ShadowMap, ShadowMapOptions};
+use crate::stages::smsr::{Smsr, SmsrOptions};
 
-/// The method: how the map is queried.
+/// How the map is queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapQuery {
-    /// `shadow-map`.
+    /// Every sample with its texel.
     Nearest,
-    /// `pcf`.
+    /// Every sample with a box of texels.
     Filtered,
-    /// `smsr`.
+    /// Every sample with its texel, whose borders are drawn anew.
     Revectorized,
+    /// The pixel's footprint with mean and variance of the depths in it.
+    Moments,
 }
 
 #[derive(Debug)]
-enum Compare {
+enum Ask {
     Depths(ShadowMap),
     Borders(Smsr),
+    Moments(Box<OfMoments>),
 }
 
-impl Compare {
-    fn new(device: &wgpu::Device, settings: &Settings, ask: MapQuery) -> Self {
+#[derive(Debug)]
+struct OfMoments {
+    reduce: MapMoments,
+    levels: Buffer<MapLevels>,
+    moments: Buffer<[f32; 2]>,
+    filter: MomentShadows,
+}
+
+impl Ask {
+    fn new(device: &wgpu::Device, settings: &Settings, query: MapQuery) -> Result<Self> {
         let ShadowMapSettings { kernel, constant, slope } = settings.shadow_map;
         let depths = |options| Self::Depths(ShadowMap::new(device, options));
-        match ask {
-            MapQuery::Nearest => {
-                depths(shadow_map::ShadowMapOptions { kernel: 1, constant, slope, receiver_plane: false })
-            }
-            MapQuery::Filtered => {
-                depths(shadow_map::ShadowMapOptions { kernel, constant, slope: 0.0, receiver_plane: true })
-            }
+        Ok(match query {
+            MapQuery::Nearest => depths(ShadowMapOptions { kernel: 1, constant, slope, receiver_plane: false }),
+            MapQuery::Filtered => depths(ShadowMapOptions { kernel, constant, slope: 0.0, receiver_plane: true }),
             MapQuery::Revectorized => {
                 let SmsrSettings { shape, reach, slope } = settings.smsr;
                 let midpoints = shape == SmsrShape::Midpoints;
-                Self::Borders(Smsr::new(device, smsr::SmsrOptions { reach, midpoints, constant, slope }))
+                Self::Borders(Smsr::new(device, SmsrOptions { reach, midpoints, constant, slope }))
             }
-        }
+            MapQuery::Moments => {
+                let MomentSettings { bleeding, grazing } = settings.moments;
+                let options = MomentShadowsOptions { constant, bleeding, grazing: grazing.to_radians().sin() };
+                Self::Moments(Box::new(OfMoments {
+                    reduce: MapMoments::new(device),
+                    levels: Buffer::uniform(device, "map_moments.levels", 1)?,
+                    moments: MapMoments::memory(device, settings.map)?,
+                    filter: MomentShadows::new(device, options),
+                }))
+            }
+        })
     }
 }
 
@@ -54,9 +77,11 @@ impl Compare {
 pub struct ShadowMapping {
     /// Texels around a place that are asked.
     reach: f32,
+    /// Texels of the map a side.
+    size: u32,
     layers: LightLayers,
-    compare: Compare,
     map: Layers,
+    ask: Ask,
     visibility: Buffer<f32>,
 }
 
@@ -65,18 +90,19 @@ impl ShadowMapping {
     ///
     /// # Errors
     /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
-    pub fn new(parts: MethodParts, ask: MapQuery) -> Result<Self> {
+    pub fn new(parts: MethodParts, query: MapQuery) -> Result<Self> {
         let MethodParts { device, settings, .. } = parts;
         settings.check()?;
         Ok(Self {
-            reach: match ask {
+            reach: match query {
                 MapQuery::Nearest => 1.0,
                 MapQuery::Filtered => 0.5 * settings.shadow_map.kernel as f32 + 1.0,
-                MapQuery::Revectorized => 2.0,
+                MapQuery::Revectorized | MapQuery::Moments => 2.0,
             },
+            size: settings.map,
             layers: LightLayers::nearest_only(device),
-            compare: Compare::new(device, settings, ask),
             map: Layers::nearest_only(device, settings.map as usize)?,
+            ask: Ask::new(device, settings, query)?,
             visibility: Buffer::storage(device, "shadow_map.visibility", settings.pixels())?,
         })
     }
@@ -92,9 +118,19 @@ impl FixedMethod for ShadowMapping {
         AskedViews::One(self.reach)
     }
 
+    fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
+        if let Ask::Moments(of_moments) = &self.ask {
+            let FrameInputs { view, bounds, frame, .. } = of;
+            let far = MapLevels::farthest(view, frame.light[3] == 0.0, bounds);
+            uploads.write(&of_moments.levels, &[MapLevels::new(self.size, far)]);
+        }
+        Ok(())
+    }
+
     fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
-        rec.clear(self.map.nearest_keys.raw());
+        let (nearest_keys, visibility) = (&self.map.nearest_keys, &self.visibility);
+        rec.clear(nearest_keys.raw());
         let blocks = geometry.in_light(inputs.casters);
         self.layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map);
         let seen = PrimaryHits {
@@ -103,10 +139,15 @@ impl FixedMethod for ShadowMapping {
             triangles: &inputs.casters.triangles,
             points: &geometry.points,
         };
-        let (depths, visibility) = (&self.map.nearest_keys, &self.visibility);
-        match &self.compare {
-            Compare::Depths(stage) => stage.record(&mut rec.stage("shadow_map"), frame, seen, depths, visibility),
-            Compare::Borders(stage) => stage.record(&mut rec.stage("smsr"), frame, seen, depths, visibility),
+        match &self.ask {
+            Ask::Depths(ask) => ask.record(&mut rec.stage("shadow_map"), frame, seen, nearest_keys, visibility),
+            Ask::Borders(ask) => ask.record(&mut rec.stage("smsr"), frame, seen, nearest_keys, visibility),
+            Ask::Moments(of_moments) => {
+                let OfMoments { reduce, levels, moments, filter } = &**of_moments;
+                reduce.record(&mut rec.stage("map_moments"), frame, levels, nearest_keys, moments, self.size);
+                let map = MapWithMoments { levels, nearest_keys, moments };
+                filter.record(&mut rec.stage("moment_shadows"), frame, seen, map, visibility);
+            }
         }
         Ok(())
     }

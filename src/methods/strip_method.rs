@@ -269,9 +269,8 @@ impl StripMethod {
         match self {
             #[cfg(feature = "baselines")]
             Self::Fixed(method) => {
-                let method = method.method();
-                let facets = if method.beyond() { settings.facets } else { super::FacetMode::All };
-                std::borrow::Cow::Owned(Settings { facets, partition: method.partition(settings), ..settings.clone() })
+                let facets = if method.method().beyond() { settings.facets } else { super::FacetMode::All };
+                std::borrow::Cow::Owned(Settings { facets, partition: method.partition(), ..settings.clone() })
             }
             Self::FacetMasks(_) => std::borrow::Cow::Borrowed(settings),
         }

@@ -17,7 +17,7 @@ const SPSM_STAGES: [(&str, &str); 6] = [
     ("spsm_recover", "shadow borders of the uncertain pixels, sample by sample"),
 ];
 
-/// Stages of `shadow-map` and `pcf` after what the camera sees.
+/// Stages of the methods that compare samples with depths after what the camera sees.
 const SHADOW_MAP_STAGES: [(&str, &str); 2] =
     [("light_layers", "nearest depth at every texel centre"), ("shadow_map", "depth of every sample against the map")];
 
@@ -27,11 +27,11 @@ const SMSR_STAGES: [(&str, &str); 2] = [
     ("smsr", "depth of every sample against the map, its borders drawn anew"),
 ];
 
-/// Stages of the methods of maps that are fitted to what is seen, or filtered, after what the camera sees.
-const SPLIT_STAGES: [(&str, &str); 3] = [
-    ("split_maps", "nearest depth at every texel centre of the map of each slice"),
+/// Stages of `variance` and `remix` after what the camera sees.
+const MOMENT_STAGES: [(&str, &str); 3] = [
+    ("light_layers", "nearest depth at every texel centre"),
     ("map_moments", "mean and variance of ever larger squares of texels"),
-    ("split_shadows", "every sample, or the pixel's footprint, against the map of its slice"),
+    ("moment_shadows", "the pixel's footprint against the map's moments"),
 ];
 
 /// Stages of `ray-traced` between facets and picture.
@@ -56,7 +56,7 @@ const PROOF: [&str; 4] = ["light_layers", "silhouette_mask", "front_layer", "sum
 const CHOICE: (&str, &str) = ("pixel_views", "which view of the light each pixel asks, and its answer");
 
 /// Parts of stages that a setting makes needless.
-const EVERY_SAMPLE: (&str, &str) = ("split_shadows.samples", "every sample by itself");
+const EVERY_SAMPLE: (&str, &str) = ("moment_shadows.samples", "every sample by itself");
 pub(super) const UNSEEN: (&str, &str) = ("spsm_map.unseen", "texels that no pixel asks for");
 
 impl Plan {
@@ -75,19 +75,20 @@ impl Plan {
         let own: &[(&str, &str)] = match method {
             MethodName::FacetMasks => return Self::of(prepared, camera, light, wanted, force_all),
             MethodName::Spsm => &SPSM_STAGES,
-            MethodName::ShadowMap | MethodName::Pcf => &SHADOW_MAP_STAGES,
-            MethodName::Smsr => &SMSR_STAGES,
-            MethodName::Variance
+            MethodName::ShadowMap
+            | MethodName::Pcf
             | MethodName::Trapezoidal
             | MethodName::Lispsm
-            | MethodName::ParallelSplit
-            | MethodName::Remix => &SPLIT_STAGES,
+            | MethodName::ParallelSplit => &SHADOW_MAP_STAGES,
+            MethodName::Smsr => &SMSR_STAGES,
+            MethodName::Variance | MethodName::Remix => &MOMENT_STAGES,
             MethodName::RayTraced => &RAY_STAGES,
             MethodName::Supersampled => &BIN_STAGES,
         };
         let of_facets = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
         // Surfaces off the pixel centre are no concern of methods of one receiver a pixel.
-        let one = Settings { facets: FacetMode::One, ..wanted.clone() };
+        let partition = method.partition(wanted);
+        let one = Settings { facets: FacetMode::One, partition, ..wanted.clone() };
         let Self { extent, steps, mut settings } = Self::of(prepared, camera, light, &one, force_all)?;
         let every_texel = every_texel(wanted, force_all);
         settings.spsm.seen_only = every_texel.is_none();
@@ -95,7 +96,6 @@ impl Plan {
         let reason = shadowless.iter().find(|s| s.name == "light_layers").and_then(|s| s.left_out.clone());
         let filters = matches!(method, MethodName::Variance | MethodName::Remix);
         let left_out = |name| match name {
-            "map_moments" if !filters => reason.clone().or_else(|| Some("samples are compared with depths".to_owned())),
             "seen_texels" | "spsm_map_around" => reason.clone().or_else(|| every_texel.clone()),
             _ => reason.clone(),
         };
@@ -113,9 +113,10 @@ impl Plan {
         let mut steps: Vec<PlanStep> = shadowless.into_iter().filter(kept).collect();
         let at = if of_facets { steps.len() - 1 } else { 2 };
         steps.splice(at..at, own);
-        if matches!(method, MethodName::Spsm | MethodName::ShadowMap | MethodName::Pcf | MethodName::Smsr) {
+        if !of_facets {
             let (name, purpose) = CHOICE;
-            let several = wanted.partition.is_some() || !settings.light_view(prepared, light)?.complete;
+            let several =
+                partition.is_some_and(|plan| plan.splits > 1) || !settings.light_view(prepared, light)?.complete;
             let one = (!several).then(|| "one view of the light holds all".to_owned());
             steps.insert(at, PlanStep { name, purpose, left_out: reason.clone().or(one) });
         }

@@ -2,17 +2,79 @@
 //!
 //! - **Purpose.** Variance shadow maps (Donnelly and Lauritzen 2006), prefiltered as mip maps are (Oliveira 2009, section 3.4). Mean and
 //!   variance stand for the two moments: the same numbers, of which nothing cancels in single precision.
-//! - **Reads** the maps of [`split_maps`](super::split_maps).
-//! - **Writes** `moments`, view after view, level after level from the first above the texels, row by row. A cell of level `k` is the
-//!   square of `2^k` texels a side, cut at the map's border; a texel without a caster is as deep as [`SplitViews::far`].
+//! - **Reads** the nearest depths of [`light_layers`](super::light_layers).
+//! - **Writes** `moments`, level after level from the first above the texels, row by row. A cell of level `k` is the square of `2^k` texels
+//!   a side, cut at the map's border; a texel without a caster is as deep as [`MapLevels::far`].
 //! - **Guarantee.** Bit-equal from run to run.
 //! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory.
 
-use super::split_maps::SplitViews;
-use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::map_moments as kernel;
 use crate::gpu::{Buffer, Groups, Stage};
+use crate::light_view::LightView;
+use crate::{Result, shared_struct};
+use glam::DVec3;
+
+shared_struct! {
+    /// Levels of moments of a map.
+    "shared/raster/moments" => pub struct MapLevels {
+        /// Depth where there is no caster: not less than that of anything.
+        pub far: f32,
+        /// Levels above the texels.
+        pub count: u32,
+        /// Unused.
+        pub pad: [u32; 2],
+        /// Where each level begins among the moments.
+        pub starts: [[u32; 4]; 4],
+    }
+}
+
+impl MapLevels {
+    /// Levels of a map of `size` texels a side, at most [`LightView::LARGEST_MAP`]; depth `far` where there is no caster.
+    pub fn new(size: u32, far: f64) -> Self {
+        let size = size.min(LightView::LARGEST_MAP);
+        let mut made = Self { far: far as f32, count: Self::count_of(size), ..Self::default() };
+        let mut start = 0;
+        for level in 1..=made.count {
+            made.starts[level as usize / 4][level as usize % 4] = start;
+            start += Self::side_of(size, level).pow(2);
+        }
+        made
+    }
+
+    /// Levels above the texels of a map: until one cell holds all of it.
+    pub fn count_of(size: u32) -> u32 {
+        u32::BITS - (size.max(1) - 1).leading_zeros()
+    }
+
+    /// Cells a side of a level.
+    pub fn side_of(size: u32, level: u32) -> u32 {
+        ((size.max(1) - 1) >> level) + 1
+    }
+
+    /// Moments of all levels of a map.
+    pub fn moments_of(size: u32) -> usize {
+        (1..=Self::count_of(size)).map(|l| (Self::side_of(size, l) as usize).pow(2)).sum()
+    }
+
+    /// A depth in `view` for texels without a caster: by the casters' extent along the light beyond the greatest of a box, so that the plane of
+    /// a surface that ends lies before it beside its border too. The view may be warped if its light is `directional`.
+    pub fn farthest(view: &LightView, directional: bool, (low, high): (DVec3, DVec3)) -> f64 {
+        // Beyond all points in front of a light at a point lies the depth of what is infinitely far along its axis.
+        let axis = view.w.truncate();
+        let limit = if view.perspective { view.z.truncate().dot(axis) / axis.length_squared() } else { f64::INFINITY };
+        let depth = |p: DVec3| match directional {
+            // The divisor of a warp is 1 where it is least.
+            true => view.z.dot(p.extend(1.0)),
+            false => view.project(p).map_or(limit, |p| p.z),
+        };
+        let corner = |k: u32| {
+            let side = |bit: u32, low: f64, high: f64| if k >> bit & 1 == 1 { high } else { low };
+            DVec3::new(side(0, low.x, high.x), side(1, low.y, high.y), side(2, low.z, high.z))
+        };
+        (0..8).map(|k| depth(corner(k))).fold(1.0, f64::max) + 1.0
+    }
+}
 
 /// The pipelines.
 #[derive(Debug)]
@@ -27,36 +89,34 @@ impl MapMoments {
         Self { reduce: [0, 1, 2].map(|k| from(k * kernel::LEVELS)) }
     }
 
-    /// Memory for the moments of `views` maps of `size` texels a side.
+    /// Memory for the moments of a map of `size` texels a side.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn memory(device: &wgpu::Device, views: usize, size: u32) -> Result<Buffer<[f32; 2]>> {
-        Buffer::storage(device, "map_moments.moments", views * SplitViews::moments_of(size))
+    pub fn memory(device: &wgpu::Device, size: u32) -> Result<Buffer<[f32; 2]>> {
+        Buffer::storage(device, "map_moments.moments", MapLevels::moments_of(size))
     }
 
-    /// Records it, for `views` maps of `size` texels a side.
-    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
+    /// Records it, for a map of `size` texels a side.
     pub fn record(
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
-        splits: &Buffer<SplitViews>,
-        keys: &Buffer<u32>,
+        levels: &Buffer<MapLevels>,
+        nearest_keys: &Buffer<u32>,
         moments: &Buffer<[f32; 2]>,
-        views: usize,
         size: u32,
     ) {
-        let levels = SplitViews::levels_of(size);
         let bindings = kernel::Reduce {
             frame: frame.as_uniform(),
-            splits: splits.as_uniform(),
-            map_keys: keys.as_read(),
+            levels: levels.as_uniform(),
+            nearest_keys: nearest_keys.as_read(),
             moments: moments.as_write(),
         };
-        for (program, first) in self.reduce.iter().zip((0..levels).step_by(kernel::LEVELS as usize)) {
-            let tiles = SplitViews::side_of(size, first).div_ceil(kernel::TILE);
-            stage.run(program, bindings, Groups::Workgroups(views as u64 * u64::from(tiles).pow(2)));
+        let firsts = (0..MapLevels::count_of(size)).step_by(kernel::LEVELS as usize);
+        for (program, first) in self.reduce.iter().zip(firsts) {
+            let tiles = MapLevels::side_of(size, first).div_ceil(kernel::TILE);
+            stage.run(program, bindings, Groups::Workgroups(u64::from(tiles).pow(2)));
         }
     }
 }

@@ -6,7 +6,6 @@ mod device;
 pub mod geometry;
 pub mod masks;
 pub mod shadow;
-pub mod splits;
 pub mod spsm;
 pub mod surfaces;
 

@@ -15,6 +15,7 @@ use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
+use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments};
 use subpixel_shadows::stages::silhouette_mask::SilhouetteMask;
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::vertex_project::VertexProject;
@@ -58,6 +59,36 @@ pub struct Setup {
     pub edge_items: Buffer<u32>,
     pub edge_work: Work,
     pub status: Buffer<u32>,
+}
+
+/// The map of a setup by its moments.
+pub struct WithMoments {
+    pub setup: Rc<Setup>,
+    pub levels: Buffer<MapLevels>,
+    pub moments: Buffer<[f32; 2]>,
+    reduce: MapMoments,
+}
+
+impl WithMoments {
+    /// Of a frame of about `size` triangles, made once; `None` above what [`Setup`] makes.
+    pub fn new(gpu: &Gpu, size: usize) -> Result<Option<Self>> {
+        let Some(setup) = Setup::new(gpu, size)? else { return Ok(None) };
+        let levels = Buffer::uniform(&gpu.device, "bench.levels", 1)?;
+        levels.write(&gpu.queue, &[MapLevels::new(MAP, 2.0)]);
+        let moments = MapMoments::memory(&gpu.device, MAP)?;
+        let made = Self { setup, levels, moments, reduce: MapMoments::new(&gpu.device) };
+        submit(gpu, |stage| {
+            made.record(stage);
+            Ok(())
+        })?;
+        Ok(Some(made))
+    }
+
+    /// Records the moments.
+    pub fn record(&self, stage: &mut Stage) {
+        let Setup { frame, layers, .. } = &*self.setup;
+        self.reduce.record(stage, frame, &self.levels, &layers.nearest_keys, &self.moments, MAP);
+    }
 }
 
 fn bumpy_ball(triangles: usize) -> Mesh {

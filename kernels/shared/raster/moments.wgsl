@@ -1,8 +1,27 @@
-// Mean and variance of depths. Needs `front_split` and `splits`.
+// Mean and variance of the depths of squares of texels, level above level: level 0 are the texels, a cell of
+// level k is a square of 2^k of them a side, cut at the map's border. Needs `frame` and `front_split`.
+
+struct MapLevels {
+    far: f32,    // depth where there is no caster: well beyond that of anything
+    count: u32,  // levels above the texels
+    pad: vec2<u32>,
+    starts: array<vec4<u32>, 4>,  // where each begins among the moments
+}
+
+@group(0) @binding(1) var<uniform> levels: MapLevels;
+
+// Cells a side of a level.
+fn level_side(level: u32) -> u32 {
+    return ((frame.map_size - 1u) >> level) + 1u;
+}
+
+fn level_start(level: u32) -> u32 {
+    return levels.starts[level >> 2u][level & 3u];
+}
 
 // Of a texel by itself.
 fn texel_moments(key: u32) -> vec2<f32> {
-    return vec2(select(depth_of_key(key), splits.far, key == 0u), 0.0);
+    return vec2(select(depth_of_key(key), levels.far, key == 0u), 0.0);
 }
 
 // Of four parts, whose shares add up to 1. Equal means stay what they are, to the bit.

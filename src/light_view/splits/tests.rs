@@ -67,7 +67,7 @@ fn all_that_is_seen_lies_in_the_map_of_its_slice() {
             let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
             let points = seen_points(&view, &seen);
             for (warp, splits) in WARPS.into_iter().flat_map(|w| [(w, 1), (w, 3), (w, 4)]) {
-                let views = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3 });
+                let views = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3 }, 0.0);
                 assert_eq!(views.len(), splits as usize);
                 for &p in &points {
                     let depth = p.dot(seen.forward);
@@ -152,7 +152,7 @@ fn camera_and_light_along_one_line_fall_back_to_a_box() {
     let [light, ..] = lights();
     for (camera, warps) in [(along, false), (beside, false), (scene.camera, true)] {
         let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
-        for split in view.split(&seen, &SplitPlan { splits: 2, warp: Warp::Trapezoid, focus: 0.3 }) {
+        for split in view.split(&seen, &SplitPlan { splits: 2, warp: Warp::Trapezoid, focus: 0.3 }, 0.0) {
             assert_eq!(split.warp.row(2) != DVec3::Z, warps, "{:?}", split.warp);
         }
     }
@@ -202,7 +202,7 @@ fn what_is_near_gets_more_texels() {
     let [_, inside, ..] = cameras(&scene);
     let (view, seen) = setup(&lights()[1], &inside, &scene.mesh, 64);
     let across = |warp, splits| {
-        let split = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3 })[0];
+        let split = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3 }, 0.0)[0];
         let at = seen.forward * seen.near.max(0.05);
         let step = |d: DVec3| (place(&split, at + d.normalize() * 1e-3) - place(&split, at)).truncate();
         let up = seen.corners[0] - seen.corners[3];
@@ -224,7 +224,7 @@ fn the_fitted_warp_is_the_best_of_all() {
     for light in lights() {
         for camera in cameras(&scene) {
             let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
-            let whole = view.split(&seen, &SplitPlan { splits: 1, warp: Warp::Box, focus: 0.6 })[0];
+            let whole = view.split(&seen, &SplitPlan { splits: 1, warp: Warp::Box, focus: 0.6 }, 0.0)[0];
             let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max);
             let part = seen.part(&view, seen.near, farthest.max(seen.near));
             let depths = || part.iter().map(|p| p.dot(seen.forward));
@@ -234,7 +234,7 @@ fn the_fitted_warp_is_the_best_of_all() {
                 continue;
             }
             let width = |warp| {
-                let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6 })[0];
+                let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6 }, 0.0)[0];
                 coarseness(split.warp, &probes)
             };
             let [fitted, even] = [width(Warp::Fitted), coarseness(whole.warp, &probes)];
@@ -282,7 +282,7 @@ fn a_ground_alone_is_fitted() {
         let probes = seen.probes(&view, seen.near, farthest);
         assert!(probes.len() > 50, "{} probes", probes.len());
         let width = |warp| {
-            let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6 })[0];
+            let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6 }, 0.0)[0];
             coarseness(split.warp, &probes)
         };
         let (fitted, even) = (width(Warp::Fitted), width(Warp::Box));
@@ -306,7 +306,7 @@ fn the_fitted_warp_follows_the_camera() {
         let scale = unit_scale(rays.eye, bounds);
         let seen = SeenBox::new(&rays, [64, 48], f64::from(camera.near), bounds, scale);
         let plan = SplitPlan { splits: 1, warp: Warp::Fitted, focus: 0.3 };
-        let view = fit.relative_to(rays.eye, scale).split(&seen, &plan)[0];
+        let view = fit.relative_to(rays.eye, scale).split(&seen, &plan, 0.0)[0];
         [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| {
             let p = middle + DVec3::new(0.03 * k, 0.0, 0.045 * (k + 1.0)) * long;
             place(&view, (p - rays.eye) * scale).truncate()

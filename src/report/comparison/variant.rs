@@ -1,11 +1,11 @@
 //! Methods and settings that are compared.
 
 use crate::Result;
-use crate::light_view::Warp;
+use crate::light_view::{SplitPlan, Warp};
 use crate::mask_table::MaskVariant;
 use crate::methods::{
-    FacetMode, MethodName, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings,
-    SmsrSettings, SmsrShape, SplitSettings, SpsmEncoding, SpsmSettings,
+    FacetMode, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, Settings,
+    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use crate::samples::{Pattern, Samples};
 
@@ -120,14 +120,17 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
         MethodName::Variance | MethodName::Trapezoidal | MethodName::Lispsm => add("", settings.clone()),
         MethodName::ParallelSplit => add("splits=3", settings.clone()),
         MethodName::Remix => {
-            let with = |split| Settings { split, ..settings.clone() };
+            let with = |splits, warp, moments| {
+                let partition = Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS });
+                Settings { partition, moments, ..settings.clone() }
+            };
+            let moments = settings.moments;
             add("warp=fitted", settings.clone());
             if more {
-                add("warp=even", with(SplitSettings { warp: Warp::Box, ..settings.split }));
-                let paper = SplitSettings { warp: Warp::Trapezoid, grazing: 5.0, ..settings.split };
-                add("warp=trapezoid grazing=5", with(paper));
-                add("warp=fitted splits=1", with(SplitSettings { splits: 1, ..settings.split }));
-                add("warp=fitted bleeding=0.2", with(SplitSettings { bleeding: 0.2, ..settings.split }));
+                add("warp=even", with(3, Warp::Box, moments));
+                add("warp=trapezoid grazing=5", with(3, Warp::Trapezoid, MomentSettings { grazing: 5.0, ..moments }));
+                add("warp=fitted splits=1", with(1, Warp::Fitted, moments));
+                add("warp=fitted bleeding=0.2", with(3, Warp::Fitted, MomentSettings { bleeding: 0.2, ..moments }));
             }
         }
         MethodName::RayTraced => {

@@ -65,6 +65,27 @@ impl OnMap {
         share: impl Fn(DVec3, DVec2, DVec2, f64, f64) -> [f64; 2],
     ) -> std::result::Result<[u64; 2], String> {
         let [place, depth] = noise(world);
+        self.fault_of_pixels(world, |pixel, t| {
+            let (places, slope, _) = receiver(world, pixel, t)?;
+            // Depths of the receiver that rounding may give.
+            let doubt = depth + 2e-6 + (slope.x.abs() + slope.y.abs()) * place * 2.0;
+            let (mut low, mut high, mut seen) = (0.0, 0.0, 0.0);
+            let first = places.iter().flatten().next().map_or(DVec2::ZERO, |p| p.truncate());
+            for p in places.iter().flatten() {
+                let [least, greatest] = share(*p, first, slope, place, doubt);
+                (low, high, seen) = (low + least, high + greatest, seen + 1.0);
+            }
+            (seen > 0.0).then(|| [low / seen - 1e-5, high / seen + 1e-5])
+        })
+    }
+
+    /// Where visibility is not within what `share` gives of a pixel and the triangle that it sees from the light's side, where it can be told.
+    /// How many pixels were compared and how many of them closely.
+    pub fn fault_of_pixels(
+        &self,
+        world: &World,
+        share: impl Fn(u32, u32) -> Option<[f64; 2]>,
+    ) -> std::result::Result<[u64; 2], String> {
         let (mut compared, mut close) = (0, 0);
         for (pixel, &v) in self.visibility.iter().enumerate() {
             let at = format!("pixel {pixel}, visibility {v}");
@@ -81,19 +102,7 @@ impl OnMap {
                 }
                 continue;
             }
-            let Some((places, slope, _)) = receiver(world, pixel as u32, t) else { continue };
-            // Depths of the receiver that rounding may give.
-            let doubt = depth + 2e-6 + (slope.x.abs() + slope.y.abs()) * place * 2.0;
-            let (mut low, mut high, mut seen) = (0.0, 0.0, 0.0);
-            let first = places.iter().flatten().next().map_or(DVec2::ZERO, |p| p.truncate());
-            for p in places.iter().flatten() {
-                let [least, greatest] = share(*p, first, slope, place, doubt);
-                (low, high, seen) = (low + least, high + greatest, seen + 1.0);
-            }
-            if seen == 0.0 {
-                continue;
-            }
-            let (low, high) = (low / seen - 1e-5, high / seen + 1e-5);
+            let Some([low, high]) = share(pixel as u32, t) else { continue };
             compared += 1;
             close += u64::from(high - low < 0.05);
             if !(low..=high).contains(&f64::from(v)) {

@@ -6,7 +6,7 @@ use std::sync::{Mutex, OnceLock};
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups, recorder};
-use subpixel_shadows::light_view::LightView;
+use subpixel_shadows::light_view::{LightView, SplitPlan};
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
 use subpixel_shadows::reference::camera_visibility::{DepthMargin, nearest};
@@ -195,6 +195,19 @@ impl World {
         map: u32,
         samples: Samples,
     ) -> Self {
+        Self::in_slice(gpu, mesh, (camera, light), size, map, samples, None)
+    }
+
+    /// The same in the light's view of slice number `k` of what the camera sees.
+    pub fn in_slice(
+        gpu: &'static Gpu,
+        mesh: &Mesh,
+        (camera, light): (Camera, Light),
+        size: [u32; 2],
+        map: u32,
+        samples: Samples,
+        slice: Option<(SplitPlan, usize)>,
+    ) -> Self {
         static FRONT: OnceLock<Front> = OnceLock::new();
         static FOLDING: OnceLock<Front> = OnceLock::new();
         let front = if std::ptr::eq(gpu, super::gpu()) { &FRONT } else { &FOLDING };
@@ -204,6 +217,7 @@ impl World {
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
         let fitted = LightView::fit(prepared.mesh(), &light, map).expect("a light view");
         let bounds = prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let fitted = slice.map_or(fitted, |(plan, k)| fitted.slices(&camera, size, bounds, &plan, 0.0)[k]);
         let mut frame = Frame::new(&camera, &light, &fitted, bounds, size, &samples);
         let (vertices, triangles) = (prepared.mesh().positions.len(), prepared.mesh().triangles.len());
         (frame.vertex_count, frame.triangle_count) = (vertices as u32, triangles as u32);

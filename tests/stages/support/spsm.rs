@@ -129,7 +129,7 @@ pub fn footprint(world: &World, pixel: u32, t: u32, many: bool) -> Option<[DVec2
 }
 
 /// The place in the light view of the point of triangle `t`'s plane at an offset from a pixel's centre.
-fn on_plane(world: &World, pixel: u32, t: u32, offset: DVec2) -> Option<DVec3> {
+pub fn on_plane(world: &World, pixel: u32, t: u32, offset: DVec2) -> Option<DVec3> {
     let [a, b, c] = world.triangles[t as usize].corners?;
     let normal = (b - a).cross(c - a);
     let ray = pixel_ray(&world.view, pixel, offset);

@@ -1,14 +1,11 @@
-//! Shadows by a map of a slice of the view: by depth comparison, and by mean and variance of the depths in a footprint.
+//! Shadows by mean and variance of the depths in a footprint.
 
 use super::map_moments;
-use crate::light_view::SplitView;
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DMat2, DVec2};
 
-/// A map and its moments, level by level.
+/// Moments of a map, level by level.
 #[derive(Clone, Debug)]
-pub struct Map {
-    /// Depth of each texel, row by row; `None` where there is no caster.
-    pub depths: Vec<Option<f64>>,
+pub struct Moments {
     /// Texels a side.
     pub size: u32,
     /// Mean and variance of each level's cells, from the texels themselves on.
@@ -24,27 +21,12 @@ pub struct Receiver {
     pub depth: f64,
     /// Depth per texel to the right and down.
     pub slope: DVec2,
-    /// Its plane: takes a texel `(x, y, 1)` to depth times, and the divisor, first and last.
-    pub plane: [DVec3; 2],
 }
 
 impl Receiver {
-    /// The receiver at this place, which has this depth in the whole view at texel `whole` and this slope there.
-    pub fn new(split: &SplitView, whole: DVec2, depth: f64, slope: DVec2) -> Self {
-        let q = split.warp * whole.extend(1.0);
-        let by = |k: usize| (split.warp.row(k) - split.warp.row(2) * (q[k] / q.z)).truncate() / q.z;
-        let (x, y) = (by(0), by(1));
-        let in_map = DVec2::new(slope.x * y.y - slope.y * y.x, slope.y * x.x - slope.x * x.y) / x.perp_dot(y);
-        let back = split.warp.inverse().transpose();
-        let height = depth - slope.dot(whole);
-        let plane = [back * slope.extend(height), back * DVec3::Z];
-        Self { at: q.truncate() / q.z, depth, slope: in_map, plane }
-    }
-
     /// How much deeper it is at another texel.
     pub fn rise_to(&self, at: DVec2) -> f64 {
-        let depth = |p: DVec2| self.plane[0].dot(p.extend(1.0)) / self.plane[1].dot(p.extend(1.0));
-        depth(at) - depth(self.at)
+        self.slope.dot(at - self.at)
     }
 }
 
@@ -59,25 +41,18 @@ pub struct MomentQuery {
     pub most_probes: f64,
 }
 
-impl Map {
-    /// Map of depths, which are `far` where there is no caster.
-    pub fn new(depths: Vec<Option<f64>>, size: u32, far: f64) -> Self {
+impl Moments {
+    /// Of a map of depths, which are `far` where there is no caster.
+    pub fn new(depths: &[Option<f64>], size: u32, far: f64) -> Self {
         let all: Vec<f64> = depths.iter().map(|d| d.unwrap_or(far)).collect();
         let last = size.max(1).next_power_of_two().trailing_zeros();
         let levels = (0..=last).map(|level| map_moments::moments(&all, size, level)).collect();
-        Self { depths, size, levels }
+        Self { size, levels }
     }
 
     /// Whether a place lies in the map.
     pub fn holds(&self, at: DVec2) -> bool {
         at.cmpge(DVec2::ZERO).all() && at.max_element() < f64::from(self.size)
-    }
-
-    /// Whether the texel at a place holds nothing before the receiver, less the bias: `constant` and `slope` times its steeper slope.
-    pub fn is_lit(&self, r: &Receiver, constant: f64, slope: f64) -> bool {
-        let [x, y] = [r.at.x as u32, r.at.y as u32].map(|c| c.min(self.size - 1));
-        let nearest = self.depths[(y * self.size + x) as usize];
-        nearest.is_none_or(|d| d >= r.depth - constant - slope * r.slope.abs().max_element())
     }
 
     fn bilinear(&self, level: usize, at: DVec2) -> [f64; 2] {
@@ -98,7 +73,7 @@ impl Map {
     }
 
     /// Mean and variance of a square of `2^level` texels a side around a place.
-    pub fn moments(&self, level: f64, at: DVec2) -> [f64; 2] {
+    pub fn of_square(&self, level: f64, at: DVec2) -> [f64; 2] {
         let low = level.floor() as usize;
         let high = (low + 1).min(self.levels.len() - 1);
         let f = level - level.floor();
@@ -110,7 +85,7 @@ impl Map {
         let cell = level.ceil().exp2().min(f64::from(self.size));
         let last = ((f64::from(self.size) / cell).floor() - 0.5) * cell;
         let at = wanted.clamp(DVec2::splat(0.5 * cell), DVec2::splat(last));
-        let [mean, variance] = self.moments(level, at);
+        let [mean, variance] = self.of_square(level, at);
         let off = r.depth + r.rise_to(at) - ask.constant - mean;
         if off <= 0.0 {
             return 1.0;

@@ -1,0 +1,118 @@
+// moment_shadows: shadows by the moments of a map's depths, one lookup a pixel in those of its footprint,
+// anisotropic: squares as wide as the footprint is across, along it up to MOST_PROBES of them. Of the depths
+// there at most the share variance / (variance + (t - mean)^2) lies behind a receiver of depth t behind their
+// mean (Chebyshev; Donnelly and Lauritzen 2006), which is taken as lit, less BLEEDING; t is that of the
+// receiver's plane at the very place that is looked up. Where the receiver turns less than GRAZING (sine of
+// its elevation) to the light, half of it is lit (Oliveira 2009, section 4.2.2). Writes `visibility`.
+
+//@import frame dispatch facing receiver front_split moments
+
+override BIAS_CONSTANT: f32 = 0.00005;
+override BLEEDING: f32 = 0.0;
+override GRAZING: f32 = 0.0;
+const MOST_PROBES = 16u;
+const LONGEST_STEP = 65536.0;  // texels: a plane seen edge-on has no end
+const WORKGROUP = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(2) var<uniform> samples: array<vec4<f32>, 64>;  // for `receiver`; none is asked for
+@group(0) @binding(3) var<storage, read> id_keys: array<u32>;
+@group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(5) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read> nearest_keys: array<u32>;
+@group(0) @binding(7) var<storage, read> moments: array<vec2<f32>>;
+@group(0) @binding(8) var<storage, read_write> visibility: array<f32>;
+
+fn cell_moments(level: u32, cell: vec2<u32>) -> vec2<f32> {
+    if level == 0u { return texel_moments(nearest_keys[cell.y * frame.map_size + cell.x]); }
+    return moments[level_start(level) + cell.y * level_side(level) + cell.x];
+}
+
+// Between the four cells of a level around a place.
+fn bilinear(level: u32, at: vec2<f32>) -> vec2<f32> {
+    let last = f32(level_side(level) - 1u);
+    let place = clamp(at / f32(1u << level) - 0.5, vec2(0.0), vec2(last));
+    let low = vec2<u32>(place);
+    let high = min(low + 1u, vec2(level_side(level) - 1u));
+    let f = place - floor(place);
+    let a = cell_moments(level, low);
+    let b = cell_moments(level, vec2(high.x, low.y));
+    let c = cell_moments(level, vec2(low.x, high.y));
+    let d = cell_moments(level, high);
+    let shares = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    return mixed(vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), shares);
+}
+
+// Of a square of 2^level texels a side around a place: between two levels.
+fn trilinear(level: f32, at: vec2<f32>) -> vec2<f32> {
+    let low = u32(level);
+    let fine = bilinear(low, at);
+    let f = level - f32(low);
+    if f == 0.0 { return fine; }
+    let coarse = bilinear(min(low + 1u, levels.count), at);
+    return mixed(vec4(fine.x, coarse.x, fine.xx), vec4(fine.y, coarse.y, 0.0, 0.0), vec4(1.0 - f, f, 0.0, 0.0));
+}
+
+// Share of light in a square of 2^level texels a side around a place `wanted`, of a receiver that is at `at`
+// (texel x, y, depth).
+fn lit_share(r: Receiver, at: vec3<f32>, wanted: vec2<f32>, level: f32) -> f32 {
+    // Where cells of the level above are whole all around; the middle of the map where none is whole.
+    let cell = min(exp2(ceil(level)), f32(frame.map_size));
+    let last = (floor(f32(frame.map_size) / cell) - 0.5) * cell;
+    let place = clamp(wanted, vec2(0.5 * cell), vec2(last));
+    let found = trilinear(level, place);
+    let off = at.z + dot(r.slope, place - at.xy) - BIAS_CONSTANT - found.x;
+    if off <= 0.0 { return 1.0; }
+    return max(found.y / (found.y + off * off) - BLEEDING, 0.0) / (1.0 - BLEEDING);
+}
+
+// Change of the place of the receiver's point `p`, texel `at`, for a change of the ray by a pixel.
+fn step_of(r: Receiver, ray: vec3<f32>, step: vec3<f32>, p: vec3<f32>, at: vec2<f32>) -> vec2<f32> {
+    let over = dot(r.normal, ray);
+    let change = (step - ray * (dot(r.normal, step) / over)) * (r.height / over);
+    let across = vec2(dot(frame.map_u.xyz, change), dot(frame.map_v.xyz, change));
+    let moved = (across - at * dot(frame.map_w.xyz, change)) / dot(frame.map_w, vec4(p, 1.0));
+    return clamp(moved, vec2(-LONGEST_STEP), vec2(LONGEST_STEP));
+}
+
+fn filtered(r: Receiver, ray: vec3<f32>) -> f32 {
+    let p = plane_point(r, ray);
+    let at = place_at(p);
+    if at.w == 0.0 || any(at.xy < vec2(0.0)) || any(at.xy >= vec2(f32(frame.map_size))) { return 1.0; }
+    let x = step_of(r, ray, frame.ray_x.xyz, p.xyz, at.xy);
+    let y = step_of(r, ray, frame.ray_y.xyz, p.xyz, at.xy);
+    // Axes of the ellipse that the pixel's circle is there.
+    let a = x.x * x.x + y.x * y.x;
+    let b = x.x * x.y + y.x * y.y;
+    let c = x.y * x.y + y.y * y.y;
+    let root = sqrt(0.25 * (a - c) * (a - c) + b * b);
+    let long = sqrt(max(0.5 * (a + c) + root, 1e-12));
+    let short = abs(x.x * y.y - x.y * y.x) / long;
+    var along = select(vec2(b, 0.5 * (c - a) + root), vec2(0.5 * (a - c) + root, b), a >= c);
+    along *= long * inverseSqrt(max(dot(along, along), 1e-30));
+    let probes = u32(clamp(ceil(long / max(short, 1.0)), 1.0, f32(MOST_PROBES)));
+    let level = clamp(log2(max(max(short, long / f32(probes)), 1.0)), 0.0, f32(levels.count));
+    var sum = 0.0;
+    for (var k = 0u; k < probes; k++) {
+        sum += lit_share(r, at.xyz, at.xy + along * ((f32(k) + 0.5) / f32(probes) - 0.5), level);
+    }
+    return sum / f32(probes);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn filter_moments(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let r = receiver_of(pixel);
+    var share = select(0.0, 1.0, r.seen == SEEN_NONE);
+    if r.seen == SEEN_OPEN {
+        let to_light = frame.light.xyz - frame.light.w * r.at;
+        let grazes = dot(r.normal, to_light) < GRAZING * length(r.normal) * length(to_light);
+        if grazes { share = 0.5; } else { share = filtered(r, pixel_ray(pixel)); }
+    }
+    visibility[pixel] = share;
+}
