@@ -101,22 +101,22 @@ fn options_of_other_methods_are_refused() {
     let folder = Folder::new("refused");
     let out = folder.path("out");
     for (k, option) in METHOD_OPTIONS.iter().enumerate() {
-        let given = argument(option.name);
-        let others: Vec<MethodName> = MethodName::ALL.into_iter().filter(|m| !option.methods.contains(m)).collect();
+        let given = argument(option);
+        let (takers, others): (Vec<_>, Vec<_>) = MethodName::ALL.into_iter().partition(|method| method.takes(option));
         let not = others[k % others.len()].name();
         for command in [&["render", "plane"][..], &["explain", "plane"], &[]] {
             let refused = run(&[command, &["--method", not, &given, "--out", &out]].concat());
             let said = String::from_utf8_lossy(&refused.stderr).into_owned();
             assert_eq!(refused.status.code(), Some(2), "{command:?} {not} {given}: {said}");
-            assert!(said.contains(not) && said.contains(&format!("'--{}'", option.name)), "{said}");
-            assert!(option.methods.iter().all(|m| said.contains(m.name())), "{said}");
+            assert!(said.contains(not) && said.contains(&format!("'--{option}'")), "{said}");
+            assert!(takers.iter().all(|m| said.contains(m.name())), "{said}");
             assert!(refused.stdout.is_empty() && !Path::new(&out).exists(), "{command:?} {not} {given}");
         }
     }
     // What is a default is given by nobody, and what the method takes is taken.
     for method in MethodName::ALL {
         let mut given = vec!["explain", "plane", "--engine", "cpu", "--size", "8x6", "--method", method.name()];
-        let own: Vec<String> = method.options().map(argument).collect();
+        let own: Vec<String> = method.row().options.iter().map(|option| argument(option)).collect();
         given.extend(own.iter().map(String::as_str));
         done(&given);
     }
@@ -441,10 +441,10 @@ mod gpu {
             };
             let (mut others, mut own) = (default.clone(), Vec::new());
             for option in METHOD_OPTIONS {
-                if option.methods.contains(&method) {
-                    own.push(option.name);
+                if method.takes(option) {
+                    own.push(option);
                 } else {
-                    others = with(method, option.name, &others).unwrap_or(others);
+                    others = with(method, option, &others).unwrap_or(others);
                 }
             }
             let plain = of(&default, &scene.light);

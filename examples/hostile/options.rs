@@ -4,7 +4,7 @@ use super::Section;
 use super::process::{Ended, Program};
 use std::time::Instant;
 use subpixel_shadows::Result;
-use subpixel_shadows::methods::METHOD_OPTIONS;
+use subpixel_shadows::methods::METHODS;
 
 /// Options of a small frame, which a case replaces or adds to.
 const USUAL: [(&str, &str); 4] = [("--size", "24x18"), ("--map", "16"), ("--samples", "8"), ("--frames", "1")];
@@ -20,8 +20,8 @@ struct Case {
 fn is_taken(options: &str, name: &str) -> bool {
     let mut words = options.split(' ');
     let method = words.find(|w| *w == "--method").and_then(|_| words.next()).unwrap_or("facet-masks");
-    let option = METHOD_OPTIONS.iter().find(|o| name.strip_prefix("--") == Some(o.name));
-    option.is_none_or(|o| o.methods.iter().any(|m| m.name() == method))
+    let row = METHODS.iter().find(|row| row.name == method);
+    row.is_none_or(|row| name.strip_prefix("--").is_none_or(|option| row.method.takes(option)))
 }
 
 /// A run of a scene, with options as one text. What the method does not take is refused with status 2.
@@ -88,7 +88,7 @@ fn cases() -> Vec<Case> {
     let spot = "--light spot=1,3,1;target=0,0,0;angle=";
     add(spot, &[("0", 1), ("1e-45", 0), ("1", 0), ("179.9999", 0), ("180", 1), ("360", 1), ("nan", 1), ("-1", 1)]);
     add("--light spot=1,3,1;target=", &[("1,3,1", 1), ("1,3,1.0000001", 0), ("1e38,0,0", 0), ("nan,0,0", 1)]);
-    for method in METHODS {
+    for method in METHODS.iter().map(|row| row.name) {
         for options in ["--size 1x1 --map 1 --samples 1", "--size 1x1 --map 1 --samples 128", "--size 3x257 --map 255"]
         {
             add(&format!("--method {method} {options}"), &[("", 0)]);
@@ -104,22 +104,6 @@ fn cases() -> Vec<Case> {
     all.push(case("no-such-scene", "", &[1]));
     all
 }
-
-/// Every method.
-const METHODS: [&str; 12] = [
-    "facet-masks",
-    "spsm",
-    "shadow-map",
-    "pcf",
-    "smsr",
-    "variance",
-    "trapezoidal",
-    "lispsm",
-    "parallel-split",
-    "remix",
-    "ray-traced",
-    "supersampled",
-];
 
 pub fn run(program: &Program, gpu: bool) -> Result<Section> {
     let (start, cases) = (Instant::now(), cases());

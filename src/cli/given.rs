@@ -8,7 +8,7 @@ use clap::{ArgMatches, CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value, json};
 use std::ffi::OsString;
 use std::path::Path;
-use subpixel_shadows::methods::{METHOD_OPTIONS, MethodName};
+use subpixel_shadows::methods::{METHOD_OPTIONS, METHODS, MethodName};
 use subpixel_shadows::report::FrameReport;
 use subpixel_shadows::scene::{BUILTIN_NAMES, Camera, CameraOverride, Light, Mesh, Scene};
 use subpixel_shadows::{Error, Result};
@@ -39,8 +39,8 @@ pub fn given(
         Some(path) => with_frame(matches, scene, &options, path)?,
         None => (scene, options),
     };
-    for option in METHOD_OPTIONS.iter().filter(|o| on_line(matches, o.name)) {
-        if let Some(text) = refusal(option.name, options.method) {
+    for option in METHOD_OPTIONS.iter().filter(|o| on_line(matches, o)) {
+        if let Some(text) = refusal(option, options.method) {
             Cli::command().error(ErrorKind::ArgumentConflict, text).exit();
         }
     }
@@ -49,8 +49,8 @@ pub fn given(
 
 /// Why `method` cannot be given an option, if so.
 fn refusal(name: &str, method: MethodName) -> Option<String> {
-    let option = METHOD_OPTIONS.iter().find(|o| o.name == name && !o.methods.contains(&method))?;
-    let takers: Vec<&str> = option.methods.iter().map(|m| m.name()).collect();
+    let option = METHOD_OPTIONS.iter().find(|o| **o == name && !method.takes(o))?;
+    let takers: Vec<&str> = METHODS.iter().filter(|row| row.method.takes(option)).map(|row| row.name).collect();
     let verb = if takers.len() == 1 { "does" } else { "do" };
     Some(format!("the method {} does not take '--{name}'; {} {verb}", method.name(), takers.join(", ")))
 }
@@ -281,7 +281,7 @@ mod tests {
     fn every_option_is_recorded() {
         let command = Given::command();
         let names: BTreeSet<&str> = command.get_opts().filter_map(|a| a.get_long()).collect();
-        assert!(METHOD_OPTIONS.iter().all(|o| names.contains(o.name)));
+        assert!(METHOD_OPTIONS.iter().all(|o| names.contains(*o)));
         for argument in command.get_opts() {
             assert_eq!(argument.get_long().unwrap().replace('-', "_"), argument.get_id().as_str());
         }
@@ -289,7 +289,7 @@ mod tests {
         let mut recorded = BTreeSet::new();
         for method in MethodName::ALL {
             let found = settings(&options(&["--method", method.name()]), &scene, &Engine::Cpu);
-            assert!(METHOD_OPTIONS.iter().all(|o| found.contains_key(o.name) == method.takes(o.name)), "{found:?}");
+            assert!(METHOD_OPTIONS.iter().all(|o| found.contains_key(*o) == method.takes(o)), "{found:?}");
             recorded.extend(found.into_iter().map(|(name, _)| name));
         }
         let wanted = names.iter().filter(|n| !NOT_OF_A_FRAME.contains(n)).chain(&["scene"]).map(|n| (*n).to_owned());

@@ -15,7 +15,7 @@ pub fn run(as_json: bool) -> Result<()> {
     }
     let mut rows = vec![["method", "options of its own", "paper", "section"].map(String::from).to_vec()];
     for row in &METHODS {
-        let options: Vec<String> = row.method.options().map(|name| format!("--{name}")).collect();
+        let options: Vec<String> = row.options.iter().map(|name| format!("--{name}")).collect();
         rows.push(vec![row.name.to_owned(), options.join(" "), row.paper.to_owned(), row.section.to_owned()]);
     }
     report.table(&rows, &[]);
@@ -31,7 +31,7 @@ pub fn run(as_json: bool) -> Result<()> {
 
 /// `options`: the arguments of `render` that make it; `takes`: the options that it takes and not every method does.
 fn object(row: &MethodRow) -> Value {
-    let takes: Vec<&str> = row.method.options().collect();
+    let takes = row.options;
     json!({
         "name": row.name,
         "paper": row.paper,

@@ -5,12 +5,12 @@ use super::by_views::{ByViews, Left};
 use super::debug_views::DebugViews;
 use super::facet_masks::FacetSource;
 use super::geometry::{Geometry, GeometryPipelines};
-use super::names::MethodName;
+use super::names::{MethodName, TexelQuery};
 use super::output::Counts;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::settings::Settings;
-use super::shadow_map::{MapQuery, ShadowMapping};
+use super::shadow_map::ShadowMapping;
 use super::spsm::Spsm;
 use super::supersampled::Supersampled;
 use crate::frame::{Frame, sample_words};
@@ -204,21 +204,16 @@ impl FixedMemory {
         let samples = Buffer::uniform(device, "samples", 64)?;
         samples.write(queue, &sample_words(&settings.samples));
         let status = Buffer::storage(device, "status", Self::outcome_at(Self::MOST_VIEWS))?;
-        let of_maps = |query| Ok::<_, Error>(Box::new(ShadowMapping::new(parts, query)?) as Box<dyn FixedMethod>);
         let settings = Settings { partition: method.partition(settings), ..settings.clone() };
-        let method: Box<dyn FixedMethod> = match method {
-            MethodName::FacetMasks => {
-                return Err(Error::Config("facet-masks: what its lists take is not known before a frame".to_owned()));
+        let method: Box<dyn FixedMethod> = match method.row().query {
+            TexelQuery::Facets => {
+                let text = format!("{}: what its lists take is not known before a frame", method.name());
+                return Err(Error::Config(text));
             }
-            MethodName::Spsm => Box::new(Spsm::new(parts)?),
-            MethodName::ShadowMap | MethodName::Trapezoidal | MethodName::Lispsm | MethodName::ParallelSplit => {
-                of_maps(MapQuery::Nearest)?
-            }
-            MethodName::Pcf => of_maps(MapQuery::Filtered)?,
-            MethodName::Smsr => of_maps(MapQuery::Revectorized)?,
-            MethodName::Variance | MethodName::Remix => of_maps(MapQuery::Moments)?,
-            MethodName::RayTraced => Box::new(RayTraced::new(parts)?),
-            MethodName::Supersampled => Box::new(Supersampled::new(parts)?),
+            TexelQuery::Triangles => Box::new(Spsm::new(parts)?),
+            TexelQuery::Map(query) => Box::new(ShadowMapping::new(parts, query)?),
+            TexelQuery::Rays => Box::new(RayTraced::new(parts)?),
+            TexelQuery::Samples => Box::new(Supersampled::new(parts)?),
         };
         Ok(Self {
             with: GeometryPipelines::new(device),

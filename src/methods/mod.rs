@@ -16,7 +16,6 @@ pub mod geometry;
 pub mod light_maps;
 pub mod list_sizing;
 pub mod names;
-pub mod options;
 pub mod output;
 pub mod prepared;
 #[cfg(feature = "baselines")]
@@ -34,8 +33,7 @@ pub mod supersampled;
 #[cfg(feature = "baselines")]
 pub use debug_views::{DebugMap, DebugViews, PixelClass};
 pub use facet_masks::FacetMasks;
-pub use names::{METHODS, MethodName, MethodRow};
-pub use options::{METHOD_OPTIONS, MethodOption};
+pub use names::{METHOD_OPTIONS, METHODS, MapQuery, MethodName, MethodRow, TexelQuery};
 pub use prepared::Prepared;
 pub use settings::{
     FacetMode, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings,

@@ -33,6 +33,34 @@ pub enum MethodName {
     Supersampled,
 }
 
+/// How a pixel asks the light's texels. It works in any views of the light, warped or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TexelQuery {
+    /// Facets against the casters of their texels.
+    Facets,
+    /// Borders of the closest triangles around.
+    Triangles,
+    /// Nearest depths.
+    Map(MapQuery),
+    /// No texels: rays.
+    Rays,
+    /// Every sample, kept by its texel, against every caster there.
+    Samples,
+}
+
+/// How a map of nearest depths is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapQuery {
+    /// Every sample with its texel.
+    Nearest,
+    /// Every sample with a box of texels.
+    Filtered,
+    /// Every sample with its texel, whose borders are drawn anew.
+    Revectorized,
+    /// The pixel's footprint with mean and variance of the depths in it.
+    Moments,
+}
+
 /// Description of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodRow {
@@ -46,16 +74,41 @@ pub struct MethodRow {
     pub section: &'static str,
     /// Its three parts: where the light's texels lie, what a texel keeps, how a pixel asks.
     pub parts: [&'static str; 3],
+    /// The last of these, which says the second too.
+    pub query: TexelQuery,
     /// Slices of what the camera sees and their warp, where [`Settings::partition`] tells none.
     pub partition: Option<SplitPlan>,
-    /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::DebugViews)).
-    pub keeps: [bool; 2],
+    /// The options of the program that it takes of those that not every method takes, in the order of [`METHOD_OPTIONS`].
+    pub options: &'static [&'static str],
 }
 
 /// Slices and a warp of a method's own.
 const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
     Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS })
 }
+
+/// The options of `render` and `explain` that not every method takes; all others are of all methods.
+pub const METHOD_OPTIONS: [&str; 19] = [
+    "facets",
+    "validity",
+    "masks",
+    "pairs",
+    "projection",
+    "memory-limit",
+    "list-start",
+    "encoding",
+    "search",
+    "rays",
+    "kernel",
+    "shape",
+    "reach",
+    "splits",
+    "warp",
+    "focus",
+    "bleeding",
+    "grazing",
+    "looks",
+];
 
 /// All methods, in the order of [`MethodName::ALL`].
 pub const METHODS: [MethodRow; 12] = [
@@ -69,8 +122,21 @@ pub const METHODS: [MethodRow; 12] = [
             "two nearest depths, silhouettes, the split between sheets",
             "facets against casters of their texels, half-planes into masks",
         ],
+        query: TexelQuery::Facets,
         partition: None,
-        keeps: [true, true],
+        options: &[
+            "facets",
+            "validity",
+            "masks",
+            "pairs",
+            "projection",
+            "memory-limit",
+            "list-start",
+            "splits",
+            "warp",
+            "focus",
+            "looks",
+        ],
     },
     MethodRow {
         method: MethodName::Spsm,
@@ -82,8 +148,9 @@ pub const METHODS: [MethodRow; 12] = [
             "closest triangle, 128 bits",
             "reconstruct borders of triangles around the sample",
         ],
+        query: TexelQuery::Triangles,
         partition: None,
-        keeps: [true, true],
+        options: &["encoding", "search", "splits", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::ShadowMap,
@@ -91,8 +158,9 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Williams 1978: Casting Curved Shadows on Curved Surfaces",
         section: "Scherzer 2011: 2",
         parts: ["over casters and receivers; slices, warps; a cube", "nearest depth", "compare every sample"],
+        query: TexelQuery::Map(MapQuery::Nearest),
         partition: None,
-        keeps: [false, true],
+        options: &["splits", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Pcf,
@@ -104,8 +172,9 @@ pub const METHODS: [MethodRow; 12] = [
             "nearest depth",
             "compare every sample with a box of texels on the receiver's plane",
         ],
+        query: TexelQuery::Map(MapQuery::Filtered),
         partition: None,
-        keeps: [false, true],
+        options: &["kernel", "splits", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Smsr,
@@ -117,8 +186,9 @@ pub const METHODS: [MethodRow; 12] = [
             "nearest depth",
             "compare, and draw stepped borders anew",
         ],
+        query: TexelQuery::Map(MapQuery::Revectorized),
         partition: None,
-        keeps: [false, true],
+        options: &["shape", "reach", "splits", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Variance,
@@ -130,8 +200,9 @@ pub const METHODS: [MethodRow; 12] = [
             "mean and variance of depth",
             "bound the lit share of the pixel's footprint",
         ],
+        query: TexelQuery::Map(MapQuery::Moments),
         partition: None,
-        keeps: [false, true],
+        options: &["splits", "warp", "focus", "bleeding", "grazing", "looks"],
     },
     MethodRow {
         method: MethodName::Trapezoidal,
@@ -139,8 +210,9 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Martin, Tan 2004: Anti-aliasing and Continuity with Trapezoidal Shadow Maps",
         section: "Oliveira 2009: 3.2",
         parts: ["over what is seen, trapezoid by focus; a cube", "nearest depth", "compare every sample"],
+        query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(1, Warp::Trapezoid),
-        keeps: [false, true],
+        options: &["focus", "looks"],
     },
     MethodRow {
         method: MethodName::Lispsm,
@@ -148,8 +220,9 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Wimmer, Scherzer, Purgathofer 2004: Light Space Perspective Shadow Maps",
         section: "Scherzer 2011: 4.2",
         parts: ["over what is seen, trapezoid by angle; a cube", "nearest depth", "compare every sample"],
+        query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(1, Warp::LightSpace),
-        keeps: [false, true],
+        options: &["looks"],
     },
     MethodRow {
         method: MethodName::ParallelSplit,
@@ -157,8 +230,9 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Zhang, Sun, Xu, Lun 2006: Parallel-Split Shadow Maps for Large-scale Virtual Environments",
         section: "Oliveira 2009: 3.3",
         parts: ["over what is seen of each slice; a cube", "nearest depth", "compare every sample"],
+        query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(3, Warp::Box),
-        keeps: [false, true],
+        options: &["splits", "looks"],
     },
     MethodRow {
         method: MethodName::Remix,
@@ -170,8 +244,9 @@ pub const METHODS: [MethodRow; 12] = [
             "mean and variance of depth",
             "bound the lit share of the pixel's footprint",
         ],
+        query: TexelQuery::Map(MapQuery::Moments),
         partition: own(3, Warp::Fitted),
-        keeps: [false, true],
+        options: &["splits", "warp", "focus", "bleeding", "grazing", "looks"],
     },
     MethodRow {
         method: MethodName::RayTraced,
@@ -179,8 +254,9 @@ pub const METHODS: [MethodRow; 12] = [
         paper: "Whitted 1980: An Improved Illumination Model for Shaded Display",
         section: "Pan 2009: 5",
         parts: ["none; to settle early as facet-masks", "none", "a ray through a tree of casters from every sample"],
+        query: TexelQuery::Rays,
         partition: None,
-        keeps: [false, false],
+        options: &["validity", "rays"],
     },
     MethodRow {
         method: MethodName::Supersampled,
@@ -192,8 +268,9 @@ pub const METHODS: [MethodRow; 12] = [
             "the samples that project to it",
             "every sample against every caster of its texel",
         ],
+        query: TexelQuery::Samples,
         partition: None,
-        keeps: [false, false],
+        options: &["validity", "splits", "warp", "focus"],
     },
 ];
 
@@ -236,7 +313,16 @@ impl MethodName {
 
     /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::DebugViews)).
     pub fn keeps(self) -> [bool; 2] {
-        self.row().keeps
+        match self.row().query {
+            TexelQuery::Facets | TexelQuery::Triangles => [true, true],
+            TexelQuery::Map(_) => [false, true],
+            TexelQuery::Rays | TexelQuery::Samples => [false, false],
+        }
+    }
+
+    /// Whether it takes an option; one that is not among [`METHOD_OPTIONS`] is of all methods.
+    pub fn takes(self, option: &str) -> bool {
+        !METHOD_OPTIONS.contains(&option) || self.row().options.contains(&option)
     }
 }
 
@@ -251,6 +337,24 @@ mod tests {
             assert!(METHODS[..k].iter().all(|other| other.name != row.name), "{} twice", row.name);
             assert!(row.name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{}", row.name);
             assert!(row.paper.contains(':') && !row.section.is_empty(), "{}", row.name);
+        }
+    }
+
+    #[test]
+    fn every_option_is_there_once_and_is_of_some_methods() {
+        for (k, option) in METHOD_OPTIONS.iter().enumerate() {
+            assert!(!METHOD_OPTIONS[..k].contains(option), "{option} twice");
+            let takes = METHODS.iter().filter(|row| row.method.takes(option)).count();
+            assert!((1..METHODS.len()).contains(&takes), "{option}");
+        }
+        for row in &METHODS {
+            let place = |option| METHOD_OPTIONS.iter().position(|o| o == option);
+            let places: Vec<_> = row.options.iter().map(place).collect();
+            assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{}: {places:?}", row.name);
+            // A method has slices of its own, or takes all options of them, or asks no view.
+            let all = ["splits", "warp", "focus"].iter().all(|option| row.method.takes(option));
+            assert!(row.partition.is_some() || all || row.query == TexelQuery::Rays, "{}", row.name);
+            assert!(row.method.takes("samples") && row.method.takes("looks") == (row.method.keeps() != [false; 2]));
         }
     }
 }

@@ -8,6 +8,7 @@
 
 use super::debug_views::DebugViews;
 use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
+use super::names::MapQuery;
 use super::settings::{MomentSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::Result;
 use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
@@ -17,19 +18,6 @@ use crate::stages::map_moments::{MapLevels, MapMoments};
 use crate::stages::moment_shadows::{MapWithMoments, MomentShadows, MomentShadowsOptions};
 use crate::stages::shadow_map::{ShadowMap, ShadowMapOptions};
 use crate::stages::smsr::{Smsr, SmsrOptions};
-
-/// How the map is queried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MapQuery {
-    /// Every sample with its texel.
-    Nearest,
-    /// Every sample with a box of texels.
-    Filtered,
-    /// Every sample with its texel, whose borders are drawn anew.
-    Revectorized,
-    /// The pixel's footprint with mean and variance of the depths in it.
-    Moments,
-}
 
 #[derive(Debug)]
 enum Ask {

@@ -2,9 +2,9 @@
 
 use super::{Extent, Plan, PlanStep};
 use crate::Result;
-use crate::methods::MethodName;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
+use crate::methods::{MapQuery, MethodName, TexelQuery};
 use crate::scene::{Camera, Light};
 
 /// Stages of `spsm` after what the camera sees.
@@ -72,20 +72,17 @@ impl Plan {
         wanted: &Settings,
         force_all: bool,
     ) -> Result<Self> {
-        let own: &[(&str, &str)] = match method {
-            MethodName::FacetMasks => return Self::of(prepared, camera, light, wanted, force_all),
-            MethodName::Spsm => &SPSM_STAGES,
-            MethodName::ShadowMap
-            | MethodName::Pcf
-            | MethodName::Trapezoidal
-            | MethodName::Lispsm
-            | MethodName::ParallelSplit => &SHADOW_MAP_STAGES,
-            MethodName::Smsr => &SMSR_STAGES,
-            MethodName::Variance | MethodName::Remix => &MOMENT_STAGES,
-            MethodName::RayTraced => &RAY_STAGES,
-            MethodName::Supersampled => &BIN_STAGES,
+        let query = method.row().query;
+        let own: &[(&str, &str)] = match query {
+            TexelQuery::Facets => return Self::of(prepared, camera, light, wanted, force_all),
+            TexelQuery::Triangles => &SPSM_STAGES,
+            TexelQuery::Map(MapQuery::Nearest | MapQuery::Filtered) => &SHADOW_MAP_STAGES,
+            TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,
+            TexelQuery::Map(MapQuery::Moments) => &MOMENT_STAGES,
+            TexelQuery::Rays => &RAY_STAGES,
+            TexelQuery::Samples => &BIN_STAGES,
         };
-        let of_facets = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
+        let of_facets = matches!(query, TexelQuery::Rays | TexelQuery::Samples);
         // Surfaces off the pixel centre are no concern of methods of one receiver a pixel.
         let partition = method.partition(wanted);
         let one = Settings { facets: FacetMode::One, partition, ..wanted.clone() };
@@ -94,7 +91,6 @@ impl Plan {
         settings.spsm.seen_only = every_texel.is_none();
         let shadowless: Vec<PlanStep> = steps.iter().filter(|s| !s.name.contains('.')).cloned().collect();
         let reason = shadowless.iter().find(|s| s.name == "light_layers").and_then(|s| s.left_out.clone());
-        let filters = matches!(method, MethodName::Variance | MethodName::Remix);
         let left_out = |name| match name {
             "seen_texels" | "spsm_map_around" => reason.clone().or_else(|| every_texel.clone()),
             _ => reason.clone(),
@@ -104,10 +100,7 @@ impl Plan {
             "triangle_setup" | "camera_visibility" => true,
             "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
             name => {
-                method == MethodName::RayTraced
-                    && settings.ray_traced.silhouettes
-                    && settings.settle
-                    && PROOF.contains(&name)
+                query == TexelQuery::Rays && settings.ray_traced.silhouettes && settings.settle && PROOF.contains(&name)
             }
         };
         let mut steps: Vec<PlanStep> = shadowless.into_iter().filter(kept).collect();
@@ -120,12 +113,12 @@ impl Plan {
             let one = (!several).then(|| "one view of the light holds all".to_owned());
             steps.insert(at, PlanStep { name, purpose, left_out: reason.clone().or(one) });
         }
-        if filters {
+        if query == TexelQuery::Map(MapQuery::Moments) {
             let (name, purpose) = EVERY_SAMPLE;
             let once = "one lookup in the moments of the pixel's footprint stands for all".to_owned();
             steps.push(PlanStep { name, purpose, left_out: reason.clone().or(Some(once)) });
         }
-        if method == MethodName::Spsm {
+        if query == TexelQuery::Triangles {
             let few = (every_texel.is_none() && reason.is_none()).then(|| {
                 let share = wanted.texels() as f64 / wanted.pixels() as f64;
                 format!("one sample a pixel and {share:.1} texels: most are never asked for")
