@@ -1,5 +1,5 @@
 // candidate_pairs: lists the (facet, triangle) pairs that are worth evaluating.
-// One invocation a pixel-texel pair walks the triangles of its place, ROUND_LENGTH of them from `round` on,
+// One invocation a pixel-texel pair walks the triangles of its place, ROUND_LENGTH of them in round `step`,
 // and keeps those that touch the facet's outline in the light view and rise over the facet's plane there.
 // Both tests are conservative by the frame's margins: what they drop casts nothing on the facet, nor cuts it
 // within its pixel. Of a tile the word before the triangle tells first whether it may touch what the facet
@@ -10,13 +10,12 @@
 // content together name without doubt, so what is left out was tested, and what was forgotten is tested
 // again.
 
-//@import frame dispatch facet facet_outline facet_quad facing candidates rect places tile_cells divide
+//@import frame dispatch pass facet facet_outline facet_quad facing candidates rect places tile_cells divide
 
 override WORDS: u32 = 1u;
 override ALONE: u32 = 1u;  // 0: of no facet all samples lie on its own triangle
+override ROUND_LENGTH: u32 = 4096u;
 const WORKGROUP = 64u;
-const ROUND_LENGTH = 4096u;
-const NEARLY_ROUND = 3584u;  // longer lists are told of: another round may soon be needed
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<storage, read> undecided: array<Undecided>;
@@ -27,6 +26,7 @@ const NEARLY_ROUND = 3584u;  // longer lists are told of: another round may soon
 @group(0) @binding(6) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> candidates: Candidates;
 @group(0) @binding(8) var<storage, read_write> masks: array<atomic<u32>>;
+@group(0) @binding(9) var<uniform> step: Pass;
 
 //@import frame_copy
 
@@ -79,8 +79,10 @@ fn walk(pair: vec2<u32>) -> u32 {
     if TILE_SHIFT != 0u { place = pair.y >> 4u; }
     let list = triangle_offsets[place];
     let list_end = min(triangle_offsets[place + 1u], frame.triangle_texel_capacity);
-    if list_end > list + NEARLY_ROUND { atomicMax(&candidates.tally[TALLY_LONGEST], list_end - list); }
-    let first = list + frame.round * ROUND_LENGTH;
+    // Longer lists are told of: another round may soon be needed.
+    let length = max(list_end, list) - list;
+    if length > ROUND_LENGTH / 8u * 7u { atomicMax(&candidates.tally[TALLY_LONGEST], length); }
+    let first = list + step.index * ROUND_LENGTH;
     let end = min(list_end, first + ROUND_LENGTH);
     if first >= end { return 0u; }
     let own = undecided[f].triangle;
@@ -93,7 +95,8 @@ fn walk(pair: vec2<u32>) -> u32 {
     let farthest = undecided[f].farthest;
     var cells = 0u;
     if TILE_SHIFT != 0u {
-        cells = texel_cells(pair.y & 15u) & box_cells(divided(place, places_across()).yx, 0.5 * low, 0.5 * high);
+        cells = texel_cells(pair.y & 15u)
+            & box_cells(divided(place, places_across()).yx, 0.5 * low, 0.5 * high);
     }
     let quad = quad_of(f);
     if TILE_SHIFT != 0u { cells &= quad_cells(quad, divided(place, places_across()).yx); }
@@ -122,7 +125,9 @@ fn walk(pair: vec2<u32>) -> u32 {
         // No list is so long. Not to begin anew at 0.
         if at >= 0x80000000u { atomicStore(&candidates.tally[TALLY_CANDIDATES], 0x80000000u); }
         for (; kept != 0u; kept &= kept - 1u) {
-            if at < frame.candidate_capacity { candidates.list[at] = vec2(f, triangle_at(batch + firstTrailingBit(kept))); }
+            if at < frame.candidate_capacity {
+                candidates.list[at] = vec2(f, triangle_at(batch + firstTrailingBit(kept)));
+            }
             at += 1u;
         }
     }
@@ -138,7 +143,9 @@ fn cull(
     take_frame(local);
     let k = flat_invocation(group, groups, WORKGROUP, local);
     var tests = 0u;
-    if k < min(atomicLoad(&candidates.tally[TALLY_PAIRS]), frame.pixel_texel_capacity) { tests = walk(pairs[k]); }
+    if k < min(atomicLoad(&candidates.tally[TALLY_PAIRS]), frame.pixel_texel_capacity) {
+        tests = walk(pairs[k]);
+    }
     atomicAdd(&wg_tests, tests);
     workgroupBarrier();
     if local == 0u {

@@ -77,7 +77,9 @@ fn look_at_layers(pixel: u32) {
 
 fn look_at_samples(pixel: u32) {
     let at = place_of(pixel);
-    for (var s = 0u; s < min(params.count, MOST); s++) { note(triangle_of(textureLoad(multisampled, at, s))); }
+    for (var s = 0u; s < min(params.count, MOST); s++) {
+        note(triangle_of(textureLoad(multisampled, at, s)));
+    }
 }
 
 fn write_counts(pixel: u32) {
@@ -86,13 +88,17 @@ fn write_counts(pixel: u32) {
     pixel_counts[pixel] = different;
     complex_flags[pixel] = select(0u, 1u, many);
     facet_counts[pixel] = select(0u, 1u, single);
-    if many && atomicLoad(&status.head.longest_pixel) < different { atomicMax(&status.head.longest_pixel, different); }
+    if many && atomicLoad(&status.head.longest_pixel) < different {
+        atomicMax(&status.head.longest_pixel, different);
+    }
     if unknown != 0u && is_own(place_in_strip(pixel).y) { atomicAdd(&faults[FAULT_UNKNOWN], unknown); }
 }
 
 fn write_list(pixel: u32) {
     let first = pixel_offsets[pixel];
-    for (var n = 0u; n < different && first + n < frame.pixel_triangle_capacity; n++) { pixel_list[first + n] = shown[n]; }
+    for (var n = 0u; n < different && first + n < frame.pixel_triangle_capacity; n++) {
+        pixel_list[first + n] = shown[n];
+    }
 }
 
 fn is_outside(pixel: u32) -> bool {
@@ -170,7 +176,9 @@ fn fill_layers(
     if pixel == NO_TRIANGLE { return; }
     for (var k = 0u; k < frame.sample_count; k++) {
         let at = k * params.slots + slot;
-        if sample_keys[at] == 0u { sample_keys[at] = ~triangle_of(textureLoad(layers, place_of(pixel), nearest_to(k), 0)); }
+        if sample_keys[at] == 0u {
+            sample_keys[at] = ~triangle_of(textureLoad(layers, place_of(pixel), nearest_to(k), 0));
+        }
     }
 }
 
@@ -185,6 +193,8 @@ fn fill_samples(
     if pixel == NO_TRIANGLE { return; }
     for (var k = 0u; k < frame.sample_count; k++) {
         let at = k * params.slots + slot;
-        if sample_keys[at] == 0u { sample_keys[at] = ~triangle_of(textureLoad(multisampled, place_of(pixel), nearest_to(k))); }
+        if sample_keys[at] == 0u {
+            sample_keys[at] = ~triangle_of(textureLoad(multisampled, place_of(pixel), nearest_to(k)));
+        }
     }
 }

@@ -53,7 +53,8 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32) {
     var left = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         let row = f32(y) + 0.5;
-        let cut = cut_span(cut_span(cut_span(span_of(block.low.x, block.high.x), cut_ab, row), cut_bc, row), cut_ca, row);
+        let cut = cut_span(cut_span(cut_span(span_of(block.low.x, block.high.x), cut_ab, row), cut_bc, row),
+            cut_ca, row);
         add_cells(&left, y, cells_of(cut, block.low.x, block.high.x));
     }
     while any(left != vec2(0u)) {
@@ -172,7 +173,8 @@ fn raster_nearest(
             last = cut_point(first, alone);
             parts = 2u;
         }
-        let extent = max(max(largest_of(middle), largest_of(side_a)), max(largest_of(side_b), largest_of(last)));
+        let extent = max(max(largest_of(middle), largest_of(side_a)),
+            max(largest_of(side_b), largest_of(last)));
         guarded = max(CENTRE_GUARD, 4e-7 * extent);
     }
     for (var k = 0u; k < parts; k++) {

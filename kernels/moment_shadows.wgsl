@@ -50,7 +50,8 @@ fn trilinear(level: f32, at: vec2<f32>) -> vec2<f32> {
     let f = level - f32(low);
     if f == 0.0 { return fine; }
     let coarse = bilinear(min(low + 1u, levels.count), at);
-    return mixed(vec4(fine.x, coarse.x, fine.xx), vec4(fine.y, coarse.y, 0.0, 0.0), vec4(1.0 - f, f, 0.0, 0.0));
+    return mixed(vec4(fine.x, coarse.x, fine.xx), vec4(fine.y, coarse.y, 0.0, 0.0),
+        vec4(1.0 - f, f, 0.0, 0.0));
 }
 
 // Share of light in a square of 2^level texels a side around a place `wanted`, of a receiver that is at `at`

@@ -106,13 +106,17 @@ fn step_along(at: vec2<i32>, by: vec2<i32>, p: Place) -> vec3<f32> {
         let r = other_at(at - by * d);
         let ahead = select(3.0e38, abs(q.depth - p.depth), q.what == SURFACE);
         let behind = select(3.0e38, abs(r.depth - p.depth), r.what == SURFACE);
-        if min(ahead, behind) < 3.0e38 { return select(p.point - r.point, q.point - p.point, ahead <= behind); }
+        if min(ahead, behind) < 3.0e38 {
+            return select(p.point - r.point, q.point - p.point, ahead <= behind);
+        }
     }
     return vec3(0.0);
 }
 
 fn normal_at(at: vec2<i32>, p: Place) -> vec3<f32> {
-    if (params.given & GIVEN_NORMALS) != 0u { return textureLoad(normals, texel_of_image(vec2<u32>(at)), 0).xyz; }
+    if (params.given & GIVEN_NORMALS) != 0u {
+        return textureLoad(normals, texel_of_image(vec2<u32>(at)), 0).xyz;
+    }
     let a = step_along(at, vec2(1, 0), p);
     let b = step_along(at, vec2(0, 1), p);
     let n = cross(a / max(largest(a), 1e-30), b / max(largest(b), 1e-30));

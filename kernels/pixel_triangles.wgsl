@@ -69,7 +69,8 @@ fn seen_triangle(t: u32) -> Seen {
     let wide = largest(frame.ray_corner.xyz) + largest(ray);
     let reach = max(largest(a), max(largest(b), largest(c)));
     let doubt = 2e-6 * largest(b - a) * largest(c - a) + 6e-7 * reach * (largest(b - a) + largest(c - a));
-    s.plane = vec4(dot(normal, ray), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz), doubt * wide);
+    s.plane = vec4(dot(normal, ray), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz),
+        doubt * wide);
     s.distance = dot(normal, a);
     s.distance_doubt = doubt * reach;
     s.turn = select(0.0, sign(s.distance), abs(s.distance) > s.distance_doubt);
@@ -87,14 +88,24 @@ fn over_square(s: Seen, x: u32, y: u32) -> Over {
     for (var k = 0u; k < 3u; k++) { half[k] = 0.5 * (abs(s.edges[k].y) + abs(s.edges[k].z)) + s.edges[k].w; }
     let ahead = all(v >= -half);
     let behind = all(v <= half);
-    if s.turn > 0.0 { out.touches = ahead; } else if s.turn < 0.0 { out.touches = behind; } else { out.touches = ahead || behind; }
+    if s.turn > 0.0 {
+        out.touches = ahead;
+    } else if s.turn < 0.0 {
+        out.touches = behind;
+    } else {
+        out.touches = ahead || behind;
+    }
     out.covers = out.covers && all(s.turn * v > half);
     if s.turn != 0.0 {
         let over = s.turn * dot(s.plane.xyz, at);
         let reach = 0.5 * (abs(s.plane.y) + abs(s.plane.z)) + s.plane.w;
         let distance = abs(s.distance);
-        if over + reach > 0.0 { out.nearest = max(out.nearest, (distance - s.distance_doubt) / ((over + reach) * MARGIN)); }
-        if over - reach > 0.0 { out.farthest = min(out.farthest, (distance + s.distance_doubt) / (over - reach) * MARGIN); }
+        if over + reach > 0.0 {
+            out.nearest = max(out.nearest, (distance - s.distance_doubt) / ((over + reach) * MARGIN));
+        }
+        if over - reach > 0.0 {
+            out.farthest = min(out.farthest, (distance + s.distance_doubt) / (over - reach) * MARGIN);
+        }
     }
     out.nearest = out.nearest - 2e-6 * abs(out.nearest);
     out.farthest = out.farthest + 2e-6 * abs(out.farthest);
@@ -153,7 +164,9 @@ fn cover(
     for (var y = item.block.low.y; y <= item.block.high.y; y++) {
         for (var x = item.block.low.x; x <= item.block.high.x; x++) {
             let over = over_square(s, x, y);
-            if over.touches && over.covers { atomicMax(&cover_keys[y * frame.image_size.x + x], ~bitcast<u32>(over.farthest)); }
+            if over.touches && over.covers {
+                atomicMax(&cover_keys[y * frame.image_size.x + x], ~bitcast<u32>(over.farthest));
+            }
         }
     }
 }
@@ -211,5 +224,7 @@ fn judge(
     let many = count != 0u && !single;
     complex_flags[pixel] = select(0u, 1u, many);
     facet_counts[pixel] = select(0u, 1u, single);
-    if many && atomicLoad(&status.head.longest_pixel) < count { atomicMax(&status.head.longest_pixel, count); }
+    if many && atomicLoad(&status.head.longest_pixel) < count {
+        atomicMax(&status.head.longest_pixel, count);
+    }
 }

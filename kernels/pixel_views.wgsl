@@ -70,7 +70,8 @@ fn choose(
         let d = plane_point(r, ray_at(pixel, vec2(-0.5, 0.5)));
         var best = OUTSIDE;
         for (var view = 0u; view < views.count && best < REACH; view++) {
-            let sides = min(min(corner_inset(view, a), corner_inset(view, b)), min(corner_inset(view, c), corner_inset(view, d)));
+            let sides = min(min(corner_inset(view, a), corner_inset(view, b)),
+                min(corner_inset(view, c), corner_inset(view, d)));
             let least = min(inset(view, middle), sides);
             if least > best {
                 best = least;

@@ -134,7 +134,8 @@ fn downsweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) g
             high += select(vec4(0u), vec4(1u), low < kept[i]);
         }
     }
-    var run = add_saturating(bounds.x, saturated(workgroup_exclusive(local, SIDE, WORKGROUP, across(low, high))));
+    var run = add_saturating(bounds.x,
+        saturated(workgroup_exclusive(local, SIDE, WORKGROUP, across(low, high))));
 
     if plain {
         for (var i = 0u; i < QUADS; i++) {

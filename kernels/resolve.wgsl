@@ -34,7 +34,9 @@ fn resolve(
         var bright = 0u;
         var words = vec4(0u);
         let end = min(pixel_facets[pixel + 1u], arrayLength(&facets));
-        if (frame.flags & FLAG_CLAMP) != 0u && pixel_facets[pixel] >= end { atomicAdd(&wg_states[STATE_EMPTY], 1u); }
+        if (frame.flags & FLAG_CLAMP) != 0u && pixel_facets[pixel] >= end {
+            atomicAdd(&wg_states[STATE_EMPTY], 1u);
+        }
         for (var f = pixel_facets[pixel]; f < end; f++) {
             let state = facets[f].state;
             atomicAdd(&wg_states[state], 1u);
@@ -54,7 +56,9 @@ fn resolve(
             }
         }
         visibility[pixel] = select(f32(bright) / f32(seen), 1.0, seen == 0u);
-        for (var w = 0u; w < WORDS; w++) { lit[WORDS * pixel + w] = select(words[w], 0xffffffffu, seen == 0u); }
+        for (var w = 0u; w < WORDS; w++) {
+            lit[WORDS * pixel + w] = select(words[w], 0xffffffffu, seen == 0u);
+        }
     }
     workgroupBarrier();
     if local < 5u {

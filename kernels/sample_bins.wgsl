@@ -80,7 +80,8 @@ fn bin(
     let r = ray_of_sample(ground_of(f), k);
     let at = in_light_view(r.at);
     let size = f32(frame.map_size);
-    let over = select(vec4(0u), vec4(1u, 2u, 4u, 8u), !(vec4(at.x, -at.x, at.y, -at.y) > vec4(-1.0, -size - 1.0, -1.0, -size - 1.0)));
+    let over = select(vec4(0u), vec4(1u, 2u, 4u, 8u),
+        !(vec4(at.x, -at.x, at.y, -at.y) > vec4(-1.0, -size - 1.0, -1.0, -size - 1.0)));
     let sides = (over.x | over.y | over.z | over.w) * FLAG_ENDS;
     if !r.meets || !(at.w > 0.0) || (sides & ~frame.flags) != 0u { return; }
     let cell = vec2<u32>(clamp(at.xy, vec2(0.0), vec2(size - 1.0)));
@@ -123,7 +124,11 @@ fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
             for (var x = block.low.x; x <= block.high.x; x++) {
                 if ends_at(vec2(x, y), vec2(x, y), frame.map_size) == 0u { continue; }
                 let texel = y * frame.map_size + x;
-                if crowds { test_crowd(texel, t, c, lane, exact); } else { test_texel(texel, t, c, lane, exact); }
+                if crowds {
+                    test_crowd(texel, t, c, lane, exact);
+                } else {
+                    test_texel(texel, t, c, lane, exact);
+                }
             }
         }
     }
@@ -131,7 +136,8 @@ fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
         let row = f32(y) + 0.5;
         var span = span_of(block.low.x, block.high.x);
         if shape.in_front && !shape.thin {
-            span = cut_span(cut_span(cut_span(span, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
+            span = cut_span(cut_span(cut_span(span, shape.edges[0], row), shape.edges[1], row),
+                shape.edges[2], row);
         }
         let cells = cells_of(span, block.low.x, block.high.x);
         for (var x = cells.x; x <= cells.y; x++) {

@@ -30,7 +30,7 @@ override WORDS: u32 = 1u;
 override MERGE: u32 = 0u;
 override SAMPLES: u32 = 32u;  // of a word at most: code for more is left out
 const WORKGROUP = 64u;
-const ROUND_LENGTH = 512u;
+override ROUND_LENGTH: u32 = 512u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each

@@ -28,7 +28,8 @@ fn raster(
     var left = bits;
     while any(left != vec2(0u)) {
         let at = task.corner + take_texel(&left);
-        raise(at.y * frame.map_size + at.x, key_of(least_at(task.shape, vec2<f32>(at) + 0.5)), task.t, second);
+        raise(at.y * frame.map_size + at.x, key_of(least_at(task.shape, vec2<f32>(at) + 0.5)), task.t,
+            second);
     }
     if !second && any(bits != vec2(0u)) {
         let slot = atomicAdd(&seen[SEEN_WON], 1u);

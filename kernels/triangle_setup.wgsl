@@ -27,7 +27,8 @@ var<private> box_low: vec2<f32>;
 var<private> box_high: vec2<f32>;
 
 fn include_on_screen(p: vec3<f32>, depth: f32) {
-    let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / depth + vec2(frame.pixel_x.w, frame.pixel_y.w);
+    let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / depth
+        + vec2(frame.pixel_x.w, frame.pixel_y.w);
     box_low = min(box_low, at);
     box_high = max(box_high, at);
 }
@@ -61,7 +62,8 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
     include_edge(b, c, db, dc, near);
     include_edge(c, a, dc, da, near);
     if box_low.x > box_high.x { return EMPTY_RECT; }
-    let slack = 0.015625 + 1e-6 * max(max(abs(box_low.x), abs(box_low.y)), max(abs(box_high.x), abs(box_high.y)));
+    let slack = 0.015625 + 1e-6 * max(max(abs(box_low.x), abs(box_low.y)),
+        max(abs(box_high.x), abs(box_high.y)));
     if (frame.flags & FLAG_CLAMP) != 0u { return pixels_touched(box_low - slack, box_high + slack); }
     // A pixel can be covered only if its centre is in the box.
     let low = ceil(box_low - 0.5 - slack);
@@ -74,14 +76,17 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
 fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32> {
     if min(a.w, min(b.w, c.w)) <= 0.0 {
         if max(a.w, max(b.w, c.w)) < -2.0 * frame.light_low.w { return EMPTY_RECT; }
-        if (frame.flags & FLAG_PERSPECTIVE) != 0u && beyond != 0u && ends_of_triangle(a, b, c) == 0u { return EMPTY_RECT; }
+        if (frame.flags & FLAG_PERSPECTIVE) != 0u && beyond != 0u && ends_of_triangle(a, b, c) == 0u {
+            return EMPTY_RECT;
+        }
         return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     }
     let low = min(min(a.xy, b.xy), c.xy);
     let high = max(max(a.xy, b.xy), c.xy);
     let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     let touched = cells_touched(low - slack, high + slack, vec2(frame.map_size));
-    return select(touched, pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))), ends_beyond(low, high) != 0u);
+    return select(touched, pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))),
+        ends_beyond(low, high) != 0u);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -112,7 +117,8 @@ fn setup(
     camera_rects[t] = in_camera;
     camera_items[t] = block_count(in_camera);
     var in_light = light_rect(
-        map_points[i.x], map_points[i.y], map_points[i.z], sides_beyond(a.xyz) & sides_beyond(b.xyz) & sides_beyond(c.xyz));
+        map_points[i.x], map_points[i.y], map_points[i.z],
+        sides_beyond(a.xyz) & sides_beyond(b.xyz) & sides_beyond(c.xyz));
     // With validity masks it may cut a facet.
     if is_culled(i.w, side) & ((frame.flags & FLAG_VALIDITY) == 0u) { in_light = EMPTY_RECT; }
     light_rects[t] = in_light;

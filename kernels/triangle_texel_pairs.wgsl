@@ -89,12 +89,15 @@ fn shared_places(t: u32, block: Rect) -> vec2<u32> {
     let corner = places.low & vec2(~7u);
     var left = cover_cells(shape, places, 0xffu);
     let beyond = goes_beyond(t);  // Few do: a loop that the others do not enter.
-    for (var some = beyond && ends_at(places.low, places.high, places_across()) != 0u; some; some = false) { left |= places_at_end(places); }
+    for (var some = beyond && ends_at(places.low, places.high, places_across()) != 0u; some; some = false) {
+        left |= places_at_end(places);
+    }
     while any(left != vec2(0u)) {
         let at = take_texel(&left);
         let place = corner + at;
         let deepest = place_deepest[place_index(place)];
-        let there = covers(shape, vec2<f32>(place) + 0.5) && nearest_in(shape, place) <= bitcast<f32>(deepest - 1u);
+        let there = covers(shape, vec2<f32>(place) + 0.5)
+            && nearest_in(shape, place) <= bitcast<f32>(deepest - 1u);
         if deepest == 0u || !(there || (beyond && is_at_end(place))) { continue; }
         add_texel(&found, at);
     }
@@ -110,7 +113,8 @@ fn cells_in(s: Cover, tile: vec2<u32>) -> u32 {
     let x = vec3(s.edges[0].x, s.edges[1].x, s.edges[2].x);
     let y = vec3(s.edges[0].y, s.edges[1].y, s.edges[2].y);
     let at = vec3(vec2<f32>(tile) + 0.125, 1.0);
-    let first = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at)) - 0.375 * (abs(x) + abs(y));
+    let first = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at))
+        - 0.375 * (abs(x) + abs(y));
     var cells = 0u;
     for (var row = 0u; row < 4u; row++) {
         let e0 = first + (0.25 * f32(row)) * y;
@@ -118,7 +122,8 @@ fn cells_in(s: Cover, tile: vec2<u32>) -> u32 {
         let e2 = e0 + 0.5 * x;
         let e3 = e0 + 0.75 * x;
         let inside = vec4(
-            min(e0.x, min(e0.y, e0.z)), min(e1.x, min(e1.y, e1.z)), min(e2.x, min(e2.y, e2.z)), min(e3.x, min(e3.y, e3.z)));
+            min(e0.x, min(e0.y, e0.z)), min(e1.x, min(e1.y, e1.z)), min(e2.x, min(e2.y, e2.z)),
+            min(e3.x, min(e3.y, e3.z)));
         let bits = select(vec4(0u), vec4(1u, 2u, 4u, 8u), inside >= vec4(0.0));
         cells |= (bits.x | bits.y | bits.z | bits.w) << (4u * row);
     }

@@ -68,7 +68,8 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
     let bc = edge_line(g, b, edge_of(i.y, i.z));
     let ac = edge_line(g, a, edge_of(i.x, i.z));
     var l = Lines(
-        turn * vec4(ab.x, bc.x, -ac.x, 0.0), turn * vec4(ab.y, bc.y, -ac.y, 0.0), turn * vec4(ab.z, bc.z, -ac.z, 0.0));
+        turn * vec4(ab.x, bc.x, -ac.x, 0.0), turn * vec4(ab.y, bc.y, -ac.y, 0.0),
+        turn * vec4(ab.z, bc.z, -ac.z, 0.0));
     var error = vec4(ab.w, bc.w, ac.w, 0.0);
     let reach = 0.501 * (abs(l.right) + abs(l.down));
     // Wholly outside an edge: nothing is cast, and no cut of the facet lies in the pixel either.
@@ -114,7 +115,8 @@ fn cut_facets(
     take_frame(local);
     take_samples();
     let count = atomicLoad(&candidates.tally[TALLY_CUTS]);
-    for (var n = flat_invocation(group, groups, WORKGROUP, local); n < count; n += WORKGROUP * groups.x * groups.y) {
+    for (var n = flat_invocation(group, groups, WORKGROUP,
+        local); n < count; n += WORKGROUP * groups.x * groups.y) {
         let pair = candidates.list[doubts[frame.candidate_capacity - 1u - n]];
         if is_dark(pair.x) { continue; }
         let i = rising(triangles[pair.y]);
@@ -189,7 +191,8 @@ fn refine(
     let ac = full_edge_line(g, n, i.xz);
     if !crosses { own = vec3(3.0e38, 0.0, 0.0) * turn; }
     var l = Lines(
-        turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y), turn * vec4(ab.z, bc.z, -ac.z, own.z));
+        turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y),
+        turn * vec4(ab.z, bc.z, -ac.z, own.z));
     l.centre = centre_of(l, beside, owned);
     add(pair.x, 1u, inside(l));
     cut(pair.x, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);

@@ -64,7 +64,9 @@ fn hold(
     @builtin(local_invocation_index) local: u32,
 ) {
     let word = flat_invocation(group, groups, WORKGROUP, local);
-    if word < min(arrayLength(&latest), arrayLength(&held)) && atomicLoad(&verdict[0]) == 0u { held[word] = latest[word]; }
+    if word < min(arrayLength(&latest), arrayLength(&held)) && atomicLoad(&verdict[0]) == 0u {
+        held[word] = latest[word];
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -73,8 +73,8 @@ shared_struct! {
         pub triangle_texel_capacity: u32,
         /// Candidates the list can hold.
         pub candidate_capacity: u32,
-        /// Which slice of long triangle lists is evaluated.
-        pub round: u32,
+        /// Unused.
+        pub pad: u32,
         /// Facets of all bands; the capacity of their list where only the GPU knows their number.
         pub facets_total: u32,
         /// Triangles that the lists of all pixels can hold.

@@ -99,11 +99,11 @@ fn through(scene: &Scene, settings: &Settings, views: &[LightView]) -> (Vec<f32>
         candidates: 1 << 20,
         bands: 1,
         views: views.len() as u32,
-        rounds: 8,
+        most_at_place: 1 << 15,
         facets: 1 << 14,
         pixel_triangles: 1 << 18,
         complex_pixels: settings.pixels(),
-        camera_rounds: 4,
+        most_at_pixel: 1 << 11,
     };
     let method =
         FacetMasks::new(&gpu.device, &gpu.queue, pipelines, &casters, settings, capacities).expect("the method");

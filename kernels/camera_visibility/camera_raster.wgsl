@@ -46,7 +46,8 @@ fn seen_of(t: u32, block: Rect) -> Seen {
     let reach = max(largest(a), max(largest(b), largest(c)));
     let doubt = 3e-6 * largest(b - a) * largest(c - a) * reach;
     s.lean = doubt * largest(frame.ray_corner.xyz);
-    s.normal = vec3(dot(normal, frame.ray_corner.xyz), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
+    s.normal = vec3(dot(normal, frame.ray_corner.xyz), dot(normal, frame.ray_x.xyz),
+        dot(normal, frame.ray_y.xyz));
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
     let nearest = min(depths.x, min(depths.y, depths.z));
     s.nearest = max(nearest, frame.forward.w);
@@ -62,7 +63,8 @@ fn pixels_of_row(s: Seen, y: u32) -> vec2<u32> {
     let turn = sign(s.distance);
     var cut = span_of(s.block.low.x, s.block.high.x);
     if s.known {
-        cut = cut_span(cut_span(cut_span(cut, turn * s.edges[0].yzx, row), turn * s.edges[1].yzx, row), turn * s.edges[2].yzx, row);
+        cut = cut_span(cut_span(cut_span(cut, turn * s.edges[0].yzx, row), turn * s.edges[1].yzx, row),
+            turn * s.edges[2].yzx, row);
     }
     return cells_of(cut, s.block.low.x, s.block.high.x);
 }

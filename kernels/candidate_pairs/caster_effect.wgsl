@@ -29,8 +29,9 @@ fn own_of(f: u32, t: u32) -> Own {
     var own = Own(vec3(0u), 0.0, select(0.0, way, (frame.flags & FLAG_CULL_BACK) != 0u));
     if ALONE != 0u {
         own.i = triangles[t].xyz;
-        let turn = -way * sign(undecided[f].doubt) * select(1.0, -1.0, is_reversed(own.i, rising(own.i)));
-        own.turn = select(0.0, turn, undecided[f].tilt < 0.0);
+        let tilts = undecided[f].tilts;
+        let turn = -way * facet_turn(tilts) * select(1.0, -1.0, is_reversed(own.i, rising(own.i)));
+        own.turn = select(0.0, turn, (tilts & FACET_ALONE) != 0u);
     }
     return own;
 }
@@ -64,7 +65,8 @@ fn effect(
     let apart = any((low > middle + half) | (high < middle - half));
     let beyond = min(a.z, min(b.z, c.z)) > farthest + frame.depth_margin;
     let over = vec3(
-        dot(slope.xyz, vec3(a.xy, 1.0)) - a.z, dot(slope.xyz, vec3(b.xy, 1.0)) - b.z, dot(slope.xyz, vec3(c.xy, 1.0)) - c.z);
+        dot(slope.xyz, vec3(a.xy, 1.0)) - a.z, dot(slope.xyz, vec3(b.xy, 1.0)) - b.z,
+        dot(slope.xyz, vec3(c.xy, 1.0)) - c.z);
     // Rounding grows with the distance at which the slope is followed.
     let reach = max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     let noise = slope.w + 1e-6 * (abs(slope.x) + abs(slope.y)) * reach;
@@ -88,6 +90,7 @@ fn effect(
     let outside = (min(e0.y, min(e1.y, e2.y)) < 0.0) & !thin;
     let covers = (min(e0.x, min(e1.x, e2.x)) > 0.0) & !thin & above;
     let in_front = min(a.w, min(b.w, c.w)) > 0.0;
-    let e = select(select(MATTERS, COVERS, covers), NOTHING, apart | beyond | below | outside | beside | spare);
+    let e = select(select(MATTERS, COVERS, covers), NOTHING,
+        apart | beyond | below | outside | beside | spare);
     return select(MATTERS, e, in_front);
 }

@@ -94,10 +94,12 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     let tilts = (4.0 * power_of_two(cross(shape.ab, shape.ac))) * products;
     let tilt = largest(tilts);
     let alone = is_clamped() & !merged & ((frame.flags & FLAG_BEYOND) == 0u);
-    let doubt = turns.x * (5.9604645e-8 * (3.0 * largest(at) + dot(tilts, abs(at - a))));
+    let doubt = 5.9604645e-8 * (3.0 * largest(at) + dot(tilts, abs(at - a)));
     let shares = select(vec3(0u), vec3<u32>(tilts / tilt * 254.0) + 1u, tilts > vec3(0.0));
-    undecided[f] = Undecided(found.plane, facets[f].pixel, shape.triangle, rect, found.farthest, found.limit, facets[f].origin, at, doubt,
-        found.low, found.high, light_slope(found.plane), select(tilt, -tilt, alone), shares.x | (shares.y << 8u) | (shares.z << 16u), found.span);
+    let flags = select(0u, FACET_ALONE, alone) | select(0u, FACET_AWAY, turns.x < 0.0);
+    undecided[f] = Undecided(found.plane, facets[f].pixel, shape.triangle, rect, found.farthest, found.limit,
+        facets[f].origin, at, doubt, found.low, found.high, light_slope(found.plane), tilt,
+        shares.x | (shares.y << 8u) | (shares.z << 16u) | flags, found.span);
 }
 
 fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<function, Found>) -> u32 {
@@ -115,7 +117,8 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     let plane = vec4(normal, min(dot(normal, a), -1e-9 * largest(a)));
     let ray = ray_at(pixel, facets[f].origin);
     let depth = plane.w / dot(normal, ray);
-    let far_corner = max(dot(a, frame.forward.xyz), max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
+    let far_corner = max(dot(a, frame.forward.xyz),
+        max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
     // One facet is followed well beyond its own triangle, but not to the horizon.
     let clamped = is_clamped();
     let near = clamped && (frame.flags & FLAG_BEYOND) == 0u;
@@ -175,7 +178,8 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
             let texel = floor(uvz.xy);
             if all((texel >= vec2(0.0)) & (texel < vec2(f32(frame.map_size)))) {
                 let split = splits[u32(texel.y) * frame.map_size + u32(texel.x)];
-                return WAS_SETTLED | select(STATE_SHADOWED, STATE_LIT, (split == UNCOVERED) | (uvz.z < split));
+                return WAS_SETTLED | select(STATE_SHADOWED, STATE_LIT,
+                    (split == UNCOVERED) | (uvz.z < split));
             }
         }
     }
@@ -189,7 +193,8 @@ fn light_slope(plane: vec4<f32>) -> vec4<f32> {
     let z = dot(p, frame.back_z);
     let s = vec3(dot(p, frame.back_u), dot(p, frame.back_v), dot(p, frame.back_w)) / -z;
     // Rounding of the products, over a map's width, and of the texels of what is compared with it.
-    let noise = 1e-6 * (dot(abs(p), abs(frame.back_u)) * f32(frame.map_size) + dot(abs(p), abs(frame.back_v)) * f32(frame.map_size)
+    let noise = 1e-6 * (dot(abs(p), abs(frame.back_u)) * f32(frame.map_size)
+        + dot(abs(p), abs(frame.back_v)) * f32(frame.map_size)
         + dot(abs(p), abs(frame.back_w)) + dot(abs(p), abs(frame.back_z))) / abs(z);
     let off = noise + (abs(s.x) + abs(s.y)) * frame.map_margin + frame.depth_margin;
     return vec4(s, select(3.0e38, off, off < 3.0e38));

@@ -46,7 +46,8 @@ fn view_of(t: Corners, centre: vec3<f32>) -> View {
     let reach = max(largest(a), max(largest(b), largest(c)));
     let doubt = 3e-6 * largest(b - a) * largest(c - a);
     let distance = dot(normal, a);
-    let over = sign(distance) * vec3(dot(normal, centre), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz));
+    let over = sign(distance) * vec3(dot(normal, centre), dot(normal, frame.ray_x.xyz),
+        dot(normal, frame.ray_y.xyz));
     let over_doubt = vec3(2.0 * doubt * largest(centre), 0.0, 0.0);
     let distance_doubt = doubt * reach;
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
@@ -58,6 +59,8 @@ fn view_of(t: Corners, centre: vec3<f32>) -> View {
     let known = abs(distance) > 2.0 * distance_doubt && most < 1e30;
     return View(
         vec3(e.x, f.x, g.x), vec3(e.y, f.y, g.y), vec3(e.z, f.z, g.z), vec3(e.w, f.w, g.w),
-        select(vec3(3.0e38, 0.0, 0.0), (over + over_doubt) * most, known), select(vec3(0.0), (over - over_doubt) * least, known),
-        select(3.0e38, (1.0 + INVERSE_SLACK) / nearest, nearest > 1e-30), select(0.0, (1.0 - INVERSE_SLACK) / farthest, farthest > 1e-30));
+        select(vec3(3.0e38, 0.0, 0.0), (over + over_doubt) * most, known),
+        select(vec3(0.0), (over - over_doubt) * least, known),
+        select(3.0e38, (1.0 + INVERSE_SLACK) / nearest, nearest > 1e-30),
+        select(0.0, (1.0 - INVERSE_SLACK) / farthest, farthest > 1e-30));
 }

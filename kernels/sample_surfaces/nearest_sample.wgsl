@@ -193,7 +193,9 @@ fn resume(slot: u32, pixel: u32, count: u32) {
 
 fn put_down(slot: u32, count: u32) {
     let masks_at = place(slot, 32u * WORDS + step.word);
-    for (var k = 0u; k < 32u; k++) { sample_keys[place(slot, 32u * step.word + k)] = select(0u, best_keys[k], k < count); }
+    for (var k = 0u; k < 32u; k++) {
+        sample_keys[place(slot, 32u * step.word + k)] = select(0u, best_keys[k], k < count);
+    }
     rivals_found[masks_at] = rivals;
     rivals_found[masks_at + WORDS * step.slots] = crowded;
 }

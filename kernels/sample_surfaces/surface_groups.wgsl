@@ -20,7 +20,8 @@ fn place(slot: u32, k: u32) -> u32 {
 // View depth of the farthest corner.
 fn far_corner(t: u32) -> f32 {
     let i = corners_of(t);
-    return max(dot(points[i.x].xyz, frame.forward.xyz), max(dot(points[i.y].xyz, frame.forward.xyz), dot(points[i.z].xyz, frame.forward.xyz)));
+    return max(dot(points[i.x].xyz, frame.forward.xyz),
+        max(dot(points[i.y].xyz, frame.forward.xyz), dot(points[i.z].xyz, frame.forward.xyz)));
 }
 
 // Of the triangles that these samples see.

@@ -54,7 +54,9 @@ fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
         let t = pixel_list[n];
         let u = corners_at(corners_of(t));
         let depth = eye_depth(u, ray);
-        if t == known || depth.x - depth.y > bound * (1.0 + 2.0 * TOUCHING) || !is_there(u, ray, depth) { continue; }
+        if t == known || depth.x - depth.y > bound * (1.0 + 2.0 * TOUCHING) || !is_there(u, ray, depth) {
+            continue;
+        }
         let key = key_46(u.i, ray, bound);
         if best == NO_TRIANGLE || key > best_key || (key == best_key && t < best) {
             best = t;

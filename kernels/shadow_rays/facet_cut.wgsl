@@ -17,7 +17,9 @@ fn cut_by(f: u32, g: Ground, k: u32) {
     let turn = full_turn_of(i);
     let turned = select(turn, 1.0, turn == 0.0) * full_line(g, n, full_normal(i), i.x);
     let line = beyond_centre(turned, (turn != 0.0) & is_beside(g, i, owned_by(i, g.own), turn));
-    if line.x == 0.0 || !meets_pixel(line, point_of(i.x), point_of(i.y), point_of(i.z), h, g.pixel) { return; }
+    if line.x == 0.0 || !meets_pixel(line, point_of(i.x), point_of(i.y), point_of(i.z), h, g.pixel) {
+        return;
+    }
     let far = -sign(line.x) * line;
     for (var word = 0u; word < WORDS; word++) {
         var lost = 0u;
@@ -49,12 +51,14 @@ fn pencil_of(f: u32, g: Ground) -> Walk {
     for (var k = 0u; k < 4u; k++) {
         let ray = ray_at(g.pixel, corner_of(k));
         let over = dot(g.normal, ray);
-        let depth = select(undecided[f].limit, min(undecided[f].plane.w / over, undecided[f].limit), over < 0.0);
+        let depth = select(undecided[f].limit, min(undecided[f].plane.w / over, undecided[f].limit),
+            over < 0.0);
         near = min(near, depth);
         far = max(far, depth);
         wide = max(wide, largest(ray - centre));
     }
     near *= 0.9999;
     far *= 1.0001;
-    return walk_of(centre * near, centre * (far - near), false, tree.slack + 1.001 * wide * far * tree.place.w);
+    return walk_of(centre * near, centre * (far - near), false,
+        tree.slack + 1.001 * wide * far * tree.place.w);
 }

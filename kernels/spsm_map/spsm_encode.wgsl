@@ -6,7 +6,11 @@
 
 fn store(texel: u32, record: vec4<u32>) {
     let upper = frame.map_size * upper_rows();
-    if SPLIT == 0u || texel < upper { upper_records[texel] = record; } else { lower_records[texel - upper] = record; }
+    if SPLIT == 0u || texel < upper {
+        upper_records[texel] = record;
+    } else {
+        lower_records[texel - upper] = record;
+    }
 }
 
 // The record of a texel.
@@ -28,7 +32,8 @@ fn made(texel: u32, centre: vec2<f32>) -> vec4<u32> {
     if ENCODING == 1u && min(a.w, min(b.w, c.w)) <= 0.0 {
         let part = cut_shape(a, b, c);
         let edges = array(
-            line_around(part.edges[0], centre), line_around(part.edges[1], centre), line_around(part.edges[2], centre));
+            line_around(part.edges[0], centre), line_around(part.edges[1], centre),
+            line_around(part.edges[2], centre));
         return encode_lines(edges, vec3(part.depth.xy, dot(part.depth, vec3(centre, 1.0))));
     }
     return encode_record(Corners(a.xyz - shift, b.xyz - shift, c.xyz - shift), centre);

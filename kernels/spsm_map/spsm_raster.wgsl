@@ -79,7 +79,9 @@ fn may_win(task: Task) -> vec2<u32> {
         let at = task.corner + place;
         let centre = vec2<f32>(at) + 0.5;
         if !covers(task.shape, centre) { continue; }
-        if held_depth(at.y * frame.map_size + at.x) <= key_of(least_at(task.shape, centre) - TIE) { add_texel(&bits, place); }
+        if held_depth(at.y * frame.map_size + at.x) <= key_of(least_at(task.shape, centre) - TIE) {
+            add_texel(&bits, place);
+        }
     }
     return bits;
 }

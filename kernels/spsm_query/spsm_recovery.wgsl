@@ -62,7 +62,8 @@ fn shadowed_of(
     group: vec4<u32>,
     around: Around,
 ) -> vec4<u32> {
-    let bit = vec4(1u << (first & 31u)) & select(vec4(0u), vec4(0xffffffffu), vec4(0u, 1u, 2u, 3u) == vec4(first >> 5u));
+    let bit = vec4(1u << (first & 31u))
+        & select(vec4(0u), vec4(0xffffffffu), vec4(0u, 1u, 2u, 3u) == vec4(first >> 5u));
     var mask = 0u;
     for (var k = 0; k < 9; k++) {
         let here = texel + vec2(k % 3 - 1, k / 3 - 1);

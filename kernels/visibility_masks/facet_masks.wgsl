@@ -6,7 +6,8 @@ fn is_dark(f: u32) -> bool {
     var open = 0u;
     for (var w = 0u; w < WORDS; w++) {
         let at = 3u * WORDS * f + w;
-        open |= atomicLoad(&masks[at]) & ~atomicLoad(&masks[at + WORDS]) & ~atomicLoad(&masks[at + 2u * WORDS]);
+        open |= atomicLoad(&masks[at]) & ~atomicLoad(&masks[at + WORDS])
+            & ~atomicLoad(&masks[at + 2u * WORDS]);
     }
     return open == 0u;
 }
@@ -28,14 +29,17 @@ fn is_partial(f: u32) -> bool {
 // The lines of a triangle, at the pixel centre. Of one facet a pixel the centre lies on its own triangle, so
 // on this side of an edge that the two share, whatever rounding made of that.
 fn centre_of(l: Lines, beside: bool, owned: vec3<bool>) -> vec4<f32> {
-    let at_edge = vec4(!owned.z, !owned.x, !owned.y, true) & vec4(beside & ((frame.flags & FLAG_CLAMP) == 0u));
-    return select(l.centre, vec4(-1e-37), at_edge & (l.centre >= vec4(0.0)) & (l.centre <= CREASE * (abs(l.right) + abs(l.down))));
+    let at_edge = vec4(!owned.z, !owned.x, !owned.y, true)
+        & vec4(beside & ((frame.flags & FLAG_CLAMP) == 0u));
+    return select(l.centre, vec4(-1e-37),
+        at_edge & (l.centre >= vec4(0.0)) & (l.centre <= CREASE * (abs(l.right) + abs(l.down))));
 }
 
 // Whether a triangle of heights `h` over a facet may cut it within its pixel, along `line`.
 fn may_cut(line: vec3<f32>, h: vec3<f32>) -> bool {
     if CUTS == 0u { return false; }
-    return (frame.flags & FLAG_VALIDITY) != 0u && !all(h > vec3(0.0)) && line.x != 0.0 && abs(line.x) <= 0.5 * (abs(line.y) + abs(line.z));
+    return (frame.flags & FLAG_VALIDITY) != 0u && !all(h > vec3(0.0)) && line.x != 0.0
+        && abs(line.x) <= 0.5 * (abs(line.y) + abs(line.z));
 }
 
 // Where a triangle cuts the facet within its pixel, along `line`, the samples on the other side of the line

@@ -15,7 +15,8 @@ fn thrown(g: Ground, p: vec3<f32>, h: f32) -> vec4<f32> {
 // A point on the screen, in pixels from a pixel's centre; z: -1 if it lies behind the eye, else 1.
 fn on_screen(p: vec3<f32>, pixel: u32) -> vec3<f32> {
     let depth = dot(p, frame.forward.xyz);
-    let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / depth + vec2(frame.pixel_x.w, frame.pixel_y.w);
+    let at = vec2(dot(p, frame.pixel_x.xyz), dot(p, frame.pixel_y.xyz)) / depth
+        + vec2(frame.pixel_x.w, frame.pixel_y.w);
     return vec3(at - (pixel_corner(pixel) + 0.5), select(-1.0, 1.0, depth > 0.0));
 }
 

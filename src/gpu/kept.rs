@@ -1,14 +1,16 @@
 //! Programs that are made once and used again.
 
+use super::profile::Profile;
 use super::program::{Compiled, Entry};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Key of a program: the device, the entry point, and the values of its constants.
+/// Key of a program: the device and what it is built for, the entry point, and the values of its constants.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
     device: wgpu::Device,
+    profile: Profile,
     kernel: &'static str,
     entry: &'static str,
     constants: Vec<(String, u64)>,
@@ -17,8 +19,8 @@ struct Key {
 #[derive(Debug, Default)]
 struct Kept {
     programs: HashMap<Key, Compiled>,
-    /// Modules by device and text.
-    modules: HashMap<(wgpu::Device, &'static str), wgpu::ShaderModule>,
+    /// Modules by device, what they are built for, and text.
+    modules: HashMap<(wgpu::Device, Profile, &'static str), wgpu::ShaderModule>,
 }
 
 /// A store of programs and of the modules that they are made from. Compiling is most of the cost of a small frame: with
@@ -77,7 +79,8 @@ impl KeptPrograms {
     ) -> Compiled {
         let Some(Self(store)) = IN_USE.with_borrow(Clone::clone) else { return make() };
         let constants = constants.iter().map(|(name, value)| ((*name).to_owned(), value.to_bits())).collect();
-        let key = Key { device: device.clone(), kernel: entry.kernel, entry: entry.name, constants };
+        let profile = Profile::of(device);
+        let key = Key { device: device.clone(), profile, kernel: entry.kernel, entry: entry.name, constants };
         let known =
             |store: &Mutex<Kept>| store.lock().unwrap_or_else(PoisonError::into_inner).programs.get(&key).cloned();
         if let Some(known) = known(&store) {
@@ -96,6 +99,6 @@ impl KeptPrograms {
     ) -> wgpu::ShaderModule {
         let Some(Self(store)) = IN_USE.with_borrow(Clone::clone) else { return make() };
         let mut kept = store.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.modules.entry((device.clone(), source)).or_insert_with(make).clone()
+        kept.modules.entry((device.clone(), Profile::of(device), source)).or_insert_with(make).clone()
     }
 }

@@ -79,25 +79,26 @@ pub mod candidate_pairs {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
-        "shared/facet/facet", "shared/facet/facet_outline", "candidate_pairs/facet_quad", "shared/frame/facing",
-        "shared/raster/candidates", "shared/raster/rect", "shared/raster/places", "shared/raster/tile_cells",
-        "shared/frame/frame_copy", "candidate_pairs/caster_effect", "candidate_pairs",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/facet", "shared/facet/facet_outline", "candidate_pairs/facet_quad",
+        "shared/frame/facing", "shared/raster/candidates", "shared/raster/rect", "shared/raster/places",
+        "shared/raster/tile_cells", "shared/frame/frame_copy", "candidate_pairs/caster_effect", "candidate_pairs",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
-        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1,
-        UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2,
-        TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, BLOCK = 8, BLOCK_SHIFT = 3, NOTHING = 0, MATTERS = 1,
-        COVERS = 2, WORKGROUP = 64, ROUND_LENGTH = 4096, NEARLY_ROUND = 3584, SEEN_BITS = 16, KNOWN = 2147483648,
+        FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0,
+        TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, BLOCK = 8,
+        BLOCK_SHIFT = 3, NOTHING = 0, MATTERS = 1, COVERS = 2, WORKGROUP = 64, SEEN_BITS = 16, KNOWN = 2147483648,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
         alone: u32 = 1, "ALONE",
         words: u32 = 1, "WORDS",
+        round_length: u32 = 4096, "ROUND_LENGTH",
     }
     entry_point! { "candidate_pairs", "cull", [64, 1, 1], SOURCE, Constants => Cull, CullProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -109,6 +110,7 @@ pub mod candidate_pairs {
         6 map_points: Read<'a, [f32; 4]>,
         7 candidates: Write<'a, u32>,
         8 masks: Write<'a, u32>,
+        9 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
     } }
     entries! {
         Cull,
@@ -221,10 +223,10 @@ pub mod facet_classify {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
-        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
-        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
-        UNSURE_GROUPS = 64,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432,
+        STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5,
+        STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64, UNSURE_GROUPS = 64,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",
@@ -575,10 +577,10 @@ pub mod pixel_texel_pairs {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, STATE_EMPTY = 0, STATE_DARK = 1,
-        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
-        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256,
-        WORKGROUP = 64,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216,
+        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
+        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
+        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -873,8 +875,9 @@ pub mod resolve {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
-        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, WORKGROUP = 64,
+        FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -910,10 +913,11 @@ pub mod sample_bins {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, STATE_EMPTY = 0, STATE_DARK = 1,
-        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
-        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, FREE = 0, BLOCKED = 1,
-        DOUBTFUL = 2, CROWD = 2048, WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216,
+        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
+        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
+        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, CROWD = 2048,
+        WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1056,13 +1060,15 @@ pub mod sample_surfaces {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
-        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1,
-        UNSURE = 2, DROPPED = 3, BATCH = 8, ROUND_LENGTH = 512, WORKGROUP = 64, SEVERAL = 2147483648,
+        FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BATCH = 8, WORKGROUP = 64,
+        SEVERAL = 2147483648,
     }
     overrides! {
         words: u32 = 1, "WORDS",
         samples: u32 = 32, "SAMPLES",
+        round_length: u32 = 512, "ROUND_LENGTH",
         merge: u32 = 0, "MERGE",
     }
     entry_point! { "sample_surfaces", "begin", [1, 1, 1], SOURCE, Constants => Begin, BeginProgram {
@@ -1284,10 +1290,10 @@ pub mod shadow_rays {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
-        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1,
-        UNSURE = 2, DROPPED = 3, STACK = 24, MOST_STEPS = 60000, INNER = 4278190080, FREE = 0, BLOCKED = 1,
-        DOUBTFUL = 2, WORK_HEAD = 4, WORKGROUP = 64,
+        FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, STACK = 24, MOST_STEPS = 60000,
+        INNER = 4278190080, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, WORK_HEAD = 4, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -2009,10 +2015,11 @@ pub mod visibility_masks {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4,
-        STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1,
-        UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2,
-        TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, WORKGROUP = 64, CUT_GROUPS = 256,
+        FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0,
+        TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, WORKGROUP = 64,
+        CUT_GROUPS = 256,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",

@@ -1,5 +1,6 @@
 //! Mechanism that knows nothing of shadows: device, buffers, programs, recording, timing, readback.
 
+pub mod bind_groups;
 pub mod bindings;
 pub mod buffer;
 pub mod device;
@@ -10,15 +11,18 @@ pub mod kept;
 pub mod layout;
 #[cfg(feature = "mutations")]
 pub mod mutation;
+pub mod profile;
 pub mod program;
 pub mod recorder;
 pub mod timer;
 pub mod uniforms;
 pub mod uploads;
 
+pub use bind_groups::BindGroups;
 pub use buffer::Buffer;
 pub use device::{AdapterSummary, Gpu};
 pub use kept::KeptPrograms;
+pub use profile::Profile;
 pub use program::{Entry, Program};
 pub use recorder::{Groups, Recorder, Stage};
 pub use timer::{StageTime, Timer};

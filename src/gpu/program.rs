@@ -2,6 +2,7 @@
 
 use super::bindings::{EntryPoint, Overrides};
 use super::kept::KeptPrograms;
+use super::profile::Profile;
 use std::cell::Cell;
 use std::marker::PhantomData;
 
@@ -135,10 +136,10 @@ impl Compiled {
         log::debug!(target: LOG, "{}", described(entry, constants));
         let module = KeptPrograms::module_or_make(device, entry.source, || {
             #[cfg(not(feature = "mutations"))]
-            let source = std::borrow::Cow::Borrowed(entry.source);
+            let source = entry.source;
             #[cfg(feature = "mutations")]
-            let source = super::mutation::mutated(entry.kernel, entry.source);
-            let source = wgpu::ShaderSource::Wgsl(source);
+            let source = &*super::mutation::mutated(entry.kernel, entry.source);
+            let source = wgpu::ShaderSource::Wgsl(Profile::of(device).text(source));
             device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(entry.kernel), source })
         });
         let entries: Vec<_> = entry

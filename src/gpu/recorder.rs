@@ -1,5 +1,6 @@
 //! Recording stages into an encoder: the only place that begins compute passes.
 
+use super::bind_groups::{self, BindGroups};
 use super::bindings::{Bindings as _, EntryPoint};
 use super::program::Compiled;
 use super::{Program, Timer};
@@ -41,6 +42,7 @@ pub struct Recorder<'a> {
     pub device: &'a wgpu::Device,
     encoder: &'a mut wgpu::CommandEncoder,
     timer: Option<&'a mut Timer>,
+    bind_groups: Option<&'a mut BindGroups>,
     dispatches: u32,
     max_groups: u32,
 }
@@ -49,7 +51,13 @@ impl<'a> Recorder<'a> {
     /// A recorder that appends to `encoder`, with time stamps around each stage if there is a `timer`.
     pub fn new(device: &'a wgpu::Device, encoder: &'a mut wgpu::CommandEncoder, timer: Option<&'a mut Timer>) -> Self {
         let max_groups = device.limits().max_compute_workgroups_per_dimension;
-        Self { device, encoder, timer, dispatches: 0, max_groups }
+        Self { device, encoder, timer, bind_groups: None, dispatches: 0, max_groups }
+    }
+
+    /// The recorder with bind groups that earlier recordings made, which it adds to.
+    pub fn keeping(self, bind_groups: &'a mut BindGroups) -> Self {
+        bind_groups.begin();
+        Self { bind_groups: Some(bind_groups), ..self }
     }
 
     /// Begins a stage. Dispatches of one stage run in order and see each other's writes.
@@ -63,7 +71,8 @@ impl<'a> Recorder<'a> {
                 end_of_pass_write_index: Some(*first + 1),
             }),
         });
-        Stage { device: self.device, pass, dispatches: &mut self.dispatches, max_groups: self.max_groups }
+        let (dispatches, bind_groups) = (&mut self.dispatches, self.bind_groups.as_deref_mut());
+        Stage { device: self.device, pass, bind_groups, dispatches, max_groups: self.max_groups }
     }
 
     /// Fills a buffer with zeros.
@@ -97,6 +106,7 @@ pub struct Stage<'a> {
     /// The device that makes bind groups.
     pub device: &'a wgpu::Device,
     pass: wgpu::ComputePass<'a>,
+    bind_groups: Option<&'a mut BindGroups>,
     dispatches: &'a mut u32,
     max_groups: u32,
 }
@@ -122,7 +132,10 @@ impl Stage<'_> {
             Groups::Strides(n) => fold(n.min(u64::from(self.max_groups) * u64::from(self.max_groups))),
             Groups::Indirect(..) => None,
         };
-        let bind_group = program.bind(self.device, entries);
+        let bind_group = match &mut self.bind_groups {
+            Some(kept) => kept.get(self.device, program, entries),
+            None => bind_groups::make(self.device, program, entries),
+        };
         self.pass.set_pipeline(program.pipeline());
         self.pass.set_bind_group(0, &bind_group, &[]);
         match (direct, groups) {

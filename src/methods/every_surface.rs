@@ -59,7 +59,7 @@ pub struct EverySurface {
     args: Buffer<u32>,
     again_args: Buffer<u32>,
     casters: usize,
-    rounds: u32,
+    most_at_pixel: u32,
 }
 
 impl EverySurface {
@@ -87,7 +87,7 @@ impl EverySurface {
             args: Buffer::indirect(device, "every_surface.args", 3)?,
             again_args: Buffer::indirect(device, "every_surface.again_args", 3)?,
             casters,
-            rounds: c.camera_rounds,
+            most_at_pixel: c.most_at_pixel,
         })
     }
 
@@ -109,7 +109,7 @@ impl EverySurface {
             self.requests = requests(device, queue, self.casters, &lists, c)?;
             (self.lists, self.complex) = (lists, complex);
         }
-        self.rounds = c.camera_rounds;
+        self.most_at_pixel = c.most_at_pixel;
         Ok(())
     }
 
@@ -165,8 +165,8 @@ impl EverySurface {
                 }
             });
             let fill = fill.as_ref().map(|f| f as Fill);
-            let rounds = self.rounds;
-            with.surfaces.record(stage, frame, mesh, lists, complex, args, rounds, scratch, facets, id_keys, fill)?;
+            let most = self.most_at_pixel;
+            with.surfaces.record(stage, frame, mesh, lists, complex, args, most, scratch, facets, id_keys, fill)?;
         }
         let mut keep = |from: &Buffer<u32>, first: usize, at: usize| {
             rec.copy_words(from.raw(), first as u64, status_words.raw(), at as u64, 2);

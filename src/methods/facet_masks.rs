@@ -76,7 +76,7 @@ impl FacetMasks {
         let facets = (c.facets != now.facets)
             .then(|| FacetMemory::new(device, &self.settings, m.scan_scratch.capacity(), c.facets));
         let facets = facets.transpose()?;
-        let runs = |c: Capacities| (c.views, c.bands, c.rounds);
+        let runs = |c: Capacities| (c.views, c.bands);
         let of_runs = || Ok((frames(device, c)?, Buffer::storage(device, "status", Status::words(c.all_bands()))?));
         let of_runs = (runs(c) != runs(now)).then(of_runs).transpose()?;
         let totals = [m.visibility.len(), c.facets, m.geometry.facts.light_items.len()];
@@ -176,12 +176,9 @@ impl FacetMasks {
             frame.pixel_triangle_capacity = self.capacities.pixel_triangles as u32;
             frame.complex_capacity = self.capacities.complex_pixels as u32;
             let share = frame.facets_total.div_ceil(self.capacities.bands);
-            for (band, round) in
-                (0..self.capacities.bands).flat_map(|band| (0..self.capacities.rounds).map(move |round| (band, round)))
-            {
+            for band in 0..self.capacities.bands {
                 frame.first_facet = (band * share).min(frame.facets_total);
                 frame.facet_count = share.min(frame.facets_total - frame.first_facet);
-                frame.round = round;
                 frames.push(frame);
             }
         }
@@ -265,7 +262,7 @@ impl FacetMasks {
     /// Records the maps of one view of the light: layers, silhouettes and their table.
     fn record_maps(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
-        let frame = &m.frames[self.frame_at(view, 0, 0)];
+        let frame = &m.frames[self.frame_at(view, 0)];
         if view > 0 {
             // A facet and a triangle that had nothing in common in the view before may have in this one.
             rec.clear_words(m.lists.candidates.raw(), TALLY_COUNTERS as u64, (TALLY_WORDS - TALLY_COUNTERS) as u64);
@@ -281,7 +278,7 @@ impl FacetMasks {
     /// Records the part of one view of the light in the facets and their masks.
     fn record_view(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32, extent: Extent) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
-        let frame = &m.frames[self.frame_at(view, 0, 0)];
+        let frame = &m.frames[self.frame_at(view, 0)];
         let (triangles, in_light) = (&casters.triangles, geometry.in_light(casters));
         let count = m.facets.list.len();
         if self.every_surface.is_some() {
@@ -316,9 +313,9 @@ impl FacetMasks {
         Ok(())
     }
 
-    /// Which of the frames is that of a view, band and round.
-    fn frame_at(&self, view: u32, band: u32, round: u32) -> usize {
-        ((view * self.capacities.bands + band) * self.capacities.rounds + round) as usize
+    /// Which of the frames is that of a view and band.
+    fn frame_at(&self, view: u32, band: u32) -> usize {
+        (view * self.capacities.bands + band) as usize
     }
 
     /// Records the stage `camera_visibility` alone, to be read by what takes its place; after `triangle_setup`, as in what

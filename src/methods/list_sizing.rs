@@ -13,19 +13,19 @@ pub use together::{Together, Wanted, roomy};
 use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings};
 use super::output::{Budget, Counts, ListUse};
 use crate::stages::SortedPairs;
-use crate::stages::candidate_pairs::ROUND_LENGTH;
 use crate::stages::facet_classify::{FacetState, Undecided};
 use crate::stages::pixel_texel_pairs::TALLY_WORDS;
-use crate::stages::sample_surfaces;
 use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
 
 /// Most bands a frame may be split into.
 pub const MAX_BANDS: u32 = 4096;
-/// Most rounds of triangles a place of the map may take.
-pub const MAX_ROUNDS: u32 = 256;
-/// Most rounds of triangles a pixel may take.
-pub const MAX_CAMERA_ROUNDS: u32 = 2048;
+/// Most triangles over a place of the map or of a pixel.
+pub const MOST_TRIANGLES: u32 = 1 << 20;
+/// Triangles by which the lists of a place of the map are longer.
+const AT_PLACE: u32 = 4096;
+/// Likewise those of a pixel.
+const AT_PIXEL: u32 = 512;
 
 /// The lists before anything is known of the scene.
 pub fn first(settings: &Settings, budget: Budget) -> Capacities {
@@ -40,11 +40,11 @@ pub fn first(settings: &Settings, budget: Budget) -> Capacities {
         candidates: start,
         bands: 1,
         views: 1,
-        rounds: 1,
+        most_at_place: AT_PLACE,
         facets: if all { camera(pixels * 3 / 2) } else { pixels },
         pixel_triangles: camera(pixels * 3),
         complex_pixels: camera(pixels / 4).min(pixels),
-        camera_rounds: 1,
+        most_at_pixel: AT_PIXEL,
     };
     affordable(settings, budget.bytes, first)
 }
@@ -65,7 +65,7 @@ fn affordable(settings: &Settings, budget: u64, c: Capacities) -> Capacities {
 /// `now`; the pair lists may take `budget` bytes.
 ///
 /// # Errors
-/// [`Error::Memory`] if the lists fit in no way, [`Error::Limit`] for more triangles over one place or pixel than there are rounds for.
+/// [`Error::Memory`] if the lists fit in no way, [`Error::Limit`] for more than [`MOST_TRIANGLES`] over one place or pixel.
 pub fn wanted(
     needs: &Needs,
     now: Capacities,
@@ -77,22 +77,14 @@ pub fn wanted(
         return Ok(Some(wanted));
     }
     let Needs { pixel_pairs, triangle_pairs, candidates, longest, .. } = *needs;
-    let rounds = longest.div_ceil(ROUND_LENGTH).max(1);
-    if rounds > MAX_ROUNDS {
-        let limit = u64::from(MAX_ROUNDS) * u64::from(ROUND_LENGTH);
-        return Err(Error::Limit {
-            what: "triangles over one place of the map".to_owned(),
-            needed: longest.into(),
-            limit,
-        });
-    }
+    let most_at_place = most(longest, AT_PLACE, "triangles over one place of the map")?;
     let fits = pixel_pairs <= now.pixel_pairs as u64
         && triangle_pairs <= now.triangle_pairs as u64
         && candidates <= now.candidates as u64;
-    if fits && rounds <= now.rounds {
+    if fits && most_at_place <= now.most_at_place {
         return Ok(None);
     }
-    let mut wanted = Capacities { rounds: rounds.max(now.rounds), ..now };
+    let mut wanted = Capacities { most_at_place: most_at_place.max(now.most_at_place), ..now };
     let binding = largest_binding(limits);
     let lists = |slack: fn(u64) -> u64, shrink: bool| {
         let grown = |need: u64, have: usize| {
@@ -149,16 +141,11 @@ fn wanted_of_camera(
     if settings.facets == FacetMode::One {
         return Ok(None);
     }
-    let rounds = of_frame.longest_pixel.div_ceil(sample_surfaces::ROUND_LENGTH).max(1);
-    if rounds > MAX_CAMERA_ROUNDS {
-        let [needed, limit] = [of_frame.longest_pixel, MAX_CAMERA_ROUNDS].map(u64::from);
-        let limit = limit * u64::from(sample_surfaces::ROUND_LENGTH);
-        return Err(Error::Limit { what: "triangles over one pixel".to_owned(), needed, limit });
-    }
+    let most_at_pixel = most(of_frame.longest_pixel, AT_PIXEL, "triangles over one pixel")?;
     let needs = of_frame.camera;
     let have = [now.pixel_triangles, now.complex_pixels, now.facets];
     let fits = needs.iter().zip(have).all(|(&need, have)| need <= have as u64);
-    if fits && rounds <= now.camera_rounds {
+    if fits && most_at_pixel <= now.most_at_pixel {
         return Ok(None);
     }
     let grown = |k: usize| {
@@ -172,9 +159,18 @@ fn wanted_of_camera(
         pixel_triangles: grown(0),
         complex_pixels: grown(1).min(settings.pixels()),
         facets: grown(2).min(most_facets),
-        camera_rounds: rounds.max(now.camera_rounds),
+        most_at_pixel: most_at_pixel.max(now.most_at_pixel),
         ..now
     }))
+}
+
+/// What holds a longest list, in steps.
+fn most(longest: u32, step: u32, what: &str) -> Result<u32> {
+    if longest > MOST_TRIANGLES {
+        let [needed, limit] = [longest, MOST_TRIANGLES].map(u64::from);
+        return Err(Error::Limit { what: what.to_owned(), needed, limit });
+    }
+    Ok(longest.max(1).next_multiple_of(step))
 }
 
 fn largest_binding(limits: &wgpu::Limits) -> u64 {
@@ -243,11 +239,11 @@ pub fn larger(a: Capacities, b: Capacities) -> Capacities {
         candidates: a.candidates.max(b.candidates),
         bands: a.bands.max(b.bands),
         views: a.views,
-        rounds: a.rounds.max(b.rounds),
+        most_at_place: a.most_at_place.max(b.most_at_place),
         facets: a.facets.max(b.facets),
         pixel_triangles: a.pixel_triangles.max(b.pixel_triangles),
         complex_pixels: a.complex_pixels.max(b.complex_pixels),
-        camera_rounds: a.camera_rounds.max(b.camera_rounds),
+        most_at_pixel: a.most_at_pixel.max(b.most_at_pixel),
     }
 }
 
@@ -342,7 +338,7 @@ mod tests {
         }
     }
 
-    /// More triangles over a texel or a pixel than there are rounds for are no want of memory.
+    /// Too many triangles over a texel or a pixel are no want of memory.
     #[test]
     fn lists_without_end_are_refused() {
         let limits = wgpu::Limits::default();
@@ -350,19 +346,18 @@ mod tests {
             let settings = Settings { facets, ..of(PairVariant::Tiled) };
             let now = first(&settings, Budget::default());
             wanted(&Needs::of(&status), now, &settings, &limits, 1 << 30)
-                .map(|more| more.map(|c| [c.rounds, c.camera_rounds]))
+                .map(|more| more.map(|c| [c.most_at_place, c.most_at_pixel]))
         };
         let longest =
             |longest| Status { bands: vec![StatusBand { longest, ..StatusBand::default() }], ..Status::default() };
-        let most = MAX_ROUNDS * ROUND_LENGTH;
-        assert!(refused(FacetMode::One, longest(most)).is_ok_and(|more| more == Some([MAX_ROUNDS, 1])));
+        let most = MOST_TRIANGLES;
+        assert!(refused(FacetMode::One, longest(most)).is_ok_and(|more| more == Some([most, AT_PIXEL])));
         assert!(
             matches!(refused(FacetMode::One, longest(most + 1)), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
         );
-        let most = MAX_CAMERA_ROUNDS * sample_surfaces::ROUND_LENGTH;
         let of_pixel =
             |longest_pixel| Status { head: StatusHead { longest_pixel, ..StatusHead::default() }, bands: Vec::new() };
-        assert!(refused(FacetMode::All, of_pixel(most)).is_ok_and(|more| more == Some([1, MAX_CAMERA_ROUNDS])));
+        assert!(refused(FacetMode::All, of_pixel(most)).is_ok_and(|more| more == Some([AT_PLACE, most])));
         assert!(
             matches!(refused(FacetMode::All, of_pixel(most + 1)), Err(Error::Limit { needed, limit, .. }) if needed == limit + 1)
         );

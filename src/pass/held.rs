@@ -5,8 +5,6 @@ use crate::Result;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::Settings;
 use crate::methods::facet_masks::Capacities;
-use crate::stages::candidate_pairs::ROUND_LENGTH;
-use crate::stages::sample_surfaces;
 use crate::stages::visibility_texture::{LastPicture, Lists};
 
 /// The picture, and whether it is replaced. A clone is the same memory.
@@ -66,8 +64,8 @@ impl HeldPicture {
 fn lists(c: Capacities) -> Lists {
     Lists {
         bands: c.views * c.bands,
-        most_at_place: c.rounds.saturating_mul(ROUND_LENGTH),
-        most_at_pixel: c.camera_rounds.saturating_mul(sample_surfaces::ROUND_LENGTH),
+        most_at_place: c.most_at_place,
+        most_at_pixel: c.most_at_pixel,
         ..Lists::default()
     }
 }

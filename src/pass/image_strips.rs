@@ -5,7 +5,7 @@ use super::casters::CasterSet;
 use super::gbuffer_stage::{HALO, keys};
 use super::inputs::Target;
 use super::textures::first_level;
-use crate::gpu::{Buffer, Recorder};
+use crate::gpu::{Buffer, Profile, Recorder};
 use crate::light_view::MapTiles;
 use crate::methods::facet_masks::Capacities;
 use crate::methods::output::Budget;
@@ -101,6 +101,7 @@ impl StripMaker {
         let of_strip = Settings { size: strips.size(), ..settings.of_part(self.parts) };
         let pixels = of_strip.pixels();
         let first = list_sizing::first_for(&of_strip, self.budget, casters.buffers.triangles.len());
+        let first = first.in_turns(Profile::of(device));
         let first = start.map_or(first, |start| list_sizing::larger(first, start));
         let first = list_sizing::within(&device.limits(), &of_strip, self.budget, first);
         let mesh = (&casters.prepared, &casters.buffers);

@@ -48,7 +48,7 @@ pub use gbuffer::{DepthTerms, GBuffer, SampleTexture, SurfacePosition, SurfaceTe
 pub use inputs::{Casters, Inputs, Moved, Target};
 pub use status::{Faults, FrameStatus};
 
-use crate::gpu::{Buffer, Gpu, KeptPrograms, Timer};
+use crate::gpu::{BindGroups, Buffer, Gpu, KeptPrograms, Timer};
 use crate::light_view::MapTiles;
 use crate::methods::facet_masks::Capacities;
 use crate::methods::list_sizing::{self, Together, Wanted};
@@ -141,6 +141,7 @@ pub struct ShadowPass {
     together: Together,
     wanted: Option<Wanted>,
     views: Views,
+    bind_groups: BindGroups,
     frame: u64,
     generation: u64,
 }
@@ -263,6 +264,7 @@ impl ShadowPass {
             together: Together::default(),
             wanted: None,
             views: Views::default(),
+            bind_groups: BindGroups::default(),
             frame: 0,
             generation: 0,
         })
@@ -311,6 +313,7 @@ impl ShadowPass {
 
     /// Uses other memory from now on. What frames in flight will say of their lists no longer matters.
     fn take(&mut self, made: NewStrips) {
+        self.bind_groups.forget();
         self.casters.take(made.surfaces);
         self.seen.take(made.keys);
         self.image = made.image;
@@ -321,8 +324,8 @@ impl ShadowPass {
     /// Appends one frame to `encoder` and returns its number: 1 for the first. Frames run in the order of their submission;
     /// several may be recorded into one encoder, and each has its own camera, light and target.
     ///
-    /// Apart from the growth of lists that overflowed, one small staging buffer is made for the frame, and bind groups; counters are made
-    /// anew where the light has another number of views than in the frame before.
+    /// Apart from the growth of lists that overflowed, one small staging buffer is made for the frame, and bind groups of textures; counters
+    /// are made anew where the light has another number of views than in the frame before.
     ///
     /// # Errors
     /// [`Error::Scene`] for a camera or light that cannot be used; [`Error::Config`] for textures
@@ -358,6 +361,7 @@ impl ShadowPass {
     pub fn grow(&mut self) -> Result<bool> {
         self.collect();
         let Some(Wanted { capacities: wanted, must }) = self.wanted.take() else { return Ok(false) };
+        self.bind_groups.forget();
         let (device, queue, method) = (&self.maker.device, &self.maker.queue, &mut self.image.method);
         let wanted = Capacities { views: method.capacities().views, ..wanted };
         let Err(error) = method.resize(device, queue, wanted) else { return Ok(true) };

@@ -103,7 +103,8 @@ impl ShadowPass {
         let stage = |uploads: Uploads| uploads.stage(&self.maker.device);
         let of_views = |uploads: Vec<Uploads>| uploads.into_iter().map(stage).collect::<Result<Vec<_>>>();
         let staged = uploads.into_iter().map(of_views).collect::<Result<Vec<_>>>()?;
-        let rec = &mut Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
+        let rec = Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
+        let rec = &mut rec.keeping(&mut self.bind_groups);
         rec.clear(faults.raw());
         if let Some((_, held)) = &self.last {
             held.record_begin(rec);
@@ -148,6 +149,9 @@ impl ShadowPass {
     /// Makes room for a frame with another number of views than the one before.
     fn make_room_for(&mut self, views: u32) -> Result<()> {
         let (maker, method) = (&self.maker, &mut self.image.method);
+        if method.views() != views {
+            self.bind_groups.forget();
+        }
         maker.pipelines.within(|| method.make_room_for(&maker.device, &maker.queue, views))
     }
 }

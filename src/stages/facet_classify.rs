@@ -50,8 +50,7 @@ shared_struct! {
         pub origin: [f32; 2],
         /// Point of the plane at the sample `origin`.
         pub at: [f32; 3],
-        /// How far rounding may have moved that point along its ray, times the ray's slant; below 0 if the triangle, its vertices by
-        /// rising index, turns away from the light.
+        /// How far rounding may have moved the point along its ray, times `-dot(plane.xyz, ray)`.
         pub doubt: f32,
         /// Box of the light-view outline, texels.
         pub box_low: [f32; 2],
@@ -59,9 +58,10 @@ shared_struct! {
         pub box_high: [f32; 2],
         /// Depth from the light over texels: per x, per y, at 0, and how far it may be off.
         pub slope: [f32; 4],
-        /// Largest component of the normal's rounding, in units of 2^-24; below 0 if all samples lie on the facet's own triangle.
+        /// Largest component of the normal's rounding, in units of 2^-24.
         pub tilt: f32,
-        /// Shares of that of the three components, 8 bits each.
+        /// Shares of that of the three components, 8 bits each; above them `FACET_ALONE` (all samples lie on the facet's own triangle) and
+        /// `FACET_AWAY` (that turns away from the light, its vertices by rising index).
         pub tilts: u32,
         /// Box around the samples it covers, relative to the pixel centre: lowest and highest corner, each two 16-bit
         /// fractions; 0 is the whole pixel.

@@ -7,7 +7,7 @@
 //!   ones the lowest; with [`SampleSurfaces::merging`] that of the nearest triangle's surface. Depths within 2^-20 of one
 //!   another are compared with 46 bits, however many they are. Edges belong to both sides, and around a vertex all edges agree
 //!   on where the sample is. Bit-equal from run to run. Nothing is written beyond the capacities.
-//! - **Capacity.** [`ROUND_LENGTH`] triangles of a pixel a dispatch; longer lists take more rounds.
+//! - **Capacity.** As many triangles of a pixel a dispatch as [`Profile::turns`] of 512 says; longer lists take more dispatches.
 //!   Samples of more complex pixels than one binding holds are taken in bands, one after the other.
 //! - **Cost.** One invocation for each complex pixel and word of its samples: about 45 flop for each sample and triangle of
 //!   its list, and 250 a triangle. A sample within rounding of an edge, or of two surfaces that bounds of their depths do not
@@ -21,16 +21,16 @@ use super::pixel_triangles::PixelLists;
 use super::{Count, DispatchArgs, PrefixScan, prefix_scan};
 use crate::frame::Frame;
 use crate::gpu::kernels::sample_surfaces as kernel;
-use crate::gpu::{Buffer, Groups, Stage, Uniforms};
+use crate::gpu::{Buffer, Groups, Profile, Stage, Uniforms};
 use crate::{Error, Result, shared_struct};
 
 pub use complex_pixels::ComplexPixels;
-pub use kernel::{ROUND_LENGTH, SEVERAL, WORKGROUP};
+pub use kernel::{SEVERAL, WORKGROUP};
 
 shared_struct! {
     /// Complex pixels that a dispatch takes.
     "sample_surfaces" => pub struct SurfaceStep {
-        /// Round: which [`ROUND_LENGTH`] triangles of each list.
+        /// Which part of each list of triangles.
         pub round: u32,
         /// First complex pixel.
         pub first_slot: u32,
@@ -64,6 +64,7 @@ pub struct SampleSurfaces {
     fold: DispatchArgs,
     scan: PrefixScan,
     words: u32,
+    round_length: u32,
     uniforms: Uniforms,
 }
 
@@ -138,7 +139,8 @@ impl SampleSurfaces {
 
     fn with(device: &wgpu::Device, scan: &PrefixScan, samples: u32, merge: Merging) -> Self {
         let words = samples.div_ceil(32);
-        let of = |merge: u32| kernel::Constants { words, merge, samples: samples.min(32) };
+        let round_length = Profile::of(device).turns(512);
+        let of = |merge: u32| kernel::Constants { words, merge, samples: samples.min(32), round_length };
         let constants = of(0);
         let emit = |with: bool, merge| with.then(|| kernel::EmitProgram::new(device, of(merge)));
         Self {
@@ -153,11 +155,12 @@ impl SampleSurfaces {
             fold: DispatchArgs::new(device),
             scan: scan.clone(),
             words,
+            round_length,
             uniforms: Uniforms::default(),
         }
     }
 
-    /// Records all of it, in `rounds` rounds. `args`: indirect arguments of one workgroup for each [`WORKGROUP`] complex
+    /// Records all of it, of pixels with up to `most` triangles. `args`: indirect arguments of one workgroup for each [`WORKGROUP`] complex
     /// pixels; `fill` may give samples that lie in no listed triangle what they see.
     ///
     /// # Errors
@@ -171,7 +174,7 @@ impl SampleSurfaces {
         lists: &PixelLists,
         complex: &ComplexPixels,
         args: (&wgpu::Buffer, u64),
-        rounds: u32,
+        most: u32,
         scratch: &prefix_scan::PrefixScanScratch,
         facets: &Facets,
         id_keys: &Buffer<u32>,
@@ -188,6 +191,7 @@ impl SampleSurfaces {
             _ => Groups::Items(complex.band as u64),
         };
         let words = self.words;
+        let rounds = most.div_ceil(self.round_length).max(1);
         let turns = || (0..rounds).flat_map(move |round| (0..words).map(move |word| (round, word)));
         for (band, keys) in complex.bands() {
             let seen = Seen { frame, mesh, lists, complex, keys };

@@ -98,7 +98,9 @@ fn cull_lists(
     let args = indirect(gpu, pairs.len() as u32);
     if !pairs.is_empty() {
         let indices = &world.casters.triangles;
-        run(gpu, |s| stage.record(s, &frame, indices, &world.map_points, &facets, (args.raw(), 0), &lists));
+        run(gpu, |s| {
+            stage.record(s, &frame, indices, &world.map_points, &facets, (args.raw(), 0), &lists, triangles as u32)
+        });
     }
     let words = lists.candidates.read(gpu).expect("readback");
     let list: Vec<[u32; 2]> = words[TALLY_WORDS..].chunks_exact(2).map(|c| [c[0], c[1]]).collect();

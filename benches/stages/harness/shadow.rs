@@ -154,7 +154,7 @@ impl Shadow {
     pub fn candidates(&self, s: &mut Stage, stage: &CandidatePairs) -> Result<()> {
         let (triangles, map) = (self.triangles(), &self.setup.map_points);
         let args = (self.pair_args.raw(), 0);
-        stage.record(s, &self.frame, triangles, map, &self.facets, args, &self.lists)
+        stage.record(s, &self.frame, triangles, map, &self.facets, args, &self.lists, 1)
     }
 
     /// Vertex indices.

@@ -81,6 +81,7 @@ fn is_near_open(depth: vec2<f32>) -> bool {
 // Whether a triangle is where the ray is, its edges included.
 fn covers_ray(u: Corners, ray: vec3<f32>) -> bool {
     let i = u.i;
-    let v = vec3(eye_edge_near(i.x, i.y, u.a, u.b, ray), eye_edge_near(i.y, i.z, u.b, u.c, ray), eye_edge_near(i.z, i.x, u.c, u.a, ray));
+    let v = vec3(eye_edge_near(i.x, i.y, u.a, u.b, ray), eye_edge_near(i.y, i.z, u.b, u.c, ray),
+        eye_edge_near(i.z, i.x, u.c, u.a, ray));
     return all(v >= vec3(0.0)) || all(v <= vec3(0.0));
 }

@@ -21,18 +21,22 @@ struct Undecided {
     limit: f32,         // view depth beyond which the plane is not followed
     origin: vec2<f32>,
     at: vec3<f32>,      // its point at the sample `origin`
-    // How far rounding may have moved that point along its ray, times -dot(plane.xyz, ray); below 0 if the
-    doubt: f32,
-                        // triangle, its vertices by rising index, turns away from the light
+    doubt: f32,         // how far rounding may have moved it along its ray, times -dot(plane.xyz, ray)
     box_low: vec2<f32>, // box of its outline, in texels
     box_high: vec2<f32>,
     slope: vec4<f32>,   // depth from the light = dot(slope.xyz, (x, y, 1)) in texels, give or take w
-    // Largest component of the normal's rounding, in units of 2^-24; below 0 if its samples all lie on its
-    // triangle
-    tilt: f32,
-    tilts: u32,         // shares of that of the three components, 8 bits each
+    tilt: f32,          // largest component of the normal's rounding, in units of 2^-24
+    tilts: u32,         // shares of that of the three components, 8 bits each; FACET_ALONE, FACET_AWAY
     // Box around the samples it covers, lowest and highest corner packed; 0: the whole pixel
     span: vec2<u32>,
+}
+
+const FACET_ALONE = 0x1000000u;  // its samples all lie on its triangle
+const FACET_AWAY = 0x2000000u;   // its triangle, the vertices by rising index, turns away from the light
+
+// 1, or -1 where it turns away.
+fn facet_turn(tilts: u32) -> f32 {
+    return select(1.0, -1.0, (tilts & FACET_AWAY) != 0u);
 }
 
 // Rays to the corners of a part of the pixel, in order around.

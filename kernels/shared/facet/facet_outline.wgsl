@@ -24,7 +24,8 @@ fn seen_from_light(point: vec3<f32>) -> vec3<f32> {
 fn facet_outline(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> Outline {
     let corners = part_rays(pixel, span);
     var rays = array<vec3<f32>, 4>(corners.r0, corners.r1, corners.r2, corners.r3);
-    let along = vec4(dot(plane.xyz, rays[0]), dot(plane.xyz, rays[1]), dot(plane.xyz, rays[2]), dot(plane.xyz, rays[3]));
+    let along = vec4(dot(plane.xyz, rays[0]), dot(plane.xyz, rays[1]), dot(plane.xyz, rays[2]),
+        dot(plane.xyz, rays[3]));
     // A ray meets the plane nearer than the limit where `over <= 0`.
     let over = along - plane.w / limit;
     let meets = over <= vec4(0.0);
@@ -45,7 +46,8 @@ fn facet_outline(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> O
             }
             if meets[k] != meets[next] {
                 count++;
-                add_corner(&out, count, seen_from_light(mix(rays[k], rays[next], over[k] / (over[k] - over[next])) * limit));
+                add_corner(&out, count, seen_from_light(mix(rays[k], rays[next],
+                    over[k] / (over[k] - over[next])) * limit));
             }
         }
         // More than five there are only by rounding.

@@ -22,7 +22,8 @@ fn full_edge_of(i: u32, j: u32) -> Df3 {
 }
 
 fn full_to_light(a: Df3) -> Df3 {
-    let l = Df3(vec2(frame.light.x, frame.light_low.x), vec2(frame.light.y, frame.light_low.y), vec2(frame.light.z, frame.light_low.z));
+    let l = Df3(vec2(frame.light.x, frame.light_low.x), vec2(frame.light.y, frame.light_low.y),
+        vec2(frame.light.z, frame.light_low.z));
     // A direction, or from `a` to a point: w is 0 or 1.
     let w = frame.light.w;
     return df3_sub(l, Df3(w * a.x, w * a.y, w * a.z));

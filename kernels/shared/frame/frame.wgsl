@@ -37,7 +37,7 @@ struct Frame {
     pixel_texel_capacity: u32,
     triangle_texel_capacity: u32,
     candidate_capacity: u32,
-    round: u32,              // which slice of the triangle lists is evaluated
+    pad: u32,
     facets_total: u32,
     pixel_triangle_capacity: u32,
     complex_capacity: u32,

@@ -39,14 +39,15 @@ fn ground_of(k: u32) -> Ground {
     g.pixel = f.pixel;
     g.origin = f.origin;
     g.normal = f.plane.xyz;
-    g.over = vec3(dot(g.normal, ray_at(f.pixel, f.origin)), dot(g.normal, frame.ray_x.xyz), dot(g.normal, frame.ray_y.xyz));
+    g.over = vec3(dot(g.normal, ray_at(f.pixel, f.origin)), dot(g.normal, frame.ray_x.xyz),
+        dot(g.normal, frame.ray_y.xyz));
     g.at = f.at;
     g.along_x = f.plane.w * frame.ray_x.xyz - g.at * g.over.y;
     g.along_y = f.plane.w * frame.ray_y.xyz - g.at * g.over.z;
-    g.tilts = abs(f.tilt) * unpack4x8unorm(f.tilts).xyz;
-    g.doubt = abs(f.doubt);
-    g.alone = f.tilt < 0.0;
-    g.turn = sign(f.doubt);
+    g.tilts = f.tilt * unpack4x8unorm(f.tilts).xyz;
+    g.doubt = f.doubt;
+    g.alone = (f.tilts & FACET_ALONE) != 0u;
+    g.turn = facet_turn(f.tilts);
     return g;
 }
 
@@ -92,7 +93,8 @@ fn height_of(g: Ground, shared_vertex: bool, p: vec3<f32>) -> f32 {
 fn line_of(g: Ground, m: vec3<f32>, size: f32, noise: f32, a: vec3<f32>) -> vec4<f32> {
     let s = dot(m, a - g.at);
     let far = largest(a - g.at);
-    let error = abs(g.over.x) * (2.0 * TINY * size * (far + largest(a) + largest(g.at)) + noise * far) + size * g.doubt;
+    let error = abs(g.over.x) * (2.0 * TINY * size * (far + largest(a) + largest(g.at)) + noise * far)
+        + size * g.doubt;
     let slope = vec2(dot(m, g.along_x) - s * g.over.y, dot(m, g.along_y) - s * g.over.z);
     return vec4(-s * g.over.x - dot(slope, g.origin), slope, error);
 }

@@ -22,7 +22,8 @@ fn full_height_of(g: Ground, n: Df3, v: u32) -> f32 {
 fn full_line(g: Ground, n: Df3, m: Df3, v: u32) -> vec3<f32> {
     let along = vec3(n.x.x, n.y.x, n.z.x);
     let k = dot(vec3(m.x.x, m.y.x, m.z.x), along) / dot(along, along);
-    let t = Df3(df_add_fast(m.x, -df_scale(n.x, k)), df_add_fast(m.y, -df_scale(n.y, k)), df_add_fast(m.z, -df_scale(n.z, k)));
+    let t = Df3(df_add_fast(m.x, -df_scale(n.x, k)), df_add_fast(m.y, -df_scale(n.y, k)),
+        df_add_fast(m.z, -df_scale(n.z, k)));
     let d = df3_dot(n, full_point_of(g.own.x));
     let e = df_add_fast(df3_dot(t, full_point_of(v)), df_scale(df3_dot(n, full_edge_of(g.own.x, v)), k));
     let w = Df3(
@@ -30,7 +31,8 @@ fn full_line(g: Ground, n: Df3, m: Df3, v: u32) -> vec3<f32> {
         df_add_fast(df_mul(d, t.y), -df_mul(e, n.y)),
         df_add_fast(df_mul(d, t.z), -df_mul(e, n.z)));
     return full_sense(g, n)
-        * vec3(df3_along(w, pixel_ray(g.pixel)).x, df3_along(w, frame.ray_x.xyz).x, df3_along(w, frame.ray_y.xyz).x);
+        * vec3(df3_along(w, pixel_ray(g.pixel)).x, df3_along(w, frame.ray_x.xyz).x,
+            df3_along(w, frame.ray_y.xyz).x);
 }
 
 fn full_edge_line(g: Ground, n: Df3, i: vec2<u32>) -> vec3<f32> {

@@ -7,7 +7,8 @@ fn wide_product(a: i32, b: i32) -> vec2<u32> {
     let low = (x & 0xffffu) * (y & 0xffffu);
     let middle = (x >> 16u) * (y & 0xffffu) + (low >> 16u);
     let other = (x & 0xffffu) * (y >> 16u) + (middle & 0xffffu);
-    let size = vec2((x >> 16u) * (y >> 16u) + (middle >> 16u) + (other >> 16u), (other << 16u) | (low & 0xffffu));
+    let size = vec2((x >> 16u) * (y >> 16u) + (middle >> 16u) + (other >> 16u),
+        (other << 16u) | (low & 0xffffu));
     if (a < 0) == (b < 0) { return size; }
     return vec2(~size.x + select(0u, 1u, size.y == 0u), ~size.y + 1u);
 }

@@ -11,7 +11,8 @@ fn cover_cells(shape: Cover, block: Rect, rows: u32) -> vec2<u32> {
         let row = f32((block.low.y & ~7u) + k) + 0.5;
         var cut = span_of(block.low.x, block.high.x);
         if shape.in_front && !shape.thin {
-            cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2], row);
+            cut = cut_span(cut_span(cut_span(cut, shape.edges[0], row), shape.edges[1], row), shape.edges[2],
+                row);
         }
         add_cells(&cells, k, cells_of(cut, block.low.x, block.high.x));
     }

@@ -5,13 +5,15 @@
 // The ends that a box of the map goes beyond.
 fn ends_beyond(low: vec2<f32>, high: vec2<f32>) -> u32 {
     let size = f32(frame.map_size);
-    let over = select(vec4(0u), vec4(1u, 2u, 4u, 8u), vec4(low.x, -high.x, low.y, -high.y) < vec4(0.0, -size, 0.0, -size));
+    let over = select(vec4(0u), vec4(1u, 2u, 4u, 8u),
+        vec4(low.x, -high.x, low.y, -high.y) < vec4(0.0, -size, 0.0, -size));
     return ((over.x | over.y | over.z | over.w) * FLAG_ENDS) & frame.flags;
 }
 
 // The ends that cells from `low` to `high` of a map of so many a side lie at.
 fn ends_at(low: vec2<u32>, high: vec2<u32>, across: u32) -> u32 {
-    let at = select(vec4(0u), vec4(1u, 2u, 4u, 8u), vec4(low.x == 0u, high.x + 1u == across, low.y == 0u, high.y + 1u == across));
+    let at = select(vec4(0u), vec4(1u, 2u, 4u, 8u),
+        vec4(low.x == 0u, high.x + 1u == across, low.y == 0u, high.y + 1u == across));
     return ((at.x | at.y | at.z | at.w) * FLAG_ENDS) & frame.flags;
 }
 

@@ -8,9 +8,11 @@ fn sides_beyond(point: vec3<f32>) -> u32 {
     let w = dot(frame.map_w, p);
     let size = f32(frame.map_size);
     let a = abs(p);
-    let noise = 4e-6 * (max(dot(abs(frame.map_u), a), dot(abs(frame.map_v), a)) + size * dot(abs(frame.map_w), a));
+    let noise = 4e-6 * (max(dot(abs(frame.map_u), a), dot(abs(frame.map_v), a))
+        + size * dot(abs(frame.map_w), a));
     // Margins are those of the unit cube.
     let slack = frame.map_margin * abs(w) * max(1.0, max(a.x, max(a.y, a.z))) + noise;
-    let beyond = select(vec4(0u), vec4(1u, 2u, 4u, 8u), vec4(-u, -v, u - size * w, v - size * w) > vec4(slack));
+    let beyond = select(vec4(0u), vec4(1u, 2u, 4u, 8u),
+        vec4(-u, -v, u - size * w, v - size * w) > vec4(slack));
     return beyond.x | beyond.y | beyond.z | beyond.w;
 }

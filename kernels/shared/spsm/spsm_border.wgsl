@@ -91,9 +91,12 @@ fn beyond_border(at: vec2<f32>, out: vec2<f32>) -> bool {
         let left = select(tail, head, head.x <= tail.x);
         let right = select(head, tail, head.x <= tail.x);
         if left.x <= t && t <= right.x {
-            top = max(top, mix(left.y, right.y, select((t - left.x) / (right.x - left.x), 0.5, right.x - left.x < 1e-6)));
+            top = max(top, mix(left.y, right.y,
+                select((t - left.x) / (right.x - left.x), 0.5, right.x - left.x < 1e-6)));
         }
-        if right.x <= t && (right.x > previous.x || (right.x == previous.x && right.y > previous.y)) { previous = right; }
+        if right.x <= t && (right.x > previous.x || (right.x == previous.x && right.y > previous.y)) {
+            previous = right;
+        }
         if left.x >= t && (left.x < after.x || (left.x == after.x && left.y > after.y)) { after = left; }
     }
     if top < -1.0e38 && previous.x > -1.0e38 && after.x < 1.0e38 {

@@ -26,7 +26,8 @@ fn footprint_of(r: Receiver, pixel: u32) -> Footprint {
     var whole = true;
     if MANY != 0u {
         for (var k = 0u; k < 4u; k++) {
-            let corner = place_of(r, ray_at(pixel, vec2(select(-0.5, 0.5, (k & 1u) == 1u), select(-0.5, 0.5, k >= 2u))));
+            let corner = place_of(r, ray_at(pixel,
+                vec2(select(-0.5, 0.5, (k & 1u) == 1u), select(-0.5, 0.5, k >= 2u))));
             whole = whole && corner.w != 0.0;
             f.low = min(f.low, corner.xy);
             f.high = max(f.high, corner.xy);
@@ -38,7 +39,11 @@ fn footprint_of(r: Receiver, pixel: u32) -> Footprint {
     let extent = vec2<f32>(f.last - f.first + 1);
     let beside = any(f.high < vec2(0.0)) || any(f.low >= vec2(side));
     let large = extent.x * extent.y > MOST_TEXELS;
-    if f.at.w == 0.0 || (whole && beside) { f.class_known = CLASS_LIT; } else if !whole || large { f.class_known = CLASS_UNCERTAIN; }
+    if f.at.w == 0.0 || (whole && beside) {
+        f.class_known = CLASS_LIT;
+    } else if !whole || large {
+        f.class_known = CLASS_UNCERTAIN;
+    }
     // Nothing that is settled already is tested texel by texel.
     if f.class_known != CLASS_EMPTY { f.last = f.first; }
     return f;

@@ -151,7 +151,8 @@ fn encode_record(t: Corners, centre: vec2<f32>) -> vec4<u32> {
     let ac = t.c.xy - t.a.xy;
     let turn = select(-1.0, 1.0, ab.x * ac.y - ab.y * ac.x > 0.0);
     return encode_lines(
-        array(edge_of(t.a.xy, t.b.xy, turn), edge_of(t.b.xy, t.c.xy, turn), edge_of(t.c.xy, t.a.xy, turn)), plane);
+        array(edge_of(t.a.xy, t.b.xy, turn), edge_of(t.b.xy, t.c.xy, turn), edge_of(t.c.xy, t.a.xy, turn)),
+        plane);
 }
 
 // A coded vertex of ENCODING 0.

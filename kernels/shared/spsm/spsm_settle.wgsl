@@ -11,7 +11,8 @@ fn any_before(r: Receiver, f: Footprint, outlined: bool) -> bool {
         if outlined {
             found = found || before(s, r, f.at, middle_of(texel));
         } else {
-            found = found || before_by_plane(s, receiver_around(r, f.at, middle_of(texel)), r.far, -bias_of(r)) != BEHIND;
+            found = found || before_by_plane(s, receiver_around(r, f.at, middle_of(texel)), r.far,
+                -bias_of(r)) != BEHIND;
         }
         if MANY == 0u { break; }
         texel.x += 1;
@@ -34,7 +35,8 @@ fn covers_as(r: Receiver, f: Footprint, texel: vec2<i32>) -> u32 {
     let there = 0.5 * (f.low + f.high) - middle_of(texel);
     let around = receiver_around(r, f.at, middle_of(texel));
     let gap = s.depth - around;
-    let most = dot(gap, vec3(there, 1.0)) + dot(abs(gap.xy), half) + dot(s.doubt, vec3(abs(there) + half, 1.0)) + step_doubt(gap.xy);
+    let most = dot(gap, vec3(there, 1.0)) + dot(abs(gap.xy), half)
+        + dot(s.doubt, vec3(abs(there) + half, 1.0)) + step_doubt(gap.xy);
     // The edges' normals have |x| + |y| = 1: the box's larger half side is more than enough.
     let one = s.held && inside_by(s, there) >= max(half.x, half.y) && most < limit;
     let before = most < sure && before_by_plane(s, around, r.far, sure) == BEFORE;

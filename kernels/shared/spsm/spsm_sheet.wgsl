@@ -73,7 +73,8 @@ struct Outline { a: Piece, b: Piece, c: Piece }
 
 fn outline_of(s: Sheet) -> Outline {
     let corner = vec3(0.5, -0.5, 0.0);
-    let whole = inside_by(s, corner.xx) >= 0.0 && inside_by(s, corner.xy) >= 0.0 && inside_by(s, corner.yx) >= 0.0
+    let whole = inside_by(s, corner.xx) >= 0.0 && inside_by(s, corner.xy) >= 0.0
+        && inside_by(s, corner.yx) >= 0.0
         && inside_by(s, corner.yy) >= 0.0;
     if whole { return Outline(); }
     let a = piece_of(s.edges[0], s.edges[1], s.edges[2], vec2(0.0), 0.5);

@@ -27,11 +27,11 @@ impl FacetMasks {
     ) -> Result<()> {
         let m = &self.memory;
         let places = m.lists.place_counts.len();
-        let frame_of = |round: u32| &m.frames[self.frame_at(view, band, round)];
+        let frame = &m.frames[self.frame_at(view, band)];
         rec.clear(m.lists.place_deepest.raw());
         match &m.unsorted {
-            None => self.record_grouped(rec, with, frame_of(0), in_light)?,
-            Some(unsorted) => self.record_sorted(rec, with, frame_of(0), in_light, unsorted)?,
+            None => self.record_grouped(rec, with, frame, in_light)?,
+            Some(unsorted) => self.record_sorted(rec, with, frame, in_light, unsorted)?,
         }
         rec.copy_words(
             m.lists.pixel_offsets.raw(),
@@ -46,22 +46,12 @@ impl FacetMasks {
             let stage = &mut rec.stage("candidate_pairs");
             self.args(stage, Arg::Pairs, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Pairs.word());
-            for round in 0..self.capacities.rounds {
-                with.candidates.record(
-                    stage,
-                    frame_of(round),
-                    triangles,
-                    &m.geometry.map_points,
-                    &m.facets,
-                    args,
-                    &m.lists,
-                )?;
-            }
+            let (points, most) = (&m.geometry.map_points, self.capacities.most_at_place);
+            with.candidates.record(stage, frame, triangles, points, &m.facets, args, &m.lists, most)?;
         }
         {
             let stage = &mut rec.stage("visibility_masks");
             let casters = EvaluationInputs { samples: &m.samples, table: &m.table, triangles, positions };
-            let frame = frame_of(0);
             self.args(stage, Arg::Candidates, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Candidates.word());
             with.masks.record_evaluate(stage, frame, casters, &m.facets, &m.lists, args);
@@ -69,7 +59,6 @@ impl FacetMasks {
         {
             let stage = &mut rec.stage("visibility_refine");
             let casters = EvaluationInputs { samples: &m.samples, table: &m.table, triangles, positions };
-            let frame = frame_of(0);
             self.args(stage, Arg::Doubts, &m.lists.candidates)?;
             let args = (m.args.raw(), Arg::Doubts.word());
             with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args);

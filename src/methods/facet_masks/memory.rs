@@ -3,8 +3,8 @@
 use super::{PairVariant, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
-use crate::gpu::Buffer;
 use crate::gpu::kernels::{candidate_pairs, facet_classify, pixel_texel_pairs, triangle_texel_pairs, visibility_masks};
+use crate::gpu::{Buffer, Profile};
 use crate::mask_table::mask_table;
 use crate::methods::geometry::Geometry;
 use crate::methods::light_maps::{LightMapPipelines, LightMaps};
@@ -29,32 +29,38 @@ pub struct Capacities {
     pub bands: u32,
     /// Views of the light; each part of a map is one.
     pub views: u32,
-    /// Rounds of [`candidate_pairs::ROUND_LENGTH`] triangles.
-    pub rounds: u32,
+    /// Triangles over one place of the map.
+    pub most_at_place: u32,
     /// Facets.
     pub facets: usize,
     /// Triangles in the lists of all pixels; 0 with one facet a pixel.
     pub pixel_triangles: usize,
     /// Pixels that may show several surfaces; 0 with one facet a pixel.
     pub complex_pixels: usize,
-    /// Rounds of [`ROUND_LENGTH`](crate::stages::sample_surfaces::ROUND_LENGTH) triangles of a pixel.
-    pub camera_rounds: u32,
+    /// Triangles of one pixel.
+    pub most_at_pixel: u32,
 }
 
 impl Capacities {
-    /// No list: one view, band and round.
+    /// No list: one view and band.
     pub const NONE: Self = Self {
         pixel_pairs: 0,
         triangle_pairs: 0,
         candidates: 0,
         bands: 1,
         views: 1,
-        rounds: 1,
+        most_at_place: 0,
         facets: 0,
         pixel_triangles: 0,
         complex_pixels: 0,
-        camera_rounds: 1,
+        most_at_pixel: 0,
     };
+
+    /// The same with as long lists of triangles as one dispatch goes through, which take nothing.
+    pub(crate) fn in_turns(self, profile: Profile) -> Self {
+        let [most_at_place, most_at_pixel] = [self.most_at_place, self.most_at_pixel].map(|most| profile.turns(most));
+        Self { most_at_place, most_at_pixel, ..self }
+    }
 
     /// Bands of all views.
     pub(crate) fn all_bands(self) -> usize {
@@ -145,7 +151,7 @@ impl Memory {
 }
 
 pub fn frames(device: &wgpu::Device, c: Capacities) -> Result<Vec<Buffer<Frame>>> {
-    (0..c.views * c.bands * c.rounds).map(|_| Buffer::uniform(device, "frame", 1)).collect()
+    (0..c.views * c.bands).map(|_| Buffer::uniform(device, "frame", 1)).collect()
 }
 
 /// Buffers whose length is that of the lists of pairs and candidates.

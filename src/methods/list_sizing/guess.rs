@@ -1,13 +1,12 @@
 //! The lists of a first frame, by the mesh.
 
 use super::{
-    Capacities, FacetMode, ROUND_LENGTH, Settings, Undecided, affordable, first, largest_binding, longest_lists,
-    sample_surfaces,
+    AT_PIXEL, AT_PLACE, Capacities, FacetMode, Settings, Undecided, affordable, first, largest_binding, longest_lists,
 };
 use crate::methods::output::Budget;
 
-/// Most rounds that are guessed: a round without triangles still takes a dispatch.
-const MOST_ROUNDS: u32 = 4;
+/// Most steps of a list of triangles that are guessed: where a dispatch takes one, it runs without triangles, too.
+const MOST_STEPS: u32 = 4;
 
 /// As [`first`], with room for what a mesh of `triangles` triangles makes, so that a first frame is likely whole, and the second where
 /// it is not: of the built-in scenes at sizes from 96 x 72.
@@ -21,7 +20,7 @@ pub fn first_for(settings: &Settings, budget: Budget, triangles: usize) -> Capac
     let mut with_mesh = Capacities {
         triangle_pairs: first.triangle_pairs.max(of_mesh(4)),
         candidates: first.candidates.max(of_mesh(8)),
-        rounds: rounds(triangles, 96, settings.pairs.places().count(settings.map as usize), ROUND_LENGTH),
+        most_at_place: crowd(triangles, 96, settings.pairs.places().count(settings.map as usize), AT_PLACE),
         ..first
     };
     if settings.facets == FacetMode::All {
@@ -30,15 +29,15 @@ pub fn first_for(settings: &Settings, budget: Budget, triangles: usize) -> Capac
         with_mesh.complex_pixels = (pixels / 4 + triangles / 4).max(first.complex_pixels).min(pixels);
         with_mesh.facets = first.facets.saturating_add((triangles / 2).min(6 * pixels));
         with_mesh.pixel_pairs = first.pixel_pairs.max(with_mesh.facets);
-        with_mesh.camera_rounds = rounds(triangles, 8, pixels, sample_surfaces::ROUND_LENGTH);
+        with_mesh.most_at_pixel = crowd(triangles, 8, pixels, AT_PIXEL);
     }
     affordable(settings, budget.bytes, with_mesh)
 }
 
-/// Rounds of so many triangles, where of all `triangles` `times` as many lie in one of so many places as in the mean.
-fn rounds(triangles: usize, times: usize, places: usize, length: u32) -> u32 {
+/// Triangles over a place, in steps, where of all `triangles` `times` as many lie in one of so many places as in the mean.
+fn crowd(triangles: usize, times: usize, places: usize, step: u32) -> u32 {
     let crowd = triangles.saturating_mul(times) / places.max(1);
-    (1 + crowd / length as usize).min(MOST_ROUNDS as usize) as u32
+    (1 + crowd / step as usize).min(MOST_STEPS as usize) as u32 * step
 }
 
 /// The pair lists no longer than a binding and the budget hold: what does not fit then takes more bands. Nor those of the camera than a

@@ -1,8 +1,8 @@
 //! Needs of frames together, of the lists that they use one after the other.
 
 use super::{
-    Capacities, FacetMode, MAX_CAMERA_ROUNDS, MAX_ROUNDS, Needs, ROUND_LENGTH, Settings, Undecided, ahead, bound,
-    in_reach, largest_binding, of_lists, pair_bytes, sample_surfaces, wanted,
+    AT_PIXEL, AT_PLACE, Capacities, FacetMode, MOST_TRIANGLES, Needs, Settings, Undecided, ahead, bound, in_reach,
+    largest_binding, of_lists, pair_bytes, wanted,
 };
 
 /// As `c`, where a list of which more than seven eighths are needed has room for a quarter more than that, so that a frame which needs
@@ -12,15 +12,14 @@ pub fn roomy(needs: &Needs, c: Capacities, settings: &Settings, limits: &wgpu::L
         let full = need.saturating_mul(8) > (have as u64).saturating_mul(7);
         if full { (need + need / 4 + 1).min(u64::from(u32::MAX)) as usize } else { have }.max(have)
     };
-    let rounds = |longest: u32, rounds: u32, length: u32, most: u32| {
-        let full = u64::from(longest) * 8 > u64::from(rounds) * u64::from(length) * 7;
-        if full { (rounds + 1).min(most) } else { rounds }
+    let longer = |longest: u32, most: u32, step: u32| {
+        let full = u64::from(longest) * 8 > u64::from(most) * 7;
+        if full { (most + step).min(MOST_TRIANGLES) } else { most }
     };
-    let mut more = Capacities { rounds: rounds(needs.longest, c.rounds, ROUND_LENGTH, MAX_ROUNDS), ..c };
+    let mut more = Capacities { most_at_place: longer(needs.longest, c.most_at_place, AT_PLACE), ..c };
     if settings.facets == FacetMode::All {
         let [triangles, complex, facets] = needs.camera;
-        let length = sample_surfaces::ROUND_LENGTH;
-        more.camera_rounds = rounds(needs.longest_pixel, c.camera_rounds, length, MAX_CAMERA_ROUNDS);
+        more.most_at_pixel = longer(needs.longest_pixel, c.most_at_pixel, AT_PIXEL);
         let most = |bytes: usize| largest_binding(limits) as usize / bytes;
         more.pixel_triangles = room(triangles, c.pixel_triangles).min(most(size_of::<u32>())).max(c.pixel_triangles);
         more.complex_pixels = room(complex, c.complex_pixels).min(settings.pixels()).max(c.complex_pixels);

@@ -12,9 +12,7 @@ use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::compact::{Compact, Flags};
 use subpixel_shadows::stages::facet_classify::{Facet, Facets};
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use subpixel_shadows::stages::sample_surfaces::{
-    ComplexPixels, ROUND_LENGTH, SampleSurfaces, SurfaceInputs, WORKGROUP,
-};
+use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, SampleSurfaces, SurfaceInputs, WORKGROUP};
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::vertex_project::VertexProject;
 use subpixel_shadows::stages::{Count, PrefixScan};
@@ -80,34 +78,33 @@ pub fn frame(case: &Case, samples: &Samples, room: Room) -> Frame {
 pub fn find(gpu: &Gpu, case: &Case, samples: &Samples) -> Found {
     let pixels = (case.image[0] * case.image[1]) as usize;
     let mut room = [pixels * 4 + 16, pixels, pixels * 2 + 16];
-    let mut rounds = 1;
+    let mut most = 1;
     loop {
-        let found = find_within(gpu, case, samples, room, rounds);
-        let enough = found.longest.div_ceil(ROUND_LENGTH).max(1);
-        if found.needed.iter().zip(room).all(|(&needed, room)| needed <= room) && enough <= rounds {
+        let found = find_within(gpu, case, samples, room, most);
+        if found.needed.iter().zip(room).all(|(&needed, room)| needed <= room) && found.longest <= most {
             return found;
         }
-        rounds = enough;
+        most = found.longest;
         room = std::array::from_fn(|k| room[k].max(found.needed[k]));
     }
 }
 
 /// Runs with this much room. Fails if anything is written beyond it.
-pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32) -> Found {
-    find_in_bands(gpu, case, samples, room, rounds, usize::MAX)
+pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32) -> Found {
+    find_in_bands(gpu, case, samples, room, most, usize::MAX)
 }
 
 /// The same in bands of at most `band` complex pixels.
-pub fn find_in_bands(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, band: usize) -> Found {
-    find_by(gpu, case, samples, room, rounds, band, false)
+pub fn find_in_bands(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, band: usize) -> Found {
+    find_by(gpu, case, samples, room, most, band, false)
 }
 
 /// The same with one facet for the triangles of a surface.
-pub fn find_merged(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, band: usize) -> Found {
-    find_by(gpu, case, samples, room, rounds, band, true)
+pub fn find_merged(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, band: usize) -> Found {
+    find_by(gpu, case, samples, room, most, band, true)
 }
 
-fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, band: usize, merge: bool) -> Found {
+fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, band: usize, merge: bool) -> Found {
     let device = &gpu.device;
     let words = samples.words();
     let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
@@ -180,7 +177,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, rounds: u32, b
     let build = if merge { SampleSurfaces::merging } else { SampleSurfaces::new };
     let stage = build(device, &scan, samples.count());
     let per_pixel = (args[1].raw(), 0);
-    run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, rounds, &scratch, &facets, &id_keys, None));
+    run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, most, &scratch, &facets, &id_keys, None));
 
     for (buffer, len) in [(&lists.list, room[0]), (&complex.pixels, room[1]), (&facets.masks, facets.masks.len())] {
         let all = read_padded(gpu, buffer);
