@@ -1,5 +1,7 @@
 //! Surfaces out of depth and position textures: casters, and triangles made of what is none.
 
+mod far;
+
 use crate::support::shadow::{World, camera, folding_gpu, random_scene, samples, uniform, unit, vector};
 use crate::support::{Random, difference, gpu, poisoned, read_padded, run, sizes_around, upload};
 use gpu_test::gpu_test;
@@ -395,41 +397,9 @@ fn degenerate() {
     let got = check(&world, &off);
     assert!(got.faults[FAULT_UNUSABLE as usize] > 20, "{:?}", got.faults);
     // Far from the origin, places are as exact as their coordinates.
-    let mut far = case_far(&mut random);
+    let mut far = far::case_far(&mut random);
     far.1.seen = vec![None; far.1.seen.len()];
     check(&far.0, &far.1);
-}
-
-/// A plane a thousand units from the origin, along an axis: it stays exactly where it is.
-fn case_far(random: &mut Random) -> (World, Case) {
-    let world = world(gpu(), [12, 9], random);
-    let mut case = Case::new(&world, random).by_position();
-    let eye = world.view.rays.eye;
-    for (pixel, p) in case.positions.iter_mut().enumerate() {
-        let ray = world.view.rays.direction((pixel % 12) as f64 + 0.5, (pixel / 12) as f64 + 0.5);
-        let at = eye + ray * (1000.0 / ray.dot(world.view.rays.forward));
-        *p = at.as_vec3().extend(1.0).into();
-    }
-    case.normals = Some(vec![[0.0, 1.0, 0.0, 0.0]; case.positions.len()]);
-    (world, case)
-}
-
-/// A plane across an axis keeps its coordinate to the last bit.
-#[gpu_test]
-fn planes_across_an_axis_are_exact() {
-    let (world, mut case) = case_far(&mut Random::new(6));
-    case.positions.iter_mut().for_each(|p| p[1] = 0.1);
-    let forward = world.view.rays.forward;
-    let got = ask(&world, &case);
-    let mut planes = 0;
-    for (pixel, p) in case.positions.iter().enumerate() {
-        let ahead = (DVec3::new(p[0].into(), p[1].into(), p[2].into()) - world.view.rays.eye).dot(forward) > 0.0;
-        if ahead {
-            assert!((0..3).all(|k| got.positions[3 * pixel + k][1] == 0.1), "pixel {pixel}");
-            planes += 1;
-        }
-    }
-    assert!(planes > 50, "{planes} planes");
 }
 
 /// There is no list: nothing is written past the room of the last pixel, and too little room is refused.

@@ -5,7 +5,10 @@ pub mod depth_map;
 mod device;
 pub mod geometry;
 pub mod masks;
+pub mod meshes;
+pub mod pair_lists;
 pub mod shadow;
+pub mod shapes;
 pub mod spsm;
 pub mod surfaces;
 

@@ -3,6 +3,9 @@
 //! Facets are classified with nothing settled, and every facet is evaluated against every other triangle of the mesh, so
 //! nothing depends on lists.
 
+mod arithmetic;
+mod other_ways;
+
 use crate::support::masks::{
     self, Case, List, Masks, PATTERNS, Tally, anywhere, boxes_case, classify, judge, light_anywhere, list_triangle,
     one_caster, scene_case, soup_case, undecided_with, undecided_world,
@@ -188,107 +191,6 @@ fn degenerate() {
         let world = world(case, [32, 24], samples(32));
         compare(&world, &world.seen(), true).assert_right(&what);
     }
-}
-
-/// Of a facet's samples those in the shadow of any caster by the definition of the two projections, and those within the
-/// ambiguity band of one of its lines.
-fn by_two_steps(world: &World, facet: &reference::FacetAtPixel) -> [u128; 2] {
-    let (mut shadowed, mut near) = (0, 0);
-    let Some(own) = facet.triangle else { return [0, 0] };
-    let corners = |t: u32| world.triangles[t as usize].corners;
-    for t in (0..world.triangles.len() as u32).filter(|t| *t != own) {
-        let (Some(own), Some(caster)) = (corners(own), corners(t)) else { continue };
-        let Some((edges, line)) = two_step(&world.view, facet, own, caster) else { continue };
-        for (k, [x, y]) in world.samples.offsets().iter().enumerate() {
-            let at = |l: DVec3| (l.x + l.y * (f64::from(*x) - 0.5) + l.z * (f64::from(*y) - 0.5)) / l.y.hypot(l.z);
-            let inside = edges.into_iter().chain(line).map(at).fold(f64::INFINITY, f64::min);
-            shadowed |= u128::from(inside > 0.0) << k;
-            near |= u128::from(inside.abs() <= AMBIGUITY) << k;
-        }
-    }
-    [shadowed, near]
-}
-
-/// Masks from a table are those of the exact test but for samples near a line: few of a fine table, more of a coarse one, and
-/// most are others where the table's entries are moved.
-#[gpu_test]
-fn tables_hold_nearly_the_exact_masks() {
-    for count in [8, 32, 64, 128] {
-        let mut random = Random::new(u64::from(count));
-        let mut cases = vec![boxes_case()];
-        cases.extend((0..8).map(|_| soup_case(30, 0.4, &mut random)));
-        let worlds: Vec<World> = cases.into_iter().map(|case| world(case, [64, 48], samples(count))).collect();
-        let exact: Vec<Masks> = worlds.iter().map(|w| evaluate(w, &w.seen(), false).0).collect();
-        // Bits that differ, of a facet that some but not all of whose samples are occluded, on average.
-        let off = |size: [u32; 2], moved: usize| {
-            let stage = VisibilityMasks::new(&gpu().device, count, size);
-            let mut table = mask_table(&samples(count), size);
-            table.rotate_right(moved);
-            let table = upload(gpu(), &table);
-            let (mut bits, mut facets) = (0, 0);
-            for (world, exact) in worlds.iter().zip(&exact) {
-                let (got, _) = evaluate_with(&stage, &table, world, &world.seen(), false);
-                assert_eq!(got.len(), exact.len());
-                for ((_, [coverage, ours, _]), (state, [_, sure, _])) in got.iter().zip(exact) {
-                    let partial =
-                        *state == FacetState::Undecided as u32 && sure & coverage != 0 && sure & coverage != *coverage;
-                    bits += if partial { ((ours ^ sure) & coverage).count_ones() } else { 0 };
-                    facets += u32::from(partial);
-                }
-            }
-            assert!(facets > 100, "{facets} facets in part occluded");
-            f64::from(bits) / f64::from(facets)
-        };
-        let words = samples(count).words() as usize;
-        let [fine, coarse] = [off(MaskVariant::TABLE.size(), 0), off([16, 16], 0)];
-        let [turned, shifted] = [off([256, 256], 64 * 256 * words), off([256, 256], 64 * words)];
-        println!("{count} samples: {fine:.3} bits off, coarse {coarse:.3}, moved {turned:.3} and {shifted:.3}");
-        let share = f64::from(count) / 32.0;
-        assert!(fine < 0.3 * share.max(1.0), "{count} samples: {fine} bits of a mask are off");
-        assert!(coarse > 2.0 * fine && turned > 10.0 * fine && shifted > 10.0 * fine, "{count} samples: not noticed");
-    }
-}
-
-/// The paper's two projections against their definition in `f64` on benign scenes, and against the truth: what they bound is
-/// the same shadow.
-#[gpu_test]
-fn two_projections_are_as_defined() {
-    let two_step = VisibilityMasks::two_step(&gpu().device, 32, [0, 0]);
-    let mut random = Random::new(77);
-    let mut cases = vec![boxes_case()];
-    cases.extend((0..6).map(|_| soup_case(30, 0.4, &mut random)));
-    let (mut samples_compared, mut shadowed) = (0, 0);
-    for case in cases {
-        let world = world(case, [32, 24], samples(32));
-        let listed = world.seen();
-        let (got, _) = evaluate_by(&two_step, &world, &listed, false);
-        let texels = (world.view.map.map_size as usize).pow(2);
-        let (marked, splits) = (vec![true; texels], vec![Split::Marked; texels]);
-        let around = reference::MapAround {
-            triangles: &world.triangles,
-            marked: &marked,
-            splits: &splits,
-            samples: world.samples.offsets(),
-            casters: u32::MAX,
-        };
-        let facets = reference::classify(&world.view, &around, &listed, world.margin(), false);
-        let (mut wrong, mut corrupted) = (0, 0);
-        for (facet, (state, [coverage, occluded, _])) in facets.iter().zip(&got) {
-            if *state != FacetState::Undecided as u32 || facet.open {
-                continue;
-            }
-            let [wanted, near] = by_two_steps(&world, facet);
-            let clear = coverage & !near;
-            wrong += ((occluded ^ wanted) & clear).count_ones();
-            corrupted += ((!occluded ^ wanted) & clear).count_ones();
-            samples_compared += clear.count_ones();
-            shadowed += (wanted & clear).count_ones();
-        }
-        assert_eq!(wrong, 0);
-        assert!(corrupted > 1000, "flipped masks pass");
-        assert_eq!(judge(&world, &listed, &got, false).wrong_occluded, 0, "against the truth");
-    }
-    assert!(samples_compared > 20_000 && shadowed > 500, "{shadowed} of {samples_compared}");
 }
 
 /// A caster in whose plane the light lies casts nothing, but where it rises through a facet it still cuts it.
@@ -478,90 +380,4 @@ fn detects_corruption() {
     got[j].1[2] |= 1;
     assert_eq!(judge(&world, &listed, &got, true).wrong_valid, 1, "a lost sample is seen");
     assert!(difference(&[1], &[2]).is_some());
-}
-
-const ARITHMETIC: &str = concat!(
-    include_str!("../../kernels/shared/frame/frame.wgsl"),
-    "@group(0) @binding(0) var<uniform> frame: Frame;\n",
-    include_str!("../../kernels/shared/math/double_float.wgsl"),
-    "
-@group(0) @binding(1) var<storage, read> inputs: array<vec4<f32>>;
-@group(0) @binding(2) var<storage, read_write> outputs: array<vec2<f32>>;
-@compute @workgroup_size(64) fn work(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= arrayLength(&inputs) { return; }
-    let v = inputs[id.x];
-    outputs[5u * id.x] = df_add(v.xy, v.zw);
-    outputs[5u * id.x + 1u] = df_sub(v.xy, v.zw);
-    outputs[5u * id.x + 2u] = df_add_fast(v.xy, v.zw);
-    outputs[5u * id.x + 3u] = df_mul(v.xy, v.zw);
-    outputs[5u * id.x + 4u] = df_scale(v.xy, v.z);
-}
-"
-);
-
-entry_point! { "test", "work", [64, 1, 1], ARITHMETIC, () => Arithmetic, ArithmeticProgram {
-    0 frame: Uniform<'a, Frame>,
-    1 inputs: Read<'a, [f32; 4]>,
-    2 outputs: Write<'a, [f32; 2]>,
-} }
-
-/// Arithmetic of two `f32` on this adapter: 2^-44 of the exact result, of the fast sum 2^-44 of the numbers added.
-#[gpu_test]
-fn double_floats_keep_44_bits() {
-    const COUNT: usize = 120_000;
-    let mut random = Random::new(68);
-    let number = |random: &mut Random| -> [f32; 2] {
-        let high = f32::from_bits(random.word() & 0x807f_ffff | (127 - 12 + random.below(24)) << 23);
-        let ulp = f32::from_bits((high.to_bits() & 0x7f80_0000).max(24 << 23) - (23 << 23));
-        let low = (unit(random) as f32 - 0.5) * ulp * 0.999;
-        [high, if random.below(8) == 0 { 0.0 } else { low }]
-    };
-    let inputs: Vec<[f32; 4]> = (0..COUNT)
-        .map(|k| {
-            let (a, mut b) = (number(&mut random), number(&mut random));
-            if k % 4 == 0 {
-                // Numbers that nearly cancel.
-                b = [-a[0] * (1.0 + (random.below(9) as f32 - 4.0) * 1.2e-7), b[1] * (a[0] / b[0])];
-                let ulp = b[0].abs() * 5e-8;
-                b[1] = b[1].clamp(-ulp, ulp);
-            }
-            [a[0], a[1], b[0], b[1]]
-        })
-        .collect();
-    let program = ArithmeticProgram::new(&gpu().device, ());
-    let (input, output) =
-        (upload(gpu(), &inputs), Buffer::<[f32; 2]>::storage(&gpu().device, "test.output", 5 * COUNT));
-    let (output, frame) = (output.expect("memory"), uniform(gpu(), &Default::default()));
-    let bindings = Arithmetic { frame: frame.as_uniform(), inputs: input.as_read(), outputs: output.as_write() };
-    run(gpu(), |s| s.run(&program, bindings, Groups::Items(COUNT as u64)));
-    let outputs = output.read(gpu()).expect("readback");
-    // Sums in units of 2^-90, exactly; products as sums of exact products, the largest parts first.
-    let fixed = |v: f32| (f64::from(v) * 2f64.powi(90)) as i128;
-    let worst = |inputs: &[[f32; 4]], outputs: &[[f32; 2]]| {
-        let mut worst = [0f64; 5];
-        for (i, o) in inputs.iter().zip(outputs.chunks(5)) {
-            let [a, al, b, bl] = i.map(fixed);
-            let (sum, difference) = (a + al + b + bl, a + al - b - bl);
-            for (k, exact, whole) in [(0, sum, sum), (1, difference, difference), (2, sum, a.abs().max(b.abs()))] {
-                let error = (exact - fixed(o[k][0]) - fixed(o[k][1])).unsigned_abs() as f64;
-                let relative = if error == 0.0 { 0.0 } else { error / whole.unsigned_abs() as f64 };
-                worst[k] = worst[k].max(relative);
-            }
-            let [a, al, b, bl] = i.map(f64::from);
-            for (k, bl) in [(3, bl), (4, 0.0)] {
-                let [p, pl] = o[k].map(f64::from);
-                let error = (a * b - p) + (a * bl + al * b - pl) + al * bl;
-                worst[k] = worst[k].max((error / (a * b)).abs());
-            }
-        }
-        worst
-    };
-    let found = worst(&inputs, &outputs);
-    println!("relative errors of sum, difference, fast sum, product, multiple: 2^{:?}", found.map(f64::log2));
-    assert!(found.iter().all(|&e| e <= 2f64.powi(-44)), "2^{:?}", found.map(f64::log2));
-    for k in 0..5 {
-        let mut corrupted = outputs.clone();
-        corrupted[5 + k][1] += corrupted[5 + k][0] * 2f32.powi(-40);
-        assert!(worst(&inputs, &corrupted)[k] > 2f64.powi(-44), "a corrupted result {k} passes");
-    }
 }

@@ -1,11 +1,17 @@
 //! Truth against brute force, against closed forms, and against itself.
 
+mod facets;
+mod formula;
+
 use subpixel_shadows::glam::{DVec3, DVec4, Vec3};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::truth::{
     AMBIGUITY, FacetInput, FacetResult, FacetTruth, SceneTruth, Tracer, join_mask, split_mask,
 };
+
+const LIGHTS: [Light; 2] =
+    [Light::Directional { direction: [0.5, 1.0, 0.25] }, Light::Point { position: [0.7, 3.0, -0.4] }];
 
 /// A small generator, so that a failing case can be named by its number.
 struct Random(u64);
@@ -220,107 +226,6 @@ fn corners_of(fan: &Mesh) -> DVec3 {
     fan.corners(0)[0]
 }
 
-/// A ground square and a smaller square above it, parallel to it; camera above, looking down at an angle.
-fn square_over_plane() -> (Mesh, Camera) {
-    let mut mesh = Mesh::default();
-    for (half, y) in [(4.0f32, 0.0f32), (0.75, 1.0)] {
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend([[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]]);
-        mesh.triangles.extend([[base, base + 2, base + 1], [base, base + 3, base + 2]]);
-    }
-    let camera = Camera {
-        eye: [1.5, 5.0, 4.0],
-        target: [0.2, 0.0, 0.1],
-        up: [0.0, 1.0, 0.0],
-        vertical_fov_degrees: 50.0,
-        near: 0.01,
-        far: 100.0,
-    };
-    (mesh, camera)
-}
-
-const LIGHTS: [Light; 2] =
-    [Light::Directional { direction: [0.5, 1.0, 0.25] }, Light::Point { position: [0.7, 3.0, -0.4] }];
-
-/// Answer at an image position, from the formulas of the scene: `(sees a surface, lit)`.
-fn square_formula(camera: &Camera, light: &Light, w: u32, h: u32, x: f64, y: f64) -> (bool, bool) {
-    let rays = camera.rays(w, h);
-    let r = rays.direction(x, y);
-    let at = |height: f64| rays.eye + r * ((height - rays.eye.y) / r.y);
-    let within = |p: DVec3, half: f64| p.x.abs() <= half && p.z.abs() <= half;
-    if r.y >= 0.0 {
-        return (false, false);
-    }
-    if within(at(1.0), 0.75) {
-        return (true, true);
-    }
-    let p = at(0.0);
-    if !within(p, 4.0) {
-        return (false, false);
-    }
-    let to_light = light.towards(p);
-    (true, !within(p + to_light / to_light.y, 0.75))
-}
-
-/// Samples outside the ambiguity band that differ from the formula for `formula_light`, and the share outside.
-fn against_formula(light: &Light, formula_light: &Light, count: u32) -> (u64, f64) {
-    let (mesh, camera) = square_over_plane();
-    let tracer = Tracer::new(&mesh).unwrap();
-    let (w, h) = (120, 90);
-    let samples = Samples::new(Pattern::LowDiscrepancy, count).unwrap();
-    let truth = SceneTruth::new(&tracer, &camera, light, &samples, w, h).unwrap();
-    let mut image = truth.image(None);
-    let shares = truth.mark_ambiguous(&mut image, None).expect("of the same size");
-    assert!(image.pixels.iter().any(|p| p.visibility == 0.0));
-    assert!(image.pixels.iter().any(|p| p.seen_count == 0 && p.visibility == 1.0 && !p.centre_hit));
-    let (mut wrong, mut outside) = (0, 0u64);
-    for (pixel, t) in image.pixels.iter().enumerate() {
-        let (i, j) = (pixel as u32 % w, pixel as u32 / w);
-        for (k, o) in samples.offsets().iter().enumerate() {
-            let (x, y) = (f64::from(i) + f64::from(o[0]), f64::from(j) + f64::from(o[1]));
-            let bit = |words: [u32; 4]| join_mask(words) >> k & 1 != 0;
-            if !bit(t.ambiguous) {
-                outside += 1;
-                let formula = square_formula(&camera, formula_light, w, h, x, y);
-                wrong += u64::from((bit(t.seen), bit(t.lit)) != formula);
-            }
-        }
-    }
-    (wrong, outside as f64 / shares.all as f64)
-}
-
-#[test]
-fn a_square_over_a_plane_matches_its_formula() {
-    for light in LIGHTS {
-        for count in [1, 32, 128] {
-            let (wrong, outside) = against_formula(&light, &light, count);
-            assert_eq!(wrong, 0, "{light:?} with {count} samples");
-            assert!(outside > 0.99, "{outside} outside the band");
-        }
-    }
-    let tilted = Light::Directional { direction: [0.5, 1.0, 0.26] };
-    assert!(against_formula(&LIGHTS[0], &tilted, 32).0 > 0, "a light turned by half a degree goes unnoticed");
-}
-
-#[test]
-fn converged_truth_approaches_the_samples() {
-    let (mesh, camera) = square_over_plane();
-    let tracer = Tracer::new(&mesh).unwrap();
-    let samples = Samples::new(Pattern::LowDiscrepancy, 128).unwrap();
-    let truth = SceneTruth::new(&tracer, &camera, &LIGHTS[0], &samples, 40, 30).unwrap();
-    let rows = std::sync::atomic::AtomicUsize::new(0);
-    let count = |_: usize, all: usize| {
-        assert_eq!(all, 30);
-        rows.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-    };
-    let converged = truth.converged(Some(&count));
-    assert_eq!(rows.into_inner(), 30);
-    for (a, b) in truth.image(None).pixels.iter().zip(&converged) {
-        assert!((a.visibility - b.0).abs() < 0.1, "{} {}", a.visibility, b.0);
-    }
-    assert!(converged.iter().any(|c| c.0 > 0.0 && c.0 < 1.0));
-}
-
 /// A terrain with spiky spheres over it, so that surfaces shadow each other and themselves.
 fn busy_scene() -> (Mesh, Camera) {
     let mut mesh = grid(24);
@@ -505,114 +410,4 @@ fn powers_of_two_leave_every_bit_as_it_is() {
     for k in [-40, -20, 20, 40] {
         assert_eq!(view(k), original, "scale 2^{k}");
     }
-}
-
-/// One facet of the pixel at the image centre, on the ground of a little scene.
-fn judge_centre(mesh: &Mesh, camera: &Camera, light: &Light) -> (Vec<[f32; 2]>, FacetResult) {
-    let tracer = Tracer::new(mesh).unwrap();
-    let samples = Samples::new(Pattern::LowDiscrepancy, 32).unwrap();
-    let facet = FacetInput { pixel: 4 + 4 * 9, triangle: 0, coverage: [u32::MAX, 0, 0, 0] };
-    let truth = FacetTruth::new(&tracer, camera, light, &samples, 9, 9).unwrap();
-    (samples.offsets().to_vec(), truth.judge(&[facet], None).unwrap()[0])
-}
-
-/// A camera straight above, so that a pixel is 1/9 wide and the picture's down is +z; the centre pixel is around the
-/// origin.
-fn overhead() -> Camera {
-    Camera {
-        eye: [0.0, 1.0, 0.0],
-        target: [0.0, 0.0, 0.0],
-        up: [0.0, 0.0, -1.0],
-        vertical_fov_degrees: 2.0 * 0.5f32.atan().to_degrees(),
-        near: 0.01,
-        far: 10.0,
-    }
-}
-
-/// A ground triangle and a wall along z at `x` (in pixels from the centre of the middle pixel), from height `low` up.
-fn ground_and_wall(x: f32, low: f32) -> Mesh {
-    let x = x / 9.0;
-    Mesh {
-        positions: vec![
-            [-9.0, 0.0, 9.0],
-            [9.0, 0.0, 9.0],
-            [0.0, 0.0, -9.0],
-            [x, low, -1.0],
-            [x, low, 1.0],
-            [x, 0.5, 0.0],
-        ],
-        triangles: vec![[0, 1, 2], [3, 4, 5]],
-    }
-}
-
-#[test]
-fn a_wall_through_the_pixel_makes_its_far_side_invalid() {
-    let light = Light::Directional { direction: [1.0, 1.0, 0.0] };
-    let expect = |x: f32, keep: &dyn Fn(f32) -> bool| {
-        let (offsets, result) = judge_centre(&ground_and_wall(x, -0.1), &overhead(), &light);
-        for (k, o) in offsets.iter().enumerate() {
-            let bit = |words: [u32; 4]| join_mask(words) >> k & 1 != 0;
-            let from_line = f64::from(o[0] - 0.5 - x).abs();
-            if from_line > 2.0 * AMBIGUITY && x.abs() > 0.01 && (x.abs() - 0.5).abs() > 0.01 {
-                assert!(!bit(result.ambiguous()), "wall at {x}: sample {k}");
-            }
-            assert_eq!(bit(result.valid), keep(o[0] - 0.5), "wall at {x}: sample {k}");
-            if !bit(result.ambiguous()) {
-                // Light comes from +x: what lies to the left of the wall is in its shadow.
-                assert_eq!(bit(result.occluded), o[0] - 0.5 < x, "wall at {x}: sample {k}");
-            }
-        }
-        result
-    };
-    expect(0.2, &|x| x < 0.2);
-    expect(-0.3, &|x| x > -0.3);
-    expect(0.7, &|_| true);
-    // A line through the centre marks nothing, and everything is in doubt.
-    let tie = expect(0.0, &|_| true);
-    assert_eq!(join_mask(tie.ambiguous_valid), 0xffff_ffff);
-    // A line just outside or inside the pixel: what lies beyond it is in doubt.
-    let (offsets, result) = judge_centre(&ground_and_wall(0.499, -0.1), &overhead(), &light);
-    let beyond = |o: &[f32; 2]| o[0] - 0.5 > 0.499;
-    let doubt = join_mask(result.ambiguous());
-    assert!(offsets.iter().enumerate().all(|(k, o)| !beyond(o) || doubt >> k & 1 != 0));
-}
-
-#[test]
-fn only_what_rises_through_the_facet_cuts_it() {
-    let light = Light::Directional { direction: [1.0, 1.0, 0.0] };
-    // Standing on the plane: touches, cuts. Hanging above: casts, does not cut. Below: neither.
-    let (_, standing) = judge_centre(&ground_and_wall(0.2, 0.0), &overhead(), &light);
-    assert!(join_mask(standing.valid) != 0xffff_ffff);
-    let (_, hanging) = judge_centre(&ground_and_wall(0.2, 0.01), &overhead(), &light);
-    assert_eq!(join_mask(hanging.valid), 0xffff_ffff);
-    assert!(join_mask(hanging.occluded) != 0);
-    let mut below = ground_and_wall(0.2, -0.5);
-    below.positions[5][1] = 0.0;
-    let (_, below) = judge_centre(&below, &overhead(), &light);
-    assert_eq!((join_mask(below.valid), join_mask(below.occluded)), (0xffff_ffff, 0));
-}
-
-#[test]
-fn dark_facets_and_horizons() {
-    // Light from below: the seen side is dark.
-    let (_, dark) =
-        judge_centre(&ground_and_wall(5.0, 0.1), &overhead(), &Light::Directional { direction: [0.1, -1.0, 0.0] });
-    assert_eq!((dark.occluded, dark.valid), (split_mask(0xffff_ffff), split_mask(0xffff_ffff)));
-    // Looking along the ground: the horizon is the middle of the image, and above it rays miss the plane.
-    let level = Camera { eye: [0.0, 1.0, 8.0], target: [0.0, 1.0, 0.0], up: [0.0, 1.0, 0.0], ..overhead() };
-    let (offsets, horizon) = judge_centre(&ground_and_wall(5.0, 0.1), &level, &LIGHTS[0]);
-    for (k, o) in offsets.iter().enumerate() {
-        assert_eq!(join_mask(horizon.valid) >> k & 1 != 0, o[1] > 0.5, "sample {k}");
-    }
-}
-
-#[test]
-fn refuses_facets_that_do_not_exist() {
-    let tracer = Tracer::new(&grid(1)).unwrap();
-    let samples = Samples::new(Pattern::Grid, 8).unwrap();
-    let truth = FacetTruth::new(&tracer, &overhead(), &LIGHTS[0], &samples, 9, 9).unwrap();
-    assert!(truth.judge(&[FacetInput { pixel: 81, triangle: 0, coverage: [1, 0, 0, 0] }], None).is_err());
-    assert!(truth.judge(&[FacetInput { pixel: 0, triangle: 2, coverage: [1, 0, 0, 0] }], None).is_err());
-    assert!(truth.judge(&[], None).unwrap().is_empty());
-    assert!(SceneTruth::new(&tracer, &overhead(), &LIGHTS[0], &samples, 0, 9).is_err());
 }

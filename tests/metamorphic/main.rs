@@ -1,8 +1,10 @@
 //! Changes of the input or of the memory that must not change a bit of the picture: order, duplicates, scale, list
 //! sizes, bands, map size, number of samples, repetition, what the plan leaves out, how pairs are brought together.
 
-#[path = "shared/device.rs"]
+#[path = "../shared/device.rs"]
 mod device;
+mod extremes;
+mod strips;
 
 use device::gpu;
 use gpu_test::gpu_test;
@@ -293,90 +295,6 @@ fn list_sizes_do_not_matter() {
     failures.report();
 }
 
-/// An image in strips of rows, which overlap where they do not divide it, is the image in one piece.
-#[gpu_test]
-fn strips_do_not_matter() {
-    let mut failures = Failures::default();
-    for (name, facets) in scenes().flat_map(|name| [(name, FacetMode::One), (name, FacetMode::All)]) {
-        let scene = scene(name);
-        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-        let settings = Settings { facets, ..settings(true) };
-        let pipelines = Arc::new(Pipelines::new(&gpu().device, &settings));
-        let with = |strips| {
-            let (budget, pipelines) = (Budget::default(), pipelines.clone());
-            let mut renderer =
-                Renderer::in_strips(gpu(), &prepared, &settings, budget, pipelines, strips).expect("a renderer");
-            assert_eq!(renderer.strips(), strips);
-            renderer.render(&scene.camera, &scene.light).expect("a frame")
-        };
-        let whole = with(1);
-        assert!(whole.counts.visibility_evaluations > 0, "{name}: nothing was evaluated");
-        for strips in [2, 7] {
-            let cut = with(strips);
-            failures.compare(&format!("{name}, {facets:?}, {strips} strips"), &whole, &cut);
-            assert_eq!(cut.triangles, whole.triangles, "{name}");
-            if SIZE[1].is_multiple_of(strips) {
-                assert_eq!(cut.counts.facets, whole.counts.facets, "{name}");
-            }
-        }
-    }
-    failures.report();
-}
-
-/// A device that binds little renders in strips by itself, and cuts the light's map into parts.
-#[gpu_test]
-fn a_device_that_binds_little_renders_in_strips_and_parts() {
-    let scene = scene("spheres");
-    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-    let limits = Limits { max_storage_buffer_binding_size: 1 << 19, ..Limits::default() };
-    let small = Gpu::open_with_limits(None, Some(limits)).expect("a GPU");
-    let among = Light::Point { position: [0.8, 1.9, 0.9] };
-    for (facets, light, map, across) in [
-        (FacetMode::One, scene.light, 64, 1),
-        (FacetMode::One, scene.light, 512, 2),
-        (FacetMode::All, scene.light, 64, 1),
-        (FacetMode::All, among, 512, 2),
-    ] {
-        let settings = Settings { facets, map, ..settings(true) };
-        let mut renderer = Renderer::new(&small, &prepared, &settings, Budget::default()).expect("a renderer");
-        let output = renderer.render(&scene.camera, &light).expect("a frame");
-        assert!(renderer.strips() > 1, "{facets:?}: one binding was enough");
-        assert_eq!(renderer.parts().across(), across, "{facets:?}, a map of {map}");
-        let whole = render_with(&scene.mesh, &scene.camera, &light, &settings, Budget::default());
-        // Of one facet a pixel, which samples see other surfaces is not looked at once it is settled as lit.
-        let words = |output: &Output| match facets {
-            FacetMode::One => output.visibility.iter().map(|v| v.to_bits()).collect(),
-            FacetMode::All => picture(output),
-        };
-        assert_eq!(difference(&words(&whole), &words(&output)), None, "{facets:?} {light:?} {map}");
-        assert_eq!(output.counts.silhouette_edges, whole.counts.silhouette_edges);
-    }
-}
-
-/// Also where nothing casts a shadow.
-#[gpu_test]
-fn strips_do_not_matter_where_nothing_casts() {
-    let scene = scene("spheres");
-    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-    let limits = Limits { max_storage_buffer_binding_size: 1 << 19, ..Limits::default() };
-    let small = Gpu::open_with_limits(None, Some(limits)).expect("a GPU");
-    let settings = Settings { size: [131, 97], ..settings(true) };
-    let render = |gpu: &Gpu| {
-        let (mut looks, mut strips) = (DebugViews::default(), 0);
-        let mut renderer = Renderer::facing(gpu, &prepared, &settings).expect("a renderer");
-        let output = renderer.render_and(&scene.camera, &scene.light, &mut |made, rows| {
-            strips = if rows.first == 0 { 1 } else { strips + 1 };
-            looks.add_rows(gpu, made, settings.size[0], rows)
-        });
-        (output.expect("a frame"), looks, strips)
-    };
-    let ((whole, seen, one), (cut, seen_cut, several)) = (render(gpu()), render(&small));
-    assert!(one == 1 && several > 2, "{one} and {several} strips");
-    assert_eq!(difference(&picture(&whole), &picture(&cut)), None);
-    assert!(whole.triangles == cut.triangles && seen == seen_cut);
-    assert!(whole.counts.dark_facets > 100 && whole.counts.lit_facets > 100, "{:?}", whole.counts);
-}
-
 /// By tiles or by texels, sorted or grouped, what comes of the pairs is the same, with room for all from the start, with none, and
 /// in bands.
 #[gpu_test]
@@ -529,66 +447,4 @@ fn settling_does_not_matter_on_the_own_triangle() {
         }
     }
     failures.report();
-}
-
-#[gpu_test]
-fn tiny_images_obey_the_same() {
-    let mut failures = Failures::default();
-    for name in ["windmill", "spheres"] {
-        let scene = scene(name);
-        for size in [[1, 1], [3, 5]] {
-            let settings = Settings { size, ..settings(false) };
-            let first = render(&scene, &settings);
-            assert_eq!(first.visibility.len(), (size[0] * size[1]) as usize);
-            let label = |what: &str| format!("{name}, {size:?}, {what}");
-            let mesh = disordered(&scene.mesh, 3);
-            let other = render_with(&mesh, &scene.camera, &scene.light, &settings, Budget::default());
-            failures.compare(&label("order"), &first, &other);
-            failures.compare(&label("scale"), &first, &render(&scaled(&scene, 0.125), &settings));
-            failures.compare(&label("map"), &first, &render(&scene, &Settings { map: 7, ..settings.clone() }));
-            let small = Budget { start: Some(1), ..Budget::default() };
-            let grown = render_with(&scene.mesh, &scene.camera, &scene.light, &settings, small);
-            failures.compare(&label("lists begun at 1"), &first, &grown);
-        }
-    }
-    failures.report();
-}
-
-#[gpu_test]
-fn nothing_is_lit() {
-    let scene = scene("plane");
-    for mesh in [Mesh::default(), Mesh { positions: vec![[0.0; 3]; 4], triangles: Vec::new() }] {
-        for settle in [true, false] {
-            let output = render_with(&mesh, &scene.camera, &scene.light, &settings(settle), Budget::default());
-            assert!(output.visibility.iter().all(|&v| v == 1.0), "an empty scene is lit");
-            assert!(output.lit.iter().all(|&l| l == u32::MAX));
-            assert_eq!(output.counts.pixel_texel_pairs + output.counts.triangle_texel_pairs, 0);
-        }
-    }
-}
-
-/// The largest map is rendered as any other, in parts where the device binds too little.
-#[gpu_test]
-fn the_largest_map_is_rendered() {
-    let scene = scene("plane");
-    let of = |map| Settings { map, ..settings(false) };
-    let first = render(&scene, &of(64));
-    assert_eq!(difference(&picture(&first), &picture(&render(&scene, &of(LightView::LARGEST_MAP)))), None);
-    assert_eq!(difference(&picture(&first), &picture(&render(&scene, &of(64)))), None);
-}
-
-/// Settings that cannot be rendered are refused, and the same device renders the next frame.
-#[gpu_test]
-fn impossible_settings_are_errors() {
-    let scene = scene("plane");
-    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
-    for (size, map) in [([0, 5], 64), ([80, 60], 0), ([80, 60], LightView::LARGEST_MAP + 1), ([16385, 1], 64)] {
-        let bad = Settings { size, map, ..settings(true) };
-        let result = Renderer::new(gpu(), &prepared, &bad, Budget::default()).map(|_| ());
-        assert!(matches!(result, Err(Error::Config(_))), "{size:?} {map}");
-    }
-    let mut renderer = Renderer::new(gpu(), &prepared, &settings(true), Budget::default()).expect("a renderer");
-    let nowhere = Light::Directional { direction: [0.0; 3] };
-    assert!(matches!(renderer.render(&scene.camera, &nowhere), Err(Error::Scene(_))));
-    assert!(renderer.render(&scene.camera, &scene.light).is_ok());
 }
