@@ -5,12 +5,12 @@
 //! margins).
 
 use crate::support::shadow::{
-    World, append, camera, folding_gpu, indirect, random_light, random_scene, samples, uniform, unit, vector,
+    World, append, camera, folding_gpu, indirect, random_light, random_scene, samples, soup, uniform, unit, vector,
     with_total,
 };
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use gpu_test::gpu_test;
-use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::gpu::{Gpu, Profile};
 use subpixel_shadows::reference::candidate_pairs::matters;
 use subpixel_shadows::reference::facet_classify::{FacetAtPixel, MapAround, classify};
 use subpixel_shadows::reference::front_layer::{Margin, Split};
@@ -18,7 +18,7 @@ use subpixel_shadows::reference::pixel_texel_pairs::pairs;
 use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, tile_pairs};
 use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::Mesh;
-use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
+use subpixel_shadows::stages::candidate_pairs::{CandidatePairs, tally::TALLY_LONGEST};
 use subpixel_shadows::stages::facet_classify::FacetState;
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles, TALLY_WORDS};
 use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
@@ -297,6 +297,23 @@ fn check(world: &World, stage: &CandidatePairs, listed: &[(u32, Option<u32>)]) -
     // Of slivers rounding may keep one that margins four times as wide do not.
     assert!(100 * needless <= got.kept.len() + 100, "{needless} of {} kept for nothing", got.kept.len());
     (got.kept.len(), got.settled.iter().filter(|s| **s).count())
+}
+
+/// More triangles over a place than a driver of the CPU takes in one dispatch: those behind are asked, too.
+#[gpu_test]
+fn longer_than_a_dispatch() {
+    let mut random = Random::new(83);
+    let world = world(gpu(), &soup(4800, 0.3, &mut random), &mut random);
+    let listed: Vec<_> = world.seen().into_iter().filter(|(_, t)| t.is_some()).step_by(5).collect();
+    let of = |profile: Profile| {
+        let stage = profile.within(|| CandidatePairs::new(&gpu().device, 1, PairTiles::Texels, true));
+        check(&world, &stage, &listed);
+        cull(&world, &stage, &listed, 1 << 16, 1 << 16)
+    };
+    let [gpu, software] = Profile::ALL.map(of);
+    assert_eq!(software.kept, gpu.kept);
+    assert!(software.kept.iter().any(|[_, t]| *t >= 4096), "nothing behind the first of {} pairs", software.kept.len());
+    assert_eq!([software.tally[TALLY_LONGEST as usize], gpu.tally[TALLY_LONGEST as usize]], [4800, 0]);
 }
 
 #[gpu_test]
