@@ -118,8 +118,8 @@ fn classify_unsure(
     take_frame(local);
     if CLAMPED != 0u { take_samples(); }
     let count = atomicLoad(&facet_items[frame.facets_total]);
-    for (var k = flat_invocation(group, groups, WORKGROUP,
-        local); k < count; k += WORKGROUP * groups.x * groups.y) {
+    let stride = WORKGROUP * groups.x * groups.y;
+    for (var k = flat_invocation(group, groups, WORKGROUP, local); k < count; k += stride) {
         let f = atomicLoad(&facet_items[frame.facets_total + 1u + k]);
         let shape = shape_of(facets[f].triangle);
         place(f, shape, turns_of(shape.i, shape.a, shape.ab, shape.ac));

@@ -1,8 +1,8 @@
 // map_moments: mean and variance of the depths of ever larger squares of texels of a map (Donnelly and
 // Lauritzen 2006, whose two moments they are: kept apart, so that nothing cancels). A cell of level k is a
 // square of 2^k texels a side, cut at the map's border; a texel without a caster is as deep as `levels.far`.
-// `reduce` makes up to five levels above level FIRST, which is the texels (`nearest_keys`) or was there.
-// Writes `moments`, level after level.
+// `reduce` makes up to five levels above level FIRST, which is the texels (`nearest_keys`) or was made by a
+// run before. Writes `moments`, level after level.
 
 //@import frame dispatch front_split moments
 

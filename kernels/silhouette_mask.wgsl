@@ -49,8 +49,8 @@ fn classify(
         if a.w > 0.0 && b.w > 0.0 {
             let low = min(a.xy, b.xy);
             let high = max(a.xy, b.xy);
-            let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)),
-                max(abs(high.x), abs(high.y)));
+            let slack = frame.map_margin
+                + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
             rect = cells_touched(low - slack, high + slack, vec2(frame.map_size));
         }
         // The same in every view.

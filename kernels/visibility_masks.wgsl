@@ -115,8 +115,8 @@ fn cut_facets(
     take_frame(local);
     take_samples();
     let count = atomicLoad(&candidates.tally[TALLY_CUTS]);
-    for (var n = flat_invocation(group, groups, WORKGROUP,
-        local); n < count; n += WORKGROUP * groups.x * groups.y) {
+    let stride = WORKGROUP * groups.x * groups.y;
+    for (var n = flat_invocation(group, groups, WORKGROUP, local); n < count; n += stride) {
         let pair = candidates.list[doubts[frame.candidate_capacity - 1u - n]];
         if is_dark(pair.x) { continue; }
         let i = rising(triangles[pair.y]);

@@ -448,7 +448,7 @@ fn engines_agree() {
     }
 }
 
-/// What is the same parts together is the same picture, to the bit: in a cube, in slices that are told and in those of its own.
+/// The same parts together are the same picture, to the bit: in a cube, in slices that are told and in those of its own.
 #[gpu_test]
 fn methods_are_their_parts_together() {
     let mut lamp = builtin("plant").expect("a built-in scene");

@@ -1,9 +1,9 @@
-//! What kernels are built for. The pictures are the same, to the bit.
+//! Devices that kernels are built for. The pictures are the same, to the bit.
 
 use std::borrow::Cow;
 use std::cell::Cell;
 
-/// What kernels are built for.
+/// Kind of device that kernels are built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Profile {
     /// A GPU.

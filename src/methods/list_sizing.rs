@@ -164,7 +164,7 @@ fn wanted_of_camera(
     }))
 }
 
-/// What holds a longest list, in steps.
+/// Length in steps that holds a longest list.
 fn most(longest: u32, step: u32, what: &str) -> Result<u32> {
     if longest > MOST_TRIANGLES {
         let [needed, limit] = [longest, MOST_TRIANGLES].map(u64::from);

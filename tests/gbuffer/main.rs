@@ -105,7 +105,7 @@ fn frame(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, FrameStatus) {
     panic!("no lists that suffice by the sixth frame");
 }
 
-/// What a rasterizer would write at each pixel centre of a scene: triangle, view depth and normal, by the pass itself.
+/// Surface at each pixel centre of a scene, as a rasterizer would write it: triangle, view depth and normal, by the pass itself.
 struct Raster {
     triangles: Vec<Option<u32>>,
     points: Vec<Option<(DVec3, f64, DVec3)>>,

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// What each of a picture's samples sees, by the full search: a layer of triangle numbers for each sample.
+/// Triangle that each of a picture's samples sees, by the full search: a layer of triangle numbers for each sample.
 fn sample_layers(scene: &Scene, samples: &Samples) -> Vec<Vec<u32>> {
     use subpixel_shadows::render::{Budget, Renderer};
     let mut prepared = Prepared::new(&scene.mesh).expect("a sound mesh");

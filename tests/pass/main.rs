@@ -85,7 +85,7 @@ struct Targets {
     lit: wgpu::Buffer,
 }
 
-/// What it finds there: bits of visibility, lit masks.
+/// Result there: bits of visibility, lit masks.
 #[derive(Clone, Debug, PartialEq)]
 struct Picture(Vec<u32>);
 
@@ -289,7 +289,7 @@ fn a_light_among_its_casters_has_a_cube_of_views() {
         let vertices = Vertices { buffer: &buffer, offset: 16, stride: 32 };
         let moved = Inputs { moved: Some(Moved { vertices, bounds: bounds(&scene.mesh) }), ..inputs };
         for (pass, inputs) in passes.iter_mut().zip([&inputs, &moved]) {
-            // What views share out is guessed less well.
+            // Lists that views share out are guessed less well.
             let (got, _) = complete_within(6, pass, inputs);
             assert_same(&format!("{position:?}"), &got, &want);
             // Of casters that move all six sides are looked at.

@@ -63,7 +63,7 @@ fn every_method_keeps_the_contract() {
     }
 }
 
-/// What `smsr` is told of its lines reaches them: corners only darken, and the farther they reach the more.
+/// Options of `smsr` reach its lines: corners only darken, and the farther they reach the more.
 #[gpu_test]
 fn smsr_takes_its_options() {
     let folder = Folder::new("smsr");
@@ -80,7 +80,7 @@ fn smsr_takes_its_options() {
     assert!(darkness(&far) > darkness(&middle) + 1.0, "{} {}", darkness(&far), darkness(&middle));
 }
 
-/// What the methods of fitted and filtered maps are told reaches them.
+/// Options of the methods of fitted and filtered maps reach them.
 #[gpu_test]
 fn remix_takes_its_options() {
     let folder = Folder::new("remix");
@@ -240,7 +240,7 @@ fn both_engines_give_one_picture() {
     }
 }
 
-/// What the plan leaves out changes nothing, rule by rule.
+/// Leaving out by the plan changes nothing, rule by rule.
 #[gpu_test]
 fn the_plan_changes_no_bit() {
     let folder = Folder::new("plan");

@@ -47,7 +47,7 @@ fn ask(world: &World, options: MomentShadowsOptions) -> Ran {
     Ran { options, far, on }
 }
 
-/// What visibility a pixel may have; `None` where its receiver cannot be told.
+/// Least and greatest visibility that a pixel may have; `None` where its receiver cannot be told.
 fn wanted(world: &World, ran: &Ran, moments: &Moments, pixel: u32, t: u32) -> Option<[f64; 2]> {
     let (_, slope, _) = receiver(world, pixel, t)?;
     let MomentShadowsOptions { constant, bleeding, grazing } = ran.options;

@@ -1,4 +1,4 @@
-//! What facet truth says of single facets.
+//! Facet truth of single facets.
 
 use super::*;
 

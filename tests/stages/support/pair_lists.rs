@@ -6,7 +6,7 @@ use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles};
 use subpixel_shadows::stages::{SortedPairs, sorted_pairs};
 
-/// What a pair stage listed.
+/// Result of a pair stage.
 pub struct Listed {
     /// Pairs of each place.
     pub counts: Vec<u32>,
