@@ -43,43 +43,48 @@ struct GbufferTrianglesParams {
 @group(0) @binding(13) var<storage, read> complex_total: array<u32>;
 @group(0) @binding(14) var<storage, read_write> sample_keys: array<u32>;
 
-var<private> shown: array<u32, MOST>;  // the different triangles of a pixel
-var<private> different: u32;
+var<private> different: u32;  // triangles of a pixel
 var<private> misses: u32;
 var<private> unknown: u32;
 
-fn triangle_of(texel: vec4<u32>) -> u32 {
-    let id = texel.x | (texel.y << 16u);
-    if id == params.none { return NO_TRIANGLE; }
-    let given = id - params.first;
-    if id >= params.first && given < frame.triangle_count { return numbers[given]; }
-    unknown += 1u;
-    return NO_TRIANGLE;
+fn number_of(texel: vec4<u32>) -> u32 {
+    return texel.x | (texel.y << 16u);
 }
 
-fn note(t: u32) {
-    if t == NO_TRIANGLE { misses += 1u; }
-    var known = t == NO_TRIANGLE;
-    for (var n = 0u; n < different && !known; n++) { known = shown[n] == t; }
-    if known { return; }
-    shown[different] = t;
-    different += 1u;
+fn triangle_of(texel: vec4<u32>) -> u32 {
+    let id = number_of(texel);
+    let given = id - params.first;
+    if id == params.none || id < params.first || given >= frame.triangle_count { return NO_TRIANGLE; }
+    return numbers[given];
 }
 
 fn place_of(pixel: u32) -> vec2<u32> {
     return texel_of_image(place_in_strip(pixel));
 }
 
-fn look_at_layers(pixel: u32) {
-    let at = place_of(pixel);
-    for (var s = 0u; s < min(params.count, MOST); s++) { note(triangle_of(textureLoad(layers, at, s, 0))); }
+fn sample_count() -> u32 {
+    return min(params.count, MOST);
 }
 
-fn look_at_samples(pixel: u32) {
-    let at = place_of(pixel);
-    for (var s = 0u; s < min(params.count, MOST); s++) {
-        note(triangle_of(textureLoad(multisampled, at, s)));
-    }
+// Whether sample `s` shows a triangle that no sample before it shows; `last` is that of the sample before.
+// Samples are read again in place of being kept in an array, which GPUs would put into memory: most often the
+// one before or one of the first shows the same.
+fn is_new_in_layers(at: vec2<u32>, s: u32, t: u32, last: u32) -> bool {
+    var fresh = t != NO_TRIANGLE && t != last;
+    for (var n = 0u; n < s && fresh; n++) { fresh = triangle_of(textureLoad(layers, at, n, 0)) != t; }
+    return fresh;
+}
+
+fn is_new_in_samples(at: vec2<u32>, s: u32, t: u32, last: u32) -> bool {
+    var fresh = t != NO_TRIANGLE && t != last;
+    for (var n = 0u; n < s && fresh; n++) { fresh = triangle_of(textureLoad(multisampled, at, n)) != t; }
+    return fresh;
+}
+
+fn note(texel: vec4<u32>, t: u32, fresh: bool) {
+    different += select(0u, 1u, fresh);
+    misses += select(0u, 1u, t == NO_TRIANGLE);
+    unknown += select(0u, 1u, t == NO_TRIANGLE && number_of(texel) != params.none);
 }
 
 fn write_counts(pixel: u32) {
@@ -94,11 +99,10 @@ fn write_counts(pixel: u32) {
     if unknown != 0u && is_own(place_in_strip(pixel).y) { atomicAdd(&faults[FAULT_UNKNOWN], unknown); }
 }
 
-fn write_list(pixel: u32) {
-    let first = pixel_offsets[pixel];
-    for (var n = 0u; n < different && first + n < frame.pixel_triangle_capacity; n++) {
-        pixel_list[first + n] = shown[n];
-    }
+fn write(first: u32, t: u32, fresh: bool) {
+    if !fresh { return; }
+    if first + different < frame.pixel_triangle_capacity { pixel_list[first + different] = t; }
+    different += 1u;
 }
 
 fn is_outside(pixel: u32) -> bool {
@@ -113,7 +117,14 @@ fn count_layers(
 ) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
-    look_at_layers(pixel);
+    let at = place_of(pixel);
+    var last = NO_TRIANGLE;
+    for (var s = 0u; s < sample_count(); s++) {
+        let texel = textureLoad(layers, at, s, 0);
+        let t = triangle_of(texel);
+        note(texel, t, is_new_in_layers(at, s, t, last));
+        last = t;
+    }
     write_counts(pixel);
 }
 
@@ -125,7 +136,14 @@ fn count_samples(
 ) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
-    look_at_samples(pixel);
+    let at = place_of(pixel);
+    var last = NO_TRIANGLE;
+    for (var s = 0u; s < sample_count(); s++) {
+        let texel = textureLoad(multisampled, at, s);
+        let t = triangle_of(texel);
+        note(texel, t, is_new_in_samples(at, s, t, last));
+        last = t;
+    }
     write_counts(pixel);
 }
 
@@ -137,8 +155,14 @@ fn emit_layers(
 ) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
-    look_at_layers(pixel);
-    write_list(pixel);
+    let at = place_of(pixel);
+    let first = pixel_offsets[pixel];
+    var last = NO_TRIANGLE;
+    for (var s = 0u; s < sample_count(); s++) {
+        let t = triangle_of(textureLoad(layers, at, s, 0));
+        write(first, t, is_new_in_layers(at, s, t, last));
+        last = t;
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -149,8 +173,14 @@ fn emit_samples(
 ) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
-    look_at_samples(pixel);
-    write_list(pixel);
+    let at = place_of(pixel);
+    let first = pixel_offsets[pixel];
+    var last = NO_TRIANGLE;
+    for (var s = 0u; s < sample_count(); s++) {
+        let t = triangle_of(textureLoad(multisampled, at, s));
+        write(first, t, is_new_in_samples(at, s, t, last));
+        last = t;
+    }
 }
 
 // The complex pixel of a slot of the band; NO_TRIANGLE beyond the last.

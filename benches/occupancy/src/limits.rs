@@ -90,9 +90,9 @@ pub struct Exception {
 }
 
 const NEAR: &str = "72 to 84 registers, where 64 would do";
-const SAMPLES_4: &str = "128 samples: four words, each with code of its own";
+const SAMPLES_4: &str = "128 samples: the code of a word four times";
 const BITS_46: &str = "46 bits: a rare run, of what single precision leaves open";
-const LIST: &str = "an array that is indexed";
+const LIST: &str = "an array that is indexed: the pieces of a border, up to 75";
 const UNDER_WAY: &str = "is being written anew";
 const TREE: &str = "a walk through a tree, with its ray and its stack in registers";
 const RADIUS_2: &str = "a search of 5 x 5 texels, with code for each";
@@ -104,10 +104,6 @@ pub const EXCEPTIONS: &[Exception] = &[
     except("facet_classify.classify", Figure::Code, [18200, 18360], SAMPLES_4),
     except("facet_classify.classify", Figure::Waves, [12, 3], NEAR),
     except("facet_classify.classify_unsure", Figure::Code, [22652, 22812], BITS_46),
-    except("gbuffer_triangles.count_layers", Figure::Scratch, [32768, 32768], LIST),
-    except("gbuffer_triangles.count_samples", Figure::Scratch, [32768, 32768], LIST),
-    except("gbuffer_triangles.emit_layers", Figure::Scratch, [32768, 32768], LIST),
-    except("gbuffer_triangles.emit_samples", Figure::Scratch, [32768, 32768], LIST),
     except("pixel_texel_pairs.count", Figure::Waves, [14, 3], NEAR),
     except("pixel_texel_pairs.emit_rest", Figure::Waves, [14, 3], NEAR),
     except("sample_bins.refine", Figure::Code, [23808, 23816], BITS_46),
