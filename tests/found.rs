@@ -27,7 +27,7 @@ const ALL: FacetMode = FacetMode::All;
 const LOW: Pattern = Pattern::LowDiscrepancy;
 
 #[rustfmt::skip]
-const FOUND: [Found; 19] = [
+const FOUND: [Found; 21] = [
     // The view of a light held no caster nearer to it than a ten-thousandth of the farthest.
     Found { name: "caster-near-a-light", method: MethodName::FacetMasks, facets: ALL, size: [2, 35], map: 1, samples: (LOW, 16) },
     // A facet goes on beyond its surface and the view of the light, where what the view leaves out shadows or cuts it.
@@ -56,6 +56,10 @@ const FOUND: [Found; 19] = [
     Found { name: "four-in-one-plane", method: MethodName::FacetMasks, facets: ALL, size: [8, 18], map: 1, samples: (LOW, 8) },
     // Single precision does not know on which side of a sliver's plane the eye is.
     Found { name: "sliver-through-the-eye", method: MethodName::FacetMasks, facets: ONE, size: [9, 6], map: 1, samples: (LOW, 1) },
+    // The doubt of a depth was left out of what a plane's slopes, which share it, add to the inverse depth over a pixel.
+    Found { name: "slopes-near-the-eye", method: MethodName::FacetMasks, facets: ALL, size: [1, 2], map: 1, samples: (LOW, 8) },
+    // A ray that meets a triangle behind the eye lies inside the same edges.
+    Found { name: "quad-behind-the-eye", method: MethodName::FacetMasks, facets: ALL, size: [2, 8], map: 1, samples: (LOW, 8) },
     // Rounding takes a sample off the edge of what hides another surface, to that.
     Found { name: "edge-on-between-two", method: MethodName::FacetMasks, facets: ONE, size: [13, 5], map: 1, samples: (LOW, 1) },
     // Of two surfaces at the near distance before a ground the nearer is told by how far each is from the other, not from the ground.

@@ -64,8 +64,9 @@ fn look(k: u32, offset: vec2<f32>, t: u32) {
     let v = view.at + offset.x * view.right + offset.y * view.down;
     let ahead = v > view.doubt;
     let behind = v < -view.doubt;
-    let high = min(view.high.x + offset.x * view.high.y + offset.y * view.high.z, view.highest);
-    let low = max(view.low.x + offset.x * view.low.y + offset.y * view.low.z, view.lowest);
+    let slope = offset.x * view.slopes.x + offset.y * view.slopes.y;
+    let high = min(view.high + slope, view.highest);
+    let low = max(view.low + slope, view.lowest);
     let matters = !(any(ahead) & any(behind)) & (high >= best_low[k]);
     let sure = (all(ahead) | all(behind)) & (low > best_high[k]) & (high * frame.forward.w < 0.99999);
     open |= select(0u, 1u << k, matters & !sure);

@@ -115,7 +115,7 @@ pub const EXCEPTIONS: &[Exception] = &[
     except("sample_bins.refine_crowds", Figure::Waves, [6, 1], BITS_46),
     except("sample_surfaces.nearest", Figure::SpilledScalar, [87, 97], UNDER_WAY),
     except("sample_surfaces.nearest", Figure::Code, [22288, 22048], UNDER_WAY),
-    except("sample_surfaces.nearest", Figure::Waves, [4, 1], UNDER_WAY),
+    except("sample_surfaces.nearest", Figure::Waves, [6, 1], UNDER_WAY),
     except("shadow_rays.trace", Figure::Waves, [6, 1], TREE),
     except("shadow_rays.refine", Figure::Code, [23728, 23744], BITS_46),
     except("shadow_rays.refine_all", Figure::Code, [29728, 29828], BITS_46),

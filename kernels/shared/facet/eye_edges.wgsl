@@ -60,13 +60,18 @@ fn eye_depth(given: Corners, ray: vec3<f32>) -> vec2<f32> {
     var d = a;
     if dot(b.xyz, b.xyz) < dot(d.xyz, d.xyz) { d = b; }
     if dot(c.xyz, c.xyz) < dot(d.xyz, d.xyz) { d = c; }
-    let depth = d.w + dot(normal, d.xyz) / over;
+    let ahead = dot(normal, d.xyz) / over;
+    let depth = d.w + ahead;
     let nearest = min(a.w, min(b.w, c.w));
     let farthest = max(a.w, max(b.w, c.w));
-    // The rounding of corners and normal, by as much as the plane leans away from the ray; corners bound it.
+    // The normal's rounding, in what is made of it; that of corners and rays moves the plane along it.
+    // Corners bound it.
     let reach = max(largest(t.a), max(largest(t.b), largest(t.c)));
-    let lean = 5e-7 * largest(ab) * largest(ac) * largest(ray) * reach / abs(over);
-    let doubt = min(lean, farthest - nearest);
+    let sides = 1e-6 * largest(ab) * largest(ac);
+    let off = sides * largest(ray);
+    let moved = sides * largest(d.xyz) + 1e-6 * reach * largest(normal) * largest(ray) + abs(ahead) * off;
+    let known = abs(over) > 2.0 * off;
+    let doubt = select(farthest - nearest, min(2.0 * moved / abs(over), farthest - nearest), known);
     return select(vec2(-1.0, 0.0), vec2(clamp(depth, nearest, farthest), doubt), abs(over) > 0.0);
 }
 
