@@ -653,7 +653,7 @@ pub mod pixel_triangles {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/frame/pass",
         "shared/math/divide", "shared/raster/rect", "shared/raster/work_items", "shared/frame/facing",
-        "shared/facet/eye_edges", "shared/raster/block_bits", "pixel_triangles",
+        "shared/facet/eye_edges", "shared/raster/block_bits", "pixel_triangles/over_square", "pixel_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -668,6 +668,10 @@ pub mod pixel_triangles {
         3 points: Read<'a, [f32; 4]>,
         4 camera_rects: Read<'a, [u32; 2]>,
         5 work_offsets: Read<'a, u32>,
+        6 cover_keys: Write<'a, u32>,
+    } }
+    entry_point! { "pixel_triangles", "cover_blocks", [64, 1, 1], SOURCE, () => CoverBlocks, CoverBlocksProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
         6 cover_keys: Write<'a, u32>,
     } }
     entry_point! { "pixel_triangles", "count", [64, 1, 1], SOURCE, () => Count, CountProgram {
@@ -715,8 +719,8 @@ pub mod pixel_triangles {
         work_offsets: Read<'a, u32>,
         frame: Uniform<'a, crate::frame::Frame>,
         points: Read<'a, [f32; 4]>,
-        step: Uniform<'a, crate::stages::camera_visibility::Pass>,
         triangles: Read<'a, [u32; 4]>,
+        step: Uniform<'a, crate::stages::camera_visibility::Pass>,
         camera_rects: Read<'a, [u32; 2]>,
         cover_keys: Write<'a, u32>,
         pixel_counts: Write<'a, u32>,
@@ -724,14 +728,19 @@ pub mod pixel_triangles {
         pixel_list: Write<'a, u32>,
         touched: Write<'a, [u32; 2]>,
     } }
+    subset! { Cover => CoverBlocks { frame, cover_keys } }
     subset! { Count => Cover { frame, triangles, points, camera_rects, work_offsets, cover_keys } }
+    subset! { Count => CoverBlocks { frame, cover_keys } }
     subset! { EmitRest => Cover { frame, triangles, points, camera_rects, work_offsets, cover_keys } }
+    subset! { EmitRest => CoverBlocks { frame, cover_keys } }
+    subset! { Judge => CoverBlocks { frame, cover_keys } }
     subset! { Raster => Cover { frame, triangles, points, camera_rects, work_offsets, cover_keys } }
+    subset! { Raster => CoverBlocks { frame, cover_keys } }
     subset! { Raster => Count { frame, step, triangles, points, camera_rects, work_offsets, cover_keys, pixel_counts, touched } }
     subset! { Raster => Emit { frame, step, camera_rects, work_offsets, pixel_counts, pixel_offsets, pixel_list, touched } }
     subset! { Raster => EmitRest { frame, step, triangles, points, camera_rects, work_offsets, cover_keys, pixel_counts, pixel_offsets, pixel_list } }
     entries! {
-        Cover, Count, Emit, EmitRest, Judge,
+        Cover, CoverBlocks, Count, Emit, EmitRest, Judge,
     }
 }
 

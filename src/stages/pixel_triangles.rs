@@ -8,7 +8,8 @@
 //!   only if its one triangle covers its whole square by a margin far above rounding. Nothing is written beyond the capacity.
 //!   The order inside a pixel is not defined; what is made of it does not depend on it.
 //! - **Cost.** Four indirect dispatches over blocks (an invocation looks at up to 64 pixels, twice as long as
-//!   [`PixelLists::touched`] has room for what it found), one over pixels, a scan.
+//!   [`PixelLists::touched`] has room for what it found; at none where triangles that cover all of them hide its own), one over blocks
+//!   of the image, one over pixels, a scan.
 //! - **Source.** The pair lists of Pan 2009, section 3.3, turned on the camera's view.
 
 use super::camera_visibility::{Blocks, Pass};
@@ -22,6 +23,7 @@ use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 #[derive(Debug)]
 pub struct PixelTriangles {
     cover: kernel::CoverProgram,
+    cover_blocks: kernel::CoverBlocksProgram,
     count: kernel::CountProgram,
     emit: kernel::EmitProgram,
     emit_rest: kernel::EmitRestProgram,
@@ -33,7 +35,8 @@ pub struct PixelTriangles {
 /// Lists of triangles by pixel.
 #[derive(Debug)]
 pub struct PixelLists {
-    /// Complement of the nearest depth behind which a covering triangle hides everything; 0 where there is none.
+    /// Complement of the nearest depth behind which a covering triangle hides everything; 0 where there is none. Behind those of pixels
+    /// that of each block of 8 × 8.
     pub cover_keys: Buffer<u32>,
     /// Triangles of each pixel, while they are counted.
     pub counts: Buffer<u32>,
@@ -57,7 +60,7 @@ impl PixelLists {
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, pixels: usize, triangles: usize) -> Result<Self> {
         Ok(Self {
-            cover_keys: Buffer::storage(device, "pixel_triangles.cover_keys", pixels)?,
+            cover_keys: Buffer::storage(device, "pixel_triangles.cover_keys", pixels + pixels.div_ceil(8))?,
             counts: Buffer::storage(device, "pixel_triangles.counts", pixels)?,
             offsets: Buffer::storage(device, "pixel_triangles.offsets", pixels + 2)?,
             list: Buffer::storage(device, "pixel_triangles.list", triangles)?,
@@ -73,6 +76,7 @@ impl PixelTriangles {
     pub fn new(device: &wgpu::Device, scan: &PrefixScan) -> Self {
         Self {
             cover: kernel::CoverProgram::new(device, ()),
+            cover_blocks: kernel::CoverBlocksProgram::new(device, ()),
             count: kernel::CountProgram::new(device, ()),
             emit: kernel::EmitProgram::new(device, ()),
             emit_rest: kernel::EmitRestProgram::new(device, ()),
@@ -113,6 +117,10 @@ impl PixelTriangles {
             touched: lists.touched.as_write(),
         };
         stage.run(&self.cover, raster, Groups::Indirect(all.0, all.1));
+        let (of_frame, cover_keys) = (frame.as_uniform(), lists.cover_keys.as_write());
+        // At most so many blocks, whatever the image's shape.
+        let blocks = Groups::Items(pixels.div_ceil(8) as u64);
+        stage.run(&self.cover_blocks, kernel::CoverBlocks { frame: of_frame, cover_keys }, blocks);
         stage.run(&self.count, raster, Groups::Indirect(all.0, all.1));
         let bindings = kernel::Judge {
             frame: frame.as_uniform(),
