@@ -28,18 +28,14 @@ fn settle_rivals_of(slot: u32) {
 
 // Whether a triangle covers a ray beyond the near distance. `depth`: of its plane, with its doubt.
 fn is_there(u: Corners, ray: vec3<f32>, depth: vec2<f32>) -> bool {
-    let near_open = is_near_open(depth);
-    var there = covers_ray(u, ray) && depth.x + depth.y >= frame.forward.w
-        && (near_open || depth.x >= frame.forward.w);
-    // Few are that near: a loop that the others do not enter.
-    for (var some = there && near_open; some; some = false) { there = is_beyond_near_46(u.i, ray); }
-    return there;
+    if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w { return false; }
+    if is_near_open(depth) { return is_beyond_near_46(u.i, ray); }
+    return depth.x >= frame.forward.w;
 }
 
-// Of the triangles of a round that cover a ray, and `known` (NO_TRIANGLE: none), the nearest. Of those that
-// single precision leaves open, by a number for each, how near it is to a bound of the nearest: of three the
-// first may be as good as the second and that as the third, a sliver whose depth is poorly known, but the
-// third not as the first.
+// Of the triangles of a round that cover a ray, and `known` (NO_TRIANGLE: none), the nearest. By a number for
+// each, how near it is to a bound of the nearest: of three the first may be as good as the second and that as
+// the third, a sliver whose depth is poorly known, but the third not as the first.
 fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
     var bound = 3.0e38;
     if known != NO_TRIANGLE {
@@ -51,7 +47,6 @@ fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
         let depth = eye_depth(u, ray);
         if depth.x + depth.y < bound && is_there(u, ray, depth) { bound = depth.x + depth.y; }
     }
-    let reach = bound * (1.0 + 2.0 * TOUCHING);
     var best = known;
     var best_key = 0u;
     if known != NO_TRIANGLE { best_key = key_46(corners_of(known), ray, bound); }
@@ -59,14 +54,13 @@ fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
         let t = pixel_list[n];
         let u = corners_at(corners_of(t));
         let depth = eye_depth(u, ray);
-        let near = t != known && depth.x - depth.y <= reach && is_there(u, ray, depth);
-        // Few of a list are: a loop that the others do not enter.
-        for (var some = near; some; some = false) {
-            let key = key_46(u.i, ray, bound);
-            if best == NO_TRIANGLE || key > best_key || (key == best_key && t < best) {
-                best = t;
-                best_key = key;
-            }
+        if t == known || depth.x - depth.y > bound * (1.0 + 2.0 * TOUCHING) || !is_there(u, ray, depth) {
+            continue;
+        }
+        let key = key_46(u.i, ray, bound);
+        if best == NO_TRIANGLE || key > best_key || (key == best_key && t < best) {
+            best = t;
+            best_key = key;
         }
     }
     return best;
