@@ -13,7 +13,7 @@ use subpixel_shadows::gpu::{Profile, kernels};
 /// The families, as RADV names them: RDNA 2, which a desktop card has, and GCN 5, the oldest that many have.
 pub const FAMILIES: [&str; 2] = ["navi21", "vega10"];
 
-/// What a process is to compile.
+/// The pipelines that a process compiles.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Job {
     /// WGSL by kernel.
@@ -33,7 +33,7 @@ impl Job {
     }
 }
 
-/// What a process found.
+/// The figures that a process found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// The device.

@@ -1,4 +1,4 @@
-//! What AMD's compiler (RADV with ACO, in Mesa) makes of every pipeline that the library makes: registers, spills, scratch, waves.
+//! Every pipeline of the library as AMD's compiler makes it (RADV with ACO, in Mesa): registers, spills, scratch, waves.
 //!
 //! No GPU is needed: with `RADV_FORCE_FAMILY` the driver compiles for a GPU that is not there. A family is a process of its own
 //! ([`families`]), as the driver reads that variable once. [`made`] lists the pipelines, [`spirv`] translates them as wgpu does, [`radv`]
@@ -30,7 +30,7 @@ impl Pipeline {
     }
 }
 
-/// What the driver says of a compiled pipeline.
+/// Figures of a compiled pipeline, as the driver tells them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Figures {
     /// Vector registers of an invocation.

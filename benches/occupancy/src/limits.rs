@@ -1,4 +1,4 @@
-//! What a pipeline may take, and the entry points that take more.
+//! Limits of a pipeline, and the entry points that take more.
 
 use crate::families::{FAMILIES, Report};
 use crate::{Figures, Pipeline};
@@ -83,7 +83,8 @@ pub struct Exception {
     pub entry: &'static str,
     /// The figure.
     pub figure: Figure,
-    /// What its worst pipeline takes, on each of [`FAMILIES`]: it may not take more, and if it takes less by an eighth this is to be mended.
+    /// The figure of its worst pipeline, on each of [`FAMILIES`]: a worse one is a fault, and so is one better by an eighth, as this is then to be
+    /// mended.
     pub worst: [u64; FAMILIES.len()],
     /// Why.
     pub why: &'static str,
@@ -141,7 +142,7 @@ fn worst<'a>(report: &'a Report, entry: &str, figure: Figure) -> Option<(u64, &'
     values.reduce(|a, b| if figure.is_worse(b.0, a.0) { b } else { a })
 }
 
-/// What is not as it must be in reports of [`FAMILIES`], a line each.
+/// Faults in reports of [`FAMILIES`], a line each.
 pub fn faults(reports: &[Report], exceptions: &[Exception]) -> Vec<String> {
     let mut faults = Vec::new();
     let mut entries: Vec<String> = reports.iter().flat_map(|r| &r.rows).map(|row| row.pipeline.name()).collect();

@@ -81,7 +81,7 @@ fn make(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<()> {
     let methods = MethodName::ALL.iter().filter(|method| !narrow || **method == MethodName::Spsm);
     for (method, samples) in methods.flat_map(|m| SAMPLES.map(|s| (*m, s))) {
         let plain = Settings::new([16, 16], 16, Samples::new(Pattern::LowDiscrepancy, samples)?);
-        // What is no facet knows only how many words its samples are, and whether they are one.
+        // Stages without facets know only how many words the samples are, and whether there is one.
         if method != MethodName::FacetMasks && samples == 8 {
             continue;
         }

@@ -64,7 +64,7 @@ pub fn table(report: &Report) -> String {
 pub fn page(reports: &[Report]) -> String {
     let driver = reports.first().map_or("", |r| r.driver.as_str());
     let mut out = format!(
-        "# What a GPU's compiler makes of the kernels\n\n\
+        "# Kernels as a GPU's compiler makes them\n\n\
          `cargo bench --bench occupancy -- --page data/reports/occupancy.md`\n\n\
          {driver}, on null hardware, {}. This compiler runs kernels on AMD's GPUs; no GPU was there. SPIR-V is made as wgpu makes it. A row is\n\
          a pipeline of the library; of an entry point that no method takes, that of its defaults. *alike* says how many pipelines have the SPIR-V\n\

@@ -22,7 +22,7 @@ pub struct NullDevice {
     pub name: String,
 }
 
-/// What of a device is destroyed when a pipeline was asked.
+/// Parts of a pipeline, destroyed once its figures are known.
 #[derive(Default)]
 struct Parts {
     set: vk::DescriptorSetLayout,
@@ -108,7 +108,7 @@ impl NullDevice {
     /// Compiles an entry point and says what came of it.
     ///
     /// # Errors
-    /// What Vulkan says.
+    /// The message of Vulkan.
     pub fn compile(&self, spirv: &[u32], entry: &str, bindings: &[(u32, Bound)]) -> Result<Figures, String> {
         let mut parts = Parts::default();
         let made = self.compile_into(&mut parts, spirv, entry, bindings);

@@ -12,7 +12,7 @@ pub struct Kernel {
     info: ModuleInfo,
 }
 
-/// What a binding is.
+/// Kind of a binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// A uniform buffer.
@@ -53,7 +53,7 @@ impl Kernel {
     /// SPIR-V of one of its pipelines.
     ///
     /// # Errors
-    /// What naga says.
+    /// The message of naga.
     pub fn spirv(&self, pipeline: &Pipeline) -> Result<Vec<u32>, String> {
         let Pipeline(_, entry, constants) = pipeline;
         let constants: PipelineConstants = constants.iter().map(|(name, value)| (name.clone(), *value)).collect();
