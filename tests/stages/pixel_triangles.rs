@@ -11,6 +11,18 @@ use subpixel_shadows::reference::camera_visibility::DepthMargin;
 use subpixel_shadows::reference::pixel_triangles::{may_touch, pixels};
 use subpixel_shadows::scene::Mesh;
 
+/// The first block of 8 x 8 pixels whose key is not the least of theirs: 0 where one is not hidden.
+fn wrong_block(found: &Found) -> Option<usize> {
+    let [width, height] = found.image.map(|n| n as usize);
+    let (pixels, blocks) = found.cover_keys.split_at(width * height);
+    let across = width.div_ceil(8);
+    (0..across * height.div_ceil(8)).find(|block| {
+        let (x, y) = (block % across * 8, block / across * 8);
+        let rows = (y..height.min(y + 8)).map(|row| &pixels[row * width..][x..width.min(x + 8)]);
+        blocks[*block] != rows.flatten().copied().min().unwrap_or(0)
+    })
+}
+
 /// Where the stage departs from its definition, else how many pixels are single.
 fn compare(case: &Case, found: &Found) -> Result<usize, String> {
     let wanted = case.wanted();
@@ -18,6 +30,9 @@ fn compare(case: &Case, found: &Found) -> Result<usize, String> {
     let must = pixels(&wanted.view, &wanted.triangles, &places, DepthMargin { edge: 1e-4, depth: 1e-5 });
     if must.len() != found.lists.len() {
         return Err("another number of pixels".to_owned());
+    }
+    if let Some(block) = wrong_block(found) {
+        return Err(format!("block {block} is not hidden as its pixels are"));
     }
     let mut singles = 0;
     for (pixel, (must, listed)) in must.iter().zip(&found.lists).enumerate() {
@@ -136,6 +151,21 @@ fn two_d_dispatch() {
     assert!(found.lists == all.lists && found.complex == all.complex, "the fold changes the result");
 }
 
+/// Blocks of a wall that covers the image are hidden, but for those on its diagonal: the ball behind is listed at none of their pixels.
+#[gpu_test]
+fn a_wall_hides_blocks() {
+    let mut mesh = square(1);
+    ball(&mut mesh, DVec3::new(0.0, -1.0, 0.0), 0.4, 20, 12);
+    let mut case = Case::new(&mesh, light(0), [45, 37], 8);
+    (case.camera.eye, case.camera.target, case.camera.up) = ([0.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, -1.0]);
+    case.camera.vertical_fov_degrees = 50.0;
+    let (found, _) = check(gpu(), &case);
+    let hidden = |x: usize, y: usize| found.cover_keys[45 * 37 + y / 8 * 6 + x / 8] != 0;
+    let count = (0..37).flat_map(|y| (0..45).map(move |x| (x, y))).filter(|&(x, y)| hidden(x, y));
+    let lists = count.map(|(x, y)| found.lists[y * 45 + x].len()).collect::<Vec<_>>();
+    assert!(lists.len() > 800 && lists.iter().all(|&n| n == 1), "{} pixels in hidden blocks", lists.len());
+}
+
 #[gpu_test]
 fn detects_corruption() {
     let case = Case::new(&mesh("leaves", 5), light(0), [99, 77], 8);
@@ -154,5 +184,7 @@ fn detects_corruption() {
     assert!(broken(&|f| f.lists[single].push(u32::MAX)), "no such triangle");
     assert!(broken(&|f| f.lists[complex].extend_from_within(..1)), "a triangle twice");
     assert!(broken(&|f| f.complex[complex] = false), "a complex pixel passes for single");
+    let block = found.image[0] as usize * found.image[1] as usize;
+    assert!(broken(&|f| f.cover_keys[block] ^= 1), "another key of a block");
     assert!(broken(&|f| drop(f.lists.pop())), "a pixel is missing");
 }

@@ -29,6 +29,8 @@ pub struct Found {
     pub needed: [usize; 3],
     /// Longest list of a complex pixel.
     pub longest: u32,
+    /// Keys of the depths behind which a pixel is hidden, and behind them those of blocks.
+    pub cover_keys: Vec<u32>,
     /// Triangles of each pixel, rising.
     pub lists: Vec<Vec<u32>>,
     /// Pixels whose samples were looked at one by one.
@@ -216,6 +218,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
         reach: made[..pixel_facets[pixels].min(room[2])].iter().map(reach).collect(),
         needed,
         longest: status.read(gpu).expect(readback)[status_word!(longest_pixel)],
+        cover_keys: lists.cover_keys.read(gpu).expect(readback),
         lists: (0..pixels).map(listed).collect(),
         complex: lists.complex_flags.read(gpu).expect(readback).iter().map(|&f| f != 0).collect(),
         surfaces: (0..pixels).map(surfaces).collect(),
