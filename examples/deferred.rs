@@ -9,11 +9,10 @@
 //! four samples a pixel, from a multisampled texture, for a facet for each surface that they show. A last frame without a
 //! G-buffer is compared with what the library's own renderer gives: not a bit may differ.
 
-#[path = "shared/arguments.rs"]
-mod arguments;
-
-use arguments::Arguments;
 use futures::executor::block_on;
+use lab::arguments::Arguments;
+use lab::report::write_png_rgb;
+use lab::scene::{Scene, SceneOptions};
 use std::path::Path;
 use subpixel_shadows::glam::{DMat4, DVec3, DVec4};
 use subpixel_shadows::gpu::Gpu;
@@ -23,9 +22,7 @@ use subpixel_shadows::pass::{
     TriangleTexture,
 };
 use subpixel_shadows::render::{Budget, Renderer};
-use subpixel_shadows::report::write_png_rgb;
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Scene, SceneOptions};
 use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 

@@ -2,12 +2,12 @@
 //!
 //! `cargo run --release --example headless`
 
+use lab::report::write_png_grey;
 use std::path::Path;
 use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
-use subpixel_shadows::report::write_png_grey;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 

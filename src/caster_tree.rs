@@ -216,7 +216,7 @@ enum Child {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::test_scenes::builtin;
     use std::collections::HashMap;
 
     /// Every point of every triangle lies in all boxes on the way to some leaf of it.
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn boxes_hold_what_is_in_them() {
         for name in ["windmill", "knot", "plane", "bicycle"] {
-            let mesh = Scene::open(name, &Default::default()).unwrap().mesh;
+            let mesh = builtin(name).mesh;
             let leaves = check(&mesh).triangles.len();
             assert!((mesh.triangles.len()..3 * mesh.triangles.len()).contains(&leaves), "{name}: {leaves} leaves");
         }

@@ -2,10 +2,11 @@
 //!
 //! The flagship method is `facet-masks` (Pan, Wang, Chen, Zhou, Bao: *Fast, Sub-pixel Antialiased Shadow Maps*,
 //! Pacific Graphics 2009): facets represent each pixel, blockers are projected onto them as half-planes, and
-//! one bit per sample records what is occluded. Every stage is a WGSL compute kernel over GPU buffers, and every stage
-//! has a CPU definition in [`mod@reference`] that knows nothing of the GPU.
+//! one bit per sample records what is occluded. Every stage is a WGSL compute kernel over GPU buffers, and is tested against a CPU definition
+//! that knows nothing of the GPU (`oracle/`, a package of its own, as is the program, `lab/`).
 //!
-//! Dependencies run one way: `cli` → `report` → `render` → `pass` → `plan` → `methods` → `stages` → `gpu`; `reference` and `truth` know no GPU.
+//! [`ShadowPass`] is what an engine takes; [`stages`] are public and usable alone; [`guide`] tells of both. Dependencies run one way:
+//! `render` → `pass` → `plan` → `methods` → `stages` → `gpu`.
 
 #![cfg_attr(
     not(test),
@@ -23,8 +24,6 @@
 pub mod caster_tree;
 pub mod error;
 pub mod frame;
-#[cfg(feature = "report")]
-pub mod fuzz;
 pub mod gpu;
 pub mod guide;
 pub mod light_view;
@@ -32,18 +31,14 @@ pub mod mask_table;
 pub mod methods;
 pub mod pass;
 pub mod plan;
-#[cfg(feature = "oracle")]
-pub mod reference;
 pub mod render;
-#[cfg(feature = "report")]
-pub mod report;
 pub mod samples;
 pub mod scene;
 pub mod spsm_code;
 pub mod stages;
 pub mod status;
-#[cfg(feature = "oracle")]
-pub mod truth;
+#[cfg(test)]
+mod test_scenes;
 
 pub use error::{Error, Result};
 pub use glam;

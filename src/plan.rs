@@ -190,7 +190,8 @@ mod tests {
     use crate::light_view::SplitPlan;
     use crate::methods::MethodName;
     use crate::samples::{Pattern, Samples};
-    use crate::scene::{Mesh, Scene};
+    use crate::scene::Mesh;
+    use crate::test_scenes::{builtin, of_mesh};
 
     fn settings(samples: u32, validity: bool) -> Settings {
         let samples = Samples::new(Pattern::default(), samples).unwrap();
@@ -216,7 +217,7 @@ mod tests {
     }
 
     fn plan(mesh: Mesh, light: Light, settings: &Settings, force: bool) -> Plan {
-        let scene = Scene::of_mesh("test", mesh).unwrap();
+        let scene = of_mesh(mesh);
         Plan::of(&Prepared::new(&scene.mesh).unwrap(), &scene.camera, &light, settings, force).unwrap()
     }
 
@@ -259,7 +260,7 @@ mod tests {
     #[test]
     fn a_mesh_outside_the_view_is_not_looked_at() {
         let mesh = body();
-        let mut scene = Scene::of_mesh("test", mesh).unwrap();
+        let mut scene = of_mesh(mesh);
         let prepared = Prepared::new(&scene.mesh).unwrap();
         let of = |camera: &Camera| Plan::of(&prepared, camera, &sun(1.0), &settings(32, true), false).unwrap().extent;
         assert_eq!(of(&scene.camera), Extent::Everything);
@@ -327,7 +328,7 @@ mod tests {
 
     #[test]
     fn few_texels_are_made_where_few_are_asked_for() {
-        let scene = Scene::of_mesh("test", body()).unwrap();
+        let scene = of_mesh(body());
         let prepared = Prepared::new(&scene.mesh).unwrap();
         let of = |samples: u32, map: u32, force: bool| {
             let wanted = Settings { map, ..settings(samples, true) };
@@ -361,8 +362,8 @@ mod tests {
 
     #[test]
     fn every_surface_has_stages_of_its_own() {
-        let prepared = Prepared::new(&Scene::open("plane", &Default::default()).unwrap().mesh).unwrap();
-        let scene = Scene::open("plane", &Default::default()).unwrap();
+        let prepared = Prepared::new(&builtin("plane").mesh).unwrap();
+        let scene = builtin("plane");
         let wanted = Settings { facets: FacetMode::All, ..settings(32, true) };
         let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, false).unwrap();
         let names: Vec<_> = plan.steps.iter().map(|s| s.name).collect();
@@ -377,7 +378,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_used_is_an_error() {
-        let scene = Scene::of_mesh("test", body()).unwrap();
+        let scene = of_mesh(body());
         let prepared = Prepared::new(&scene.mesh).unwrap();
         let no_map = Settings { map: 0, ..settings(1, true) };
         assert!(Plan::of(&prepared, &scene.camera, &sun(1.0), &no_map, false).is_err());

@@ -1,19 +1,17 @@
 //! Surfaces that almost coincide: every sample is given the one that it sees, however near the next one is. And lights that almost lie in
 //! the plane of a surface: truths and engines agree on which side they are.
 
-#[path = "shared/device.rs"]
-mod device;
-
-use device::gpu;
-use gpu_test::gpu_test;
+use lab::report::{FacetErrors, FacetSet, SceneErrors, SeenErrors, TracedScene};
+use oracle::engine;
+use oracle::truth::Tracer;
+use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
-use subpixel_shadows::methods::{Prepared, cpu};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::render::{Budget, Output, Renderer};
-use subpixel_shadows::report::{FacetErrors, FacetSet, SceneErrors, SeenErrors, TracedScene};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
-use subpixel_shadows::truth::Tracer;
+use test_support::gpu;
+use test_support::gpu_test;
 
 const SIZE: [u32; 2] = [48, 36];
 
@@ -150,8 +148,8 @@ impl World {
             let wanted = settings(facets);
             let plan = Plan::of(&prepared, &self.camera, &self.light, &wanted, false).expect("a plan");
             let what = format!("{}, {facets:?}", self.name);
-            let request = cpu::CpuRequest { facets: true, ..cpu::CpuRequest::default() };
-            let frame = cpu::render(&prepared, &plan.settings, &self.camera, &self.light, request).expect("a frame");
+            let request = engine::CpuRequest { facets: true, ..engine::CpuRequest::default() };
+            let frame = engine::render(&prepared, &plan.settings, &self.camera, &self.light, request).expect("a frame");
             let of_cpu = (FacetSet::of_cpu(&frame.facets, 1), frame.output);
             for (engine, (set, output)) in [("CPU", of_cpu), ("GPU", self.on_gpu(&prepared, &plan.settings))] {
                 let held = self.held(&set, &output, &prepared, &plan.settings);
@@ -196,7 +194,7 @@ fn bodies_that_stand_twice_are_told_apart() {
 fn a_light_along_the_ground_is_in_it_or_above() {
     for (height, lit) in [(0.0, false), (1e-15, false), (1e-14, false), (1e-13, false), (1e-11, true), (1e-9, true)] {
         let light = Light::Directional { direction: [0.3e-3, height, 1.0] };
-        let scene = subpixel_shadows::scene::builtin("plane").expect("a scene");
+        let scene = lab::scene::builtin("plane").expect("a scene");
         let world = World { name: format!("light {height:e} above"), mesh: scene.mesh, camera: scene.camera, light };
         // Along the walls' lower edges rays run within rounding of both wall and ground.
         world.check(0.99);

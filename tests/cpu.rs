@@ -1,15 +1,16 @@
 //! The CPU engine against facet truth and traced rays, on small pictures of the built-in scenes.
 
+use lab::report::comparison::SceneCase;
+use lab::report::{FacetErrors, FacetSet};
+use lab::scene::{Scene, builtin};
+use oracle::engine::{self, CpuFrame, CpuRequest};
+use oracle::reference::facet_classify::FacetState;
+use oracle::truth::{SceneTruth, Tracer, join_mask};
 use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::cpu::{self, CpuFrame, CpuRequest};
 use subpixel_shadows::methods::{FacetMode, PixelClass, Prepared, Settings};
 use subpixel_shadows::plan::{Extent, Plan};
-use subpixel_shadows::reference::facet_classify::FacetState;
-use subpixel_shadows::report::comparison::SceneCase;
-use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Light, Mesh, Scene, builtin};
-use subpixel_shadows::truth::{SceneTruth, Tracer, join_mask};
+use subpixel_shadows::scene::{Light, Mesh};
 
 const SCENES: [&str; 8] = ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "bumpy", "plane"];
 
@@ -23,7 +24,7 @@ fn everything() -> CpuRequest<'static> {
 }
 
 fn render(prepared: &Prepared, scene: &Scene, settings: &Settings) -> CpuFrame {
-    cpu::render(prepared, settings, &scene.camera, &scene.light, everything()).expect("a frame")
+    engine::render(prepared, settings, &scene.camera, &scene.light, everything()).expect("a frame")
 }
 
 /// What facet truth finds in a frame.
@@ -225,7 +226,7 @@ fn without_shadows_only_facing_counts() {
         let plan = Plan::of(&prepared, &scene.camera, &light, &settings, false).expect("a plan");
         assert_eq!(plan.extent, Extent::Facing);
         let request = CpuRequest { unshadowed: true, ..everything() };
-        let frame = cpu::render(&prepared, &plan.settings, &scene.camera, &light, request).expect("a frame");
+        let frame = engine::render(&prepared, &plan.settings, &scene.camera, &light, request).expect("a frame");
         let shown = if lit == eye_above { PixelClass::Lit } else { PixelClass::Dark };
         let looks = frame.looks.expect("looks");
         assert!(looks.map.is_none() && looks.classes.contains(&shown));
@@ -234,7 +235,7 @@ fn without_shadows_only_facing_counts() {
         assert!((0..64 * 48).all(|p| frame.output.visibility[p] == share(p)));
     }
     let nothing = Prepared::new(&Mesh::default()).expect("a sound mesh");
-    let frame = cpu::render(&nothing, &settings, &scene.camera, &scene.light, everything()).expect("a frame");
+    let frame = engine::render(&nothing, &settings, &scene.camera, &scene.light, everything()).expect("a frame");
     assert!(frame.output.visibility.iter().all(|&v| v == 1.0) && frame.facets.is_empty());
 }
 
@@ -250,12 +251,12 @@ fn stages_progress_and_looks() {
         *most = (most.0.max(done), all);
     };
     let request = CpuRequest { progress: Some(&progress), ..everything() };
-    let frame = cpu::render(&prepared, &settings, &scene.camera, &scene.light, request).expect("a frame");
+    let frame = engine::render(&prepared, &settings, &scene.camera, &scene.light, request).expect("a frame");
     assert_eq!(*most.lock().expect("no panic"), (64 * 48, 64 * 48));
     let plan = Plan::of(&prepared, &scene.camera, &scene.light, &settings, false).expect("a plan");
     for step in plan.steps.iter().filter(|s| s.left_out.is_none() && !s.name.contains('.')) {
         let ran = frame.stages.iter().any(|s| s.name == step.name && s.ms >= 0.0);
-        assert!(ran != cpu::merged(step.name).is_some(), "{}", step.name);
+        assert!(ran != engine::merged(step.name).is_some(), "{}", step.name);
     }
     let looks = frame.looks.expect("looks");
     let count = |class: PixelClass| looks.classes.iter().filter(|c| **c == class).count() as u64;

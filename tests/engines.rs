@@ -1,15 +1,14 @@
 //! The GPU engine against the CPU engine on small pictures of the built-in scenes.
 
-use gpu_test::gpu_test;
+use lab::scene::{Scene, builtin};
+use oracle::engine;
+use oracle::truth::{AMBIGUITY, FacetInput, FacetTruth, SceneTruth, Tracer, full_mask, join_mask, split_mask};
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
-use subpixel_shadows::methods::{Prepared, cpu};
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Scene, builtin};
-use subpixel_shadows::truth::{
-    AMBIGUITY, FacetInput, FacetTruth, SceneTruth, Tracer, full_mask, join_mask, split_mask,
-};
+use test_support::gpu_test;
 
 const SCENES: [&str; 8] = ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "bumpy", "plane"];
 const SIZE: [u32; 2] = [96, 72];
@@ -33,8 +32,10 @@ impl Case {
     }
 
     fn cpu(&self, settings: &Settings) -> Output {
-        let request = cpu::CpuRequest::default();
-        cpu::render(&self.prepared, settings, &self.scene.camera, &self.scene.light, request).expect("a frame").output
+        let request = engine::CpuRequest::default();
+        engine::render(&self.prepared, settings, &self.scene.camera, &self.scene.light, request)
+            .expect("a frame")
+            .output
     }
 
     /// Samples of each pixel that count: not ambiguous, not within the band of an edge of the triangle seen at the centre,

@@ -1,19 +1,17 @@
 //! What must not change a bit of a picture of `spsm` and of the methods of maps of depths: repetition, order of the mesh, duplicates,
 //! scale.
 
-#[path = "shared/device.rs"]
-mod device;
-
-use device::gpu;
-use gpu_test::gpu_test;
+use lab::scene::{Scene, builtin};
 use subpixel_shadows::gpu::{Buffer, Recorder};
 use subpixel_shadows::methods::fixed_memory::{FixedMethod, MethodParts, OUTCOME_WORDS};
 use subpixel_shadows::methods::spsm::Spsm;
 use subpixel_shadows::methods::{MethodName, Prepared, Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings};
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Light, Mesh, Scene, builtin};
+use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::seen_texels::TexelMarks;
+use test_support::gpu;
+use test_support::gpu_test;
 
 const SCENES: [&str; 2] = ["windmill", "plane"];
 

@@ -1,21 +1,16 @@
 //! Memory that is refused, and devices that are lost: a clear error, and then the right picture.
 
-#[path = "shared/frames.rs"]
-mod frames;
-#[path = "../examples/shared/refused.rs"]
-mod refused;
-
-use frames::status_of;
-use gpu_test::gpu_test;
-use refused::Told;
+use lab::scene::{Scene, builtin};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::faults::Refusal;
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{Casters, Inputs, PassConfig, Target};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Scene, builtin};
 use subpixel_shadows::{Error, ShadowPass, wgpu};
+use test_support::gpu_test;
+use test_support::refused::{self, Told};
+use test_support::status_of;
 
 fn scene(name: &str) -> Scene {
     builtin(name).expect("a built-in scene")

@@ -1,12 +1,6 @@
 //! The pass says of no frame that it is complete that is not, whatever becomes of it; and what it cannot do it refuses.
 
-#[path = "shared/frames.rs"]
-mod frames;
-#[path = "../examples/shared/soak.rs"]
-mod soak;
-
-use frames::status_of;
-use gpu_test::gpu_test;
+use lab::scene::{Scene, builtin};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::KeptPrograms;
 use subpixel_shadows::gpu::program::made_here;
@@ -17,8 +11,11 @@ use subpixel_shadows::methods::{FacetMode, Settings};
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Scene, builtin};
+use subpixel_shadows::scene::{Camera, Light};
 use subpixel_shadows::{Error, ShadowPass, wgpu};
+use test_support::gpu_test;
+use test_support::soak::{Row, soak};
+use test_support::status_of;
 
 fn scene(name: &str) -> Scene {
     builtin(name).expect("a built-in scene")
@@ -291,15 +288,15 @@ fn a_short_soak_is_flat() {
     for facets in [FacetMode::One, FacetMode::All] {
         let gpu = Gpu::open(None).expect("a GPU");
         // 30 legs of five frames have every size, light and kind of casters; they come again.
-        let mut tell = |row: &soak::Row| eprintln!("{} {} {} {:.1}", row.frame, row.resident, row.device, row.ms);
-        let soak = soak::soak(&gpu, facets, 300, 5, 10, &mut tell).expect("frames");
-        let most = |rows: &[soak::Row]| rows.iter().map(|row| row.device).max().expect("rows");
-        let (first, second) = soak.rows.split_at(15);
-        assert!(most(first) > 1 << 16 && most(second) * 20 <= most(first) * 21, "{facets:?}: {:?}", soak.rows);
-        assert!(soak.last[0] == soak.last[1] && soak.last[0].len() > 100, "{facets:?}: the last frame differs");
-        let mut corrupted = soak.last[0].clone();
+        let mut tell = |row: &Row| eprintln!("{} {} {} {:.1}", row.frame, row.resident, row.device, row.ms);
+        let ran = soak(&gpu, facets, 300, 5, 10, &mut tell).expect("frames");
+        let most = |rows: &[Row]| rows.iter().map(|row| row.device).max().expect("rows");
+        let (first, second) = ran.rows.split_at(15);
+        assert!(most(first) > 1 << 16 && most(second) * 20 <= most(first) * 21, "{facets:?}: {:?}", ran.rows);
+        assert!(ran.last[0] == ran.last[1] && ran.last[0].len() > 100, "{facets:?}: the last frame differs");
+        let mut corrupted = ran.last[0].clone();
         corrupted[50] ^= 1;
-        assert!(corrupted != soak.last[1]);
-        assert!(soak.complete > 200, "{facets:?}: {} of 300 frames were complete", soak.complete);
+        assert!(corrupted != ran.last[1]);
+        assert!(ran.complete > 200, "{facets:?}: {} of 300 frames were complete", ran.complete);
     }
 }

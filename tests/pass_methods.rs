@@ -1,13 +1,6 @@
 //! Every method in an application's own frame, and frames of which little is needed.
 
-#[path = "shared/device.rs"]
-mod device;
-#[path = "shared/frames.rs"]
-mod frames;
-
-use device::gpu;
-use frames::status_of;
-use gpu_test::gpu_test;
+use lab::scene::{Scene, builtin};
 use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
@@ -16,8 +9,11 @@ use subpixel_shadows::pass::{
 };
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::{Error, ShadowPass, wgpu};
+use test_support::gpu;
+use test_support::gpu_test;
+use test_support::status_of;
 use wgpu::util::DeviceExt;
 
 const SIZE: [u32; 2] = [61, 47];

@@ -1,17 +1,15 @@
 //! The peers of `facet-masks` that are exact at their samples, from end to end: held against facet truth.
 
-#[path = "shared/device.rs"]
-mod device;
-
-use device::gpu;
-use gpu_test::gpu_test;
+use lab::report::{FacetErrors, FacetSet};
+use lab::scene::{Scene, SceneOptions};
+use oracle::truth::Tracer;
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, RayTracedSettings, Settings};
 use subpixel_shadows::render::{Budget, Output, Renderer};
-use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Light, Scene, SceneOptions};
+use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{FacetState, Facets};
-use subpixel_shadows::truth::Tracer;
+use test_support::gpu;
+use test_support::gpu_test;
 
 const SIZE: [u32; 2] = [120, 90];
 

@@ -1,11 +1,12 @@
 //! Kernels as they are for a GPU and for a driver that runs them on the CPU: the same pictures.
 
-use gpu_test::gpu_test;
+use lab::scene::builtin;
 use subpixel_shadows::gpu::{Gpu, Profile, kernels};
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Light, builtin};
+use subpixel_shadows::scene::Light;
+use test_support::gpu_test;
 
 /// Bits of visibility, lit masks, and dispatches of a frame.
 fn picture(

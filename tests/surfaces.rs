@@ -1,11 +1,8 @@
 //! A facet for every surface, from end to end: each sample lit or dark as traced rays say, on the built-in scenes.
 //! (`city` is left out: its truth takes minutes.)
 
-#[path = "shared/device.rs"]
-mod device;
-
-use device::gpu;
-use gpu_test::gpu_test;
+use lab::scene::{Scene, SceneOptions};
+use oracle::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, TruthImage, join_mask};
 use subpixel_shadows::glam::{DQuat, DVec3};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
@@ -13,8 +10,9 @@ use subpixel_shadows::methods::{MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, SceneOptions};
-use subpixel_shadows::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, TruthImage, join_mask};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
+use test_support::gpu;
+use test_support::gpu_test;
 
 const SIZE: [u32; 2] = [120, 90];
 const SCENES: [&str; 8] = ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "bumpy", "plane"];
@@ -75,7 +73,7 @@ fn wrong_coverage(renderer: &Renderer, truth: &TruthImage) -> u32 {
     let facets = renderer.facets().expect("facets");
     let masks = facets.masks.read(gpu()).expect("readback");
     let first = facets.pixel_facets.read(gpu()).expect("readback");
-    let off = |(pixel, p): (usize, &subpixel_shadows::truth::PixelTruth)| {
+    let off = |(pixel, p): (usize, &oracle::truth::PixelTruth)| {
         let of = |f: u32| masks[3 * f as usize];
         let twice = (first[pixel]..first[pixel + 1]).map(|f| of(f).count_ones()).sum::<u32>();
         let seen = (first[pixel]..first[pixel + 1]).fold(0, |seen, f| seen | of(f));

@@ -1,22 +1,21 @@
 //! Several views of a light: a cube of views around one that stands among its casters against traced rays, against one view where
 //! one is enough, parts of a map against the whole, and changes that must not change a bit.
 
-#[path = "shared/device.rs"]
-mod device;
-
-use device::gpu;
-use gpu_test::gpu_test;
+use lab::report::{FacetErrors, FacetSet};
+use lab::scene::{Scene, builtin};
+use oracle::engine;
+use oracle::truth::{SceneTruth, Tracer, join_mask};
 use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
 use subpixel_shadows::light_view::{LightView, MapTiles, SplitPlan, Warp};
 use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
-use subpixel_shadows::methods::{MethodName, Prepared, RayTracedSettings, cpu};
+use subpixel_shadows::methods::{MethodName, Prepared, RayTracedSettings};
 use subpixel_shadows::render::{Budget, Output, Renderer};
-use subpixel_shadows::report::{FacetErrors, FacetSet};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
-use subpixel_shadows::truth::{SceneTruth, Tracer, join_mask};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
+use test_support::gpu;
+use test_support::gpu_test;
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -433,7 +432,7 @@ fn engines_agree() {
         let settings = settings(FacetMode::All, 32);
         let (camera, light) = (&scene.camera, &scene.light);
         let on_cpu =
-            cpu::render(&prepared, &settings, camera, light, cpu::CpuRequest::default()).expect("a frame").output;
+            engine::render(&prepared, &settings, camera, light, engine::CpuRequest::default()).expect("a frame").output;
         let on_gpu = render(&scene, &settings);
         let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
         let truth = SceneTruth::new(&tracer, camera, light, &settings.samples, SIZE[0], SIZE[1]).expect("a truth");

@@ -1,9 +1,9 @@
 //! The table of so many items of owners that have two on the average.
 
 use crate::harness::{Case, words};
+use oracle::reference::prefix_scan::exclusive;
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::reference::prefix_scan::exclusive;
 use subpixel_shadows::stages::WorkOwners;
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {

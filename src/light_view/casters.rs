@@ -263,7 +263,7 @@ mod tests {
         use crate::scene::mesh_tree::MeshTree;
         let (mut parts, mut none) = (0, 0);
         for name in ["windmill", "plant", "bumpy"] {
-            let mut mesh = crate::scene::builtin(name).unwrap().mesh;
+            let mut mesh = crate::test_scenes::builtin(name).mesh;
             let ground = mesh.ground_below().unwrap();
             mesh.add_ground(&ground);
             let casters = MeshAndTree { mesh: &mesh, tree: &MeshTree::new(&mesh) };

@@ -293,7 +293,7 @@ mod tests {
     #[test]
     fn a_wide_floor_under_a_point_light_lies_in_front_of_it() {
         for name in ["spheres", "cage"] {
-            let scene = crate::scene::builtin(name).unwrap();
+            let scene = crate::test_scenes::builtin(name);
             let view = LightView::fit(&scene.mesh, &scene.light, 512).unwrap();
             for p in &scene.mesh.positions {
                 let at = view.project(glam::Vec3::from(*p).as_dvec3());
@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn a_ground_lies_in_front_of_a_lamp_above_it() {
         for (name, high) in [("spheres", 4.9), ("cage", 5.2), ("plant", 6.0)] {
-            let mut mesh = crate::scene::builtin(name).unwrap().mesh;
+            let mut mesh = crate::test_scenes::builtin(name).mesh;
             let ground = mesh.ground_below().unwrap();
             mesh.add_ground(&ground);
             for (x, z) in [(-2.6, 3.1), (1.0, 0.2), (-5.0, -4.0)] {
@@ -385,7 +385,7 @@ mod tests {
     #[test]
     fn a_slab_does_not_widen_the_view_of_what_stands_on_it() {
         for name in ["knot", "spheres", "cage"] {
-            let scene = crate::scene::builtin(name).unwrap();
+            let scene = crate::test_scenes::builtin(name);
             let prepared = crate::methods::Prepared::new(&scene.mesh).unwrap();
             let points: Vec<DVec3> = prepared
                 .mesh

@@ -154,7 +154,7 @@ mod tests {
     fn cases() -> Vec<(Mesh, DVec3)> {
         let mut cases = Vec::new();
         for name in ["windmill", "knot", "plant"] {
-            let mut mesh = crate::scene::builtin(name).unwrap().mesh;
+            let mut mesh = crate::test_scenes::builtin(name).mesh;
             let ground = mesh.ground_below().unwrap();
             mesh.add_ground(&ground);
             let (low, high) = mesh.bounds().unwrap();

@@ -11,7 +11,7 @@ pub use super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Groups, Recorder};
 use crate::light_view::LightView;
-use crate::scene::options::MAX_EXTENT;
+use crate::scene::mesh::MAX_EXTENT;
 use crate::scene::{Camera, Light};
 use crate::stages::Count;
 use crate::stages::facet_classify::{ClassifyInputs, Facets};

@@ -2,8 +2,6 @@
 
 #[cfg(feature = "baselines")]
 pub mod by_views;
-#[cfg(feature = "oracle")]
-pub mod cpu;
 #[cfg(feature = "baselines")]
 pub mod debug_views;
 #[cfg(feature = "baselines")]

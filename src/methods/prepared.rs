@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_light_is_in_a_body_or_outside() {
-        let prepared = Prepared::new(&crate::scene::builtin("knot").unwrap().mesh).unwrap();
+        let prepared = Prepared::new(&crate::test_scenes::builtin("knot").mesh).unwrap();
         let mesh = &prepared.mesh;
         let at = |position| prepared.backs_add_nothing(&Light::Point { position });
         // Above, in the slab, in the hole of the knot, beneath the slab.

@@ -320,7 +320,7 @@ impl Settings {
 
     /// These views of the light, or those of the [slices](Settings::partition) of what a camera sees between two corners of a box. `beyond`:
     /// receivers may lie outside that box. `one`: a pixel asks one view, so slices overlap.
-    pub(crate) fn in_slices(
+    pub fn in_slices(
         &self,
         views: Vec<LightView>,
         camera: &Camera,
@@ -346,13 +346,12 @@ impl Settings {
     }
 
     /// Whether validity masks are kept: of several samples in one facet.
-    pub(crate) fn keeps_validity(&self) -> bool {
+    pub fn keeps_validity(&self) -> bool {
         self.validity && self.samples.count() > 1 && self.facets == FacetMode::One
     }
 
     /// Whether casters of closed bodies that face away from the light are left out of everything.
-    #[cfg(feature = "oracle")]
-    pub(crate) fn leaves_backs_out(&self) -> bool {
+    pub fn leaves_backs_out(&self) -> bool {
         self.cull_back && !self.keeps_validity()
     }
 

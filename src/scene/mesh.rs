@@ -6,6 +6,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
+/// Largest coordinate of a mesh: beyond it, squares and the ground under the mesh leave the range of `f32`.
+pub const MAX_EXTENT: f64 = 1e18;
+
 /// A triangle soup with shared vertices. Surfaces are two-sided.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -203,7 +206,7 @@ mod tests {
             };
             (0..m.triangles.len()).map(of).sum()
         };
-        let body = crate::scene::builtin("spheres").expect("built in").mesh;
+        let body = crate::test_scenes::builtin("spheres").mesh;
         let split = body.split_in_four();
         assert_eq!(split.triangles.len(), 4 * body.triangles.len());
         assert!((area(&split) / area(&body) - 1.0).abs() < 1e-5);

@@ -340,7 +340,7 @@ mod tests {
     /// Meshes of every kind: many small triangles, few large, some without area, all in one place.
     fn meshes() -> Vec<Mesh> {
         let mut meshes: Vec<Mesh> =
-            ["knot", "plant", "cage"].into_iter().map(|name| crate::scene::builtin(name).unwrap().mesh).collect();
+            ["knot", "plant", "cage"].into_iter().map(|name| crate::test_scenes::builtin(name).mesh).collect();
         let ground = meshes[1].ground_below().unwrap();
         meshes[1].add_ground(&ground);
         meshes.push(Mesh { positions: vec![[1.0, 2.0, 3.0]], triangles: vec![[0, 0, 0]; 500] });
@@ -427,7 +427,7 @@ mod tests {
 
     #[test]
     fn a_point_is_wound_around_as_its_solid_angles_say() {
-        let mesh = crate::scene::builtin("knot").unwrap().mesh;
+        let mesh = crate::test_scenes::builtin("knot").mesh;
         let tree = MeshTree::new(&mesh);
         let (low, high) = mesh.bounds().unwrap();
         let mut inside = 0;

@@ -1,4 +1,4 @@
-//! The stages: each is a WGSL kernel, its host side here, and its CPU definition in [`crate::reference`].
+//! The stages: each is a WGSL kernel, its host side here, and its CPU definition, by the same name, in `oracle/src/reference/`.
 //!
 //! A stage is made once per device (`new` compiles its pipelines), is given scratch memory made once per capacity, and
 //! then only records dispatches: it never allocates list memory, submits, waits or reads back.

@@ -1,7 +1,7 @@
 //! Summed-area table of a map of counts or of bits.
 //!
 //! - **Purpose.** Answers "how many marked texels lie in this rectangle" with four reads
-//!   (`rect_sum` of `kernels/shared/raster/summed_area.wgsl`, [`crate::reference::summed_area::rect_sum`]).
+//!   (`rect_sum` of `kernels/shared/raster/summed_area.wgsl`, `rect_sum` of the oracle).
 //! - **Reads** the map, row-major: [`Texels::Words`] (one `u32` a texel) or [`Texels::Bits`] (bit `x % 32` of word
 //!   `x / 32` of its row, each row padded to whole words; what the padding holds does not matter).
 //! - **Writes** the inclusive table, `width * height` words, row-major: element `(x, y)` is the sum over all texels

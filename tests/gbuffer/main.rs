@@ -1,17 +1,12 @@
 //! The pass with an application's G-buffer: surfaces by depth or position, be they casters or not, and triangle numbers of
 //! several samples a pixel.
 
-#[path = "../shared/device.rs"]
-mod device;
-#[path = "../shared/frames.rs"]
-mod frames;
 mod receivers;
 mod samples;
 mod strips;
 
-use device::gpu;
-use frames::status_of;
-use gpu_test::gpu_test;
+use lab::scene::{Scene, builtin};
+use oracle::truth::{FacetInput, FacetResult, FacetTruth, Tracer};
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
@@ -21,9 +16,11 @@ use subpixel_shadows::pass::{
     SurfaceTextures, Target, TriangleTexture, Vertices,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
-use subpixel_shadows::truth::{FacetInput, FacetResult, FacetTruth, Tracer};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::{Error, ShadowPass, wgpu};
+use test_support::gpu;
+use test_support::gpu_test;
+use test_support::status_of;
 use wgpu::{TextureFormat, TextureUsages};
 
 const SIZE: [u32; 2] = [83, 61];

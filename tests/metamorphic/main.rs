@@ -1,13 +1,10 @@
 //! Changes of the input or of the memory that must not change a bit of the picture: order, duplicates, scale, list
 //! sizes, bands, map size, number of samples, repetition, what the plan leaves out, how pairs are brought together.
 
-#[path = "../shared/device.rs"]
-mod device;
 mod extremes;
 mod strips;
 
-use device::gpu;
-use gpu_test::gpu_test;
+use lab::scene::{Scene, builtin};
 use std::sync::{Arc, Mutex};
 use subpixel_shadows::Error;
 use subpixel_shadows::gpu::Gpu;
@@ -17,8 +14,10 @@ use subpixel_shadows::methods::{DebugViews, Prepared};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::wgpu::Limits;
+use test_support::gpu;
+use test_support::gpu_test;
 
 const SCENES: [&str; 9] = ["plane", "spheres", "windmill", "cage", "bicycle", "plant", "knot", "bumpy", "city"];
 const SIZE: [u32; 2] = [80, 60];

@@ -1,16 +1,10 @@
 //! The pass inside an application's own frame, against the renderer: the same bits, and no frame silently wrong.
 
-#[path = "../shared/device.rs"]
-mod device;
-#[path = "../shared/frames.rs"]
-mod frames;
 mod lists;
 mod refusals;
 mod strips;
 
-use device::gpu;
-use frames::status_of;
-use gpu_test::gpu_test;
+use lab::scene::{Scene, builtin};
 use std::sync::{Arc, Mutex};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::bind_groups::bind_groups_here;
@@ -22,8 +16,11 @@ use subpixel_shadows::pass::{
 };
 use subpixel_shadows::render::{Budget, Counts, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh, Scene, builtin};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::{Error, ShadowPass, wgpu};
+use test_support::gpu;
+use test_support::gpu_test;
+use test_support::status_of;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 const SIZE: [u32; 2] = [83, 61];

@@ -3,11 +3,11 @@
 
 use crate::support::geometry::{Case, MESHES, Ran, add, ball, fan, light, mesh, run_all};
 use crate::support::{gpu, sizes_around, small_gpu};
-use gpu_test::gpu_test;
+use oracle::reference::camera_visibility::{DepthMargin, nearest};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::camera_visibility::{DepthMargin, nearest};
 use subpixel_shadows::scene::Mesh;
+use test_support::gpu_test;
 
 const DOUBT: DepthMargin = DepthMargin { edge: 1e-3, depth: 1e-5 };
 

@@ -9,19 +9,20 @@ use crate::support::shadow::{
     with_total,
 };
 use crate::support::{POISON, Random, gpu, run, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::candidate_pairs::matters;
+use oracle::reference::facet_classify::{FacetAtPixel, MapAround, classify};
+use oracle::reference::front_layer::{Margin, Split};
+use oracle::reference::pixel_texel_pairs::pairs;
+use oracle::reference::triangle_texel_pairs::{TilePair, tile_pairs};
+use oracle::reference::view::MapEnds;
+use oracle::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
 use subpixel_shadows::gpu::{Gpu, Profile};
-use subpixel_shadows::reference::candidate_pairs::matters;
-use subpixel_shadows::reference::facet_classify::{FacetAtPixel, MapAround, classify};
-use subpixel_shadows::reference::front_layer::{Margin, Split};
-use subpixel_shadows::reference::pixel_texel_pairs::pairs;
-use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, tile_pairs};
-use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::Mesh;
-use subpixel_shadows::stages::candidate_pairs::{CandidatePairs, tally::TALLY_LONGEST};
+use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
+use subpixel_shadows::stages::candidate_pairs::tally::TALLY_LONGEST;
 use subpixel_shadows::stages::facet_classify::FacetState;
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles, TALLY_WORDS};
-use subpixel_shadows::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
+use test_support::gpu_test;
 
 /// What the GPU made of the lists: (facet, triangle) rising, the tally, and the facets it settled.
 struct Got {

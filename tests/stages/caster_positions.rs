@@ -1,10 +1,10 @@
 //! Positions out of vertex buffers of any stride and offset.
 
 use crate::support::{POISON, Random, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
-use gpu_test::gpu_test;
+use oracle::reference::caster_positions::{Gathered, gather};
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::reference::caster_positions::{Gathered, gather};
 use subpixel_shadows::stages::caster_positions::{CasterPositions, FAULT_OUTSIDE, FAULT_PARTED, NO_PLACE, Vertices};
+use test_support::gpu_test;
 
 const BOX: [[f32; 3]; 2] = [[-1.0, -2.0, -3.0], [1.0, 2.0, 3.0]];
 

@@ -3,11 +3,12 @@
 use crate::support::{
     POISON, Random, assert_same, difference, gpu, padded, poisoned, read_padded, run, sizes_around, small_gpu, upload,
 };
-use gpu_test::gpu_test;
+use oracle::reference::compact;
+use oracle::reference::summed_area::pack;
 use subpixel_shadows::gpu::{Gpu, Recorder};
-use subpixel_shadows::reference::{compact, summed_area::pack};
 use subpixel_shadows::stages::compact::Flags;
 use subpixel_shadows::stages::{Compact, Count, PrefixScan};
+use test_support::gpu_test;
 
 fn stage(gpu: &Gpu) -> Compact {
     Compact::new(&gpu.device, &PrefixScan::new(&gpu.device))

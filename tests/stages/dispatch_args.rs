@@ -1,13 +1,13 @@
 //! Indirect arguments against their definition, and by running what they say.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
-use gpu_test::gpu_test;
+use oracle::reference::dispatch_args::{MAX_GROUPS, fold};
 use subpixel_shadows::entry_point;
 use subpixel_shadows::gpu::bindings::{Read, Write};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder};
-use subpixel_shadows::reference::dispatch_args::{MAX_GROUPS, fold};
 use subpixel_shadows::stages::DispatchArgs;
 use subpixel_shadows::stages::dispatch_args::ArgsRequest;
+use test_support::gpu_test;
 
 /// Adds one to the word of every item that an invocation stands for.
 const TOUCH: &str = concat!(

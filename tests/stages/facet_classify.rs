@@ -5,17 +5,17 @@ mod settled;
 use crate::support::masks::mask_of;
 use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, soup, unit, vector};
 use crate::support::{Random, assert_same, gpu, poisoned, run, sizes_around, upload};
-use gpu_test::gpu_test;
+use oracle::reference::facet_classify::{self as reference, FacetState, MapAround, classify, pixel_ray};
+use oracle::reference::front_layer::{Margin, Split};
+use oracle::reference::view::block_count;
+use oracle::truth::Tracer;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
-use subpixel_shadows::reference::facet_classify::{self as reference, FacetState, MapAround, classify, pixel_ray};
-use subpixel_shadows::reference::front_layer::{Margin, Split};
-use subpixel_shadows::reference::view::block_count;
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{Facet, FacetClassify, Facets, Undecided};
-use subpixel_shadows::truth::Tracer;
+use test_support::gpu_test;
 
 const STATES: [FacetState; 5] =
     [FacetState::Empty, FacetState::Dark, FacetState::Lit, FacetState::Shadowed, FacetState::Undecided];

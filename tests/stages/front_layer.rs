@@ -6,14 +6,14 @@ use crate::support::geometry::{
     Case, MESHES, Place, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away, world,
 };
 use crate::support::{Random, gpu, sizes_around, small_gpu};
-use gpu_test::gpu_test;
+use oracle::reference::front_layer::{Margin, Split, marks, settle};
+use oracle::reference::view::{Flat, centre};
+use oracle::truth::Tracer;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::front_layer::{Margin, Split, marks, settle};
-use subpixel_shadows::reference::view::{Flat, centre};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::front_layer::{MARKED, UNCOVERED};
-use subpixel_shadows::truth::Tracer;
+use test_support::gpu_test;
 
 /// Where the stage departs from its definition; `bounded`: whether its excess is looked at too.
 fn fault(case: &Case, ran: &Ran, bounded: bool) -> Option<String> {

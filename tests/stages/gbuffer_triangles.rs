@@ -2,12 +2,11 @@
 
 use crate::support::shadow::{folding_gpu, samples, uniform};
 use crate::support::{POISON, Random, difference, gpu, padded, poisoned, read_padded, run, sizes_around, upload};
-use gpu_test::gpu_test;
+use oracle::reference::gbuffer_triangles::{TexelMeaning, nearest, pixels, shown};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
-use subpixel_shadows::reference::gbuffer_triangles::{TexelMeaning, nearest, pixels, shown};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::gbuffer_triangles::{
     FAULT_UNKNOWN, GbufferTriangles, GbufferTrianglesParams, SampleGbuffer, Texture,
@@ -15,6 +14,7 @@ use subpixel_shadows::stages::gbuffer_triangles::{
 use subpixel_shadows::stages::pixel_triangles::PixelLists;
 use subpixel_shadows::status_word;
 use subpixel_shadows::wgpu;
+use test_support::gpu_test;
 
 /// A G-buffer.
 #[derive(Clone)]
@@ -167,7 +167,7 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
     }
 }
 
-fn wanted_pixels(case: &Case) -> (Vec<subpixel_shadows::reference::gbuffer_triangles::PixelSamples>, u32) {
+fn wanted_pixels(case: &Case) -> (Vec<oracle::reference::gbuffer_triangles::PixelSamples>, u32) {
     pixels(&case.layers, case.first, case.none, &case.numbers)
 }
 

@@ -5,12 +5,12 @@ use crate::support::depth_map::OnMap;
 use crate::support::geometry::{Case, MESHES, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away};
 use crate::support::shadow::{World, add_triangle, camera, random_scene, samples, vector};
 use crate::support::{Random, gpu, sizes_around, small_gpu};
-use gpu_test::gpu_test;
+use oracle::reference::light_layers::depth_in_front;
+use oracle::reference::triangle_setup::Reach;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::light_layers::depth_in_front;
-use subpixel_shadows::reference::triangle_setup::Reach;
 use subpixel_shadows::scene::{Light, Mesh};
+use test_support::gpu_test;
 
 /// The constant of the kernel.
 const CENTRE_GUARD: f64 = 1.0 / 512.0;
@@ -67,7 +67,7 @@ fn tolerance(wanted: &Wanted, ran: &Ran, t: u32) -> f64 {
 
 /// Whether the two nearest are too near each other for their order to be known. An exact tie that rounding parts is none
 /// to the kernel: the split then lies between two depths that are one, and front_layer marks the texel.
-fn near_tie(wanted: &Wanted, ran: &Ran, layer: &subpixel_shadows::reference::light_layers::Layer) -> bool {
+fn near_tie(wanted: &Wanted, ran: &Ran, layer: &oracle::reference::light_layers::Layer) -> bool {
     let (Some((a, s)), Some((b, t))) = (layer.nearest, layer.second) else { return false };
     b - a <= tolerance(wanted, ran, s) + tolerance(wanted, ran, t)
 }

@@ -2,11 +2,11 @@
 
 use crate::support::shadow::{Pipelines, folding_gpu};
 use crate::support::{POISON, Random, gpu, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::map_moments::moments;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::reference::map_moments::moments;
 use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments};
+use test_support::gpu_test;
 
 const FAR: f32 = 1.25;
 

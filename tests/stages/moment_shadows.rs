@@ -7,14 +7,14 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{noise, on_plane, receiver};
 use crate::support::{POISON, Random, gpu, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::moment_shadows::{MomentQuery, Moments, Receiver};
 use subpixel_shadows::glam::{DMat2, DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels};
 use subpixel_shadows::light_view::{SplitPlan, Warp};
-use subpixel_shadows::reference::moment_shadows::{MomentQuery, Moments, Receiver};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments};
 use subpixel_shadows::stages::moment_shadows::{MapWithMoments, MomentShadows, MomentShadowsOptions};
+use test_support::gpu_test;
 
 const PLAIN: MomentShadowsOptions = MomentShadowsOptions { constant: 5e-5, bleeding: 0.0, grazing: 0.0 };
 const REDUCED: MomentShadowsOptions = MomentShadowsOptions { constant: 5e-5, bleeding: 0.3, grazing: 0.4 };

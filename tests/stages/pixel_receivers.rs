@@ -4,20 +4,18 @@ mod far;
 
 use crate::support::shadow::{World, camera, folding_gpu, random_scene, samples, uniform, unit, vector};
 use crate::support::{Random, difference, gpu, poisoned, read_padded, run, sizes_around, upload};
-use gpu_test::gpu_test;
+use oracle::reference::pixel_receivers::{GbufferTexels, Ids, PixelContent, PositionSource, ReceiverPixel, pixels};
 use std::sync::OnceLock;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::prepared::padded;
-use subpixel_shadows::reference::pixel_receivers::{
-    GbufferTexels, Ids, PixelContent, PositionSource, ReceiverPixel, pixels,
-};
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::pixel_receivers::{
     FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, PixelReceivers, PixelReceiversParams,
     ReceiverRoom, Textures,
 };
 use subpixel_shadows::wgpu;
+use test_support::gpu_test;
 
 /// What an application hands over.
 #[derive(Clone)]

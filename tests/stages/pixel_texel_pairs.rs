@@ -4,17 +4,17 @@ use crate::support::shadow::{
     World, camera, folding_gpu, place_of, random_light, random_scene, samples, sheet, unit, vector,
 };
 use crate::support::{POISON, Random, difference, gpu, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::facet_classify::{FacetAtPixel, FacetState, MapAround, classify, outline};
+use oracle::reference::front_layer::{Margin, Split};
+use oracle::reference::pixel_texel_pairs::pairs;
+use oracle::reference::view::MapEnds;
 use std::sync::OnceLock;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::facet_classify::{FacetAtPixel, FacetState, MapAround, classify, outline};
-use subpixel_shadows::reference::front_layer::{Margin, Split};
-use subpixel_shadows::reference::pixel_texel_pairs::pairs;
-use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::facet_classify::{self, Facets};
 use subpixel_shadows::stages::pixel_texel_pairs::{PairTiles, PixelTexelPairs};
+use test_support::gpu_test;
 
 /// One for each kind of places.
 fn stages() -> &'static [PixelTexelPairs; 2] {

@@ -4,12 +4,12 @@
 use crate::support::geometry::{Case, MESHES, add, ball, light, mesh};
 use crate::support::surfaces::{Found, find, find_within, pattern, square};
 use crate::support::{gpu, small_gpu};
-use gpu_test::gpu_test;
+use oracle::reference::camera_visibility::DepthMargin;
+use oracle::reference::pixel_triangles::{may_touch, pixels};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::camera_visibility::DepthMargin;
-use subpixel_shadows::reference::pixel_triangles::{may_touch, pixels};
 use subpixel_shadows::scene::Mesh;
+use test_support::gpu_test;
 
 /// The first block of 8 x 8 pixels whose key is not the least of theirs: 0 where one is not hidden.
 fn wrong_block(found: &Found) -> Option<usize> {

@@ -3,15 +3,15 @@
 use crate::support::shadow::{World, above, folding_gpu, looked_down_on as world, random_light, random_scene, uniform};
 use crate::support::spsm::faces_away;
 use crate::support::{POISON, Random, gpu, run, sizes_around, upload};
-use gpu_test::gpu_test;
+use oracle::reference::facet_classify::pixel_ray;
+use oracle::reference::pixel_views::{inset, may_be_chosen};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::light_view::LightView;
-use subpixel_shadows::reference::facet_classify::pixel_ray;
-use subpixel_shadows::reference::pixel_views::{inset, may_be_chosen};
 use subpixel_shadows::scene::Mesh;
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::pixel_views::{LightViews, PixelChoice, PixelViews, TakeWords};
+use test_support::gpu_test;
 
 const REACH: f32 = 1.5;
 

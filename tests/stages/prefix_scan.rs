@@ -1,10 +1,10 @@
 //! The exclusive scan against its definition.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
-use gpu_test::gpu_test;
+use oracle::reference::prefix_scan::exclusive;
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels};
-use subpixel_shadows::reference::prefix_scan::exclusive;
 use subpixel_shadows::stages::{Count, PrefixScan};
+use test_support::gpu_test;
 
 const BLOCK: usize = kernels::prefix_scan::BLOCK as usize;
 

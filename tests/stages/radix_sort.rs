@@ -1,11 +1,11 @@
 //! The stable sort against its definition.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
-use gpu_test::gpu_test;
+use oracle::reference::radix_sort::sort;
 use subpixel_shadows::gpu::{Gpu, Recorder, kernels};
-use subpixel_shadows::reference::radix_sort::sort;
 use subpixel_shadows::stages::radix_sort::{Pairs, digits};
 use subpixel_shadows::stages::{Count, PrefixScan, RadixSort};
+use test_support::gpu_test;
 
 const BLOCK: usize = kernels::radix_sort::BLOCK as usize;
 

@@ -2,15 +2,15 @@
 
 use crate::support::shadow::{folding_gpu, full_word, uniform};
 use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run, sizes_around, upload};
-use gpu_test::gpu_test;
+use oracle::reference::facet_classify::FacetState;
+use oracle::reference::resolve::{FacetBits, pixel};
+use oracle::truth::{join_mask, split_mask};
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::reference::facet_classify::FacetState;
-use subpixel_shadows::reference::resolve::{FacetBits, pixel};
 use subpixel_shadows::stages::facet_classify::{Facet, Facets};
 use subpixel_shadows::stages::resolve::Resolve;
 use subpixel_shadows::status_word;
-use subpixel_shadows::truth::{join_mask, split_mask};
+use test_support::gpu_test;
 
 const STATES: [FacetState; 5] =
     [FacetState::Empty, FacetState::Dark, FacetState::Lit, FacetState::Shadowed, FacetState::Undecided];

@@ -7,19 +7,19 @@ use crate::support::masks::{
 };
 use crate::support::shadow::{Pipelines, World, add_triangle, camera, folding_gpu, random_light, samples, sheet};
 use crate::support::{Random, gpu, run, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::facet_classify::pixel_ray;
+use oracle::reference::sample_bins;
+use oracle::reference::view::MapEnds;
 use std::collections::HashMap;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
-use subpixel_shadows::reference::facet_classify::pixel_ray;
-use subpixel_shadows::reference::sample_bins;
-use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::facet_classify::FacetState;
 use subpixel_shadows::stages::sample_bins::{BinInputs, Bins, SampleBins};
+use test_support::gpu_test;
 
 fn stage(gpu: &Gpu, words: usize) -> &'static SampleBins {
     static MADE: Pipelines<SampleBins> = Pipelines::new();

@@ -4,14 +4,15 @@
 use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
 use crate::support::surfaces::{Found, find, find_in_bands, find_merged, find_within, pattern, square};
 use crate::support::{gpu, sizes_around, small_gpu};
-use gpu_test::gpu_test;
+use lab::scene::builtin;
+use oracle::reference::camera_visibility::DepthMargin;
+use oracle::reference::sample_surfaces::{Sample, merged, see, surfaces};
+use oracle::truth::{AMBIGUITY, SceneTruth, Tracer, join_mask};
 use subpixel_shadows::glam::{DQuat, DVec2, DVec3};
 use subpixel_shadows::gpu::{Gpu, Profile};
-use subpixel_shadows::reference::camera_visibility::DepthMargin;
-use subpixel_shadows::reference::sample_surfaces::{Sample, merged, see, surfaces};
 use subpixel_shadows::samples::Samples;
-use subpixel_shadows::scene::{Mesh, builtin};
-use subpixel_shadows::truth::{AMBIGUITY, SceneTruth, Tracer, join_mask};
+use subpixel_shadows::scene::Mesh;
+use test_support::gpu_test;
 
 /// Triangles that a dispatch takes of a pixel on a driver of the CPU.
 const TURNS: u32 = 512;

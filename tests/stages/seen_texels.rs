@@ -6,16 +6,16 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{footprint, pixels, take_list, with_blocks};
 use crate::support::{Random, gpu, run, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::seen_texels::asked;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Buffer;
-use subpixel_shadows::reference::seen_texels::asked;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::seen_texels::{SeenTexels, TexelMarks};
 use subpixel_shadows::stages::spsm_map::{SpsmMap, SpsmTexels};
 use subpixel_shadows::stages::spsm_query::{Class, SpsmPixels, SpsmQuery, SpsmQueryOptions};
+use test_support::gpu_test;
 
 const REACH: u32 = 3;
 

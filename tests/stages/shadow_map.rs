@@ -7,11 +7,11 @@ use crate::support::shadow::{
     sheet,
 };
 use crate::support::{POISON, Random, gpu, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::shadow_map::DepthLookup;
 use subpixel_shadows::glam::{DVec2, DVec3};
-use subpixel_shadows::reference::shadow_map::DepthLookup;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::shadow_map::{ShadowMap, ShadowMapOptions};
+use test_support::gpu_test;
 
 const PLAIN: ShadowMapOptions = ShadowMapOptions { kernel: 1, constant: 5e-5, slope: 1.05, receiver_plane: false };
 

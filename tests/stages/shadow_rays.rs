@@ -7,16 +7,16 @@ use crate::support::masks::{
 };
 use crate::support::shadow::{Pipelines, World, camera, folding_gpu, samples, sheet, uniform};
 use crate::support::{Random, gpu, run, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::shadow_rays;
 use subpixel_shadows::caster_tree::CasterTree;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::{Gpu, recorder};
-use subpixel_shadows::reference::shadow_rays;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::shadow_rays::{RayInputs, RayLists, RayStep, ShadowRays, TreeBuffers};
+use test_support::gpu_test;
 
 fn stage(gpu: &Gpu, words: usize) -> &'static ShadowRays {
     static MADE: Pipelines<ShadowRays> = Pipelines::new();

@@ -3,13 +3,13 @@
 
 use crate::support::geometry::{Case, MESHES, Ran, add, fan, light, mesh, run_all, unpack};
 use crate::support::{difference, gpu, sizes_around, small_gpu};
-use gpu_test::gpu_test;
+use oracle::reference::front_layer::Margin;
+use oracle::reference::silhouette_mask::{Sides, marks, silhouettes};
+use oracle::reference::view::block_count;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::front_layer::Margin;
-use subpixel_shadows::reference::silhouette_mask::{Sides, marks, silhouettes};
-use subpixel_shadows::reference::view::block_count;
 use subpixel_shadows::scene::Mesh;
+use test_support::gpu_test;
 
 fn sides(case: &Case) -> Vec<Sides> {
     case.prepared.edges.iter().map(|e| [e.v0, e.v1, e.t0, e.t1]).collect()

@@ -7,11 +7,11 @@ use crate::support::shadow::{
     sheet,
 };
 use crate::support::{POISON, Random, gpu, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::smsr::{SmsrLookup, SmsrMargin};
 use subpixel_shadows::glam::DVec3;
-use subpixel_shadows::reference::smsr::{SmsrLookup, SmsrMargin};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::smsr::{Smsr, SmsrOptions};
+use test_support::gpu_test;
 
 const MIDDLE: SmsrOptions = SmsrOptions { reach: 16, midpoints: true, constant: 5e-5, slope: 0.5 };
 const CORNER: SmsrOptions = SmsrOptions { midpoints: false, ..MIDDLE };

@@ -1,11 +1,11 @@
 //! Pairs sorted by texel against their definition. The list is written as the appending kernels would.
 
 use crate::support::{POISON, Random, assert_same, gpu, run, sizes_around, small_gpu, upload};
-use gpu_test::gpu_test;
+use oracle::reference::sorted_pairs::sort;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::reference::sorted_pairs::sort;
 use subpixel_shadows::stages::sorted_pairs::Sorted;
 use subpixel_shadows::stages::{PrefixScan, SortedPairs};
+use test_support::gpu_test;
 
 fn stage(gpu: &Gpu) -> SortedPairs {
     SortedPairs::new(&gpu.device, &PrefixScan::new(&gpu.device))

@@ -8,20 +8,20 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{Made, middle, noise};
 use crate::support::{Random, gpu, run, sizes_around, upload};
-use gpu_test::gpu_test;
+use oracle::reference::light_layers::depth_in_front;
+use oracle::reference::spsm_map::{
+    EMPTY, closest, direction_code, distance_code, lifted, slope_code_16, slope_of_16, unorm_code,
+};
+use oracle::reference::triangle_setup::Triangle;
+use oracle::reference::view::Flat;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::bindings::{Read, Uniform, Write};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
-use subpixel_shadows::reference::light_layers::depth_in_front;
-use subpixel_shadows::reference::spsm_map::{
-    EMPTY, closest, direction_code, distance_code, lifted, slope_code_16, slope_of_16, unorm_code,
-};
-use subpixel_shadows::reference::triangle_setup::Triangle;
-use subpixel_shadows::reference::view::Flat;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::spsm_code::SlopeCode;
+use test_support::gpu_test;
 
 fn world(gpu: &'static Gpu, mesh: &Mesh, light: Light, map: u32) -> World {
     let camera = camera(DVec3::new(0.5, 2.0, 5.0), DVec3::ZERO, 40.0);
@@ -277,7 +277,7 @@ fn coded_triangle(kind: usize, size: u32, random: &mut Random) -> [u32; 4] {
 /// The plane that a texel stands for lies within the bound of its code, on random triangles.
 #[test]
 fn planes_are_rebuilt_within_their_bounds() {
-    use subpixel_shadows::reference::spsm_map::Coding;
+    use oracle::reference::spsm_map::Coding;
     let mut random = Random::new(77);
     let mut number = |low: f64, high: f64| low + (high - low) * f64::from(random.word()) / 4_294_967_296.0;
     let codings = [false, true].map(|lines| Coding { lines, slopes: SlopeCode::new(5), size: 1024 });

@@ -8,16 +8,16 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{Made, faces_away, noise, receiver, take_list};
 use crate::support::{POISON, Random, gpu, run, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::facet_classify::pixel_ray;
+use oracle::reference::spsm_query::{PlanePoint, Query, texel_of};
+use oracle::truth::{SceneTruth, Tracer};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Buffer;
-use subpixel_shadows::reference::facet_classify::pixel_ray;
-use subpixel_shadows::reference::spsm_query::{PlanePoint, Query, texel_of};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::spsm_query::{Class, SpsmPixels, SpsmQuery, SpsmQueryOptions};
-use subpixel_shadows::truth::{SceneTruth, Tracer};
+use test_support::gpu_test;
 
 const BIAS: f32 = 1e-5;
 

@@ -1,11 +1,11 @@
 //! The summed-area table against its definition.
 
 use crate::support::{POISON, Random, assert_same, difference, gpu, run, sizes_around, small_gpu, upload};
-use gpu_test::gpu_test;
+use oracle::reference::summed_area::{pack, rect_sum, table, unpack};
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::reference::summed_area::{pack, rect_sum, table, unpack};
 use subpixel_shadows::stages::SummedArea;
 use subpixel_shadows::stages::summed_area::{SummedAreaScratch, Texels};
+use test_support::gpu_test;
 
 /// The table on the GPU, with one word of poison behind it.
 fn sat(gpu: &Gpu, stage: &SummedArea, texels: &[u32], len: usize, scratch: &SummedAreaScratch) -> Vec<u32> {

@@ -1,8 +1,6 @@
 //! What the stage tests share: the device, seeded values, poison, and comparison.
 
 pub mod depth_map;
-#[path = "../shared/device.rs"]
-mod device;
 pub mod geometry;
 pub mod masks;
 pub mod meshes;
@@ -12,9 +10,9 @@ pub mod shapes;
 pub mod spsm;
 pub mod surfaces;
 
-pub use device::gpu;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage};
 use subpixel_shadows::{Result, wgpu};
+pub use test_support::gpu;
 
 /// What buffers hold before a stage runs: wgpu hands out zeros, which hide missing writes.
 pub const POISON: u32 = 0xdead_beef;

@@ -3,11 +3,11 @@
 use crate::support::{
     POISON, Random, assert_same, gpu, padded, poisoned, read_padded, run, sizes_around, small_gpu, upload,
 };
-use gpu_test::gpu_test;
+use oracle::reference::texel_group::{Grouped, canonical, group};
 use subpixel_shadows::gpu::{Gpu, Recorder};
-use subpixel_shadows::reference::texel_group::{Grouped, canonical, group};
 use subpixel_shadows::stages::texel_group::Grouping;
 use subpixel_shadows::stages::{Count, PrefixScan, TexelGroup};
+use test_support::gpu_test;
 
 fn stage(gpu: &Gpu) -> TexelGroup {
     TexelGroup::new(&gpu.device, &PrefixScan::new(&gpu.device))

@@ -4,12 +4,12 @@ use crate::support::shadow::{folding_gpu, uniform};
 use crate::support::{
     POISON, Random, difference, gpu, padded, poisoned, read_padded, run, sizes_around, texture, upload,
 };
-use gpu_test::gpu_test;
+use oracle::reference::triangle_ids::triangles;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::triangle_ids::triangles;
 use subpixel_shadows::stages::triangle_ids::{FAULT_UNKNOWN, TriangleIds, TriangleIdsParams};
 use subpixel_shadows::wgpu;
+use test_support::gpu_test;
 
 /// A picture of triangle numbers.
 #[derive(Clone)]

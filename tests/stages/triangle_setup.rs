@@ -3,13 +3,13 @@
 
 use crate::support::geometry::{Case, MESHES, Place, Ran, add, ball, fan, light, mesh, run_all, unpack};
 use crate::support::{Random, difference, gpu, sizes_around, small_gpu};
-use gpu_test::gpu_test;
+use oracle::reference::triangle_setup::{Reach, side_doubt};
+use oracle::reference::view::block_count;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::triangle_setup::{Reach, side_doubt};
-use subpixel_shadows::reference::view::block_count;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::triangle_setup::{BACK, DROPPED, FRONT, UNSURE};
+use test_support::gpu_test;
 
 /// Coordinates above which slack grows beyond a cell.
 const FAR_OUT: f64 = 3e5;

@@ -4,17 +4,17 @@ use crate::support::shadow::{
     World, camera, deepest_of, folding_gpu, random_light, random_scene, samples, unit, vector,
 };
 use crate::support::{POISON, Random, gpu, sizes_around};
-use gpu_test::gpu_test;
+use oracle::reference::front_layer::Margin;
+use oracle::reference::triangle_setup::Reach;
+use oracle::reference::triangle_texel_pairs::{TilePair, pairs, tile_pairs};
+use oracle::reference::view::MapEnds;
 use std::sync::OnceLock;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::front_layer::Margin;
-use subpixel_shadows::reference::triangle_setup::Reach;
-use subpixel_shadows::reference::triangle_texel_pairs::{TilePair, pairs, tile_pairs};
-use subpixel_shadows::reference::view::MapEnds;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::pixel_texel_pairs::PairTiles;
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
+use test_support::gpu_test;
 
 /// One for each kind of places.
 fn stages() -> &'static [TriangleTexelPairs; 2] {

@@ -3,10 +3,10 @@
 
 use crate::support::geometry::{Case, MESHES, Place, Ran, add, ball, light, mesh, run_all};
 use crate::support::{Random, difference, gpu, sizes_around, small_gpu};
-use gpu_test::gpu_test;
 use subpixel_shadows::glam::{DVec3, DVec4, Vec4};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::scene::{Light, Mesh};
+use test_support::gpu_test;
 
 /// Where the stage departs from its definition.
 fn fault(case: &Case, ran: &Ran) -> Option<String> {

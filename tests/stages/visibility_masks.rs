@@ -14,22 +14,22 @@ use crate::support::shadow::{
     Pipelines, World, add_triangle, camera, folding_gpu, indirect, samples, sheet, uniform, unit,
 };
 use crate::support::{Random, difference, gpu, run, sizes_around, upload};
-use gpu_test::gpu_test;
+use oracle::reference::facet_classify as reference;
+use oracle::reference::front_layer::Split;
+use oracle::reference::visibility_masks::two_step;
+use oracle::truth::AMBIGUITY;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec3, DVec4};
 use subpixel_shadows::gpu::bindings::{Read, Uniform, Write};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
 use subpixel_shadows::mask_table::{MaskVariant, mask_table};
-use subpixel_shadows::reference::facet_classify as reference;
-use subpixel_shadows::reference::front_layer::Split;
-use subpixel_shadows::reference::visibility_masks::two_step;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::facet_classify::FacetState;
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles, TALLY_WORDS};
 use subpixel_shadows::stages::visibility_masks::{EvaluationInputs, VisibilityMasks};
-use subpixel_shadows::truth::AMBIGUITY;
+use test_support::gpu_test;
 
 fn stage(gpu: &Gpu, samples: u32) -> &'static VisibilityMasks {
     static MADE: Pipelines<VisibilityMasks> = Pipelines::new();

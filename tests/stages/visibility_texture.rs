@@ -2,13 +2,13 @@
 
 use crate::support::shadow::{folding_gpu, uniform};
 use crate::support::{Random, difference, gpu, read_texture, run, sizes_around, texture, upload};
-use gpu_test::gpu_test;
+use oracle::reference::visibility_texture::{Lengths, is_complete, texels};
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::visibility_texture::{Lengths, is_complete, texels};
 use subpixel_shadows::stages::visibility_texture::{LastPicture, Lists, VisibilityTexture};
 use subpixel_shadows::status::{Need, Status, StatusBand, StatusHead};
 use subpixel_shadows::wgpu;
+use test_support::gpu_test;
 
 /// What a texture holds before the stage runs, as bits.
 const BEFORE: u32 = 0x40e0_0000;

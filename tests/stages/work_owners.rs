@@ -2,14 +2,14 @@
 
 use crate::support::shadow::with_total;
 use crate::support::{POISON, Random, assert_same, difference, gpu, run, sizes_around, small_gpu, upload};
-use gpu_test::gpu_test;
+use oracle::reference::work_owners::{owners, table};
 use std::sync::OnceLock;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::gpu::bindings::{Read, Write};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder};
-use subpixel_shadows::reference::work_owners::{owners, table};
 use subpixel_shadows::stages::WorkOwners;
 use subpixel_shadows::stages::work_owners::STRIDE;
+use test_support::gpu_test;
 
 /// Writes the owner of every item.
 const FIND: &str = concat!(

@@ -1,6 +1,7 @@
 //! A frame for the geometry stages: one closed, bumpy ball of about as many triangles as the size asks for, seen by camera
 //! and light, with every stage's input made by the stages before it.
 
+use oracle::reference::prefix_scan;
 use std::rc::Rc;
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::glam::DVec3;
@@ -8,7 +9,6 @@ use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage, kernels, recorder};
 use subpixel_shadows::light_view::{LightView, unit_scale};
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
-use subpixel_shadows::reference::prefix_scan;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::PrimaryHits;

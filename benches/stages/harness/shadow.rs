@@ -1,11 +1,11 @@
 //! The frame of the shadow stages: the ball of the geometry stages, nothing settled, every list made by the stages before.
 
 use super::geometry::{IMAGE, MAP, Setup};
+use oracle::reference::prefix_scan;
 use std::rc::Rc;
 use subpixel_shadows::Result;
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder, Stage, recorder};
-use subpixel_shadows::reference::prefix_scan;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
 use subpixel_shadows::stages::facet_classify::{ClassifyInputs, FacetClassify, Facets};

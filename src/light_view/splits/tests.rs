@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::light_view::unit_scale;
-use crate::scene::{Camera, Light, Mesh, Scene};
+use crate::scene::{Camera, Light, Mesh};
+use crate::test_scenes::{Scene, builtin};
 
 const WARPS: [Warp; 5] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted];
 
@@ -60,7 +61,7 @@ fn place(split: &SplitView, p: DVec3) -> DVec3 {
 
 #[test]
 fn all_that_is_seen_lies_in_the_map_of_its_slice() {
-    let scene = Scene::open("windmill", &Default::default()).unwrap();
+    let scene = builtin("windmill");
     let mut count = 0;
     for light in lights() {
         for camera in cameras(&scene) {
@@ -147,7 +148,7 @@ fn the_trapezoid_is_that_of_the_paper() {
 
 #[test]
 fn camera_and_light_along_one_line_fall_back_to_a_box() {
-    let scene = Scene::open("windmill", &Default::default()).unwrap();
+    let scene = builtin("windmill");
     let [.., along, beside] = cameras(&scene);
     let [light, ..] = lights();
     for (camera, warps) in [(along, false), (beside, false), (scene.camera, true)] {
@@ -162,7 +163,7 @@ fn camera_and_light_along_one_line_fall_back_to_a_box() {
 /// and depth grows.
 #[test]
 fn slices_hold_what_is_seen() {
-    let scene = Scene::open("windmill", &Default::default()).unwrap();
+    let scene = builtin("windmill");
     let bounds = scene.mesh.bounds().unwrap();
     let mut points = 0;
     for light in lights() {
@@ -198,7 +199,7 @@ fn slices_hold_what_is_seen() {
 /// Near the eye a warped map has more texels than an even one.
 #[test]
 fn what_is_near_gets_more_texels() {
-    let scene = Scene::open("windmill", &Default::default()).unwrap();
+    let scene = builtin("windmill");
     let [_, inside, ..] = cameras(&scene);
     let (view, seen) = setup(&lights()[1], &inside, &scene.mesh, 64);
     let across = |warp, splits| {
@@ -219,7 +220,7 @@ fn what_is_near_gets_more_texels() {
 /// The fitted warp makes texels at most 5 % larger beside pixels than any other warp does, and often smaller.
 #[test]
 fn the_fitted_warp_is_the_best_of_all() {
-    let scene = Scene::open("windmill", &Default::default()).unwrap();
+    let scene = builtin("windmill");
     let mut gains = 0;
     for light in lights() {
         for camera in cameras(&scene) {
@@ -251,7 +252,7 @@ fn the_fitted_warp_is_the_best_of_all() {
 /// `(n + sqrt(n f)) / sin`, times the sine by which lengths along the axis are shorter there, over the sine once more.
 #[test]
 fn light_space_perspective_has_the_distance_of_the_paper() {
-    let scene = Scene::open("windmill", &Default::default()).unwrap();
+    let scene = builtin("windmill");
     let camera = Camera { eye: [0.0, 4.0, 30.0], target: [0.0, 4.0, 0.0], ..scene.camera };
     for degrees in [90.0f64, 45.0, 30.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
@@ -274,7 +275,7 @@ fn a_ground_alone_is_fitted() {
         positions: [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]].map(|[x, z]| [x, 0.5, z]).to_vec(),
         triangles: vec![[0, 2, 1], [0, 3, 2]],
     };
-    let plane = Scene::open("plane", &Default::default()).unwrap();
+    let plane = builtin("plane");
     let camera = Camera { eye: [0.0, 1.2, 7.0], target: [0.0, 0.5, 0.0], near: 0.01, ..plane.camera };
     for light in [Light::Directional { direction: [0.9, 0.8, 0.1] }, Light::Point { position: [3.0, 6.0, 2.0] }] {
         let (view, seen) = setup(&light, &camera, &ground, 64);
@@ -293,7 +294,7 @@ fn a_ground_alone_is_fitted() {
 /// As the camera moves by little, so does what the map shows of a place.
 #[test]
 fn the_fitted_warp_follows_the_camera() {
-    let scene = Scene::open("plane", &Default::default()).unwrap();
+    let scene = builtin("plane");
     let bounds = scene.mesh.bounds().unwrap();
     let (middle, long) = ((bounds.0 + bounds.1) * 0.5, (bounds.1 - bounds.0).length());
     let fit = LightView::fit(&scene.mesh, &lights()[2], 512).unwrap();

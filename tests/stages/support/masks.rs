@@ -4,15 +4,15 @@ use super::Random;
 use super::shadow::{
     World, add_box, add_triangle, append, camera, doubled, random_light, random_scene, sheet, soup, unit, vector,
 };
+use oracle::reference::front_layer::Split;
+use oracle::truth::{FacetInput, FacetResult, FacetTruth, Tracer, full_mask, join_mask, split_mask};
 use subpixel_shadows::Result;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::reference::front_layer::Split;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::facet_classify::{FacetState, Facets};
-use subpixel_shadows::truth::{FacetInput, FacetResult, FacetTruth, Tracer, full_mask, join_mask, split_mask};
 
 /// Facets: pixel and triangle.
 pub type List = Vec<(u32, Option<u32>)>;

@@ -3,6 +3,13 @@
 pub use super::meshes::*;
 pub use super::pair_lists::*;
 use super::{POISON, Random, run};
+use oracle::reference::camera_visibility::{DepthMargin, nearest};
+use oracle::reference::front_layer::{Margin, Split};
+use oracle::reference::prefix_scan::exclusive;
+use oracle::reference::summed_area::table;
+use oracle::reference::triangle_setup::{Triangle, setup};
+use oracle::reference::vertex_project::project;
+use oracle::reference::view::View;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 use subpixel_shadows::frame::{Frame, sample_words};
@@ -11,13 +18,6 @@ use subpixel_shadows::gpu::{Buffer, Gpu, Groups, recorder};
 use subpixel_shadows::light_view::{LightView, SplitPlan};
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
-use subpixel_shadows::reference::camera_visibility::{DepthMargin, nearest};
-use subpixel_shadows::reference::front_layer::{Margin, Split};
-use subpixel_shadows::reference::prefix_scan::exclusive;
-use subpixel_shadows::reference::summed_area::table;
-use subpixel_shadows::reference::triangle_setup::{Triangle, setup};
-use subpixel_shadows::reference::vertex_project::project;
-use subpixel_shadows::reference::view::View;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::camera_visibility::Blocks;
@@ -142,7 +142,7 @@ impl World {
             let (pixel, t) = (random.below(pixels), random.below(self.triangles.len() as u32));
             let Some([a, b, c]) = self.triangles[t as usize].corners else { continue };
             let normal = (b - a).cross(c - a);
-            let ray = subpixel_shadows::reference::facet_classify::pixel_ray(&self.view, pixel, Default::default());
+            let ray = oracle::reference::facet_classify::pixel_ray(&self.view, pixel, Default::default());
             let depth = normal.dot(a) / normal.dot(ray);
             if depth > 1e-4 && depth < 100.0 {
                 out.push((pixel, Some(t)));

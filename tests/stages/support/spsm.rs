@@ -3,11 +3,11 @@
 use super::POISON;
 use super::run;
 use super::shadow::{World, uniform};
+use oracle::reference::facet_classify::pixel_ray;
+use oracle::reference::spsm_map::Coding;
+use oracle::reference::view::Flat;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Gpu, Recorder};
-use subpixel_shadows::reference::facet_classify::pixel_ray;
-use subpixel_shadows::reference::spsm_map::Coding;
-use subpixel_shadows::reference::view::Flat;
 use subpixel_shadows::spsm_code::SlopeCode;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::seen_texels::{SeenTexels, TexelMarks};

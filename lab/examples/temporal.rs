@@ -1,0 +1,185 @@
+//! Light or camera moved in small steps: error against truth of each frame, and flicker, as a table and a plot a scene:
+//! `cargo run --release --example temporal -- [--plots FOLDER] [--pictures FOLDER] [--frames N] [--size WxH] [--samples N]
+//! [--map N] [--ground] [SCENE …]`
+//!
+//! 64 frames each, or as many as are asked for. With `--pictures` one picture a scene of where `shadow-map` (above) and `spsm`
+//! flicker while the light moves: the mean of |change of ours - change of truth| of each pixel, white at 1/16. The light is turned, in each step by an angle that moves a shadow by a tenth of a texel where it falls half
+//! the light view's width behind its caster (0.2 / map). The camera is moved to the right, in each step by a tenth of a pixel
+//! at its target. Truth is scene truth at the same samples.
+
+use lab::arguments::Arguments;
+use lab::report::comparison::plots::{Axis, Plot, Series};
+use lab::report::write_png_grey;
+use lab::scene::{Scene, SceneOptions};
+use oracle::truth::{SceneTruth, Tracer};
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+use subpixel_shadows::glam::{DQuat, DVec3, Vec3};
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
+use subpixel_shadows::render::{Budget, Renderer};
+use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Camera, Light};
+use subpixel_shadows::{Error, Result};
+
+const VARIANTS: [(&str, MethodName, FacetMode); 4] = [
+    ("shadow-map", MethodName::ShadowMap, FacetMode::One),
+    ("spsm", MethodName::Spsm, FacetMode::One),
+    ("facet-masks --facets one", MethodName::FacetMasks, FacetMode::One),
+    ("facet-masks --facets all", MethodName::FacetMasks, FacetMode::All),
+];
+
+/// The light of frame `k`: turned about the upright axis nearest to it that is square to it.
+fn turned(light: &Light, map: u32, k: u32) -> Result<Light> {
+    let Light::Directional { direction } = *light else {
+        return Err(Error::Config("only directional lights are turned".to_owned()));
+    };
+    let towards = Vec3::from(direction).as_dvec3().normalize();
+    let up = if towards.y.abs() > 0.999 { DVec3::X } else { DVec3::Y };
+    let axis = (up - towards * up.dot(towards)).normalize();
+    let turn = DQuat::from_axis_angle(axis, 0.2 / f64::from(map) * f64::from(k));
+    Ok(Light::Directional { direction: (turn * towards).as_vec3().into() })
+}
+
+/// The camera of frame `k`: beside where it was.
+fn beside(camera: &Camera, height: u32, k: u32) -> Camera {
+    let [eye, target, up] = [camera.eye, camera.target, camera.up].map(|v| Vec3::from(v).as_dvec3());
+    let forward = target - eye;
+    let tan = (f64::from(camera.vertical_fov_degrees) * 0.5).to_radians().tan();
+    let pixel = forward.length() * 2.0 * tan / f64::from(height);
+    let step = forward.cross(up).normalize() * (0.1 * pixel * f64::from(k));
+    Camera { eye: (eye + step).as_vec3().into(), target: (target + step).as_vec3().into(), ..*camera }
+}
+
+/// What one method does over the frames of one movement.
+#[derive(Default)]
+struct Course {
+    squares: Vec<f64>,
+    errors: Vec<f64>,
+    flicker: Vec<f64>,
+    still: Vec<f64>,
+    last: Vec<f32>,
+    sums: Vec<f32>,
+}
+
+impl Course {
+    /// Takes in a frame; `before` is the truth of the frame before.
+    fn add(&mut self, visibility: Vec<f32>, truth: &[f32], before: &[f32]) {
+        let pixels = truth.len() as f64;
+        let mean = |sum: f64| sum / pixels;
+        let off = || visibility.iter().zip(truth).map(|(v, t)| f64::from(v - t));
+        self.squares.push(mean(off().map(|d| d * d).sum()));
+        self.errors.push(mean(off().map(f64::abs).sum()));
+        if !self.last.is_empty() {
+            let (mut all, mut still) = (0.0, 0u32);
+            self.sums.resize(truth.len(), 0.0);
+            for ((((v, t), v0), t0), sum) in
+                visibility.iter().zip(truth).zip(&self.last).zip(before).zip(&mut self.sums)
+            {
+                let change = f64::from((v - v0) - (t - t0)).abs();
+                all += change;
+                *sum += change as f32;
+                still += u32::from(t == t0 && v != v0);
+            }
+            self.flicker.push(mean(all));
+            self.still.push(mean(f64::from(still)));
+        }
+        self.last = visibility;
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+fn most(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}
+
+fn main() -> Result<()> {
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let given = words.join(" ");
+    let mut take = |name: &str| {
+        let at = words.iter().position(|w| w == name)?;
+        words.drain(at..(at + 2).min(words.len())).nth(1)
+    };
+    let (plots, pictures) = (take("--plots").map(PathBuf::from), take("--pictures").map(PathBuf::from));
+    let frames = take("--frames").map_or(Ok(64), |n| n.parse::<u32>());
+    let frames = frames.map_err(|e| Error::Config(format!("--frames: {e}")))?;
+    let arguments = Arguments::of(words.into_iter())?;
+    let (size, map) = (arguments.size, arguments.map);
+    let samples = Samples::new(Pattern::default(), arguments.samples.unwrap_or(8))?;
+    let gpu = Gpu::open(None)?;
+    println!("`cargo run --release --example temporal -- {given}`\n");
+    println!("{}; {} x {} pixels, {} samples, map {map}.\n", gpu.adapter.name, size[0], size[1], samples.count());
+    println!(
+        "| scene | moved | method | RMSE | of the worst frame | mean error | flicker | worst step | changed while truth stands |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let start = Instant::now();
+    for name in &arguments.scenes {
+        let scene = Scene::open(name, &SceneOptions { ground: arguments.ground, ..SceneOptions::default() })?;
+        let prepared = Prepared::new(&scene.mesh)?;
+        let tracer = Tracer::new(prepared.mesh())?;
+        let mut series = Vec::new();
+        for moved in ["light", "camera"] {
+            let mut renderers = Vec::new();
+            for (_, method, facets) in VARIANTS {
+                let settings = Settings { facets, cull_back: true, ..Settings::new(size, map, samples.clone()) };
+                renderers.push(Renderer::of_method(&gpu, &prepared, method, &settings, Budget::default())?);
+            }
+            let mut courses: [Course; 4] = Default::default();
+            let (mut before, mut change) = (Vec::new(), Vec::new());
+            for k in 0..frames {
+                let (camera, light) = match moved {
+                    "light" => (scene.camera, turned(&scene.light, map, k)?),
+                    _ => (beside(&scene.camera, size[1], k), scene.light),
+                };
+                let truth = SceneTruth::new(&tracer, &camera, &light, &samples, size[0], size[1])?.image(None);
+                let truth = truth.visibility();
+                if k > 0 {
+                    let sum: f64 = truth.iter().zip(&before).map(|(a, b): (&f32, &f32)| f64::from(a - b).abs()).sum();
+                    change.push(sum / truth.len() as f64);
+                }
+                for (renderer, course) in renderers.iter_mut().zip(&mut courses) {
+                    course.add(renderer.render(&camera, &light)?.visibility, &truth, &before);
+                }
+                before = truth;
+            }
+            for ((label, ..), course) in VARIANTS.iter().zip(&courses) {
+                println!(
+                    "| {name} | {moved} | `{label}` | {:.4} | {:.4} | {:.5} | {:.5} | {:.5} | {:.3} % |",
+                    mean(&course.squares).sqrt(),
+                    most(&course.squares).sqrt(),
+                    mean(&course.errors),
+                    mean(&course.flicker),
+                    most(&course.flicker),
+                    100.0 * mean(&course.still),
+                );
+                let point = |(k, v): (usize, &f64)| (k as f64 + 1.0, *v, String::new());
+                let points = course.flicker.iter().enumerate().map(point).collect();
+                series.push(Series { name: format!("{label}, {moved}"), points, joined: true, guide: false });
+            }
+            if let Some(folder) = pictures.as_ref().filter(|_| moved == "light") {
+                let steps = frames.saturating_sub(1).max(1) as f32;
+                let both = courses[..2].iter().flat_map(|c| c.sums.iter().map(|s| 16.0 * s / steps));
+                let both: Vec<f32> = both.collect();
+                write_png_grey(&folder.join(format!("flicker-{}.png", scene.name)), size[0], 2 * size[1], &both)?;
+            }
+            println!("| {name} | {moved} | truth's own change | | | | {:.5} | {:.5} | |", mean(&change), most(&change));
+            let _ = std::io::stdout().flush();
+            eprintln!("{name}, {moved} moved: {:.0} s", start.elapsed().as_secs_f64());
+        }
+        if let Some(folder) = &plots {
+            let plot = Plot {
+                title: format!("{name}: flicker, {} x {} pixels, map {map}", size[0], size[1]),
+                x: Axis::linear("step of a tenth of a texel (light) or pixel (camera)"),
+                y: Axis::log("mean of |change of ours - change of truth|"),
+                series,
+            };
+            plot.write(&folder.join(format!("temporal-{}.svg", scene.name)))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,338 @@
+//! Options of the command line, with those of a frame.json behind them.
+
+use super::args::{Cli, RenderOptions};
+use super::engine::Engine;
+use clap::error::ErrorKind;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, CommandFactory, Parser, ValueEnum};
+use lab::report::FrameReport;
+use lab::scene::{BUILTIN_NAMES, CameraOverride, Scene, light_from_text};
+use serde_json::{Map, Value, json};
+use std::ffi::OsString;
+use std::path::Path;
+use subpixel_shadows::methods::{METHOD_OPTIONS, METHODS, MethodName};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::{Error, Result};
+
+/// Largest frame.json that is read, bytes.
+const LARGEST: u64 = 1 << 26;
+
+/// Options that say where files and lines go, and nothing of a frame.
+const NOT_OF_A_FRAME: [&str; 5] = ["from", "out", "quiet", "help", "version"];
+
+/// Arguments of `render` and `explain`.
+#[derive(Debug, Parser)]
+#[command(name = "subpixel-shadows")]
+struct Given {
+    scene: Option<String>,
+    #[command(flatten)]
+    options: RenderOptions,
+}
+
+/// Scene and options of `render` or `explain`: those of `matches`, which they were parsed from, and behind them those of `--from`.
+/// An option on the command line that the method does not take ends the program with status 2.
+pub fn given(
+    matches: &ArgMatches,
+    scene: Option<String>,
+    options: RenderOptions,
+) -> Result<(Option<String>, RenderOptions)> {
+    let (scene, options) = match &options.from {
+        Some(path) => with_frame(matches, scene, &options, path)?,
+        None => (scene, options),
+    };
+    for option in METHOD_OPTIONS.iter().filter(|o| on_line(matches, o)) {
+        if let Some(text) = refusal(option, options.method) {
+            Cli::command().error(ErrorKind::ArgumentConflict, text).exit();
+        }
+    }
+    Ok((scene, options))
+}
+
+/// Why `method` cannot be given an option, if so.
+fn refusal(name: &str, method: MethodName) -> Option<String> {
+    let option = METHOD_OPTIONS.iter().find(|o| **o == name && !method.takes(o))?;
+    let takers: Vec<&str> = METHODS.iter().filter(|row| row.method.takes(option)).map(|row| row.name).collect();
+    let verb = if takers.len() == 1 { "does" } else { "do" };
+    Some(format!("the method {} does not take '--{name}'; {} {verb}", method.name(), takers.join(", ")))
+}
+
+/// Whether an option was given on the command line.
+fn on_line(matches: &ArgMatches, name: &str) -> bool {
+    matches.value_source(&name.replace('-', "_")) == Some(ValueSource::CommandLine)
+}
+
+/// Scene and options of a frame.json, those on the command line before them.
+fn with_frame(
+    matches: &ArgMatches,
+    scene: Option<String>,
+    own: &RenderOptions,
+    path: &Path,
+) -> Result<(Option<String>, RenderOptions)> {
+    let settings = settings_in(path, &read(path)?)?;
+    let mut arguments = vec![OsString::from("subpixel-shadows")];
+    let mut method = own.method;
+    let mut found = Vec::new();
+    for (name, value) in &settings {
+        let Some(argument) = of_frame(path, name, value)? else { continue };
+        if name == "method" && !on_line(matches, "method") {
+            method = argument.options.method;
+        }
+        found.push((name, argument));
+    }
+    // Another method may be asked for, which takes less.
+    let kept = found.iter().filter(|(name, _)| *name != "scene" && !on_line(matches, name) && method.takes(name));
+    arguments.extend(kept.map(|(_, argument)| argument.text.clone()));
+    for argument in Given::command().get_opts() {
+        let id = argument.get_id().as_str();
+        if matches.value_source(id) != Some(ValueSource::CommandLine) {
+            continue;
+        }
+        let mut text = OsString::from(format!("--{}", argument.get_long().unwrap_or(id)));
+        if argument.get_action().takes_values() {
+            text.push("=");
+            text.push(matches.get_raw(id).and_then(|mut values| values.next()).unwrap_or_default());
+        }
+        arguments.push(text);
+    }
+    let of_file = found.into_iter().find(|(name, _)| *name == "scene").and_then(|(_, argument)| argument.scene);
+    let fault = |e: clap::Error| Error::file(path, format!("settings: {}", reason(&e)));
+    Ok((scene.or(of_file), Given::try_parse_from(arguments).map_err(fault)?.options))
+}
+
+/// The note that the scene of `--from` has another mesh than it had, if so: the picture is another then.
+pub fn other_mesh(options: &RenderOptions, frame: &FrameReport) -> Option<String> {
+    let path = options.from.as_deref()?;
+    let whole = read(path).ok()?;
+    let (then, now) = (whole.get("mesh")?, serde_json::to_value(frame.mesh).ok()?);
+    let same = ["scene", "ground"].iter().all(|key| whole["settings"].get(*key) == frame.settings.get(*key));
+    (same && *then != now)
+        .then(|| format!("{}: the mesh of '{}' was another then: {then}, now {now}", path.display(), frame.scene))
+}
+
+/// A frame.json.
+fn read(path: &Path) -> Result<Value> {
+    let fault = |e: std::io::Error| Error::file(path, format!("cannot be read: {e}"));
+    let about = std::fs::metadata(path).map_err(fault)?;
+    if !about.is_file() || about.len() > LARGEST {
+        return Err(Error::file(path, format!("is no frame.json: {} bytes", about.len())));
+    }
+    let text = std::fs::read(path).map_err(fault)?;
+    serde_json::from_slice(&text).map_err(|e| Error::file(path, format!("is no JSON: {e}")))
+}
+
+/// Its object `settings`.
+fn settings_in(path: &Path, whole: &Value) -> Result<Map<String, Value>> {
+    match whole.get("settings") {
+        Some(Value::Object(settings)) => Ok(settings.clone()),
+        Some(other) => Err(Error::file(path, format!("settings is {}, no object", short(other)))),
+        None => Err(Error::file(path, "has no settings, which frame.json holds now")),
+    }
+}
+
+/// One setting of a frame.json.
+struct Setting {
+    /// As on the command line.
+    text: OsString,
+    /// The options with it alone.
+    options: RenderOptions,
+    /// The scene, if that is what is set.
+    scene: Option<String>,
+}
+
+/// One setting; `None` where it says that nothing was given.
+fn of_frame(path: &Path, name: &str, value: &Value) -> Result<Option<Setting>> {
+    let fault = |why: &str| Error::file(path, format!("settings: {name} is {}: {why}", short(value)));
+    let command = Given::command();
+    let argument = command.get_opts().find(|a| a.get_long() == Some(name) && !NOT_OF_A_FRAME.contains(&name));
+    let flag = argument.is_some_and(|a| !a.get_action().takes_values());
+    if argument.is_none() && name != "scene" {
+        return Err(fault("there is no such option"));
+    }
+    let text = match value {
+        Value::Null | Value::Bool(false) if flag || value.is_null() => return Ok(None),
+        Value::Bool(true) if flag => format!("--{name}"),
+        Value::String(text) if !flag && name == "scene" => text.clone(),
+        Value::String(text) if !flag => format!("--{name}={text}"),
+        Value::Number(number) if !flag && name != "scene" => format!("--{name}={number}"),
+        _ if flag => return Err(fault("true or false is possible")),
+        _ => return Err(fault("neither a text nor a number")),
+    };
+    let mut line = vec!["subpixel-shadows", if name == "scene" { "--" } else { &text }];
+    if name == "scene" {
+        line.push(&text);
+        if !BUILTIN_NAMES.contains(&text.as_str()) && !Path::new(&text).exists() {
+            return Err(fault("neither a built-in scene nor a file"));
+        }
+    }
+    let parsed = match Given::try_parse_from(&line) {
+        // It stands alone here.
+        Err(e) if e.kind() == ErrorKind::MissingRequiredArgument => Given::try_parse_from([line[0], "--truth", &text]),
+        parsed => parsed,
+    };
+    let Given { scene, options } = parsed.map_err(|e| fault(&reason(&e)))?;
+    options.settings().map_err(|e| fault(&e.to_string()))?;
+    let camera = options.camera.as_deref().map(str::parse::<CameraOverride>).transpose();
+    if let Some(camera @ CameraOverride { eye: Some(_), target: Some(_), .. }) =
+        camera.map_err(|e| fault(&e.to_string()))?
+    {
+        camera.apply(None, &Mesh::default()).map_err(|e| fault(&e.to_string()))?;
+    }
+    options.light.as_deref().map(light_from_text).transpose().map_err(|e| fault(&e.to_string()))?;
+    Ok(Some(Setting { text: text.clone().into(), options, scene }))
+}
+
+/// Reason that clap gives before it explains the usage.
+fn reason(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let first = text.split("\n\n").next().unwrap_or_default();
+    first.strip_prefix("error: ").unwrap_or(first).to_owned()
+}
+
+/// A value for people.
+fn short(value: &Value) -> String {
+    let text = value.to_string();
+    match text.char_indices().nth(100) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
+/// Settings that a frame was asked for with, by the names of the options: `--from` repeats it. Camera and light are those that were used,
+/// in numbers that read back the same; so are engine and adapter.
+pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<String, Value> {
+    fn word(value: impl ValueEnum) -> Value {
+        value.to_possible_value().map_or(Value::Null, |v| json!(v.get_name()))
+    }
+    let o = options;
+    let number = |value: f32| json!(value.to_string().parse::<f64>().unwrap_or(f64::from(value)));
+    let [width, height] = o.size;
+    let own = o.method.row().partition;
+    let all = [
+        ("scene", json!(scene.name)),
+        ("method", json!(o.method.name())),
+        ("engine", json!(engine.name())),
+        ("adapter", if matches!(engine, Engine::Gpu(_)) { json!(engine.adapter().0) } else { Value::Null }),
+        ("camera", json!(camera(&scene.camera))),
+        ("light", json!(light(&scene.light))),
+        ("ground", json!(o.ground)),
+        ("samples", json!(o.samples)),
+        ("pattern", word(o.pattern)),
+        ("map", json!(o.map)),
+        ("size", json!(format!("{width}x{height}"))),
+        ("truth", json!(o.truth)),
+        ("converged", json!(o.converged)),
+        ("looks", json!(o.looks)),
+        ("frames", json!(o.frames)),
+        ("force-all", json!(o.force_all)),
+        ("memory-limit", json!(o.memory_limit)),
+        ("list-start", json!(o.list_start)),
+        ("facets", word(o.facets)),
+        ("validity", word(o.validity)),
+        ("masks", word(o.masks)),
+        ("pairs", word(o.pairs)),
+        ("projection", word(o.projection)),
+        ("encoding", word(o.encoding)),
+        ("search", word(o.search)),
+        ("rays", word(o.rays)),
+        ("kernel", json!(o.kernel)),
+        ("shape", word(o.shape)),
+        ("reach", json!(o.reach)),
+        ("splits", json!(o.splits.or(own.map(|plan| plan.splits)))),
+        ("warp", o.warp.or(own.map(|_| Default::default())).map_or(Value::Null, word)),
+        ("focus", number(o.focus)),
+        ("bleeding", number(o.bleeding)),
+        ("grazing", number(o.grazing)),
+    ];
+    all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// A camera as `--camera` takes it.
+fn camera(camera: &Camera) -> String {
+    let [eye, target, up] = [camera.eye, camera.target, camera.up].map(vector);
+    format!("eye={eye};target={target};up={up};fov={}", camera.vertical_fov_degrees)
+}
+
+/// A light as `--light` takes it.
+fn light(light: &Light) -> String {
+    match *light {
+        Light::Directional { direction } => format!("directional={}", vector(direction)),
+        Light::Point { position } => format!("point={}", vector(position)),
+        Light::Spot { position, target, angle_degrees } => {
+            format!("spot={};target={};angle={angle_degrees}", vector(position), vector(target))
+        }
+    }
+}
+
+fn vector([x, y, z]: [f32; 3]) -> String {
+    format!("{x},{y},{z}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::progress::Console;
+    use std::collections::BTreeSet;
+
+    fn options(arguments: &[&str]) -> RenderOptions {
+        Given::try_parse_from([&["subpixel-shadows"], arguments].concat()).unwrap().options
+    }
+
+    /// Every option of the table is one of the program, and every option of the program is in some frame.json.
+    #[test]
+    fn every_option_is_recorded() {
+        let command = Given::command();
+        let names: BTreeSet<&str> = command.get_opts().filter_map(|a| a.get_long()).collect();
+        assert!(METHOD_OPTIONS.iter().all(|o| names.contains(*o)));
+        for argument in command.get_opts() {
+            assert_eq!(argument.get_long().unwrap().replace('-', "_"), argument.get_id().as_str());
+        }
+        let scene = Scene::open("plane", &Default::default()).unwrap();
+        let mut recorded = BTreeSet::new();
+        for method in MethodName::ALL {
+            let found = settings(&options(&["--method", method.name()]), &scene, &Engine::Cpu);
+            assert!(METHOD_OPTIONS.iter().all(|o| found.contains_key(*o) == method.takes(o)), "{found:?}");
+            recorded.extend(found.into_iter().map(|(name, _)| name));
+        }
+        let wanted = names.iter().filter(|n| !NOT_OF_A_FRAME.contains(n)).chain(&["scene"]).map(|n| (*n).to_owned());
+        assert_eq!(recorded, wanted.collect());
+    }
+
+    /// Recorded settings read back to the same options, scene, camera and light.
+    #[test]
+    fn what_is_recorded_reads_back() {
+        let lights =
+            ["point=0.1,1e-30,-3e7", "spot=1,2,0.3;target=0.7,0,0;angle=33.3", "directional=0.1,0.7,0.30000001"];
+        let asked: [&[&str]; 3] = [
+            &["--samples", "8", "--pairs", "sorted", "--validity", "off", "--list-start", "77", "--force-all"],
+            &["--method", "remix", "--focus", "0.1", "--bleeding", "0.3", "--grazing", "5", "--warp", "even"],
+            &["--method", "smsr", "--reach", "9", "--shape", "corners", "--truth", "--converged", "--size", "7x9"],
+        ];
+        for (asked, light) in asked.iter().zip(lights) {
+            let own = options(&[asked, &["--light", light, "--camera", "eye=0.1,2,3.3333333;fov=40.1"][..]].concat());
+            let scene = own.open(Some("spheres"), Console::new(true)).unwrap();
+            let path = Path::new("f.json");
+            let mut line = vec![OsString::from("subpixel-shadows")];
+            for (name, value) in settings(&own, &scene, &Engine::Cpu) {
+                let found = of_frame(path, &name, &value).unwrap();
+                line.extend(found.into_iter().filter(|f| f.scene.is_none()).map(|f| f.text));
+            }
+            let again = Given::try_parse_from(line).unwrap().options;
+            assert_eq!(again.settings().unwrap(), own.settings().unwrap());
+            assert_eq!(
+                (again.force_all, again.list_start, again.converged),
+                (own.force_all, own.list_start, own.converged)
+            );
+            let reopened = again.open(Some("spheres"), Console::new(true)).unwrap();
+            assert_eq!((reopened.camera, reopened.light), (scene.camera, scene.light));
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_methods_that_take_it() {
+        assert_eq!(refusal("kernel", MethodName::Pcf), None);
+        assert_eq!(refusal("map", MethodName::Spsm), None);
+        let text = refusal("kernel", MethodName::Spsm).unwrap();
+        assert_eq!(text, "the method spsm does not take '--kernel'; pcf does");
+        assert!(refusal("splits", MethodName::Lispsm).unwrap().ends_with("remix, supersampled do"));
+    }
+}

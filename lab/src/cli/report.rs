@@ -1,0 +1,225 @@
+//! `report`: error against run time.
+
+use super::args::ReportOptions;
+use super::held::FolderLock;
+use super::progress::{Console, Task};
+use super::table::Report;
+use lab::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
+use lab::report::comparison::page::{Page, csv, markdown};
+use lab::report::comparison::pictures::{Panel, side_by_side};
+use lab::report::comparison::{Journal, Machine, Measuring, ReportVariant, Row, SceneCase, Scope, variants};
+use lab::report::{or_dash, write_text};
+use lab::scene::{Scene, SceneOptions};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::render::Budget;
+use subpixel_shadows::{Error, Result};
+
+/// How long a run waits for another one to leave the folder.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// A scene of the report with its rows.
+struct Job {
+    scene: String,
+    tessellation: u32,
+    variants: Vec<ReportVariant>,
+    /// Samples of which the error that sampling leaves is stated.
+    truths: Vec<ReportVariant>,
+}
+
+/// Measures every row that is missing, then writes tables and plots.
+pub fn run(options: &ReportOptions) -> Result<()> {
+    let start = Instant::now();
+    let console = Console::new(options.quiet);
+    let scope = options.scope()?;
+    FolderLock::check(&options.out)?;
+    let gpu = Gpu::open(options.adapter.as_deref())?;
+    let machine = Machine::of(&gpu.adapter);
+    let jobs = jobs(options, &scope)?;
+    // A scene that cannot be opened is found before hours are spent on the others.
+    for job in &jobs {
+        let (_, note) = open(options, &job.scene)?;
+        note.iter().filter(|_| job.tessellation == 0).for_each(|note| console.note(note));
+    }
+    // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does
+    // both.
+    let _held = FolderLock::open(&options.out, PATIENCE)?;
+    let at = options.out.join("rows.jsonl");
+    if options.fresh && at.exists() {
+        std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
+    }
+    let mut journal = Journal::open(&at, &machine)?;
+    let bench =
+        Measuring { gpu: &gpu, repeats: options.repeats(), row_ms: options.row_ms(), budget: Budget::default() };
+    let all: usize = jobs.iter().map(|j| j.variants.len() + j.truths.len()).sum();
+    let mut done = 0;
+    let mut rows = Vec::new();
+    {
+        let task = console.task("report");
+        for job in &jobs {
+            rows.extend(measure(options, &scope, &bench, job, &mut journal, (&task, &mut done, all))?);
+        }
+    }
+    let written = write(options, &machine, &rows)?;
+    summary(&machine, &rows, &written, start)
+}
+
+fn open(options: &ReportOptions, scene: &str) -> Result<(Scene, Option<String>)> {
+    Scene::open_and_note(scene, &SceneOptions { ground: options.ground, ..SceneOptions::default() })
+}
+
+/// Jobs to measure, in order.
+fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
+    let all = variants(scope)?;
+    let truths: Vec<ReportVariant> = {
+        let mut seen = Vec::new();
+        let first = |v: &&ReportVariant| {
+            let n = v.settings.samples.count();
+            let new = !seen.contains(&n);
+            seen.push(n);
+            new
+        };
+        all.iter().filter(first).cloned().collect()
+    };
+    let mut jobs: Vec<Job> = options
+        .scenes()
+        .into_iter()
+        .map(|scene| Job { scene, tessellation: 0, variants: all.clone(), truths: truths.clone() })
+        .collect();
+    let usual = scope.reference()?;
+    let ladder: Vec<ReportVariant> = all
+        .into_iter()
+        .filter(|v| v.method == usual.method && v.settings.samples == usual.settings.samples)
+        .filter(|v| v.settings.map == usual.settings.map && ["facets=one", "facets=all"].contains(&v.setting.as_str()))
+        .collect();
+    for tessellation in 1..=options.tessellation() {
+        if let Some(scene) = options.scenes().into_iter().next() {
+            jobs.push(Job { scene, tessellation, variants: ladder.clone(), truths: Vec::new() });
+        }
+    }
+    Ok(jobs)
+}
+
+/// The rows of a job: from the journal, or measured.
+fn measure(
+    options: &ReportOptions,
+    scope: &Scope,
+    bench: &Measuring,
+    job: &Job,
+    journal: &mut Journal,
+    (task, done, all): (&Task, &mut usize, usize),
+) -> Result<Vec<Row>> {
+    let mut case = SceneCase::new(open(options, &job.scene)?.0, job.tessellation, scope.size)?;
+    let picture = (job.tessellation == 0).then(|| picture_path(&options.out, &job.scene));
+    let reference = scope.reference()?;
+    let shown = |v: &ReportVariant| {
+        v.settings.samples == reference.settings.samples && v.settings.map == reference.settings.map
+    };
+    let draw = picture.as_ref().is_some_and(|p| !p.exists());
+    let missing: Vec<ReportVariant> =
+        job.variants.iter().filter(|v| !journal.has(&case.row(v).key())).cloned().collect();
+    *done += job.variants.len() - missing.len();
+    task.at(*done, all);
+    // Of each variant that the picture shows what it rendered.
+    let mut pictures: Vec<Option<Vec<f32>>> = vec![None; job.variants.len()];
+    let place = |v: &ReportVariant| job.variants.iter().position(|o| o == v);
+    for group in missing.chunks(Measuring::GROUP) {
+        for (variant, mut found) in group.iter().zip(bench.measure(&case, &reference, group)?) {
+            if found.row.failed.is_none() {
+                (found.row.matched, found.row.converged) = case.errors(&variant.settings, &found.visibility, None)?;
+                if let Some(n) = place(variant).filter(|_| shown(variant)) {
+                    pictures[n] = Some(found.visibility);
+                }
+            }
+            journal.add(found.row)?;
+            *done += 1;
+            task.at(*done, all);
+        }
+    }
+    if let Some(path) = picture
+        && (draw || pictures.iter().any(Option::is_some))
+    {
+        // Rows of former runs are in it, too.
+        for (n, variant) in job.variants.iter().enumerate().filter(|(_, v)| shown(v)) {
+            if pictures[n].is_none() && journal.get(&case.row(variant).key()).is_some_and(|r| r.failed.is_none()) {
+                pictures[n] = bench.picture(&case, variant)?;
+            }
+        }
+        let truth = case.matched(&reference.settings, None)?.visibility();
+        let panel = |ours| Panel { ours, truth: truth.to_vec() };
+        let panels: Vec<Panel> = pictures.into_iter().flatten().map(panel).collect();
+        if !panels.is_empty() {
+            side_by_side(&path, scope.size, &panels)?;
+        }
+    }
+    let mut rows = Vec::new();
+    for like in &job.truths {
+        let key = Row { method: SceneCase::TRUTH.to_owned(), setting: String::new(), ..case.row(like) }.key();
+        if !journal.has(&key) {
+            journal.add(case.row_of_truth(&like.settings, None)?)?;
+        }
+        *done += 1;
+        task.at(*done, all);
+        rows.extend(journal.get(&key).cloned());
+    }
+    let keys = job.variants.iter().map(|v| case.row(v).key());
+    let mut found: Vec<Row> = keys.filter_map(|key| journal.get(&key).cloned()).collect();
+    found.extend(rows);
+    Ok(found)
+}
+
+fn picture_path(out: &Path, scene: &str) -> PathBuf {
+    out.join(format!("pictures-{}.png", slug(scene)))
+}
+
+/// Writes tables, plots and the page; returns their paths.
+fn write(options: &ReportOptions, machine: &Machine, rows: &[Row]) -> Result<Vec<PathBuf>> {
+    let out = &options.out;
+    let mut written = Vec::new();
+    let mut plots = Vec::new();
+    for (name, plot) in figures(rows) {
+        let path = out.join(format!("{name}.svg"));
+        if plot.write(&path)? {
+            written.push(path);
+            plots.push(name);
+        }
+    }
+    let measured = measured(rows);
+    let pictured = scenes(&measured).into_iter().filter(|s| picture_path(out, s).exists()).collect();
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let command = format!("cargo run --release -- {}", arguments.join(" "));
+    let page = Page { command, machine: machine.clone(), plots, pictured };
+    let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "rows": rows }));
+    let json = json.map_err(|e| Error::file(out, e.to_string()))?;
+    for (name, text) in [("rows.csv", csv(rows)), ("rows.json", json), ("report.md", markdown(&page, rows))] {
+        let path = out.join(name);
+        write_text(&path, &text)?;
+        written.push(path);
+    }
+    Ok(written)
+}
+
+/// Prints what people want to see first: the front of each scene.
+fn summary(machine: &Machine, rows: &[Row], written: &[PathBuf], start: Instant) -> Result<()> {
+    let mut report = Report::default();
+    report.line("adapter", &machine.line());
+    let plain: Vec<&Row> = measured(rows).into_iter().filter(|r| r.tessellation == 0).collect();
+    let mut lines = vec![["scene", "front", "samples", "ms", "band RMSE"].map(String::from).to_vec()];
+    for scene in scenes(&plain) {
+        let of_scene: Vec<&Row> = plain.iter().copied().filter(|r| r.scene == scene).collect();
+        for row in pareto_front(&of_scene) {
+            let (time, error) = (format!("{:.2}", row.time()), or_dash(error(row), 5));
+            lines.push(vec![scene.clone(), row.series(), row.samples.to_string(), time, error]);
+        }
+    }
+    report.table(&lines, &[2, 3, 4]);
+    let failed = rows.iter().filter(|r| r.failed.is_some()).count();
+    if failed > 0 {
+        report.text(&format!("{failed} rows have no figures; report.md says why"));
+    }
+    let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
+    report.text(&format!("\nwrote {}", names.join(", ")));
+    report.text(&format!("in {:.0} s", start.elapsed().as_secs_f64()));
+    report.print()
+}

@@ -1,0 +1,179 @@
+//! Methods and settings that are compared.
+
+use subpixel_shadows::Result;
+use subpixel_shadows::light_view::{SplitPlan, Warp};
+use subpixel_shadows::mask_table::MaskVariant;
+use subpixel_shadows::methods::{
+    FacetMode, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, Settings,
+    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+};
+use subpixel_shadows::samples::{Pattern, Samples};
+
+/// Variants to compare.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scope {
+    /// Methods.
+    pub methods: Vec<MethodName>,
+    /// Samples a pixel; the reference row has the one nearest to 32.
+    pub samples: Vec<u32>,
+    /// Map sizes; every number of samples is measured at the first of them, the others at one number of samples.
+    pub maps: Vec<u32>,
+    /// Image size.
+    pub size: [u32; 2],
+    /// Settings beyond one and several facets a pixel: mask tables, and whatever else a method has.
+    pub all_settings: bool,
+}
+
+/// One method with one setting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReportVariant {
+    /// The method.
+    pub method: MethodName,
+    /// Settings beyond samples and map, such as `facets=all`.
+    pub setting: String,
+    /// Everything that is set. The plan of a scene may leave out more.
+    pub settings: Settings,
+}
+
+impl Scope {
+    /// The number of samples nearest to 32, where one must represent all.
+    pub fn usual_samples(&self) -> u32 {
+        self.samples.iter().copied().min_by_key(|n| n.abs_diff(32)).unwrap_or(32)
+    }
+
+    fn settings(&self, samples: u32, map: u32) -> Result<Settings> {
+        let samples = Samples::new(Pattern::LowDiscrepancy, samples)?;
+        Ok(Settings { facets: FacetMode::One, cull_back: true, ..Settings::new(self.size, map, samples) })
+    }
+
+    /// The row that others are compared with: `facet-masks` with one facet a pixel, the usual samples, the first map.
+    ///
+    /// # Errors
+    /// [`subpixel_shadows::Error::Config`] for samples, map or image that cannot be.
+    pub fn reference(&self) -> Result<ReportVariant> {
+        let settings = self.settings(self.usual_samples(), self.maps.first().copied().unwrap_or(512))?;
+        settings.check()?;
+        Ok(ReportVariant { method: MethodName::FacetMasks, setting: "facets=one".to_owned(), settings })
+    }
+}
+
+/// Every row of a scope, in a fixed order, the reference first if it is among them.
+///
+/// # Errors
+/// As [`Scope::reference`].
+pub fn variants(scope: &Scope) -> Result<Vec<ReportVariant>> {
+    let usual = scope.usual_samples();
+    let mut found = Vec::new();
+    let places = scope.maps.iter().enumerate().flat_map(|(m, &map)| {
+        let here = scope.samples.iter().copied().filter(move |&n| m == 0 || n == usual);
+        here.map(move |n| (n, map))
+    });
+    for (samples, map) in places {
+        let settings = scope.settings(samples, map)?;
+        settings.check()?;
+        let usual_place = samples == usual && Some(&map) == scope.maps.first();
+        for &method in &scope.methods {
+            of_method(method, &settings, scope.all_settings && usual_place, &mut found);
+        }
+    }
+    let reference = scope.reference()?;
+    found.sort_by_key(|v| *v != reference);
+    Ok(found)
+}
+
+/// The settings in which a method is compared.
+fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Vec<ReportVariant>) {
+    let mut add = |setting: &str, settings: Settings| {
+        found.push(ReportVariant { method, setting: setting.to_owned(), settings });
+    };
+    match method {
+        MethodName::FacetMasks => {
+            let all = Settings { facets: FacetMode::All, ..settings.clone() };
+            add("facets=one", settings.clone());
+            add("facets=all", all.clone());
+            if more {
+                add("facets=one validity=off", Settings { validity: false, ..settings.clone() });
+                add("facets=one masks=table", Settings { masks: MaskVariant::TABLE, ..settings.clone() });
+                add("facets=all masks=table", Settings { masks: MaskVariant::TABLE, ..all });
+                let projection = ProjectionVariant::TwoStep;
+                add("facets=one projection=two-step", Settings { projection, ..settings.clone() });
+                add("facets=one pairs=grouped", Settings { pairs: PairVariant::Grouped, ..settings.clone() });
+                add("facets=one pairs=sorted", Settings { pairs: PairVariant::Sorted, ..settings.clone() });
+            }
+        }
+        MethodName::ShadowMap => add("", settings.clone()),
+        MethodName::Pcf => {
+            for kernel in [3, 2, 5, 7] {
+                if kernel == 3 || more {
+                    let shadow_map = ShadowMapSettings { kernel, ..settings.shadow_map };
+                    add(&format!("kernel={kernel}"), Settings { shadow_map, ..settings.clone() });
+                }
+            }
+        }
+        MethodName::Smsr => {
+            add("shape=midpoints", settings.clone());
+            if more {
+                let smsr = SmsrSettings { shape: SmsrShape::Corners, ..settings.smsr };
+                add("shape=corners", Settings { smsr, ..settings.clone() });
+            }
+        }
+        MethodName::Variance | MethodName::Trapezoidal | MethodName::Lispsm => add("", settings.clone()),
+        MethodName::ParallelSplit => add("splits=3", settings.clone()),
+        MethodName::Remix => {
+            let with = |splits, warp, moments| {
+                let partition = Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS });
+                Settings { partition, moments, ..settings.clone() }
+            };
+            let moments = settings.moments;
+            add("warp=fitted", settings.clone());
+            if more {
+                add("warp=even", with(3, Warp::Box, moments));
+                add("warp=trapezoid grazing=5", with(3, Warp::Trapezoid, MomentSettings { grazing: 5.0, ..moments }));
+                add("warp=fitted splits=1", with(1, Warp::Fitted, moments));
+                add("warp=fitted bleeding=0.2", with(3, Warp::Fitted, MomentSettings { bleeding: 0.2, ..moments }));
+            }
+        }
+        MethodName::RayTraced => {
+            add("rays=all", settings.clone());
+            let ray_traced = RayTracedSettings { silhouettes: true };
+            add("rays=silhouettes", Settings { ray_traced, ..settings.clone() });
+        }
+        MethodName::Supersampled => add("", settings.clone()),
+        MethodName::Spsm => {
+            add("encoding=lines", settings.clone());
+            if more {
+                let with = |spsm| Settings { spsm, ..settings.clone() };
+                let (paper, lines) = (SpsmEncoding::Paper, SpsmSettings::default());
+                add("encoding=paper", with(SpsmSettings { encoding: paper, ..lines }));
+                add("encoding=lines radius=2", with(SpsmSettings { radius: 2, stretch: 0, ..lines }));
+                add("encoding=lines stretch=0", with(SpsmSettings { stretch: 0, ..lines }));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_another_and_the_reference_comes_first() {
+        let scope = Scope {
+            methods: MethodName::ALL.to_vec(),
+            samples: vec![1, 32, 128],
+            maps: vec![512, 1024],
+            size: [64, 48],
+            all_settings: true,
+        };
+        let rows = variants(&scope).unwrap();
+        assert_eq!(rows[0], scope.reference().unwrap());
+        for (k, row) in rows.iter().enumerate() {
+            assert!(!rows[..k].contains(row), "{row:?} twice");
+            assert!(row.settings.map == 512 || row.settings.samples.count() == 32, "{row:?}");
+        }
+        let fewer = variants(&Scope { all_settings: false, ..scope.clone() }).unwrap();
+        assert!(fewer.len() < rows.len() && fewer.iter().all(|v| rows.contains(v)));
+        assert!(variants(&Scope { samples: vec![7], ..scope.clone() }).is_err());
+        assert!(variants(&Scope { maps: vec![0], ..scope }).is_err());
+    }
+}

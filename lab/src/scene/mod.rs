@@ -1,0 +1,28 @@
+//! Scenes: loaders and built-in ones.
+
+pub mod builtin;
+pub mod load;
+mod open;
+pub mod options;
+
+pub use builtin::{BUILTIN_NAMES, builtin};
+pub use load::{Loaded, load};
+pub use options::{CameraOverride, DEFAULT_LIGHT, SceneOptions, light_from_text};
+
+/// What a scene is made of.
+pub use subpixel_shadows::scene::{Camera, Ground, Light, Mesh};
+
+/// A scene: one mesh, one camera, one light.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name of the built-in scene, or the file it came from.
+    pub name: String,
+    /// All casters and receivers, the ground included (its two triangles are the last) where there is one.
+    pub mesh: Mesh,
+    /// The camera.
+    pub camera: Camera,
+    /// The light.
+    pub light: Light,
+    /// The ground plane that was added, if one was.
+    pub ground: Option<Ground>,
+}

@@ -1,0 +1,81 @@
+//! Opening a scene by name or path.
+
+use super::builtin::{BUILTIN_NAMES, builtin};
+use super::load::{EXTENSIONS, Loaded, load};
+use super::options::{DEFAULT_LIGHT, SceneOptions};
+use super::{Mesh, Scene};
+use std::path::Path;
+use subpixel_shadows::{Error, Result};
+
+impl Scene {
+    /// The scene that `spec` names: a built-in one, or a `.glb`, `.gltf`, `.obj`, `.ply` or `.toml` file.
+    ///
+    /// A scene without a camera is framed from its bounds, before a ground is added; one without a light gets
+    /// [`DEFAULT_LIGHT`]. A scene without triangles is no error.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if `spec` is neither a name nor a file, or camera, light or extent cannot be used;
+    /// [`Error::File`] if the file cannot be read; [`Error::Mesh`] if the mesh cannot be used.
+    pub fn open(spec: &str, options: &SceneOptions) -> Result<Self> {
+        Self::open_and_note(spec, options).map(|(scene, _)| scene)
+    }
+
+    /// As [`Scene::open`], with one line for people on what the file holds that is not read (skins, textures, …), if
+    /// it does.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    pub fn open_and_note(spec: &str, options: &SceneOptions) -> Result<(Self, Option<String>)> {
+        let loaded = match builtin(spec) {
+            Some(scene) => {
+                let (camera, light) = (Some(scene.camera), Some(scene.light));
+                Loaded { mesh: scene.mesh, camera, light, ..Loaded::default() }
+            }
+            None => from_file(spec)?,
+        };
+        let note = loaded.note().map(|note| format!("{}: {note}", spec.escape_debug()));
+        let mut mesh = loaded.mesh;
+        mesh.check(spec)?;
+        let camera = options.camera.unwrap_or_default().apply(loaded.camera, &mesh).map_err(|e| named(spec, e))?;
+        let light = options.light.or(loaded.light).unwrap_or(DEFAULT_LIGHT);
+        light.check()?;
+        let ground = if options.ground || loaded.ground { mesh.ground_below() } else { None };
+        if let Some(ground) = &ground {
+            mesh.add_ground(ground);
+            mesh.check(spec)?;
+        }
+        Ok((Self { name: spec.into(), mesh, camera, light, ground }, note))
+    }
+
+    /// A scene of one mesh with the camera that frames it and the [`DEFAULT_LIGHT`].
+    ///
+    /// # Errors
+    /// As [`Scene::open`] for what it finds in the mesh.
+    pub fn of_mesh(name: &str, mesh: Mesh) -> Result<Self> {
+        mesh.check(name)?;
+        let camera = super::CameraOverride::default().apply(None, &mesh).map_err(|e| named(name, e))?;
+        Ok(Self { name: name.into(), mesh, camera, light: DEFAULT_LIGHT, ground: None })
+    }
+}
+
+/// Adds the name of the scene to an error that does not name it.
+fn named(name: &str, error: Error) -> Error {
+    match error {
+        Error::Scene(message) => Error::Scene(format!("'{}': {message}", name.escape_debug())),
+        other => other,
+    }
+}
+
+fn from_file(spec: &str) -> Result<Loaded> {
+    let path = Path::new(spec);
+    let means_file = path.exists() || path.extension().is_some() || path.components().count() > 1;
+    if !means_file {
+        return Err(Error::Scene(format!(
+            "no scene '{}'; built in are {}; files are read with the extensions {}",
+            spec.escape_debug(),
+            BUILTIN_NAMES.join(", "),
+            EXTENSIONS.join(", ")
+        )));
+    }
+    load(path)
+}

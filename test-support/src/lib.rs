@@ -1,0 +1,12 @@
+//! What tests of several packages share.
+
+mod device;
+mod folder;
+mod frames;
+pub mod refused;
+pub mod soak;
+
+pub use device::gpu;
+pub use folder::Folder;
+pub use frames::status_of;
+pub use gpu_test::gpu_test;
