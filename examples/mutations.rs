@@ -1,9 +1,10 @@
 //! Tests of the tests: one token of one kernel changed at a time, and whether the tests of that stage notice.
 //!
-//! `cargo run --release --features mutations --example mutations -- [--per-kernel N] [--seed S] [--page FILE] [KERNEL...]`
+//! `cargo run --release --features mutations --example mutations -- [--per-kernel N] [--seed S] [--suites NAME,NAME] [--page FILE] [KERNEL...]`
 //!
 //! A change is a comparison, an operator, a constant, a component or a function taken for its neighbour, in the body of a function of the
 //! kernel's own files; only those count that are still WGSL. Nothing is compiled again: the tests take the change from the environment.
+//! What a stage's tests let through meets the suites of `--suites` (`surfaces`, `found`, `cpu`, …), in that order.
 //! A survivor may be a change that changes nothing (a bound that is never met with equality, a margin that is wide enough), or a gap
 //! in the tests. The exit status is 1 if the unchanged tests of a kernel fail.
 
@@ -28,11 +29,20 @@ struct Asked {
     per_kernel: usize,
     seed: u64,
     page: Option<PathBuf>,
+    suites: Vec<String>,
     kernels: Vec<String>,
 }
 
+/// A program of tests, those of it that are run, and how long they may take.
+struct Suite {
+    name: String,
+    program: PathBuf,
+    filter: Option<String>,
+    limit: Duration,
+}
+
 fn asked() -> Result<Asked> {
-    let mut asked = Asked { per_kernel: 20, seed: 1, page: None, kernels: Vec::new() };
+    let mut asked = Asked { per_kernel: 20, seed: 1, page: None, suites: Vec::new(), kernels: Vec::new() };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or_else(|| Error::Config(format!("{word} needs a value")));
@@ -41,6 +51,7 @@ fn asked() -> Result<Asked> {
             "--per-kernel" => asked.per_kernel = number(value()?)? as usize,
             "--seed" => asked.seed = number(value()?)?,
             "--page" => asked.page = Some(value()?.into()),
+            "--suites" => asked.suites = value()?.split(',').map(str::to_owned).collect(),
             name if kernels::ALL.iter().any(|(stem, ..)| *stem == name) => asked.kernels.push(word),
             name => return Err(Error::Config(format!("no kernel '{name}'"))),
         }
@@ -55,93 +66,124 @@ fn asked() -> Result<Asked> {
 
 fn run() -> Result<()> {
     let asked = asked()?;
-    let tests = test_binary()?;
+    let stages = test_program("stages")?;
+    let suites = asked.suites.iter().map(|name| Suite::new(name, test_program(name)?, None));
+    let suites = suites.collect::<Result<Vec<_>>>()?;
     let mut page = format!(
-        "# Mutations\n\n`cargo run --release --features mutations --example mutations -- --per-kernel {} --seed {}{}`\n\n\
-         One token of a kernel changed at a time, in its own files; caught: the tests of its stage fail, or do not end.\n\n\
-         | kernel | changes | caught | survivors |\n|---|---|---|---|\n",
+        "# Mutations\n\n`cargo run --release --features mutations --example mutations -- --per-kernel {} --seed {}{}{}`\n\n\
+         One token of a kernel changed at a time, in its own files; caught: tests fail, or do not end.{}\n\n\
+         | kernel | changes | caught by its stage | by others | survivors |\n|---|---|---|---|---|\n",
         asked.per_kernel,
         asked.seed,
+        if suites.is_empty() { String::new() } else { format!(" --suites {}", asked.suites.join(",")) },
         if asked.kernels.len() < 30 { format!(" {}", asked.kernels.join(" ")) } else { String::new() },
+        if suites.is_empty() { "" } else { " By others: by one of the suites, what the stage let through." },
     );
-    let (mut all, mut caught, mut listed) = (0, 0, String::new());
+    let (mut sum, mut listed) = ([0; 4], String::new());
     for stem in &asked.kernels {
         let Some((_, source, _)) = kernels::ALL.iter().find(|(name, ..)| name == stem) else { continue };
         let start = Instant::now();
-        if !passes(&tests, stem, None, Duration::from_secs(900))? {
-            return Err(Error::Config(format!("{stem}: the tests fail without a change")));
-        }
-        let limit = start.elapsed() * 3 + Duration::from_secs(20);
-        let mut survivors = Vec::new();
+        let stage = Suite::new(stem, stages.clone(), Some(format!("{stem}::")))?;
         let changes = chosen(stem, source, asked.per_kernel, asked.seed)?;
         if changes.is_empty() {
             return Err(Error::Config(format!("{stem}: no change was found in its text")));
         }
+        let mut counts = [changes.len(), 0, 0, 0];
         for (k, change) in changes.iter().enumerate() {
-            eprintln!("{stem}: {} of {}: {}", k + 1, changes.len(), change.shown(source));
+            let shown = change.shown(source);
+            eprintln!("{stem}: {} of {}: {shown}", k + 1, changes.len());
             let variable = format!("{stem}:{}:{}:{}", change.first, change.length, change.text);
-            if passes(&tests, stem, Some(&variable), limit)? {
-                survivors.push(change);
+            if stage.catches(&variable)? {
+                counts[1] += 1;
+                continue;
             }
+            let mut catcher = None;
+            for suite in &suites {
+                if catcher.is_none() && suite.catches(&variable)? {
+                    catcher = Some(&suite.name);
+                }
+            }
+            counts[if catcher.is_some() { 2 } else { 3 }] += 1;
+            let by = catcher.map_or("nobody".to_owned(), |name| format!("`{name}`"));
+            println!("  caught by {by}: {shown}");
+            let _ = writeln!(listed, "- {stem}, by {by}: `{shown}`");
         }
-        let found = changes.len() - survivors.len();
-        (all, caught) = (all + changes.len(), caught + found);
-        let _ = writeln!(page, "| {stem} | {} | {found} | {} |", changes.len(), survivors.len());
-        println!("{stem}: {found} of {} caught, {:.0} s", changes.len(), start.elapsed().as_secs_f64());
-        for change in survivors {
-            println!("  survived: {}", change.shown(source));
-            let _ = writeln!(listed, "- {stem}: `{}`", change.shown(source));
-        }
+        let [of, own, others, none] = counts;
+        let _ = writeln!(page, "| {stem} | {of} | {own} | {others} | {none} |");
+        println!("{stem}: {own} and {others} of {of} caught, {:.0} s", start.elapsed().as_secs_f64());
+        sum = std::array::from_fn(|k| sum[k] + counts[k]);
     }
-    let share = 100.0 * caught as f64 / f64::from(all.max(1) as u32);
-    let _ = writeln!(page, "| all | {all} | {caught} ({share:.1} %) | {} |\n\nSurvivors:\n\n{listed}", all - caught);
-    println!("{caught} of {all} caught ({share:.1} %)");
+    let [of, own, others, none] = sum;
+    let share = |n: usize| 100.0 * n as f64 / of.max(1) as f64;
+    let _ = writeln!(
+        page,
+        "| all | {of} | {own} ({:.1} %) | {others} | {none} ({:.1} %) |\n\nNot caught by the stage:\n\n{listed}",
+        share(own),
+        share(none)
+    );
+    println!("{own} and {others} of {of} caught ({:.1} %)", share(own + others));
     if let Some(file) = &asked.page {
         std::fs::write(file, page).map_err(|e| Error::File { path: file.clone(), message: e.to_string() })?;
     }
     Ok(())
 }
 
-/// Builds the tests of the stages and returns their program.
-fn test_binary() -> Result<PathBuf> {
-    let failed = |e: &dyn std::fmt::Display| Error::Config(format!("building the tests: {e}"));
-    let words =
-        ["test", "--release", "--features", "mutations", "--test", "stages", "--no-run", "--message-format=json"];
+/// Builds a suite of tests and returns its program.
+fn test_program(name: &str) -> Result<PathBuf> {
+    let failed = |e: &dyn std::fmt::Display| Error::Config(format!("building the tests {name}: {e}"));
+    let words = ["test", "--release", "--features", "subpixel-shadows/mutations", "--test", name, "--no-run"];
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let built = Command::new(cargo)
         .args(words)
+        .arg("--message-format=json")
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .stderr(Stdio::inherit())
         .output()
         .map_err(|e| failed(&e))?;
     let text = String::from_utf8_lossy(&built.stdout);
     let messages = text.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
-    let programs = messages.filter(|m| m["target"]["name"] == "stages" && m["target"]["kind"][0] == "test");
+    let programs = messages.filter(|m| m["target"]["name"] == name && m["target"]["kind"][0] == "test");
     let found = programs.filter_map(|m| m["executable"].as_str().map(PathBuf::from)).next_back();
     found.ok_or_else(|| failed(&"cargo names no program"))
 }
 
-/// Whether the tests of a stage pass with a change, within a time.
-fn passes(tests: &Path, stem: &str, change: Option<&str>, limit: Duration) -> Result<bool> {
-    let failed = |e: std::io::Error| Error::Config(format!("running the tests: {e}"));
-    let mut command = Command::new(tests);
-    command.args([&format!("{stem}::"), "--quiet"]).stdout(Stdio::null()).stderr(Stdio::null());
-    command.current_dir(env!("CARGO_MANIFEST_DIR")).env_remove(VARIABLE);
-    if let Some(change) = change {
-        command.env(VARIABLE, change);
+impl Suite {
+    /// A suite whose unchanged tests pass.
+    fn new(name: &str, program: PathBuf, filter: Option<String>) -> Result<Self> {
+        let suite = Self { name: name.to_owned(), program, filter, limit: Duration::from_secs(900) };
+        let start = Instant::now();
+        if !suite.passes(None)? {
+            return Err(Error::Config(format!("{name}: the tests fail without a change")));
+        }
+        Ok(Self { limit: start.elapsed() * 3 + Duration::from_secs(20), ..suite })
     }
-    let mut child = command.spawn().map_err(failed)?;
-    let start = Instant::now();
-    loop {
-        if let Some(status) = child.try_wait().map_err(failed)? {
-            return Ok(status.success());
+
+    fn catches(&self, change: &str) -> Result<bool> {
+        Ok(!self.passes(Some(change))?)
+    }
+
+    /// Whether the tests pass within their time.
+    fn passes(&self, change: Option<&str>) -> Result<bool> {
+        let failed = |e: std::io::Error| Error::Config(format!("running the tests {}: {e}", self.name));
+        let mut command = Command::new(&self.program);
+        command.args(&self.filter).arg("--quiet").stdout(Stdio::null()).stderr(Stdio::null());
+        command.current_dir(env!("CARGO_MANIFEST_DIR")).env_remove(VARIABLE);
+        if let Some(change) = change {
+            command.env(VARIABLE, change);
         }
-        if start.elapsed() > limit {
-            child.kill().map_err(failed)?;
-            child.wait().map_err(failed)?;
-            return Ok(false);
+        let mut child = command.spawn().map_err(failed)?;
+        let start = Instant::now();
+        loop {
+            if let Some(status) = child.try_wait().map_err(failed)? {
+                return Ok(status.success());
+            }
+            if start.elapsed() > self.limit {
+                child.kill().map_err(failed)?;
+                child.wait().map_err(failed)?;
+                return Ok(false);
+            }
+            std::thread::sleep(Duration::from_millis(20));
         }
-        std::thread::sleep(Duration::from_millis(20));
     }
 }
 
