@@ -132,6 +132,15 @@ fn degenerate() {
     for p in &got.positions {
         assert!((0..3).all(|k| (BOX[0][k]..=BOX[1][k]).contains(&p[k])), "{p:?}");
     }
+    // On the sides of the box, which belong to it.
+    for k in 0..3 {
+        for (side, outside) in [(BOX[0][k], 0), (BOX[1][k], 0), (BOX[0][k].next_down(), 1), (BOX[1][k].next_up(), 1)] {
+            let mut on = Case::new(1, [0, 3], &mut Random::new(5));
+            (on.vertices[0], on.places[0], on.count) = ([0.5; 3], [0, 0], 1);
+            on.vertices[0][k] = side;
+            assert_eq!(check(gpu(), &on).outside, outside, "component {k} at {side}");
+        }
+    }
     let shared = (1..400).find(|&v| case.places[v][0] == case.places[v - 1][0] && case.places[v][0] != NO_PLACE);
     let mut parted = Case::new(400, [0, 3], &mut Random::new(21));
     parted.vertices[shared.expect("a shared place")][1] = 0.125;

@@ -108,6 +108,16 @@ fn overflow_by_one() {
             check(gpu(), &stage, &values);
         }
     }
+    // In one lane of a vector alone, by two values of it, in a block that is full and in one that is not.
+    for lane in 0..4 {
+        for length in [2 * BLOCK, BLOCK + 40] {
+            for (a, b) in [(0, 4), (8, 32), (BLOCK, BLOCK + 36)] {
+                let mut values = vec![0; length];
+                (values[a + lane], values[b + lane]) = (1 << 31, 1 << 31);
+                check(gpu(), &stage, &values);
+            }
+        }
+    }
     // 2^33: the low word alone would be 0.
     check(gpu(), &stage, &[1 << 31; 4]);
     check(gpu(), &stage, &vec![1 << 20; 2 * BLOCK]);
