@@ -36,7 +36,7 @@ fn check(
     let t = owner_of(item, frame.triangle_count);
     let block = block_of(light_rects[t], item - work_offsets[t]);
     let i = triangles[t];
-    if is_culled(i.w, facing[t]) { return; }
+    if is_culled(frame.flags, i.w, facing[t]) { return; }
     let shape = cover_triangle(map_points[i.x], map_points[i.y], map_points[i.z]);
     let corner = block.low & vec2(~7u);
     var left = cover_cells(shape, block, 0xffu);

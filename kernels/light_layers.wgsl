@@ -92,7 +92,7 @@ fn task_of(item: u32) -> Task {
     if item >= work_offsets[frame.triangle_count] { return task; }
     let t = owner_of(item, frame.triangle_count);
     let given = triangles[t];
-    if is_culled(given.w, facing[t]) { return task; }
+    if is_culled(frame.flags, given.w, facing[t]) { return task; }
     // Vertices in order of index, so that an edge has one value in both of its triangles.
     var i = given.xyz;
     if i.x > i.y { i = i.yxz; }
@@ -117,8 +117,8 @@ fn raster(
 
 // Where the edge from a point in front to one that is not comes to the nearest distance.
 fn cut_point(front: vec4<f32>, behind: vec4<f32>) -> vec4<f32> {
-    let p = undivided(front);
-    let q = undivided(behind);
+    let p = undivided(front, frame.light_low.w);
+    let q = undivided(behind, frame.light_low.w);
     let near = frame.light_low.w;
     let at = mix(p, q, clamp((p.w - near) / (p.w - q.w), 0.0, 1.0));
     return vec4(at.xyz / near, near);

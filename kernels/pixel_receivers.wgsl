@@ -14,24 +14,8 @@
 const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;
 const FAULT_UNUSABLE = 3u;
-const GIVEN_POSITIONS = 1u;
-const GIVEN_NORMALS = 2u;
-const GIVEN_IDS = 4u;
 const NEAR_EDGE = 0.03125;
 const MOST_STEPS = 4u; // pixels to look for a neighbour on the same surface; rows that strips share
-
-struct PixelReceiversParams {
-    // At view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
-    depth: vec4<f32>,
-    nothing: f32,
-    tolerance: f32,
-    given: u32,
-    first: u32,        // number of the application's first triangle
-    none: u32,         // its number for no triangle
-    pad_0: u32,
-    pad_1: u32,
-    pad_2: u32,
-}
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> params: PixelReceiversParams;

@@ -19,13 +19,6 @@
 //@import frame dispatch facet facing double_float vertex facing_46 eye_edges eye_view nearest_sample
 //@import eye_order_46
 
-struct SurfaceStep {
-    round: u32,
-    first_slot: u32,  // of the band
-    slots: u32,       // of the band at most
-    word: u32,        // of the masks; of `nearest` and `settle_crowds` alone
-}
-
 override WORDS: u32 = 1u;
 override MERGE: u32 = 0u;
 override SAMPLES: u32 = 32u;  // of a word at most: code for more is left out

@@ -120,7 +120,7 @@ fn setup(
         map_points[i.x], map_points[i.y], map_points[i.z],
         sides_beyond(a.xyz) & sides_beyond(b.xyz) & sides_beyond(c.xyz));
     // With validity masks it may cut a facet.
-    if is_culled(i.w, side) & ((frame.flags & FLAG_VALIDITY) == 0u) { in_light = EMPTY_RECT; }
+    if is_culled(frame.flags, i.w, side) & ((frame.flags & FLAG_VALIDITY) == 0u) { in_light = EMPTY_RECT; }
     light_rects[t] = in_light;
     light_items[t] = block_count(in_light);
 }

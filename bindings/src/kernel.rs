@@ -1,5 +1,6 @@
 //! A kernel: its files, what naga knows of it, and the Rust text of its bindings.
 
+use crate::alone;
 use crate::types::{SharedStructs, texture};
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, GlobalVariable, Handle, Literal, Module, StorageAccess};
@@ -24,7 +25,7 @@ pub struct Kernel {
 /// The kernels of a folder, by name.
 ///
 /// # Errors
-/// The first file that cannot be read, parsed or validated.
+/// The first file that cannot be read, parsed or validated, those that others import by themselves.
 pub fn kernels(folder: &Path) -> Result<Vec<Kernel>, String> {
     let (mut stems, mut imports) = (Vec::new(), Imports::new());
     for file in files(folder, "")? {
@@ -39,11 +40,17 @@ pub fn kernels(folder: &Path) -> Result<Vec<Kernel>, String> {
         }
     }
     stems.sort();
-    stems.into_iter().map(|stem| Kernel::read(folder, &imports, stem)).collect()
+    let shared = alone::read(folder, &imports)?;
+    let read = |stem| {
+        let kernel = Kernel::read(folder, &imports, stem)?;
+        alone::check(&kernel, &shared)?;
+        Ok(kernel)
+    };
+    stems.into_iter().map(read).collect()
 }
 
 /// Files that kernels import, by name.
-type Imports = HashMap<String, String>;
+pub(crate) type Imports = HashMap<String, String>;
 
 /// The files of a folder and of those in it, from the folder on.
 fn files(folder: &Path, within: &str) -> Result<Vec<String>, String> {
@@ -63,8 +70,19 @@ fn files(folder: &Path, within: &str) -> Result<Vec<String>, String> {
     Ok(found)
 }
 
+/// Parses and validates the text of `stem`; 64-bit integers are for stems that end with `_64`.
+pub(crate) fn parse(source: &str, stem: &str) -> Result<(Module, ModuleInfo), String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string_with_path(source, stem))?;
+    let allowed = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
+    let allowed = if stem.ends_with("_64") { allowed } else { Capabilities::empty() };
+    let info = Validator::new(ValidationFlags::all(), allowed)
+        .validate(&module)
+        .map_err(|e| e.emit_to_string_with_path(source, stem))?;
+    Ok((module, info))
+}
+
 /// Appends a file after what it imports, each once.
-fn join(
+pub(crate) fn join(
     folder: &Path,
     imports: &Imports,
     file: &str,
@@ -99,14 +117,7 @@ impl Kernel {
     fn read(folder: &Path, imports: &Imports, stem: String) -> Result<Self, String> {
         let (mut files, mut source) = (Vec::new(), String::new());
         join(folder, imports, &format!("{stem}.wgsl"), &mut files, &mut source)?;
-        let at = |text: String| format!("kernels/{stem}.wgsl: {text}");
-        let module =
-            naga::front::wgsl::parse_str(&source).map_err(|e| at(e.emit_to_string_with_path(&source, &stem)))?;
-        let allowed = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
-        let allowed = if stem.ends_with("_64") { allowed } else { Capabilities::empty() };
-        let info = Validator::new(ValidationFlags::all(), allowed)
-            .validate(&module)
-            .map_err(|e| at(e.emit_to_string_with_path(&source, &stem)))?;
+        let (module, info) = parse(&source, &stem).map_err(|e| format!("kernels/{stem}.wgsl: {e}"))?;
         Ok(Self { stem, files, source, module, info })
     }
 

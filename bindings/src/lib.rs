@@ -1,8 +1,10 @@
 //! Typed bindings of the kernels: for each entry point a Rust struct with a field a binding, as naga finds them in WGSL.
 //!
-//! A kernel is `kernels/NAME.wgsl` with what it imports (`//@import NAME NAME`: files of the folders in `kernels/`). Structs that the host shares
-//! with kernels are found by their `shared_struct!` in `src/`.
+//! A kernel is `kernels/NAME.wgsl` with what it imports (`//@import NAME NAME`: files of the folders in `kernels/`). These say what they need
+//! of the kernel (`//@needs var<storage, read> points: array<vec4<f32>>;`) and are parsed alone, too. Structs that the host shares with kernels
+//! are found by their `shared_struct!` in `src/`.
 
+mod alone;
 mod kernel;
 mod types;
 

@@ -1,9 +1,13 @@
-// A caster's triangle in a block of pixels. Needs `frame`, `largest`, `triangles`, `points`, `camera_rects`
-// and `work_offsets`. Edge functions go through the eye, so nothing is clipped and nothing divided; each edge
-// is evaluated from its lower vertex index, so both triangles at it get the same value, and a centre on it
-// belongs to both.
+// A caster's triangle in a block of pixels. Edge functions go through the eye, so nothing is clipped and
+// nothing divided; each edge is evaluated from its lower vertex index, so both triangles at it get the same
+// value, and a centre on it belongs to both.
 
-//@import rect work_items span
+//@import frame facing rect work_items span
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> points: array<vec4<f32>>;
+//@needs var<storage, read> camera_rects: array<vec2<u32>>;
+//@needs var<storage, read> work_offsets: array<u32>;
 
 // Edge function through the eye as (at the corner ray, per pixel right, per pixel down).
 fn edge(i: u32, j: u32) -> vec3<f32> {

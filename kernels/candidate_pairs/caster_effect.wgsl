@@ -1,6 +1,11 @@
 // Effect of a caster on a facet, as far as outlines and slopes in the light view tell (candidate_pairs).
-// Needs `frame`, facet, facet_quad, facing, the arrays `undecided`, `triangles` and `map_points`, and the
-// override ALONE.
+
+//@import frame facet facet_quad facing
+//@needs override ALONE: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> undecided: array<Undecided>;
+//@needs var<storage, read> triangles: array<vec4<u32>>;
+//@needs var<storage, read> map_points: array<vec4<f32>>;
 
 const NOTHING = 0u;
 const MATTERS = 1u;

@@ -1,6 +1,9 @@
 // Where a facet's part of the pixel lies in the light view: its outline as four corners, which of thin and
-// slanting facets takes much less than its box. Needs `frame`, facet, facet_outline and the array
-// `undecided`.
+// slanting facets takes much less than its box.
+
+//@import frame facet facet_outline facing
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> undecided: array<Undecided>;
 
 // Corners lie at middle + u + v + rest, middle - u + v - rest, middle - u - v + rest and middle + u - v -
 // rest.

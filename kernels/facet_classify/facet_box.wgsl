@@ -1,6 +1,7 @@
-// The box of a facet's outline in the light view. Needs `frame` and facet.
+// The box of a facet's outline in the light view.
 
-//@import view_sides
+//@import frame facet view_sides
+//@needs var<uniform> frame: Frame;
 
 // The box of the outline, without its corners.
 struct OutlineBox {

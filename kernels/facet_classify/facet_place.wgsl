@@ -1,8 +1,14 @@
-// Where a facet of a triangle lies in the light view, and what follows from that (facet_classify). Needs
-// `frame`, rect, facet, facet_samples, vertex, front_split, only_receiver, summed_area, the arrays `facets`,
-// `undecided`, `masks`, `facet_items`, `triangles` and `splits`, and the overrides CLAMPED and RECEIVERS.
+// Where a facet of a triangle lies in the light view, and what follows from that (facet_classify).
 
-//@import facet_box
+//@import frame rect facet facing vertex front_split only_receiver summed_area facet_samples facet_box
+//@needs override CLAMPED: u32;
+//@needs override RECEIVERS: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> triangles: array<vec4<u32>>;
+//@needs var<storage, read> splits: array<f32>;
+//@needs var<storage, read_write> facets: array<Facet>;
+//@needs var<storage, read_write> undecided: array<Undecided>;
+//@needs var<storage, read_write> facet_items: array<atomic<u32>>;
 
 // A triangle, its vertices by rising index, and their edges from the first.
 struct Shape {

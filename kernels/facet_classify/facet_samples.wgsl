@@ -1,8 +1,11 @@
-// The samples of a facet: which lie on its own triangle, and the part of the pixel they lie in. Needs
-// `frame`, vertex, facet, the uniform `samples_given`, the arrays `facets` and `masks`, and the override
-// WORDS.
+// The samples of a facet: which lie on its own triangle, and the part of the pixel they lie in.
 
-//@import sample_copy
+//@import frame facet vertex sample_copy
+//@needs override WORDS: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> samples_given: array<vec4<f32>, 64>;
+//@needs var<storage, read_write> facets: array<Facet>;
+//@needs var<storage, read_write> masks: array<u32>;
 
 fn sample_offset(k: u32) -> vec2<f32> {
     let pair = samples_given[k >> 1u];

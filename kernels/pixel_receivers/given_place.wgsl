@@ -1,7 +1,28 @@
-// The surface at a pixel by an application's texture of depths or positions. Needs `frame`, `facing`,
-// `finite`, `strip`, the texture `place` and the uniform `params`.
+// The surface at a pixel by an application's texture of depths or positions.
+
+//@import frame facing finite strip
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> params: PixelReceiversParams;
+//@needs var place: texture_2d<f32>;
 
 const FARTHEST = 1e9;  // times the casters' distance: beyond it squares of squares leave f32
+
+const GIVEN_POSITIONS = 1u;
+const GIVEN_NORMALS = 2u;
+const GIVEN_IDS = 4u;
+
+struct PixelReceiversParams {
+    // At view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
+    depth: vec4<f32>,
+    nothing: f32,
+    tolerance: f32,
+    given: u32,
+    first: u32,        // number of the application's first triangle
+    none: u32,         // its number for no triangle
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+}
 
 const NOTHING = 0u;
 const SURFACE = 1u;

@@ -1,5 +1,9 @@
 // A triangle over the squares of pixels: whether it touches one, covers it, and how far off it is there.
-// Needs `frame`, eye_edges, and the arrays `triangles` and `points`.
+
+//@import frame facing eye_edges
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> points: array<vec4<f32>>;
 
 const MARGIN = 1.00001;
 

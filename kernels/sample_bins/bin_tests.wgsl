@@ -1,5 +1,14 @@
-// One caster against the samples of one texel. Needs shadow_ray and the bindings and constants of
-// sample_bins.
+// One caster against the samples of one texel.
+
+//@import frame shadow_lines shadow_ray
+//@needs override WORDS: u32;
+//@needs const WORKGROUP: u32;
+//@needs const LANES: u32;
+//@needs const CROWD: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read_write> masks: array<atomic<u32>>;
+//@needs var<storage, read_write> texel_ends: array<atomic<u32>>;
+//@needs var<storage, read_write> bins: array<vec4<u32>>;
 
 fn is_set(f: u32, part: u32, k: u32) -> bool {
     return ((atomicLoad(&masks[3u * WORDS * f + part * WORDS + (k >> 5u)]) >> (k & 31u)) & 1u) != 0u;

@@ -1,5 +1,7 @@
-// Triangles as the mesh holds them. Needs `frame`, vertex, shadow_ray, and the arrays `triangles` and
-// `positions`.
+// Triangles as the mesh holds them.
+
+//@import vertex shadow_ray
+//@needs var<storage, read> triangles: array<vec3<u32>>;
 
 fn caster_of(k: u32) -> Caster {
     var c: Caster;

@@ -1,5 +1,8 @@
 // A triangle as the rays of one pixel see it: edge functions and inverse depth, linear in the offset from the
-// pixel centre, with bounds of their doubt. Needs `frame`, eye_edges.
+// pixel centre, with bounds of their doubt.
+
+//@import frame facing eye_edges
+//@needs var<uniform> frame: Frame;
 
 struct View {
     at: vec3<f32>,      // the three edge functions at the pixel centre

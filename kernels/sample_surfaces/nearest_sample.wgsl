@@ -1,9 +1,17 @@
 // The nearest triangle of each sample of a word, kept by one invocation. Edges and inverse depths are
 // compared by bounds of linear functions; what those leave open is computed from the corners. Where two
-// surfaces almost touch, the other one is kept as a rival; where more may, the sample is crowded. Needs the
-// override SAMPLES, `frame`, `samples`, `step`, `points`, `triangles`, eye_view.
+// surfaces almost touch, the other one is kept as a rival; where more may, the sample is crowded.
 
-//@import word_offsets
+//@import frame pixel_ray eye_edges eye_view surface_step word_offsets
+//@needs override WORDS: u32;
+//@needs override SAMPLES: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> samples: array<vec4<f32>, 64>;
+//@needs var<uniform> step: SurfaceStep;
+//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> pixel_list: array<u32>;
+//@needs var<storage, read_write> sample_keys: array<u32>;
+//@needs var<storage, read_write> rivals_found: array<u32>;
 
 // State of each sample of the word: the complement of its triangle (0: none) and bounds of its inverse depth.
 // They are only indexed by what compilers know, so that they stay in registers. Where `rivals` has a bit,

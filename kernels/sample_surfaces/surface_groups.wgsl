@@ -1,6 +1,15 @@
-// Surfaces of the samples of complex pixels, and their grouping (sample_surfaces). Needs `frame`, `step`, the
-// overrides WORDS, MERGE and SAMPLES, and the arrays `complex_total`, `complex_pixels`, `sample_keys`,
-// `seen_keys`, `group_keys` and `points`.
+// Surfaces of the samples of complex pixels, and their grouping (sample_surfaces).
+
+//@import frame surface_step nearest_sample
+//@needs override WORDS: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> step: SurfaceStep;
+//@needs var<storage, read> points: array<vec4<f32>>;
+//@needs var<storage, read> complex_pixels: array<u32>;
+//@needs var<storage, read> complex_total: array<u32>;
+//@needs var<storage, read_write> sample_keys: array<u32>;
+//@needs var<storage, read> seen_keys: array<u32>;
+//@needs var<storage, read> group_keys: array<u32>;
 
 // Complex pixels of the band.
 fn slot_count() -> u32 {
@@ -10,11 +19,6 @@ fn slot_count() -> u32 {
 
 fn complex_pixel(slot: u32) -> u32 {
     return complex_pixels[step.first_slot + slot];
-}
-
-// Where what is known of sample `k` of the band's pixel `slot` is kept.
-fn place(slot: u32, k: u32) -> u32 {
-    return k * step.slots + slot;
 }
 
 // View depth of the farthest corner.

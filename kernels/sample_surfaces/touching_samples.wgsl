@@ -1,6 +1,15 @@
-// Samples at which surfaces almost touch (sample_surfaces), by 46 bits. Needs `frame`, `step`, WORDS,
-// ROUND_LENGTH, nearest_sample, eye_order_46, surface_groups, and the arrays `sample_keys`, `rivals_found`,
-// `crowds`, `pixel_offsets` and `pixel_list`.
+// Samples at which surfaces almost touch (sample_surfaces), by 46 bits.
+
+//@import frame pixel_ray eye_edges eye_order_46 surface_step nearest_sample surface_groups
+//@needs override WORDS: u32;
+//@needs override ROUND_LENGTH: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> step: SurfaceStep;
+//@needs var<storage, read> pixel_offsets: array<u32>;
+//@needs var<storage, read> pixel_list: array<u32>;
+//@needs var<storage, read_write> sample_keys: array<u32>;
+//@needs var<storage, read_write> rivals_found: array<u32>;
+//@needs var<storage, read_write> crowds: array<atomic<u32>>;
 
 // Two at a sample; lists the pixel if there may be more.
 fn settle_rivals_of(slot: u32) {

@@ -1,4 +1,9 @@
-// Where the samples of the word `step.word` lie in a pixel. Needs `samples`, `step` and the override WORDS.
+// Where the samples of the word `step.word` lie in a pixel.
+
+//@import surface_step
+//@needs override WORDS: u32;
+//@needs var<uniform> samples: array<vec4<f32>, 64>;
+//@needs var<uniform> step: SurfaceStep;
 
 // Offsets of the word's samples, two each, taken before the flow diverges: elsewhere vector machines read a
 // uniform lane by lane.

@@ -1,7 +1,11 @@
 // The tree of casters: eight children a node, their boxes in 8 bits (Ylitie, Karras, Laine 2017), in the unit
 // cube. A node is five vectors as `obvhs` lays them out: corner, three exponents and the mask of inner
 // children; first child, first triangle, a byte for each child; then the low and high planes of the children
-// along x, y and z. Needs the uniform `tree` and the array `nodes`.
+// along x, y and z.
+
+//@import facing
+//@needs var<uniform> tree: TreePlace;
+//@needs var<storage, read> nodes: array<vec4<u32>>;
 
 struct TreePlace {
     place: vec4<f32>,  // a point p of the frame is p * place.w + place.xyz in the cube

@@ -1,6 +1,12 @@
 // Triangles that cut a facet within its pixel (Pan 2009, section 3.4, figure 7), and where to look for them.
-// Needs `frame`, shadow_ray, caster_tree, and the arrays `undecided` and `masks` (coverage, occluded,
-// invalid: WORDS words each).
+// `masks` holds coverage, occluded, invalid: WORDS words each.
+
+//@import frame facet facing vertex facing_46 shadow_lines shadow_lines_46 shadow_ray caster_tree leaf_caster
+//@needs override WORDS: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> tree: TreePlace;
+//@needs var<storage, read> undecided: array<Undecided>;
+//@needs var<storage, read_write> masks: array<atomic<u32>>;
 
 // Takes in a triangle that may cut the facet: the samples on the other side of its line than the pixel centre
 // see another surface.

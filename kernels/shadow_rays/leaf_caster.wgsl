@@ -1,4 +1,8 @@
-// Triangles as the leaves of the tree hold them. Needs `frame`, shadow_ray, and the array `casters`.
+// Triangles as the leaves of the tree hold them.
+
+//@import frame shadow_ray
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> casters: array<vec4<f32>>;
 
 fn caster_of(k: u32) -> Caster {
     let a = casters[3u * k];

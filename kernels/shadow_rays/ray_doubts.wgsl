@@ -1,4 +1,10 @@
-// Doubts of shadow rays that single precision left open, as they lie in `work`. Needs `frame` and shadow_ray.
+// Doubts of shadow rays that single precision left open, as they lie in `work`.
+
+//@import frame
+//@needs override WORDS: u32;
+//@needs const WORK_HEAD: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read_write> work: array<atomic<u32>>;
 
 // First word of the doubts, and how many there is room for.
 fn doubts() -> vec2<u32> {

@@ -1,6 +1,12 @@
 // Borders between texels that are dark and texels that are not, and the lines that are drawn in their place
-// (smsr). Needs `frame`, receiver, the array `nearest_keys`, and the overrides REACH, MIDPOINTS and
-// BIAS_SLOPE.
+// (smsr).
+
+//@import frame receiver
+//@needs override REACH: u32;
+//@needs override MIDPOINTS: u32;
+//@needs override BIAS_SLOPE: f32;
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> nearest_keys: array<u32>;
 
 // The receiver's plane over the texels: depth per texel to the right and down, and less the bias at the place
 // of the first sample that meets it.

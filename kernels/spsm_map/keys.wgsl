@@ -1,9 +1,9 @@
-// The nearest triangle of each cell (texel or pixel) in the array `keys` of atomic Key: of a cell two words,
-// complement of the triangle and a key that falls with its depth, both 0 where there is none. Found in two
-// runs: the first finds the depth, the second the lowest triangle at that depth. Where a device has 64-bit
-// atomics keys_64 stands in its place.
+// The nearest triangle of each cell (texel or pixel) in the array `keys`: of a cell two words, complement of
+// the triangle and a key that falls with its depth, both 0 where there is none. Found in two runs: the first
+// finds the depth, the second the lowest triangle at that depth. Where a device has 64-bit atomics keys_64
+// stands in its place.
 
-alias Key = u32;
+@group(0) @binding(7) var<storage, read_write> keys: array<atomic<u32>>;
 
 fn held_depth(cell: u32) -> u32 { return atomicLoad(&keys[2u * cell + 1u]); }
 

@@ -1,7 +1,7 @@
 // The nearest triangle of each cell, as in keys, for 64-bit atomics: one key in one run, the depth above the
 // triangle's complement.
 
-alias Key = u64;
+@group(0) @binding(7) var<storage, read_write> keys: array<atomic<u64>>;
 
 fn held_depth(cell: u32) -> u32 { return u32(atomicLoad(&keys[cell]) >> 32u); }
 

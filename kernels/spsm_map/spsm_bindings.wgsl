@@ -1,4 +1,4 @@
-// Bindings and constants of spsm_map, whatever its atomics hold: Key is of keys or keys_64.
+// Bindings and constants of spsm_map, but for `keys`, which keys or keys_64 binds.
 
 //@import frame pass
 
@@ -13,7 +13,6 @@ const WORKGROUP = 64u;
 @group(0) @binding(4) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> light_rects: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> work_offsets: array<u32>;
-@group(0) @binding(7) var<storage, read_write> keys: array<atomic<Key>>;
 @group(0) @binding(8) var<storage, read_write> upper_records: array<vec4<u32>>;
 @group(0) @binding(9) var<storage, read_write> lower_records: array<vec4<u32>>;
 @group(0) @binding(10) var<storage, read_write> seen: array<atomic<u32>>;

@@ -1,8 +1,8 @@
 // A triangle of which a part lies behind the light's nearest distance: the lines of its edges and its plane
-// over the map, found without division (Olano and Greer 1997), so that they hold for the part in front. Needs
-// `frame`.
+// over the map, found without division (Olano and Greer 1997), so that they hold for the part in front.
 
-//@import undivided
+//@import frame undivided
+//@needs var<uniform> frame: Frame;
 
 struct CutShape {
     edges: array<vec3<f32>, 3>, // inside where dot((x, y, 1), edge) >= 0
@@ -17,8 +17,8 @@ fn with_edge(range: vec2<f32>, a: vec4<f32>, b: vec4<f32>) -> vec2<f32> {
     if a.w > 0.0 { found = vec2(min(found.x, a.z), max(found.y, a.z)); }
     if (a.w > 0.0) != (b.w > 0.0) {
         let near = frame.light_low.w;
-        let p = undivided(a).zw;
-        let q = undivided(b).zw;
+        let p = undivided(a, near).zw;
+        let q = undivided(b, near).zw;
         let at = mix(p.x, q.x, clamp((p.y - near) / (p.y - q.y), 0.0, 1.0)) / near;
         found = vec2(min(found.x, at), max(found.y, at));
     }
@@ -27,7 +27,8 @@ fn with_edge(range: vec2<f32>, a: vec4<f32>, b: vec4<f32>) -> vec2<f32> {
 
 // Of a triangle whose cover knows its edges.
 fn cut_shape(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> CutShape {
-    let whole = array(undivided(a), undivided(b), undivided(c));
+    let near = frame.light_low.w;
+    let whole = array(undivided(a, near), undivided(b, near), undivided(c, near));
     let p = whole[0].xyw;
     let q = whole[1].xyw;
     let r = whole[2].xyw;

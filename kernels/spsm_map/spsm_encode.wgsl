@@ -1,8 +1,8 @@
-// Writing the records of the sub-pixel shadow map. Needs `frame`, `step`, `triangles`, `map_points`, `seen`,
-// `upper_records`, `lower_records`, the override SPLIT, and held_depth and held_triangle, the key and the
-// complement that a texel holds.
+// Writing the records of the sub-pixel shadow map.
 
-//@import divide dispatch spsm_raster
+//@import divide dispatch spsm_bindings spsm_raster
+//@needs fn held_depth(cell: u32) -> u32;
+//@needs fn held_triangle(cell: u32) -> u32;
 
 fn store(texel: u32, record: vec4<u32>) {
     let upper = frame.map_size * upper_rows();

@@ -1,8 +1,7 @@
-// The blocks of texels that casters are rasterized in for the sub-pixel shadow map. Needs `frame`, `step`,
-// the casters' arrays `triangles`, `map_points`, `light_rects` and `work_offsets`, `seen`, and held_depth,
-// the depth key that a texel holds.
+// The blocks of texels that casters are rasterized in for the sub-pixel shadow map.
 
-//@import rect work_items cover_cells spsm_record spsm_cut seen_texels
+//@import spsm_bindings rect work_items cover_cells spsm_record spsm_cut seen_texels
+//@needs fn held_depth(cell: u32) -> u32;
 
 const TIE = 1e-5;   // of depth
 const LIFT = 2.0;   // times its own range of depths by which a triangle may count as nearer than it is

@@ -1,6 +1,13 @@
 // Samples of one texel of the light view, judged by the triangles around it and the border that links their
-// outer edges (Lecocq 2013, section 4.2). Needs spsm_border, spsm_search, the table `patterns`, and the
-// overrides WORDS and MANY.
+// outer edges (Lecocq 2013, section 4.2).
+
+//@import receiver spsm_record spsm_sheet spsm_border spsm_search
+//@needs override WORDS: u32;
+//@needs override MANY: u32;
+//@needs override RADIUS: i32;
+//@needs override STRETCH: i32;
+//@needs override SQUARE: i32;
+//@needs var<uniform> patterns: array<vec4<u32>, 512>;
 
 // Parts of a pixel that the search needs: the place of its centre, which is on the triangle, and which
 // samples are.

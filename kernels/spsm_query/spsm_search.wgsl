@@ -1,5 +1,9 @@
 // Which texels a sample's shadow is searched in (Lecocq 2013, sections 4.1 and 6.4), by the pattern of depth
-// tests around it: a row of the table `patterns`. Needs the overrides RADIUS, SQUARE and STRETCH.
+// tests around it: a row of the table `patterns`.
+
+//@needs override RADIUS: i32;
+//@needs override STRETCH: i32;
+//@needs override SQUARE: i32;
 
 // Direction of the n-th run of lit texels.
 fn towards_lit(pattern: vec4<u32>, n: u32) -> vec2<i32> {

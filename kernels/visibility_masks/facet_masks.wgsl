@@ -1,5 +1,10 @@
 // The masks of a facet while casters are evaluated: what is open still, what is added, and what cuts it.
-// Needs `frame`, facet, shadow_lines, sample_masks, the array `masks`, and the overrides WORDS and CUTS.
+
+//@import frame shadow_lines sample_masks
+//@needs override WORDS: u32;
+//@needs override CUTS: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read_write> masks: array<atomic<u32>>;
 
 // Whether no sample is left that could still be lit: nothing more needs to be known of the facet.
 fn is_dark(f: u32) -> bool {

@@ -1,7 +1,10 @@
-// From lines of the image to masks of samples. Needs the array `table` and the overrides WORDS, ANGLES and
-// OFFSETS.
+// From lines of the image to masks of samples.
 
 //@import sample_copy
+//@needs override WORDS: u32;
+//@needs override ANGLES: u32;
+//@needs override OFFSETS: u32;
+//@needs var<storage, read> table: array<u32>;
 
 // Four half-planes as matrices: column k holds what line k is at the centre, per pixel right, per pixel down.
 struct Lines {

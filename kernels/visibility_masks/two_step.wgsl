@@ -5,6 +5,9 @@
 // there it flips). Divides by heights over light and eye, and bounds no rounding: for comparison with
 // shadow_lines, whose `Ground` and `crossings` it uses.
 
+//@import frame pixel_ray shadow_lines sample_masks
+//@needs var<uniform> frame: Frame;
+
 // A point `h` over the facet's plane, thrown onto it; w: -1 if the light is not above the point, else 1.
 fn thrown(g: Ground, p: vec3<f32>, h: f32) -> vec4<f32> {
     let l = frame.light.xyz - frame.light.w * p;

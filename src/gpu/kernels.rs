@@ -80,8 +80,8 @@ pub mod candidate_pairs {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/facet", "shared/facet/facet_outline", "candidate_pairs/facet_quad",
-        "shared/frame/facing", "shared/raster/candidates", "shared/raster/rect", "shared/raster/places",
+        "shared/frame/pixel_ray", "shared/facet/facet", "shared/facet/facet_outline", "shared/frame/facing",
+        "candidate_pairs/facet_quad", "shared/raster/candidates", "shared/raster/rect", "shared/raster/places",
         "shared/raster/tile_cells", "shared/frame/frame_copy", "candidate_pairs/caster_effect", "candidate_pairs",
     }
     constants! {
@@ -539,9 +539,9 @@ pub mod pixel_receivers {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, NOTHING = 0, SURFACE = 1, FAULT = 2,
-        GIVEN_POSITIONS = 1, WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, GIVEN_NORMALS = 2,
-        GIVEN_IDS = 4, MOST_STEPS = 4,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2,
+        GIVEN_IDS = 4, NOTHING = 0, SURFACE = 1, FAULT = 2, WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3,
+        MOST_STEPS = 4,
     }
     entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -569,8 +569,8 @@ pub mod pixel_texel_pairs {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
         "shared/raster/rect", "shared/raster/work_items", "shared/frame/pixel_ray", "shared/facet/facet",
-        "shared/facet/facet_outline", "shared/frame/facing", "shared/facet/only_receiver",
-        "shared/raster/front_split", "shared/raster/block_bits", "shared/raster/places", "shared/raster/append",
+        "shared/facet/facet_outline", "shared/frame/facing", "shared/raster/front_split",
+        "shared/facet/only_receiver", "shared/raster/block_bits", "shared/raster/places", "shared/raster/append",
         "shared/raster/map_ends", "shared/frame/frame_copy", "pixel_texel_pairs",
     }
     constants! {
@@ -717,8 +717,8 @@ pub mod pixel_triangles {
     } }
     group! { Raster {
         work_offsets: Read<'a, u32>,
-        frame: Uniform<'a, crate::frame::Frame>,
         points: Read<'a, [f32; 4]>,
+        frame: Uniform<'a, crate::frame::Frame>,
         triangles: Read<'a, [u32; 4]>,
         step: Uniform<'a, crate::stages::camera_visibility::Pass>,
         camera_rects: Read<'a, [u32; 2]>,
@@ -1061,9 +1061,9 @@ pub mod sample_surfaces {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
         "shared/frame/facing_46", "shared/facet/eye_edges", "sample_surfaces/eye_view",
-        "sample_surfaces/word_offsets", "sample_surfaces/nearest_sample", "shared/facet/eye_order_46",
-        "shared/frame/frame_copy", "sample_surfaces/surface_groups", "sample_surfaces/touching_samples",
-        "sample_surfaces",
+        "sample_surfaces/surface_step", "sample_surfaces/word_offsets", "sample_surfaces/nearest_sample",
+        "shared/facet/eye_order_46", "shared/frame/frame_copy", "sample_surfaces/surface_groups",
+        "sample_surfaces/touching_samples", "sample_surfaces",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1640,18 +1640,18 @@ pub mod spsm_query {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/cross_sign",
-        "shared/spsm/spsm_record", "shared/spsm/spsm_sheet", "shared/math/divide", "shared/frame/pixel_ray",
-        "shared/facet/receiver", "shared/spsm/spsm_border", "spsm_query/spsm_search", "shared/spsm/spsm_footprint",
-        "shared/spsm/spsm_settle", "shared/spsm/seen_texels", "spsm_query/spsm_recovery", "spsm_query",
+        "shared/spsm/spsm_record", "shared/spsm/seen_texels", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/facet/receiver", "shared/spsm/spsm_sheet", "shared/spsm/spsm_border", "spsm_query/spsm_search",
+        "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle", "spsm_query/spsm_recovery", "spsm_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_BITS = 8,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0,
+        SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
         SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0,
         CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2,
-        SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6,
         WORKGROUP = 64,
     }
     overrides! {
@@ -1709,13 +1709,13 @@ pub mod spsm_query {
     group! { Texels {
         frame: Uniform<'a, crate::frame::Frame>,
         slopes: Uniform<'a, [f32; 4]>,
-        seen: Write<'a, u32>,
-        upper_records: Read<'a, [u32; 4]>,
-        lower_records: Read<'a, [u32; 4]>,
         id_keys: Read<'a, u32>,
         triangles: Read<'a, [u32; 4]>,
         points: Read<'a, [f32; 4]>,
         samples: Uniform<'a, [f32; 4]>,
+        seen: Write<'a, u32>,
+        upper_records: Read<'a, [u32; 4]>,
+        lower_records: Read<'a, [u32; 4]>,
         patterns: Uniform<'a, [u32; 4]>,
         visibility: Write<'a, f32>,
         lit: Write<'a, u32>,

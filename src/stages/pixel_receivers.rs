@@ -27,7 +27,7 @@ use crate::shared_struct;
 
 shared_struct! {
     /// Contents of an application's textures.
-    "pixel_receivers" => pub struct PixelReceiversParams {
+    "pixel_receivers/given_place" => pub struct PixelReceiversParams {
         /// At view depth `z`, world units, the texture holds `([0] * z + [1]) / ([2] * z + [3])`.
         pub depth: [f32; 4],
         /// The depth for no surface.

@@ -29,7 +29,7 @@ pub use kernel::{SEVERAL, WORKGROUP};
 
 shared_struct! {
     /// Complex pixels that a dispatch takes.
-    "sample_surfaces" => pub struct SurfaceStep {
+    "sample_surfaces/surface_step" => pub struct SurfaceStep {
         /// Which part of each list of triangles.
         pub round: u32,
         /// First complex pixel.

@@ -1,5 +1,9 @@
-// Edges of a triangle seen from the eye. Needs `frame`, `facing` (for `largest`) and the array `points`. An
-// edge is evaluated from its lower vertex index, so that both triangles at it get one value with two signs.
+// Edges of a triangle seen from the eye. An edge is evaluated from its lower vertex index, so that both
+// triangles at it get one value with two signs.
+
+//@import frame facing
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> points: array<vec4<f32>>;
 
 // Three vertices, each loaded once: functions of edges and planes are told them.
 struct Corners {

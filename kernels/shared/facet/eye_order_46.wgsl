@@ -1,4 +1,7 @@
-// Which of planes is nearer to the eye along a ray, with 46 bits. Needs `frame`, vertex and facing_46.
+// Which of planes is nearer to the eye along a ray, with 46 bits.
+
+//@import frame facing double_float facing_46
+//@needs var<uniform> frame: Frame;
 
 // Below 0 if the plane of `i` is nearer along the ray than that of `j`, above 0 if it is farther, 0 if that
 // is not certain.

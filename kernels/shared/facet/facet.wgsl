@@ -1,7 +1,8 @@
-// Facets: surfaces inside one pixel each (Pan 2009, section 3.1). Needs `frame`. What only evaluation asks is
-// apart: most facets are settled, and what is never touched costs no time.
+// Facets: surfaces inside one pixel each (Pan 2009, section 3.1). What only evaluation asks is apart: most
+// facets are settled, and what is never touched costs no time.
 
-//@import pixel_ray
+//@import frame pixel_ray
+//@needs var<uniform> frame: Frame;
 
 struct Facet {
     pixel: u32,

@@ -1,4 +1,7 @@
-// The outline of a facet in the light view. Needs `frame` and facet.
+// The outline of a facet in the light view.
+
+//@import frame facet
+//@needs var<uniform> frame: Frame;
 
 // Corners in order around, in texels; where there are less than five, one of them again for the others.
 struct Outline {

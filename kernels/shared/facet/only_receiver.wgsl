@@ -1,7 +1,10 @@
 // Facets of surfaces that only receive: their triangles stand behind those of the casters and cast nothing.
-// Proofs about the casters' own surfaces (front_split) do not hold for them: they may lie anywhere
-// between two layers, cut through them, and lie far outside the box of the casters. Needs `frame`, `facet`,
-// `facing`, `rect`, `front_split` and the array `splits`.
+// Proofs about the casters' own surfaces (front_split) do not hold for them: they may lie anywhere between
+// two layers, cut through them, and lie far outside the box of the casters.
+
+//@import frame pixel_ray facing facet rect front_split
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> splits: array<f32>;
 
 fn only_receives(triangle: u32) -> bool {
     return triangle >= frame.triangle_count;

@@ -1,7 +1,12 @@
 // Receiver of a pixel, for methods of one receiver a pixel: the plane of the triangle at its centre, and its
-// place in the light view. Needs `frame`, and the arrays `id_keys`, `triangles`, `points` and `samples`.
+// place in the light view.
 
-//@import pixel_ray
+//@import frame facing pixel_ray
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> samples: array<vec4<f32>, 64>;
+//@needs var<storage, read> id_keys: array<u32>;
+//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> points: array<vec4<f32>>;
 
 const SEEN_NONE = 0u;
 const SEEN_DARK = 1u;   // faces away from the light, or is edge-on to it

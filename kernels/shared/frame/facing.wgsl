@@ -1,5 +1,7 @@
 // Which side of a triangle the light sees.
 
+//@import frame
+
 const FRONT = 0u;
 const BACK = 1u;
 const UNSURE = 2u;   // edge-on within rounding: counts as both
@@ -40,7 +42,7 @@ fn is_reversed(given: vec3<u32>, rising: vec3<u32>) -> bool {
 }
 
 // Whether a triangle is no caster: it turns away from the light, and is one of a closed body where such are
-// left out.
-fn is_culled(of_body: u32, side: u32) -> bool {
-    return ((frame.flags & FLAG_CULL_BACK) != 0u) & (of_body != 0u) & (side == BACK);
+// left out by the frame's flags.
+fn is_culled(flags: u32, of_body: u32, side: u32) -> bool {
+    return ((flags & FLAG_CULL_BACK) != 0u) & (of_body != 0u) & (side == BACK);
 }

@@ -1,4 +1,7 @@
-// Which side of a triangle light and eye are on, with 46 bits. Needs vertex, double_float and `largest`.
+// Which side of a triangle light and eye are on, with 46 bits.
+
+//@import frame facing double_float vertex
+//@needs var<uniform> frame: Frame;
 
 // 2^-40: above what 46-bit arithmetic makes of an exact zero, relative to the factors
 const EDGE_ON = 9.094947e-13;

@@ -1,5 +1,8 @@
-// A copy of the frame, which kernels that import this bind as `frame_given`. Every entry point begins with
-// take_frame, before the flow diverges: after that, vector machines read a uniform lane by lane.
+// A copy of the frame. Every entry point begins with take_frame, before the flow diverges: after that, vector
+// machines read a uniform lane by lane.
+
+//@import frame
+//@needs var<uniform> frame_given: Frame;
 
 var<private> frame: Frame;
 

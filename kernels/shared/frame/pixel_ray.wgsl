@@ -1,6 +1,7 @@
-// Pixels and the rays of their samples from the eye, offsets in pixels from the centre. Needs `frame`.
+// Pixels and the rays of their samples from the eye, offsets in pixels from the centre.
 
-//@import divide
+//@import frame divide
+//@needs var<uniform> frame: Frame;
 
 // The pixel's upper left corner in the image, in pixels.
 fn pixel_corner(pixel: u32) -> vec2<f32> {

@@ -1,5 +1,7 @@
-// A copy of the samples' offsets, which kernels that import this bind as `samples_given`. Needs the override
-// WORDS. Entry points that ask for `samples` begin with take_samples.
+// A copy of the samples' offsets. Entry points that ask for `samples` begin with take_samples.
+
+//@needs override WORDS: u32;
+//@needs var<uniform> samples_given: array<vec4<f32>, 64>;
 
 override SAMPLES: u32 = 32u;  // samples a pixel; code for more of a word is left out
 

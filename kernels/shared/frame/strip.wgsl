@@ -1,4 +1,7 @@
-// Pixels of a strip of rows, and the texels of the whole image. Needs `frame` and `divide`.
+// Pixels of a strip of rows, and the texels of the whole image.
+
+//@import frame divide
+//@needs var<uniform> frame: Frame;
 
 // Column and row of a pixel in the strip.
 fn place_in_strip(pixel: u32) -> vec2<u32> {

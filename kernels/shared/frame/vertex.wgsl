@@ -1,4 +1,8 @@
-// Vertices as they were given, relative to the eye and scaled. Needs `frame` and the array `positions`.
+// Vertices as they were given, relative to the eye and scaled.
+
+//@import frame
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> positions: array<vec3<f32>>;
 
 fn world_of(v: u32) -> vec3<f32> {
     return positions[v];

@@ -1,5 +1,4 @@
-// The boundaries of a triangle's shadow on a facet, as lines of the image. Needs `frame`, `facet`, `facing`,
-// `vertex`, and the arrays `undecided`, `triangles` and `positions`.
+// The boundaries of a triangle's shadow on a facet, as lines of the image.
 //
 // The eye is the origin; r(x, y) = r + x * rx + y * ry is the ray of the sample at offset (x, y) from the
 // pixel centre, the facet's plane is n . p = d, q is its point at one of its samples, from which offsets
@@ -9,6 +8,11 @@
 // X = d * rx - q * (n . rx), Y = d * ry - q * (n . ry). Nothing is divided by, and s is small where it
 // matters. The triangle's own plane is such a plane too. An edge is evaluated from its lower vertex index, so
 // that the two triangles at it see one line from its two sides.
+
+//@import frame facet facing pixel_ray
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read> undecided: array<Undecided>;
+//@needs var<storage, read> triangles: array<vec3<u32>>;
 
 struct Ground {
     normal: vec3<f32>,

@@ -1,4 +1,7 @@
-// The lines of shadow_lines with 46 bits, from the vertices as they were given. Needs facing_46.
+// The lines of shadow_lines with 46 bits, from the vertices as they were given.
+
+//@import frame pixel_ray double_float facing_46 shadow_lines
+//@needs var<uniform> frame: Frame;
 
 const ZERO_46 = 3.6e-12;  // 2^-38: what 46-bit arithmetic leaves of an exact zero, relative
 

@@ -1,6 +1,10 @@
 // The segment from a sample's point on a facet to the light against one triangle: Moeller and Trumbore (1997)
-// with a bound for what rounding may do, and with 46 bits where that leaves it open. Needs `frame`,
-// `samples`, `caster_of`, shadow_lines and shadow_lines_46.
+// with a bound for what rounding may do, and with 46 bits where that leaves it open.
+
+//@import frame pixel_ray facing facing_46 shadow_lines shadow_lines_46
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> samples: array<vec4<f32>, 64>;
+//@needs fn caster_of(k: u32) -> Caster;
 
 const FREE = 0u;
 const BLOCKED = 1u;

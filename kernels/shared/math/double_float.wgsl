@@ -1,9 +1,12 @@
-// Numbers of about 46 bits as unevaluated sums of two f32 (Dekker 1971, Knuth 1969). Needs `frame`. WGSL lets
-// a compiler fuse a multiplication into an addition. Sums alone are safe from that; products are split by
-// integer masks so that every partial product is exact, fused or not, and the rounded product passes through
-// `seal`, which no compiler can see through, so that it is not computed a second time with another rounding.
-// Some drivers compile a kernel anew for the values of uniforms that its conditions ask for, and then take
-// sums apart: no condition asks for `seal`.
+// Numbers of about 46 bits as unevaluated sums of two f32 (Dekker 1971, Knuth 1969). WGSL lets a compiler
+// fuse a multiplication into an addition. Sums alone are safe from that; products are split by integer masks
+// so that every partial product is exact, fused or not, and the rounded product passes through `seal`, which
+// no compiler can see through, so that it is not computed a second time with another rounding. Some drivers
+// compile a kernel anew for the values of uniforms that its conditions ask for, and then take sums apart: no
+// condition asks for `seal`.
+
+//@import frame
+//@needs var<uniform> frame: Frame;
 
 fn seal(x: f32) -> f32 { return bitcast<f32>(bitcast<u32>(x) ^ frame.seal); }
 

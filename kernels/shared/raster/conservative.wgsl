@@ -1,8 +1,9 @@
-// Conservative overlap of a projected triangle with a texel, and its range of depth there. Needs `frame`. A
-// texel is tested with its square grown by frame.map_margin, which is far above the rounding of the
-// projection and of the edge functions; large coordinates grow it further.
+// Conservative overlap of a projected triangle with a texel, and its range of depth there. A texel is tested
+// with its square grown by frame.map_margin, which is far above the rounding of the projection and of the
+// edge functions; large coordinates grow it further.
 
-//@import undivided
+//@import frame undivided
+//@needs var<uniform> frame: Frame;
 
 struct Cover {
     edges: array<vec3<f32>, 3>,  // inside where dot((x, y, 1), edge) >= 0 for a texel centre, reach included
@@ -70,14 +71,15 @@ fn cover_triangle_by(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> C
 // (Olano and Greer 1997). They reach out by what rounding may have moved the corners.
 fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     var s: Cover;
-    let p = undivided(a).xyw;
-    let q = undivided(b).xyw;
-    let r = undivided(c).xyw;
+    let near = frame.light_low.w;
+    let p = undivided(a, near).xyw;
+    let q = undivided(b, near).xyw;
+    let r = undivided(c, near).xyw;
     let size = f32(frame.map_size);
     let far = vec3(
         max(max(abs(p.x), abs(p.y)), size * abs(p.z)), max(max(abs(q.x), abs(q.y)), size * abs(q.z)),
         max(max(abs(r.x), abs(r.y)), size * abs(r.z)));
-    let off = 8.0 * frame.map_margin * frame.light_low.w;
+    let off = 8.0 * frame.map_margin * near;
     let both = far * far.yzx;
     let det = dot(p, cross(q, r));
     let noise = (off * (both.x + both.y + both.z) + 4e-6 * far.x * far.y * far.z) / size;

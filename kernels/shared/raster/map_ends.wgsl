@@ -1,6 +1,9 @@
 // Sides of the light's map beyond which parts of large casters were left out (FLAG_ENDS): what goes on beyond
-// them, facets and casters, meets in all texels at them. Needs `frame`. A bit a side: lowest x, highest x,
-// lowest y, highest y.
+// them, facets and casters, meets in all texels at them. A bit a side: lowest x, highest x, lowest y, highest
+// y.
+
+//@import frame
+//@needs var<uniform> frame: Frame;
 
 // The ends that a box of the map goes beyond.
 fn ends_beyond(low: vec2<f32>, high: vec2<f32>) -> u32 {

@@ -1,5 +1,8 @@
 // Mean and variance of the depths of squares of texels, level above level: level 0 are the texels, a cell of
-// level k is a square of 2^k of them a side, cut at the map's border. Needs `frame` and `front_split`.
+// level k is a square of 2^k of them a side, cut at the map's border.
+
+//@import frame front_split
+//@needs var<uniform> frame: Frame;
 
 struct MapLevels {
     far: f32,    // depth where there is no caster: well beyond that of anything

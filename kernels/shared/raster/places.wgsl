@@ -1,4 +1,7 @@
-// Where pairs meet: the texels of the map, or tiles of 2 x 2 of them. Needs `frame` and rect.
+// Where pairs meet: the texels of the map, or tiles of 2 x 2 of them.
+
+//@import frame rect
+//@needs var<uniform> frame: Frame;
 
 override TILE_SHIFT: u32 = 0u;  // 0: texels; 1: tiles
 

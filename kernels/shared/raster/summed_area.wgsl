@@ -1,6 +1,7 @@
-// Sums over rectangles of a map, by four reads of its summed-area table. The importing kernel binds the table
-// as `sat: array<u32>`: row-major, `size.x` words a row, element (x, y) the sum over all texels (i, j) with i
-// <= x and j <= y, modulo 2^32.
+// Sums over rectangles of a map, by four reads of its summed-area table `sat`: row-major, `size.x` words a
+// row, element (x, y) the sum over all texels (i, j) with i <= x and j <= y, modulo 2^32.
+
+//@needs var<storage, read> sat: array<u32>;
 
 // The sum over texels (i, j) with low.x <= i <= high.x and low.y <= j <= high.y, modulo 2^32: exact whenever
 // the true sum is below 2^32. `high` beyond the map is taken as its last texel; a rectangle without texels

@@ -1,5 +1,8 @@
-// Which sides of the light's view a point lies beyond, also where it is not in front of the light. Needs
-// `frame`. Of a convex figure whose corners all lie beyond one side, nothing is in the view.
+// Which sides of the light's view a point lies beyond, also where it is not in front of the light. Of a
+// convex figure whose corners all lie beyond one side, nothing is in the view.
+
+//@import frame
+//@needs var<uniform> frame: Frame;
 
 fn sides_beyond(point: vec3<f32>) -> u32 {
     let p = vec4(point, 1.0);

@@ -2,6 +2,8 @@
 // total after the last, a flag, and then what work_owners made of them: the places of a table, 0 where there
 // is none, and the table.
 
+//@needs var<storage, read> work_offsets: array<u32>;
+
 const STRIDE = 8u;  // items a place of the table
 const HEAD = 3u;    // words between the offsets and the table
 

@@ -1,6 +1,8 @@
 // The texels of a light-view map that are asked for, as bits of its 8 x 8 blocks: two words a block, the
-// upper four rows in the first; those asked for last once more; and what goes with them. Needs `frame` and
-// the array `seen` of atomic words.
+// upper four rows in the first; those asked for last once more; and what goes with them.
+
+//@import frame
+//@needs var<uniform> frame: Frame;
 
 const SEEN_WON = 0u;        // blocks won, see spsm_map
 const SEEN_CHOSEN = 1u;     // items to be gone through

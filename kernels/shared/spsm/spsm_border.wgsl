@@ -1,5 +1,8 @@
 // Depth tests of receiver against sheet, and the border of a shadow as the outer edges of the sheets around
-// give it (Lecocq 2013, section 4.2). Needs spsm_sheet, receiver and the override BIAS.
+// give it (Lecocq 2013, section 4.2).
+
+//@import spsm_record spsm_sheet receiver
+//@needs override BIAS: f32;
 
 var<private> pieces: array<vec4<f32>, 75>;  // edges of up to 25 texels: both ends
 var<private> piece_count: u32;

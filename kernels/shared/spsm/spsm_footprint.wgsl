@@ -1,4 +1,8 @@
-// Footprint of a pixel in the light view. Needs receiver and the override MANY.
+// Footprint of a pixel in the light view.
+
+//@import frame pixel_ray receiver
+//@needs override MANY: u32;
+//@needs var<uniform> frame: Frame;
 
 const CLASS_EMPTY = 0u;
 const CLASS_DARK = 1u;

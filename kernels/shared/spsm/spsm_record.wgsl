@@ -1,6 +1,6 @@
 // The 128-bit record of a texel of `spsm`, and the sheet it encodes: the triangle's three edges and its
-// plane, around the texel's centre, in texels. Needs `frame`, the uniform `slopes` (threshold above each
-// code, value, bound) and the overrides ENCODING and SPLIT.
+// plane, around the texel's centre, in texels. `slopes` holds of each code the threshold above it, its value
+// and a bound.
 // ENCODING 0 (Lecocq 2013, section 3.3): x | y << 16 of each vertex over the map; depth << 16 | slope y << 8
 // | slope x.
 // ENCODING 1: per edge direction << 20 | distance << 8 | a byte of depth; slope y << 16 | slope x. SPLIT 1:
@@ -8,7 +8,10 @@
 // binding may be. SPLIT 0: the upper array holds all of it. A record whose last word is EMPTY_WORD holds
 // nothing: no slope has that code.
 
-//@import cross_sign
+//@import frame cross_sign
+//@needs override ENCODING: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<uniform> slopes: array<vec4<f32>, 256>;
 
 const EMPTY_WORD = 0xffffffffu;
 const FAR_EDGE = 64.0;          // texels: an edge beyond the code's range

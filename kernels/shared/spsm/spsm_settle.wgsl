@@ -1,5 +1,8 @@
-// Tests of a pixel's whole footprint by the closest triangles. Needs spsm_footprint, spsm_border, and the
-// overrides MANY and RADIUS.
+// Tests of a pixel's whole footprint by the closest triangles.
+
+//@import receiver spsm_record spsm_sheet spsm_border spsm_footprint
+//@needs override RADIUS: i32;
+//@needs override MANY: u32;
 
 // Whether a closest triangle may lie before the receiver in a texel of the footprint: by its plane, or by its
 // outline.

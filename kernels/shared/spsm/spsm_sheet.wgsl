@@ -1,5 +1,12 @@
-// Questions to a sheet of the sub-pixel shadow map. Needs spsm_record, seen_texels and the records. Places
-// are in texels.
+// Questions to a sheet of the sub-pixel shadow map. Places are in texels.
+
+//@import frame spsm_record seen_texels receiver
+//@needs override ENCODING: u32;
+//@needs override SPLIT: u32;
+//@needs var<uniform> frame: Frame;
+//@needs var<storage, read_write> seen: array<atomic<u32>>;
+//@needs var<storage, read> upper_records: array<vec4<u32>>;
+//@needs var<storage, read> lower_records: array<vec4<u32>>;
 
 var<private> missed: bool;  // a texel was read that is not made
 
