@@ -8,9 +8,9 @@
 // part strictly on the light's side of the facet casts nothing on it. `evaluate` works in single precision
 // and puts every candidate it cannot decide, whose lines it cannot place within LINE_TRUST pixels, or with a
 // line nearer to a sample than rounding may move it, on the list `doubts`; `refine` decides those with 46
-// bits. So two triangles at an edge agree on every sample, whichever of the two decides each. What may cut
-// the facet is put on the same list, from its end, for `cut_facets`: few candidates do, and vector machines
-// pay for code that no lane takes. No candidate is on it twice.
+// bits. So two triangles at an edge agree on every sample, whichever of the two decides each. Other
+// candidates that may cut the facet are put on the list `cuts`, for `cut_facets`: few do, and vector machines
+// pay for code that no lane takes. Each has room for all candidates, `cuts` with FLAG_VALIDITY alone.
 
 //@import frame dispatch facet facing double_float vertex facing_46 candidates
 
@@ -32,6 +32,7 @@ const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 @group(0) @binding(8) var<storage, read> table: array<u32>;
 @group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> doubts: array<u32>;
+@group(0) @binding(9) var<storage, read_write> cuts: array<u32>;
 
 //@import frame_copy
 
@@ -101,7 +102,7 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
     }
     add(f, 1u, m);
     if may_cut(vec3(l.centre.w, l.right.w, l.down.w), h) {
-        doubts[frame.candidate_capacity - 1u - atomicAdd(&candidates.tally[TALLY_CUTS], 1u)] = k;
+        cuts[atomicAdd(&candidates.tally[TALLY_CUTS], 1u)] = k;
     }
     return true;
 }
@@ -117,7 +118,7 @@ fn cut_facets(
     let count = atomicLoad(&candidates.tally[TALLY_CUTS]);
     let stride = WORKGROUP * groups.x * groups.y;
     for (var n = flat_invocation(group, groups, WORKGROUP, local); n < count; n += stride) {
-        let pair = candidates.list[doubts[frame.candidate_capacity - 1u - n]];
+        let pair = candidates.list[cuts[n]];
         if is_dark(pair.x) { continue; }
         let i = rising(triangles[pair.y]);
         let g = ground_of(pair.x);

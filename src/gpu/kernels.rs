@@ -2046,8 +2046,8 @@ pub mod visibility_masks {
         4 triangles: Read<'a, [u32; 4]>,
         5 positions: Read<'a, [f32; 4]>,
         6 masks: Write<'a, u32>,
-        7 doubts: Write<'a, u32>,
         8 table: Read<'a, u32>,
+        9 cuts: Write<'a, u32>,
     } }
     entry_point! { "visibility_masks", "evaluate", [64, 1, 1], SOURCE, Constants => Evaluate, EvaluateProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2059,6 +2059,7 @@ pub mod visibility_masks {
         6 masks: Write<'a, u32>,
         7 doubts: Write<'a, u32>,
         8 table: Read<'a, u32>,
+        9 cuts: Write<'a, u32>,
     } }
     entry_point! { "visibility_masks", "refine", [64, 1, 1], SOURCE, Constants => Refine, RefineProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2071,12 +2072,8 @@ pub mod visibility_masks {
         7 doubts: Write<'a, u32>,
         8 table: Read<'a, u32>,
     } }
-    subset! { CutFacets => Evaluate { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
-    subset! { CutFacets => Refine { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
-    subset! { Evaluate => CutFacets { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
+    subset! { Evaluate => CutFacets { frame, samples, undecided, candidates, triangles, positions, masks, table, cuts } }
     subset! { Evaluate => Refine { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
-    subset! { Refine => CutFacets { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
-    subset! { Refine => Evaluate { frame, samples, undecided, candidates, triangles, positions, masks, doubts, table } }
     entries! {
         CutFacets, Evaluate, Refine,
     }

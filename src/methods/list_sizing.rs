@@ -121,8 +121,10 @@ fn pair_bytes(settings: &Settings, (p, t, c): (u64, u64, u64)) -> u64 {
             t.saturating_mul(SortedPairs::BYTES[0]).saturating_add(p.saturating_mul(SortedPairs::BYTES[1]))
         }
     };
-    // Each pair takes two bytes more of what is found once (`PairLists::touched`), each candidate four of doubts.
-    let [p, t, c] = [p.saturating_mul(10), t.saturating_mul(2 + triangle_pair_bytes(settings)), c.saturating_mul(12)];
+    // Each pair takes two bytes more of what is found once (`PairLists::touched`), each candidate four of doubts and four of cuts.
+    let candidate = if settings.keeps_validity() { 16 } else { 12 };
+    let [p, t, c] =
+        [p.saturating_mul(10), t.saturating_mul(2 + triangle_pair_bytes(settings)), c.saturating_mul(candidate)];
     p.saturating_add(t).saturating_add(c).saturating_add(sorted)
 }
 

@@ -88,6 +88,8 @@ pub struct PairLists {
     pub candidates: Buffer<u32>,
     /// Candidates to be evaluated again with 46 bits.
     pub doubts: Buffer<u32>,
+    /// Other candidates that may cut the facet within its pixel; none without [`Frame::VALIDITY`].
+    pub cuts: Buffer<u32>,
 }
 
 /// Words before the list of candidates.
@@ -96,7 +98,8 @@ pub const TALLY_WORDS: usize = TALLY_COUNTERS + SEEN as usize;
 pub const TALLY_COUNTERS: usize = 16;
 
 impl PairLists {
-    /// Memory for a map of `size` texels a side and this many pairs, which meet at `places`.
+    /// Memory for a map of `size` texels a side and this many pairs, which meet at `places`. `validity`: frames may set
+    /// [`Frame::VALIDITY`].
     ///
     /// # Errors
     /// As [`Buffer::storage`].
@@ -107,6 +110,7 @@ impl PairLists {
         pixel_pairs: usize,
         triangle_pairs: usize,
         candidates: usize,
+        validity: bool,
     ) -> Result<Self> {
         let (count, blocks) = (places.count(size), size.div_ceil(kernel::BLOCK as usize).pow(2));
         Ok(Self {
@@ -120,6 +124,7 @@ impl PairLists {
             touched: Buffer::storage(device, "pairs.touched", Self::touched_words(pixel_pairs, triangle_pairs))?,
             candidates: Buffer::storage(device, "pairs.candidates", TALLY_WORDS + 2 * candidates)?,
             doubts: Buffer::storage(device, "pairs.doubts", candidates)?,
+            cuts: Buffer::storage(device, "pairs.cuts", if validity { candidates } else { 0 })?,
         })
     }
 

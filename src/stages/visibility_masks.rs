@@ -89,7 +89,7 @@ impl VisibilityMasks {
         stage.run(&self.evaluate, bindings, Groups::Indirect(args.0, args.1));
         let Some(cut) = &self.cut else { return };
         // At most 256 an invocation: a device may cut loops off after 65,535 turns.
-        let most = (lists.doubts.len() as u64).div_ceil(256 * u64::from(kernel::WORKGROUP));
+        let most = (lists.cuts.len() as u64).div_ceil(256 * u64::from(kernel::WORKGROUP));
         let groups = Groups::Strides(most.max(u64::from(kernel::CUT_GROUPS)));
         stage.run(cut, bindings, groups);
     }
@@ -123,6 +123,7 @@ impl VisibilityMasks {
             positions: casters.positions.as_read(),
             masks: facets.masks.as_write(),
             doubts: lists.doubts.as_write(),
+            cuts: lists.cuts.as_write(),
             table: casters.table.as_read(),
         }
     }

@@ -83,7 +83,7 @@ fn cull_lists(
     change(&mut words);
     let pairs = once.repeat(times);
     let triangles = words.len() / stage.places().words();
-    let lists = PairLists::new(&gpu.device, MAP, stage.places(), pairs.len(), triangles, len).expect("memory");
+    let lists = PairLists::new(&gpu.device, MAP, stage.places(), pairs.len(), triangles, len, false).expect("memory");
     lists.pixel_pairs.write(&gpu.queue, &pairs);
     lists.triangle_pairs.write(&gpu.queue, &words);
     lists.triangle_offsets.write(&gpu.queue, &offsets);

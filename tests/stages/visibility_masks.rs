@@ -64,7 +64,7 @@ fn evaluate_with(
         .filter(undecided)
         .flat_map(|f| (0..triangles).filter(move |&t| t != list_triangle(listed, f)).map(move |t| [f as u32, t]))
         .collect();
-    let lists = PairLists::new(&gpu.device, 1, PairTiles::default(), 1, 1, pairs.len()).expect("memory");
+    let lists = PairLists::new(&gpu.device, 1, PairTiles::default(), 1, 1, pairs.len(), validity).expect("memory");
     let mut content = vec![0; TALLY_WORDS];
     content[1] = pairs.len() as u32;
     content.extend(pairs.iter().flatten());
@@ -321,7 +321,7 @@ fn overflow_by_one() {
     let stage = stage(gpu(), 32);
     let reach = |capacity: u32, counted: u32| {
         let facets = classify(&world, &listed);
-        let lists = PairLists::new(&gpu().device, 1, PairTiles::default(), 1, 1, 8).expect("memory");
+        let lists = PairLists::new(&gpu().device, 1, PairTiles::default(), 1, 1, 8, true).expect("memory");
         let mut content = vec![0; TALLY_WORDS];
         content[1] = counted;
         // A facet on a triangle in the same place eight times over: candidates 3 and later are some other facet's.
@@ -329,6 +329,7 @@ fn overflow_by_one() {
         content.extend((0..8).flat_map(|k| [f(k), 5]));
         lists.candidates.write(&gpu().queue, &content);
         let mut frame = world.frame;
+        frame.flags |= Frame::VALIDITY;
         frame.candidate_capacity = capacity;
         let (frame, offsets) = (uniform(gpu(), &frame), world.sample_offsets());
         let casters = EvaluationInputs {
@@ -340,12 +341,14 @@ fn overflow_by_one() {
         let args = indirect(gpu(), 8);
         let sentinel = vec![u32::MAX; 8];
         lists.doubts.write(&gpu().queue, &sentinel);
+        lists.cuts.write(&gpu().queue, &sentinel);
         run(gpu(), |s| stage.record_evaluate(s, &frame, casters, &facets, &lists, (args.raw(), 0)));
         let tally = lists.candidates.read_first(gpu(), 4).expect("readback");
-        let doubts = lists.doubts.read(gpu()).expect("readback");
         assert_eq!(tally[1], counted, "the need stays");
-        assert!(doubts.iter().all(|&d| d == u32::MAX || d < capacity.min(counted)), "capacity {capacity}: {doubts:?}");
-        doubts.iter().filter(|&&d| d != u32::MAX).count()
+        let listed = [&lists.doubts, &lists.cuts].map(|list| list.read(gpu()).expect("readback"));
+        let listed = listed.concat().into_iter().filter(|&k| k != u32::MAX).collect::<Vec<_>>();
+        assert!(listed.iter().all(|&k| k < capacity.min(counted)), "capacity {capacity}: {listed:?}");
+        listed.len()
     };
     for capacity in [2, 3, 4] {
         assert!(reach(capacity, 8) <= capacity as usize);

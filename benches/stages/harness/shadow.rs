@@ -89,7 +89,7 @@ impl Shadow {
         let pixel_stage = PixelTexelPairs::new(device, PLACES);
         let triangle_stage = TriangleTexelPairs::new(device, PLACES);
         let mut shadow = Self {
-            lists: PairLists::new(device, MAP as usize, PLACES, 1, 1, 1)?,
+            lists: PairLists::new(device, MAP as usize, PLACES, 1, 1, 1, false)?,
             pair_args: args(gpu, 0)?,
             candidate_args: args(gpu, 0)?,
             counts: [0; 3],
@@ -115,7 +115,7 @@ impl Shadow {
         shadow.tests = lengths(&pixel_offsets).iter().zip(lengths(&triangle_offsets)).map(|(p, t)| p * t).sum();
         let deepest = shadow.lists.place_deepest.read(gpu)?;
         let room = (8 * pixel_count).max(1 << 16);
-        shadow.lists = PairLists::new(device, MAP as usize, PLACES, pixel_count, triangle_count, room)?;
+        shadow.lists = PairLists::new(device, MAP as usize, PLACES, pixel_count, triangle_count, room, false)?;
         shadow.lists.place_deepest.write(queue, &deepest);
         shadow.lists.pixel_offsets.write(queue, &pixel_offsets);
         shadow.lists.triangle_offsets.write(queue, &triangle_offsets);

@@ -166,7 +166,15 @@ impl PairMemory {
         let scratch = |pairs, both| SortedPairs::scratch(device, pairs, both);
         let sorted = settings.pairs == PairVariant::Sorted;
         Ok(Self {
-            lists: PairLists::new(device, map, places, c.pixel_pairs, c.triangle_pairs, c.candidates)?,
+            lists: PairLists::new(
+                device,
+                map,
+                places,
+                c.pixel_pairs,
+                c.triangle_pairs,
+                c.candidates,
+                settings.keeps_validity(),
+            )?,
             unsorted: if sorted {
                 Some([scratch(c.pixel_pairs, true)?, scratch(c.triangle_pairs, false)?])
             } else {

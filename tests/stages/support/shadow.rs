@@ -223,7 +223,7 @@ impl World {
         let gpu = self.gpu;
         let (map, count) = (self.view.map.map_size as usize, facets.list.len());
         let places = stage.places();
-        let mut lists = PairLists::new(&gpu.device, map, places, capacity.max(1), 1, 1).expect("memory");
+        let mut lists = PairLists::new(&gpu.device, map, places, capacity.max(1), 1, 1, false).expect("memory");
         let items = facets.items.read_first(gpu, count).expect("readback");
         let (offsets, args, total) = self.items(&items);
         let splits = self.splits(splits);
@@ -284,8 +284,10 @@ impl World {
         let map = self.view.map.map_size as usize;
         // Nothing is kept from counting.
         let touched = Buffer::storage(&gpu.device, "test.touched", 0).expect("memory");
-        let lists =
-            PairLists { touched, ..PairLists::new(&gpu.device, map, stage.places(), len, 1, 1).expect("memory") };
+        let lists = PairLists {
+            touched,
+            ..PairLists::new(&gpu.device, map, stage.places(), len, 1, 1, false).expect("memory")
+        };
         let (offsets, args, _) = self.items(&facets.items.read_first(gpu, facets.list.len()).expect("readback"));
         let splits_on_gpu = self.splits(splits);
         let mut frame = self.frame;
@@ -316,7 +318,7 @@ impl World {
         let map = self.view.map.map_size as usize;
         let places = stage.places();
         let (count, words_each) = (places.count(map), places.words());
-        let mut lists = PairLists::new(&gpu.device, map, places, 1, len, 1).expect("memory");
+        let mut lists = PairLists::new(&gpu.device, map, places, 1, len, 1, false).expect("memory");
         let items = self.facts.light_items.read(gpu).expect("readback");
         let (offsets, args, total) = self.items(&items);
         let across = map.div_ceil(8);
