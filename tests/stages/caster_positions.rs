@@ -133,8 +133,8 @@ fn degenerate() {
         assert!((0..3).all(|k| (BOX[0][k]..=BOX[1][k]).contains(&p[k])), "{p:?}");
     }
     // On the sides of the box, which belong to it.
-    for k in 0..3 {
-        for (side, outside) in [(BOX[0][k], 0), (BOX[1][k], 0), (BOX[0][k].next_down(), 1), (BOX[1][k].next_up(), 1)] {
+    for (k, (low, high)) in BOX[0].into_iter().zip(BOX[1]).enumerate() {
+        for (side, outside) in [(low, 0), (high, 0), (low.next_down(), 1), (high.next_up(), 1)] {
             let mut on = Case::new(1, [0, 3], &mut Random::new(5));
             (on.vertices[0], on.places[0], on.count) = ([0.5; 3], [0, 0], 1);
             on.vertices[0][k] = side;
