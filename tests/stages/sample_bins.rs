@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, recorder};
 use subpixel_shadows::samples::Samples;
-use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::facet_classify::FacetState;
@@ -204,6 +204,31 @@ fn degenerate() {
         let world = world(case, [32, 24], 24, samples(32));
         compare(&world, &world.seen()).assert_right(&what);
     }
+}
+
+/// No light falls through the edges that casters share: all samples under a roof of many triangles are occluded, those too whose rays meet
+/// its edges and vertices, which single precision leaves open.
+#[gpu_test]
+fn shared_edges_let_nothing_through() {
+    let mut open = 0;
+    for direction in [[0.0, 1.0, 0.0], [1e-7, 1.0, -3e-8], [0.1, 1.0, 0.05]] {
+        let mut mesh = sheet(8, 1.0, |_, _| 0.5, |p| p);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([[-0.5, 0.0, -0.5], [-0.5, 0.0, 0.5], [0.5, 0.0, 0.5], [0.5, 0.0, -0.5]]);
+        mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|v| v + first)));
+        // Straight down from below the roof: columns and rows of samples lie under its edges.
+        let down = camera(DVec3::new(0.0, 0.3, 0.0), DVec3::ZERO, 60.0);
+        let look = Camera { up: [0.0, 0.0, -1.0], ..down };
+        let world = world((mesh, look, Light::Directional { direction }), [33, 33], 7, samples(32));
+        let ran = test(&world, &world.seen(), usize::MAX);
+        open += ran.doubts;
+        let undecided = ran.masks.iter().filter(|m| m.0 == FacetState::Undecided as u32);
+        assert!(undecided.clone().count() > 1000, "{direction:?}");
+        for (f, (_, [coverage, occluded, _])) in undecided.enumerate() {
+            assert_eq!(occluded, coverage, "{direction:?}: facet {f}");
+        }
+    }
+    assert!(open > 100, "{open} samples are in doubt");
 }
 
 /// Bands that end inside the list, down to one facet each; with room for less than the doubts that come up.
