@@ -2,6 +2,7 @@
 
 use crate::Pipeline;
 use futures::executor::block_on;
+use lab::scene::builtin;
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 use subpixel_shadows::gpu::{Gpu, KeptPrograms, Profile, kernels, program};
@@ -13,7 +14,6 @@ use subpixel_shadows::methods::{
 };
 use subpixel_shadows::pass::{Casters, PassConfig, ShadowPass};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::builtin;
 use subpixel_shadows::{Error, Result, wgpu};
 
 /// Samples a pixel: less than a word, one word, the most; and one, of which some methods know a shorter way.
