@@ -231,13 +231,15 @@ fn overflow_by_one() {
     assert!(noted[0] > 0 && noted[2] < room && noted.iter().any(|&n| n > 2 * room), "{noted:?}, {room}");
 }
 
-/// A sheet whose depth is that of the near distance, to a few ulps, is seen where it lies beyond it, and a wall behind it elsewhere.
+/// A sheet whose depth is that of the near distance, to a few ulps, is seen where it lies beyond it, and elsewhere a wall behind it, or nothing.
 #[gpu_test]
 fn near_distance() {
-    for (near, lean) in [(1.0f32, 4e-7), (1.0, -4e-7), (0.25, 2e-7), (3.0, 8e-7)] {
+    for (near, lean, wall) in [(1.0f32, 4e-7, true), (1.0, -4e-7, false), (0.25, 2e-7, true), (3.0, 8e-7, false)] {
         let mut mesh = Mesh::default();
         let of = |near: f64, x: f64, y: f64, lean: f64| DVec3::new(x, y, -near - lean * x / near);
-        for (far, lean) in [(f64::from(near), lean), (2.0 * f64::from(near), 0.0)] {
+        for (far, lean) in
+            [(f64::from(near), lean), (2.0 * f64::from(near), 0.0)].into_iter().take(1 + usize::from(wall))
+        {
             let corners =
                 [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)].map(|(x, y)| of(far, far * x, far * y, lean));
             add(&mut mesh, &corners, &[[0, 1, 2], [0, 2, 3]]);
@@ -248,7 +250,7 @@ fn near_distance() {
         let ran = run_all(gpu(), &case);
         let wanted = case.wanted();
         let seen = nearest(&wanted.view, &wanted.triangles, DepthMargin { edge: 1e-3, depth: 1e-11 });
-        let (mut open, mut of_each) = (0, [0; 4]);
+        let (mut open, mut of_each) = (0, [0; 5]);
         for (pixel, want) in seen.iter().enumerate() {
             let got = (ran.id_keys[pixel] != 0).then_some(!ran.id_keys[pixel]);
             if want.open {
@@ -256,7 +258,7 @@ fn near_distance() {
                 continue;
             }
             assert_eq!(got, want.triangle, "near {near}, lean {lean}: pixel {pixel}");
-            of_each[got.map_or(0, |t| t as usize)] += 1;
+            of_each[got.map_or(4, |t| t as usize)] += 1;
         }
         let surfaces = of_each.iter().filter(|&&n| n > 100).count();
         assert!(open * 4 < seen.len() && surfaces >= 3, "near {near}, lean {lean}: {open} open, {of_each:?}");
