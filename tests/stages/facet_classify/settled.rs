@@ -1,6 +1,9 @@
 //! Settled facets of whole frames against traced rays.
 
 use super::*;
+use crate::support::POISON;
+use subpixel_shadows::frame::Frame;
+use subpixel_shadows::gpu::kernels::facet_classify::{FACET_ALONE, STATE_MERGED};
 
 /// Settled facets against rays from points of their own triangle: how many were looked at, and how many are wrong.
 fn wrongly_settled(kind: u32, seed: u64, views: u32) -> (usize, usize, [usize; 5]) {
@@ -58,4 +61,30 @@ fn settled_facets_are_never_wrong() {
         total += looked_at;
     }
     assert!(total > 100_000, "only {total} points of settled facets");
+}
+
+/// A facet is alone, its neighbours' lines unasked, where it is cut to its own triangle: not where it is merged of several, nor where samples
+/// beyond it count.
+#[gpu_test]
+fn alone_are_facets_of_one_triangle() {
+    let mut random = Random::new(77);
+    for (flags, state, alone) in [
+        (0, POISON, false),
+        (Frame::CLAMP, 0, true),
+        (Frame::CLAMP, STATE_MERGED, false),
+        (Frame::CLAMP | Frame::BEYOND, 0, false),
+    ] {
+        let look = camera(DVec3::new(0.5, 1.2, 2.2), DVec3::ZERO, 50.0);
+        let mesh = random_scene(1, &mut random);
+        let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
+        let mut world = World::new(gpu(), &mesh, look, light, [32, 24], 16, samples(32));
+        world.frame.flags |= flags;
+        let facets = world.classify_of(&world.seen(), state, &[true; 256], &[Split::Marked; 256]);
+        let got = read(gpu(), &facets);
+        let undecided = got.facets.iter().zip(&got.undecided).filter(|(f, _)| f.state == FacetState::Undecided as u32);
+        assert!(undecided.clone().count() > 50, "{flags}: {} undecided", undecided.count());
+        for (facet, more) in undecided {
+            assert_eq!(more.tilts & FACET_ALONE != 0, alone, "flags {flags}, state {state}: {facet:?}");
+        }
+    }
 }

@@ -156,6 +156,13 @@ impl World {
 
     /// Runs `classify` on listed facets over given marks and splits.
     pub fn classify(&self, listed: &[(u32, Option<u32>)], marked: &[bool], splits: &[Split]) -> Facets {
+        // With CLAMP the stage before says what it merged: nothing.
+        let state = if self.frame.flags & Frame::CLAMP == 0 { POISON } else { 0 };
+        self.classify_of(listed, state, marked, splits)
+    }
+
+    /// As [`World::classify`], of facets that the stage before left in a state.
+    pub fn classify_of(&self, listed: &[(u32, Option<u32>)], state: u32, marked: &[bool], splits: &[Split]) -> Facets {
         static MADE: Pipelines<FacetClassify> = Pipelines::new();
         let (gpu, words) = (self.gpu, self.words());
         let classify = MADE.get(gpu, words, || FacetClassify::new(&gpu.device, words as u32));
@@ -164,8 +171,7 @@ impl World {
         let one = |&(pixel, t): &(u32, Option<u32>)| Facet {
             pixel,
             triangle: t.unwrap_or(u32::MAX),
-            // With it the stage before says what it merged: nothing.
-            state: if self.frame.flags & Frame::CLAMP == 0 { POISON } else { 0 },
+            state,
             ..Facet::default()
         };
         facets.list.write(&gpu.queue, &listed.iter().map(one).collect::<Vec<_>>());
