@@ -78,16 +78,19 @@ impl Samples {
     }
 
     /// The offsets.
+    #[inline]
     pub fn offsets(&self) -> &[[f32; 2]] {
         &self.offsets
     }
 
     /// How many samples a pixel has.
+    #[inline]
     pub fn count(&self) -> u32 {
         self.offsets.len() as u32
     }
 
     /// How many 32-bit words a mask of one bit per sample takes: 1, 2 or 4. Bit `k % 32` of word `k / 32` is sample `k`.
+    #[inline]
     pub fn words(&self) -> u32 {
         self.count().div_ceil(32)
     }

@@ -43,6 +43,7 @@ pub struct PixelRays {
 
 impl PixelRays {
     /// The ray direction through image position `(x, y)` in pixels.
+    #[inline]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         self.corner + self.step_x * x + self.step_y * y
     }
@@ -129,6 +130,7 @@ impl Camera {
     }
 
     /// Where `point` lands in the image, in pixels, and its view depth; `None` at or behind the eye.
+    #[inline]
     pub fn project(&self, point: DVec3, width: u32, height: u32) -> Option<(DVec2, f64)> {
         let rays = self.rays(width, height);
         let p = point - rays.eye;

@@ -31,6 +31,7 @@ pub enum Light {
 
 impl Light {
     /// The light as a homogeneous point: `(direction towards it, 0)` or `(position, 1)`.
+    #[inline]
     pub fn homogeneous(&self) -> DVec4 {
         match *self {
             Self::Directional { direction } => Vec3::from(direction).as_dvec3().extend(0.0),
@@ -39,12 +40,14 @@ impl Light {
     }
 
     /// Direction from `point` towards the light, not normalised; its length is the distance for spot and point.
+    #[inline]
     pub fn towards(&self, point: DVec3) -> DVec3 {
         let l = self.homogeneous();
         l.truncate() - point * l.w
     }
 
     /// Whether the light is at infinity.
+    #[inline]
     pub fn is_directional(&self) -> bool {
         matches!(self, Self::Directional { .. })
     }

@@ -100,6 +100,7 @@ impl Mesh {
     ///
     /// # Panics
     /// If there is no such triangle, or an index of it is out of range ([`Mesh::check`]).
+    #[inline]
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|v| Vec3::from(self.positions[v as usize]).as_dvec3())
     }
