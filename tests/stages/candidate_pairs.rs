@@ -5,8 +5,8 @@
 //! margins).
 
 use crate::support::shadow::{
-    World, append, camera, folding_gpu, indirect, random_light, random_scene, samples, soup, uniform, unit, vector,
-    with_total,
+    World, add_triangle, append, camera, folding_gpu, indirect, random_light, random_scene, samples, sheet, soup,
+    uniform, unit, vector, with_total,
 };
 use crate::support::{POISON, Random, gpu, run, sizes_around};
 use oracle::reference::candidate_pairs::matters;
@@ -16,8 +16,9 @@ use oracle::reference::pixel_texel_pairs::pairs;
 use oracle::reference::triangle_texel_pairs::{TilePair, tile_pairs};
 use oracle::reference::view::MapEnds;
 use oracle::truth::{FacetInput, FacetTruth, Tracer, full_mask, join_mask, split_mask};
+use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Gpu, Profile};
-use subpixel_shadows::scene::Mesh;
+use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::candidate_pairs::CandidatePairs;
 use subpixel_shadows::stages::candidate_pairs::tally::TALLY_LONGEST;
 use subpixel_shadows::stages::facet_classify::FacetState;
@@ -355,6 +356,26 @@ fn random_seeded() {
         (kept, settled) = (kept + k, settled + s);
     }
     assert!(kept > 1_000 && settled > 0, "{kept} kept, {settled} settled");
+}
+
+/// Facets and casters much smaller than a cell, a quarter of a texel, meet wherever in their tile they lie.
+#[gpu_test]
+fn small_things_meet_in_every_cell() {
+    let mut random = Random::new(84);
+    let mut mesh = sheet(1, 1.0, |_, _| 0.0, |p| p);
+    let middle = DVec3::new(0.2, 0.03, 0.25);
+    for _ in 0..300 {
+        let at = middle + vector(&mut random) * DVec3::new(0.07, 0.02, 0.05);
+        let corners = [at, at + vector(&mut random) * 0.006, at + vector(&mut random) * 0.006];
+        add_triangle(&mut mesh, corners.map(|c| c.as_vec3().into()));
+    }
+    let eye = DVec3::new(0.21, 0.3, 0.26);
+    let look = camera(eye, DVec3::new(0.2, 0.0, 0.25), 20.0);
+    let light = Light::Directional { direction: [0.1, 1.0, 0.05] };
+    let mut world = World::new(gpu(), &mesh, look, light, [32, 24], MAP as u32, samples(32));
+    world.frame.flags |= 8;
+    let (kept, _) = check(&world, &stages()[1], &world.seen());
+    assert!(kept > 300, "{kept} pairs");
 }
 
 #[gpu_test]
