@@ -1,9 +1,10 @@
-//! Every request for memory of every built-in scene refused once, in turn: `cargo run --release --example refused_memory [-- [--step N] [--from ROW] SCENE...]`
+//! Every request for memory of every built-in scene refused once, in turn: `cargo run --release --example refused_memory [-- [--step N] [--from ROW [--first N]] SCENE...]`
 //!
 //! For a renderer and its first frame, for a pass that takes casters and sizes and whose lists grow from one element, and for `plane`
 //! for a pass as it is made; both facet modes, and both ways to refuse. Each time there must be one clear error, or none where the
 //! library goes around it, and the frame after it must be that of an untroubled run, bit for bit. The exit status is 1 if not.
-//! `--from ROW` begins at that row of the table (0 is its first), for a run that was cut off.
+//! `--from ROW` begins at that row of the table (0 is its first), `--first N` at that request of it, for a
+//! run that was cut off; where a row is, standard error says every minute.
 
 use lab::scene::{BUILTIN_NAMES, Scene, builtin};
 use subpixel_shadows::gpu::Gpu;
@@ -26,6 +27,7 @@ fn run() -> Result<()> {
     let mut asked: Vec<String> = std::env::args().skip(1).collect();
     let step = number(&mut asked, "--step", 1)?;
     let from = number(&mut asked, "--from", 0)?;
+    let mut first = number(&mut asked, "--first", 0)?;
     let mut row = 0;
     let names: Vec<&str> =
         if asked.is_empty() { BUILTIN_NAMES.to_vec() } else { asked.iter().map(String::as_str).collect() };
@@ -50,7 +52,7 @@ fn run() -> Result<()> {
                     if row <= from {
                         continue;
                     }
-                    let told = work(&gpu, &scene, facets, 0, step, refusal)
+                    let told = work(&gpu, &scene, facets, std::mem::take(&mut first), step, refusal)
                         .map_err(|e| Error::Config(format!("{name}, {facets:?}, {what}, {refusal:?}: {e}")))?;
                     let Told { asked, refused, absorbed } = told;
                     println!("| {name} | {facets:?} | {what} | {refusal:?} | {asked} | {refused} | {absorbed} |");

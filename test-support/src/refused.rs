@@ -2,6 +2,7 @@
 
 use lab::scene::Scene;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::gpu::faults::{Refusal, asked_here, is_pending, refuse};
 use subpixel_shadows::methods::facet_masks::Pipelines;
@@ -43,7 +44,8 @@ fn insisting<T>(said: &mut Option<String>, mut work: impl FnMut() -> Result<T>) 
     }
 }
 
-/// Refuses every `step`th request of a run, from `first` on, and compares with a run that is refused nothing.
+/// Refuses every `step`th request of a run, from `first` on, and compares with a run that is refused nothing. Says where it is every minute:
+/// a run of a large scene takes seconds, and there are hundreds.
 fn each(first: u64, step: u64, refusal: Refusal, mut run: impl FnMut() -> Result<Run>) -> Result<Told> {
     let wrong = |text: String| Err(Error::Config(text));
     // What pipelines keep is made in the first run alone.
@@ -55,7 +57,12 @@ fn each(first: u64, step: u64, refusal: Refusal, mut run: impl FnMut() -> Result
         return wrong(format!("an error without a cause: {error}"));
     }
     let mut told = Told { asked, ..Told::default() };
+    let mut said_at = Instant::now();
     for n in (first..asked).step_by(step as usize) {
+        if said_at.elapsed() > Duration::from_secs(60) {
+            said_at = Instant::now();
+            eprintln!("request {n} of {asked}, from {first} on: {} refused, {} absorbed", told.refused, told.absorbed);
+        }
         refuse(n, Some(refusal));
         let ran = run();
         let pending = is_pending();
