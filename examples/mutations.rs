@@ -4,7 +4,7 @@
 //!
 //! A change is a comparison, an operator, a constant, a component or a function taken for its neighbour, in the body of a function of the
 //! kernel's own files; only those count that are still WGSL. Nothing is compiled again: the tests take the change from the environment.
-//! What a stage's tests let through meets the suites of `--suites` (`surfaces`, `found`, `cpu`, …), in that order.
+//! Changes that a stage's tests let through meet the suites of `--suites` (`surfaces`, `found`, `cpu`, …), in that order.
 //! A survivor may be a change that changes nothing (a bound that is never met with equality, a margin that is wide enough), or a gap
 //! in the tests. The exit status is 1 if the unchanged tests of a kernel fail.
 

@@ -1,4 +1,4 @@
-//! What surrounds the library: scenes, errors against truth, reports, random worlds. The program `subpixel-shadows` is a thin layer over it.
+//! Surroundings of the library: scenes, errors against truth, reports, random worlds. The program `subpixel-shadows` is a thin layer over it.
 //!
 //! Dependencies run one way: `cli` → `report`, `fuzz` → `scene`.
 

@@ -1,4 +1,4 @@
-//! What tests of several packages share.
+//! The device, folders, frames and long runs that tests of several packages share.
 
 mod device;
 mod folder;

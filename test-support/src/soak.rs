@@ -38,7 +38,7 @@ pub struct Row {
 
 /// How a soak went.
 pub struct Soak {
-    /// What was measured, in order.
+    /// Measurements, in order.
     pub rows: Vec<Row>,
     /// Frames that were complete.
     pub complete: u64,

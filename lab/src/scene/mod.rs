@@ -9,7 +9,7 @@ pub use builtin::{BUILTIN_NAMES, builtin};
 pub use load::{Loaded, load};
 pub use options::{CameraOverride, DEFAULT_LIGHT, SceneOptions, light_from_text};
 
-/// What a scene is made of.
+/// Parts of a scene.
 pub use subpixel_shadows::scene::{Camera, Ground, Light, Mesh};
 
 /// A scene: one mesh, one camera, one light.
