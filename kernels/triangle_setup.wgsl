@@ -5,7 +5,8 @@
 // whose squares it may touch count, else those whose centres it may cover. Rectangles are conservative; a
 // triangle that crosses the camera's near plane is clipped for its rectangle, one that is not surely in front
 // of the light takes the whole map, one surely behind it nothing. One that goes on beyond one of the ends of
-// the map (FLAG_ENDS) takes the whole map, too.
+// the map (FLAG_ENDS) takes the whole map, too. What was found in the camera's view stands where another view
+// of the light came before (FLAG_FURTHER_VIEW), what was found in the light's with FLAG_LIGHT_STANDS.
 
 //@import frame dispatch rect facing view_sides map_ends
 
@@ -103,19 +104,22 @@ fn setup(
     let a = points[min(i.x, frame.vertex_count - 1u)];
     let b = points[min(i.y, frame.vertex_count - 1u)];
     let c = points[min(i.z, frame.vertex_count - 1u)];
-    if bad || a.w * b.w * c.w == 0.0 {
-        facing[t] = DROPPED;
-        camera_rects[t] = EMPTY_RECT;
+    let dropped = bad || a.w * b.w * c.w == 0.0;
+    var side = DROPPED;
+    if !dropped { side = facing_of(a.xyz, b.xyz, c.xyz, frame.light); }
+    if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
+        facing[t] = side;
+        var in_camera = EMPTY_RECT;
+        if !dropped { in_camera = camera_rect(a.xyz, b.xyz, c.xyz); }
+        camera_rects[t] = in_camera;
+        camera_items[t] = block_count(in_camera);
+    }
+    if (frame.flags & FLAG_LIGHT_STANDS) != 0u { return; }
+    if dropped {
         light_rects[t] = EMPTY_RECT;
-        camera_items[t] = 0u;
         light_items[t] = 0u;
         return;
     }
-    let side = facing_of(a.xyz, b.xyz, c.xyz, frame.light);
-    facing[t] = side;
-    let in_camera = camera_rect(a.xyz, b.xyz, c.xyz);
-    camera_rects[t] = in_camera;
-    camera_items[t] = block_count(in_camera);
     var in_light = light_rect(
         map_points[i.x], map_points[i.y], map_points[i.z],
         sides_beyond(a.xyz) & sides_beyond(b.xyz) & sides_beyond(c.xyz));

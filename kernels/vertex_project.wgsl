@@ -2,7 +2,8 @@
 // Reads `positions` (world units). Writes `points` (xyz; w 1 where finite, else 0) and `map_points` (texel x,
 // y, depth, w; for a vertex that is not surely in front of the light the first three times w, and how much w
 // is less than it would have to be, which is not above 0; 0 for one that projects to no number). The
-// subtraction of the eye is the only rounding of `points`: half an ulp of the difference.
+// subtraction of the eye is the only rounding of `points`: half an ulp of the difference. `points` stand
+// where another view of the light came before (FLAG_FURTHER_VIEW), `map_points` with FLAG_LIGHT_STANDS.
 
 //@import frame dispatch finite
 
@@ -26,12 +27,15 @@ fn project(
     if v >= frame.vertex_count { return; }
     let world = positions[v];
     let point = ((world - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
-    if !all_finite(point) {
-        points[v] = vec4(0.0);
+    let is_point = all_finite(point);
+    if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
+        points[v] = select(vec4(0.0), vec4(point, 1.0), is_point);
+    }
+    if (frame.flags & FLAG_LIGHT_STANDS) != 0u { return; }
+    if !is_point {
         map_points[v] = vec4(0.0);
         return;
     }
-    points[v] = vec4(point, 1.0);
     let p = vec4(point, 1.0);
     let uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
     var seen = vec4(uvz, 1.0);

@@ -51,6 +51,7 @@ fn judge(@builtin(local_invocation_index) local: u32) {
     var wrong = false;
     if local == 0u {
         wrong = atomicLoad(&status.head.finished) != frame.stamp || is_camera_short();
+        wrong = wrong || status.head.maps != frame.maps;
         for (var k = 0u; k < arrayLength(&faults); k++) { wrong = wrong || faults[k] != 0u; }
     }
     for (var band = local; band < lists.bands; band += WORKGROUP) { wrong = wrong || is_band_short(band); }

@@ -73,8 +73,8 @@ shared_struct! {
         pub triangle_texel_capacity: u32,
         /// Candidates the list can hold.
         pub candidate_capacity: u32,
-        /// Unused.
-        pub pad: u32,
+        /// Number of the light maps that the frame uses; 0 if it needs none. No condition may ask for it.
+        pub maps: u32,
         /// Facets of all bands; the capacity of their list where only the GPU knows their number.
         pub facets_total: u32,
         /// Triangles that the lists of all pixels can hold.
@@ -120,7 +120,9 @@ impl Frame {
     pub const NOTHING_CASTS: u32 = 16384;
     /// Nothing is known of what lies outside the light's view.
     pub const NO_VIEW: u32 = 32768;
-    /// This is not the first view of the light: what was found of facets is kept.
+    /// Casters are set up in the light's view as a frame before left them; only the camera's part is made.
+    pub const LIGHT_STANDS: u32 = 65536;
+    /// This is not the first view of the light: what was found of facets is kept, and casters are set up in the camera's view.
     pub const FURTHER_VIEW: u32 = 256;
 
     /// The frame of a camera, a light and its view of a scene that lies between two corners.
@@ -148,10 +150,7 @@ impl Frame {
             let axis = step / step.length_squared();
             axis.extend(-axis.dot(rays.corner))
         };
-        // The least divisor makes the most of rounding.
-        let divisor = if v.perspective { v.near } else { 1.0 };
-        let map_margin = 1.0 / 64.0 + v.noise_in_texels() / divisor;
-        let depth_margin = 1e-6 + v.noise_in_depth() / divisor;
+        let margins = v.margins();
         let (eye_high, eye_low) = split(eye);
         let (light_high, light_low) = split(to_light);
         Self {
@@ -180,8 +179,8 @@ impl Frame {
                 | if view.closed { Self::CLOSED } else { 0 }
                 | if view.one_of_several { Self::ONE_OF_SEVERAL } else { 0 }
                 | (0..4).map(|side| u32::from(view.ends[side]) * (Self::ENDS << side)).sum::<u32>(),
-            map_margin: map_margin as f32,
-            depth_margin: depth_margin as f32,
+            map_margin: margins.texels as f32,
+            depth_margin: margins.depth as f32,
             ..Self::default()
         }
     }

@@ -53,8 +53,8 @@ shared_struct! {
         pub facets: [u32; 8],
         /// Longest list of triangles of a pixel.
         pub longest_pixel: u32,
-        /// Unused.
-        pub pad: u32,
+        /// Number of the light maps that the frame used: that of [`Frame::maps`](crate::frame::Frame::maps), where these were in memory.
+        pub maps: u32,
         /// Triangles in the lists of all pixels.
         pub pixel_triangles: Need,
         /// Pixels whose samples are searched one by one.

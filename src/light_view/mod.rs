@@ -53,6 +53,22 @@ pub struct LightView {
     pub outside: bool,
 }
 
+/// How far conservative tests in a view reach out, so that rounding in `f32` takes nothing from them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margins {
+    /// In texels.
+    pub texels: f64,
+    /// In depth.
+    pub depth: f64,
+}
+
+impl Margins {
+    /// The wider of each.
+    pub fn or(self, other: Self) -> Self {
+        Self { texels: self.texels.max(other.texels), depth: self.depth.max(other.depth) }
+    }
+}
+
 /// Window of a view of a light at a point: across at distance 1, and along its axis.
 struct Window {
     low: DVec3,
@@ -123,6 +139,13 @@ impl LightView {
     /// Likewise of a depth.
     pub fn noise_in_depth(&self) -> f64 {
         row_noise(self.z) + row_noise(self.w)
+    }
+
+    /// What rounding in `f32` takes from tests of points within the unit cube.
+    pub fn margins(&self) -> Margins {
+        // The least divisor makes the most of rounding.
+        let divisor = if self.perspective { self.near } else { 1.0 };
+        Margins { texels: 1.0 / 64.0 + self.noise_in_texels() / divisor, depth: 1e-6 + self.noise_in_depth() / divisor }
     }
 
     /// Lower bound of a caster's divisor within the unit cube, after `f32` rounding.

@@ -6,6 +6,7 @@ mod memory;
 mod pipelines;
 
 use super::every_surface::EverySurface;
+use super::geometry::SetupOf;
 use super::prepared::CasterBuffers;
 pub use super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::frame::Frame;
@@ -193,7 +194,7 @@ impl FacetMasks {
         self.record_seen(rec, casters, FacetSource::Found, MapSource::Made, Extent::Everything)
     }
 
-    /// As [`FacetMasks::record`], with what pixels show from elsewhere, or the light's maps of the strip before, or no more than `extent`.
+    /// As [`FacetMasks::record`], with what pixels show from elsewhere, or light maps that were made before, or no more than `extent`.
     /// Where nothing casts a shadow the frames must have [`Frame::NOTHING_CASTS`] set, and there is one view.
     ///
     /// # Errors
@@ -218,7 +219,8 @@ impl FacetMasks {
         rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
         let geometry = &m.geometry;
-        geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
+        let setup = if self.light_stands(maps, extent) { SetupOf::Camera } else { SetupOf::Both };
+        geometry.record_setup(rec, &self.with.geometry, frame, casters, setup)?;
         let in_camera = geometry.in_camera(casters);
         match (self.every_surface.as_ref().zip(self.with.surfaces.as_ref()), seen) {
             (None, FacetSource::Centres(write)) => write(rec, frame)?,
@@ -244,13 +246,23 @@ impl FacetMasks {
         }
         for view in 0..self.capacities.views {
             // Views share the memory of the maps: of several the last would be left.
-            if extent == Extent::Everything && (maps == MapSource::Made || self.capacities.views > 1) {
-                self.record_maps(rec, casters, view)?;
+            if extent == Extent::Everything {
+                if !self.light_stands(maps, extent) {
+                    self.record_maps(rec, casters, view)?;
+                }
+                let texels = self.capacities.status_band(view, 0) + offset_of!(StatusBand, marked_texels) / 4;
+                m.maps.record_kept(rec, &m.status, texels);
             }
             self.record_view(rec, casters, view, extent)?;
         }
         self.record_resolve(rec);
         Ok(())
+    }
+
+    /// Whether casters need no set-up in the light's view, in a frame with light maps from `maps` and of no more than `extent`; its uniform must then
+    /// have [`Frame::LIGHT_STANDS`].
+    pub fn light_stands(&self, maps: MapSource, extent: Extent) -> bool {
+        extent != Extent::Everything || (maps == MapSource::Kept && self.capacities.views == 1)
     }
 
     fn record_resolve(&self, rec: &mut Recorder) {
@@ -266,13 +278,9 @@ impl FacetMasks {
         if view > 0 {
             // A facet and a triangle that had nothing in common in the view before may have in this one.
             rec.clear_words(m.lists.candidates.raw(), TALLY_COUNTERS as u64, (TALLY_WORDS - TALLY_COUNTERS) as u64);
-            geometry.record_setup(rec, &self.with.geometry, frame, casters)?;
+            geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Light)?;
         }
-        m.maps.record(rec, &self.with.light_maps, frame, casters, geometry, &m.status)?;
-        let texels = self.capacities.status_band(view, 0) + offset_of!(StatusBand, marked_texels) / 4;
-        let sat = &m.maps.sat;
-        rec.copy_words(sat.raw(), sat.len() as u64 - 1, m.status.raw(), texels as u64, 1);
-        Ok(())
+        m.maps.record(rec, &self.with.light_maps, frame, casters, geometry, &m.status)
     }
 
     /// Records the part of one view of the light in the facets and their masks.

@@ -4,7 +4,7 @@
 use super::by_views::{ByViews, Left};
 use super::debug_views::DebugViews;
 use super::facet_masks::FacetSource;
-use super::geometry::{Geometry, GeometryPipelines};
+use super::geometry::{Geometry, GeometryPipelines, SetupOf};
 use super::names::{MethodName, TexelQuery};
 use super::output::Counts;
 use super::prepared::{CasterBuffers, Prepared};
@@ -332,7 +332,7 @@ impl FixedMemory {
             if let Some(uploads) = view.checked_sub(1).and_then(|k| further.get(k as usize)) {
                 uploads.record(rec);
             }
-            geometry.record_setup(rec, with, frame, casters)?;
+            geometry.record_setup(rec, with, frame, casters, SetupOf::Both)?;
             match source {
                 _ if view > 0 => {}
                 FacetSource::Centres(write) => write(rec, frame)?,

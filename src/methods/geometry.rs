@@ -54,6 +54,17 @@ pub struct Geometry {
     args: Buffer<u32>,
 }
 
+/// Views in which casters are set up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetupOf {
+    /// Camera and light.
+    Both,
+    /// The camera's; the light's part stands.
+    Camera,
+    /// The light's; the camera's part stands.
+    Light,
+}
+
 /// First words of the indirect arguments.
 const CAMERA_ARGS: usize = 0;
 const LIGHT_ARGS: usize = 3;
@@ -92,7 +103,8 @@ impl Geometry {
         })
     }
 
-    /// Records the stage `triangle_setup`: vertices, rectangles, and the lists of their blocks.
+    /// Records the stage `triangle_setup`: vertices, rectangles, and the lists of their blocks, of both views or of the one whose part does not
+    /// stand. Flags of the frame must say the same: [`Frame::LIGHT_STANDS`], [`Frame::FURTHER_VIEW`].
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
@@ -102,16 +114,17 @@ impl Geometry {
         with: &GeometryPipelines,
         frame: &Buffer<Frame>,
         casters: &CasterBuffers,
+        of: SetupOf,
     ) -> Result<()> {
         let stage = &mut rec.stage("triangle_setup");
         let (positions, triangles) = (&casters.positions, &casters.triangles);
         with.project.record(stage, frame, positions, &self.points, &self.map_points, positions.len());
         let count = triangles.len();
         with.setup.record(stage, frame, triangles, &self.points, &self.map_points, &self.facts, count);
-        for (items, offsets, requests) in [
-            (&self.facts.camera_items, &self.camera_offsets, &self.requests[0]),
-            (&self.facts.light_items, &self.light_offsets, &self.requests[1]),
-        ] {
+        let camera = (&self.facts.camera_items, &self.camera_offsets, &self.requests[0]);
+        let light = (&self.facts.light_items, &self.light_offsets, &self.requests[1]);
+        let stands = [of == SetupOf::Light, of == SetupOf::Camera];
+        for ((items, offsets, requests), _) in [camera, light].into_iter().zip(stands).filter(|(_, stands)| !stands) {
             with.work.record(stage, (items, items.len()), offsets, &self.scan_scratch, (requests, &self.args))?;
         }
         Ok(())

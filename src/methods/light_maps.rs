@@ -14,6 +14,8 @@ use crate::stages::silhouette_mask::SilhouetteMask;
 use crate::stages::summed_area::Texels;
 use crate::stages::work_owners::{ListWork, WorkOwners};
 use crate::stages::{DispatchArgs, PrefixScan, SummedArea, prefix_scan, summed_area};
+use crate::status_word;
+use std::mem::offset_of;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -45,6 +47,8 @@ pub struct LightMaps {
     pub layers: Layers,
     /// Summed-area table of the marks; the last word counts them all.
     pub sat: Buffer<u32>,
+    /// What is known of them in the frames after the one that made them: their number, and the count of silhouette edges.
+    kept: Buffer<u32>,
     edge_rects: Buffer<[u32; 2]>,
     edge_items: Buffer<u32>,
     edge_offsets: Buffer<u32>,
@@ -71,6 +75,7 @@ impl LightMaps {
         Ok(Self {
             layers: Layers::new(device, size)?,
             sat: Buffer::storage(device, "summed_area.sat", texels)?,
+            kept: Buffer::storage(device, "light_maps.kept", 2)?,
             edge_rects: Buffer::storage(device, "silhouette_mask.edge_rects", edges)?,
             edge_items: Buffer::storage(device, "silhouette_mask.edge_items", edges)?,
             edge_offsets: Buffer::storage(device, "silhouette_mask.edge_offsets", WorkOwners::words(edges, texels))?,
@@ -81,7 +86,8 @@ impl LightMaps {
         })
     }
 
-    /// Records the stages `light_layers` to `summed_area`, after [`Geometry::record_setup`]; `status` takes the count of silhouette edges.
+    /// Records the stages `light_layers` to `summed_area`, after [`Geometry::record_setup`]; `status` takes the count of silhouette edges. Their
+    /// number is that of `frame` when they are made, 0 before.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
@@ -95,7 +101,7 @@ impl LightMaps {
         status: &Buffer<u32>,
     ) -> Result<()> {
         let layers = &self.layers;
-        for zero in [&layers.nearest_keys, &layers.second_keys, &layers.mask] {
+        for zero in [&layers.nearest_keys, &layers.second_keys, &layers.mask, &self.kept] {
             rec.clear(zero.raw());
         }
         let in_light = geometry.in_light(casters);
@@ -114,6 +120,16 @@ impl LightMaps {
             with.front.record_check(stage, frame, in_light, layers);
             with.front.record_settle(stage, frame, layers);
         }
-        with.summed_area.record(&mut rec.stage("summed_area"), &layers.mask, &self.sat, &self.sat_scratch)
+        with.summed_area.record(&mut rec.stage("summed_area"), &layers.mask, &self.sat, &self.sat_scratch)?;
+        rec.copy_words(frame.raw(), (offset_of!(Frame, maps) / 4) as u64, self.kept.raw(), 0, 1);
+        rec.copy_words(status.raw(), status_word!(silhouette_edges) as u64, self.kept.raw(), 1, 1);
+        Ok(())
+    }
+
+    /// Notes in `status` which maps there are, and what was counted when they were made; their marked texels from word `texels` on.
+    pub fn record_kept(&self, rec: &mut Recorder, status: &Buffer<u32>, texels: usize) {
+        rec.copy_words(self.kept.raw(), 0, status.raw(), status_word!(maps) as u64, 1);
+        rec.copy_words(self.kept.raw(), 1, status.raw(), status_word!(silhouette_edges) as u64, 1);
+        rec.copy_words(self.sat.raw(), self.sat.len() as u64 - 1, status.raw(), texels as u64, 1);
     }
 }

@@ -9,7 +9,7 @@ use crate::frame::Frame;
 #[cfg(feature = "baselines")]
 use crate::gpu::KeptPrograms;
 use crate::gpu::{Buffer, Recorder, StagedUploads, Uploads};
-use crate::light_view::LightView;
+use crate::light_view::{LightView, Margins};
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::Facets;
 use crate::{Error, Result};
@@ -92,6 +92,14 @@ pub struct FrameOf<'a> {
     pub bounds: (DVec3, DVec3),
     /// Stamp that the GPU leaves in the counters when it is done.
     pub stamp: u32,
+    /// Number of its light maps; 0 if it needs none.
+    pub maps: u32,
+    /// Where they come from.
+    pub source: MapSource,
+    /// Their margins, where they are wider than the frame's own.
+    pub margins: Option<Margins>,
+    /// How much of the frame is made.
+    pub extent: Extent,
     /// Flags of [`Frame`] besides those that follow from settings and views.
     pub flags: u32,
 }
@@ -129,13 +137,18 @@ impl StripMethod {
     /// # Errors
     /// As [`FacetMasks::frames_for`].
     pub fn uploads(&self, casters: &CasterBuffers, of: FrameOf, strip: Strip) -> Result<Vec<Uploads>> {
-        let FrameOf { camera, light, views, bounds, stamp, flags } = of;
+        let FrameOf { camera, light, views, bounds, stamp, maps, source, margins, extent, flags } = of;
         match self {
             Self::FacetMasks(method) => {
                 let mut uploads = Uploads::default();
                 let frames = method.frames_for(casters, camera, light, views, bounds, strip)?;
+                let stands = if method.light_stands(source, extent) { Frame::LIGHT_STANDS } else { 0 };
                 for (mut frame, buffer) in frames.into_iter().zip(method.frames()) {
-                    (frame.stamp, frame.flags) = (stamp, frame.flags | flags);
+                    (frame.stamp, frame.maps, frame.flags) = (stamp, maps, frame.flags | flags | stands);
+                    if let Some(Margins { texels, depth }) = margins {
+                        frame.map_margin = frame.map_margin.max(texels as f32);
+                        frame.depth_margin = frame.depth_margin.max(depth as f32);
+                    }
                     uploads.write(buffer, &[frame]);
                 }
                 Ok(vec![uploads])

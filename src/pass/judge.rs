@@ -2,7 +2,7 @@
 
 use super::status::{Faults, Finished, FrameStatus, Label};
 use super::{ShadowPass, list_sizing};
-use crate::methods::facet_masks::Capacities;
+use crate::methods::facet_masks::{Capacities, MapSource};
 use crate::methods::list_sizing::Needs;
 use crate::methods::output::Counts;
 use crate::status::Status;
@@ -25,7 +25,7 @@ impl ShadowPass {
     }
 
     fn judge(&mut self, finished: Finished) -> FrameStatus {
-        let Finished { label: Label { frame, generation, capacities, strips, dispatches }, read } = finished;
+        let Finished { label: Label { frame, generation, capacities, strips, dispatches, maps }, read } = finished;
         let mut status = FrameStatus {
             frame,
             complete: false,
@@ -33,6 +33,7 @@ impl ShadowPass {
             faults: Faults::default(),
             error: None,
             dispatches,
+            maps_kept: maps.source == MapSource::Kept,
             counts: Counts::default(),
             lists: Vec::new(),
             stages: Vec::new(),
@@ -52,6 +53,16 @@ impl ShadowPass {
             let text = format!("frame {frame} was submitted, and did not run to its end: its commands were refused");
             return FrameStatus { error: Some(text), faults: Faults::default(), stages: Vec::new(), ..status };
         }
+        let same = generation == self.generation;
+        if strips.iter().any(|strip| strip.head.maps != maps.number) {
+            let text = format!(
+                "frame {frame} found the light maps of another: frames ran in another order than they were recorded in"
+            );
+            return FrameStatus { error: Some(text), ..status };
+        }
+        if same {
+            self.kept_maps.have_run(maps);
+        }
         let (facets, limits, budget) = (self.settings.facets, self.maker.device.limits(), self.maker.budget.bytes);
         // What the lists must hold is what the largest strip needs of each.
         let mut needs = Needs::default();
@@ -59,7 +70,6 @@ impl ShadowPass {
             status.counts = status.counts.with_rows(list_sizing::counts(strip));
             needs = needs.or(Needs::of(strip));
         }
-        let same = generation == self.generation;
         if self.image.method.is_fixed() {
             return self.judge_fixed(status, &words, same);
         }

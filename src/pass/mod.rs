@@ -26,6 +26,7 @@
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
 //!   whole one: each status says for itself whether its frame was complete. Lists of which more than seven eighths are needed grow
 //!   before they overflow; with [`PassConfig::keep_last`] the last complete picture stands meanwhile.
+//! - **What stands is not made again.** While casters and light stand the light maps do, for any camera ([`PassConfig::keep_maps`]).
 //! - **What a frame does not need.** Of casters that stand the pass proves, frame by frame, that none can be seen, or that none can shadow another,
 //!   and leaves out what then changes nothing ([`PassConfig::prove`]).
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
@@ -38,6 +39,7 @@ mod held;
 mod image_strips;
 mod inputs;
 mod judge;
+mod kept_maps;
 mod recording;
 mod status;
 mod textures;
@@ -65,6 +67,7 @@ use futures::executor::block_on;
 use gbuffer_stage::GbufferStage;
 use held::HeldPicture;
 use image_strips::{ImageStrips, NewStrips, StripMaker};
+use kept_maps::KeptMaps;
 use status::{FAULT_WORDS, InFlight};
 use std::collections::VecDeque;
 use std::num::NonZeroU32;
@@ -100,10 +103,16 @@ pub struct PassConfig<'a> {
     /// Leave out what is proved to change nothing of a frame of casters that stand ([`Plan`](crate::plan::Plan)): all of it where no caster
     /// can be seen, all tests where none can shadow another. Of `facet-masks`.
     pub prove: bool,
+    /// Keep the light maps while casters stand and the light's view of them does, whatever the camera: of `facet-masks`, with one view of the light (no
+    /// slices or warps, which follow the camera), with the casters' places in it. A frame uses those of an earlier one that is known to have run.
+    /// Visibility is the same to the bit, and with a facet for every surface all lit masks; maps made from another camera may settle
+    /// other facets early, and with one facet a pixel the lit mask of such a one counts the samples beside it, too.
+    pub keep_maps: bool,
 }
 
 impl<'a> PassConfig<'a> {
-    /// Default budget, lists that grow, no room for receivers that are no casters, no more strips than it takes, no last picture, no times.
+    /// Default budget, lists that grow, no room for receivers that are no casters, no more strips than it takes, no last picture, no times, proofs and light maps
+    /// that are kept.
     pub fn new(settings: Settings, casters: Casters<'a>) -> Self {
         Self {
             method: MethodName::FacetMasks,
@@ -116,6 +125,7 @@ impl<'a> PassConfig<'a> {
             keep_last: false,
             timing: false,
             prove: true,
+            keep_maps: true,
         }
     }
 }
@@ -141,6 +151,8 @@ pub struct ShadowPass {
     together: Together,
     wanted: Option<Wanted>,
     views: Views,
+    keeps_maps: bool,
+    kept_maps: KeptMaps,
     bind_groups: BindGroups,
     frame: u64,
     generation: u64,
@@ -212,6 +224,7 @@ impl ShadowPass {
             strips,
             timing: true,
             prove: false,
+            keep_maps: false,
             ..PassConfig::new(settings.clone(), none)
         };
         let made = Self::made(device, queue, settings.clone(), pipelines, casters, &config)?;
@@ -264,6 +277,8 @@ impl ShadowPass {
             together: Together::default(),
             wanted: None,
             views: Views::default(),
+            keeps_maps: config.keep_maps,
+            kept_maps: KeptMaps::default(),
             bind_groups: BindGroups::default(),
             frame: 0,
             generation: 0,
@@ -318,6 +333,7 @@ impl ShadowPass {
         self.seen.take(made.keys);
         self.image = made.image;
         (self.together, self.wanted) = (Together::default(), None);
+        self.kept_maps.forget();
         self.generation += 1;
     }
 

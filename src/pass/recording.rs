@@ -2,12 +2,13 @@
 
 use super::gbuffer_stage::With;
 use super::judge::stamp_of;
+use super::kept_maps::FrameMaps;
 use super::status::{Label, Staging};
 use super::{GBuffer, Inputs, ShadowPass, Target};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Recorder, Uploads};
-use crate::methods::facet_masks::{Extent, MapSource};
+use crate::methods::facet_masks::Extent;
 use crate::methods::strip_method::FrameOf;
 use crate::methods::strips::Rows;
 use crate::plan::extent_of;
@@ -57,6 +58,17 @@ impl ShadowPass {
         }
         self.make_room_for(views.len() as u32)?;
         let part = self.image.strips.part(strip);
+        let maps = match (views.as_slice(), extent) {
+            ([view], Extent::Everything) if !self.image.method.is_fixed() => {
+                let keeps = (self.keeps_maps && self.casters.places.is_none()) || strip.is_some_and(|k| k > 0);
+                self.kept_maps.for_frame(view, (inputs.camera, bounds), keeps, &self.in_flight)
+            }
+            (_, Extent::Everything) => {
+                self.kept_maps.forget();
+                FrameMaps::NONE
+            }
+            _ => FrameMaps::NONE,
+        };
         let (stamp, mut flags) = (stamp_of(self.frame + 1), 0);
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             flags |= Frame::BEYOND;
@@ -67,20 +79,33 @@ impl ShadowPass {
             // A pixel without a facet counts as an empty one.
             Extent::Nothing => Frame::CLAMP,
         };
-        let of = FrameOf { camera: inputs.camera, light: inputs.light, views: &views, bounds, stamp, flags };
+        let of = FrameOf {
+            camera: inputs.camera,
+            light: inputs.light,
+            views: &views,
+            bounds,
+            stamp,
+            maps: maps.number,
+            source: maps.source,
+            margins: maps.margins,
+            extent,
+            flags,
+        };
         let method = &self.image.method;
-        let uploads =
-            part.iter().map(|&(_, rows)| method.uploads(&self.casters.buffers, of, self.image.strips.strip(rows)));
+        let uploads = part.iter().map(|&(k, rows)| {
+            let of = FrameOf { source: maps.source_of(k), ..of };
+            method.uploads(&self.casters.buffers, of, self.image.strips.strip(rows))
+        });
         let uploads = uploads.collect::<Result<Vec<_>>>()?;
         let (strips, status) = (part.len() as u32, self.image.method.status());
         let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;
         encoder.push_debug_group("shadow_pass");
-        let recorded = self.record_checked(encoder, inputs, target, extent, (&part, uploads), &staging);
+        let recorded = self.record_checked(encoder, inputs, target, (maps, extent), (&part, uploads), &staging);
         encoder.pop_debug_group();
         let dispatches = recorded?;
         self.frame += 1;
         let (generation, capacities) = (self.generation, self.image.method.capacities());
-        let label = Label { frame: self.frame, generation, capacities, strips, dispatches };
+        let label = Label { frame: self.frame, generation, capacities, strips, dispatches, maps };
         self.in_flight.push(encoder, label, staging, &self.faults, self.timer.as_ref());
         Ok(self.frame)
     }
@@ -90,7 +115,7 @@ impl ShadowPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs,
         target: &Target,
-        extent: Extent,
+        (maps, extent): (FrameMaps, Extent),
         (part, uploads): (&[(u32, Rows)], Vec<Vec<Uploads>>),
         staging: &Staging,
     ) -> Result<u32> {
@@ -116,7 +141,7 @@ impl ShadowPass {
                 let stage = &mut rec.stage("caster_positions");
                 self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
             }
-            let maps = if strip == 0 { MapSource::Made } else { MapSource::Kept };
+            let maps = maps.source_of(strip);
             let offsets = self.settings.samples.offsets();
             self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps, extent, further })?;
             match &self.last {

@@ -1,6 +1,7 @@
 //! Status of recorded frames once the GPU is done with them: counters are copied to a buffer that maps itself when
 //! the application's submission has run, and are read when they are asked for. Nothing waits.
 
+use super::kept_maps::FrameMaps;
 use crate::gpu::buffer::{allocate, not_mapped};
 use crate::gpu::{Buffer, Recorder, StageTime, Timer};
 use crate::methods::facet_masks::Capacities;
@@ -55,6 +56,8 @@ pub struct FrameStatus {
     pub error: Option<String>,
     /// Dispatches that were recorded for it.
     pub dispatches: u32,
+    /// Whether it used the light maps of an earlier frame ([`PassConfig::keep_maps`](super::PassConfig::keep_maps)).
+    pub maps_kept: bool,
     /// Counts of the frame. Rows that strips share count in each strip.
     pub counts: Counts,
     /// Need of each list, in the strip that needed most, and its capacity. Where one list was too short, later ones may have needed more
@@ -117,6 +120,7 @@ pub(super) struct Label {
     /// Strips of rows that it was rendered in, each with counters of its own.
     pub(super) strips: u32,
     pub(super) dispatches: u32,
+    pub(super) maps: FrameMaps,
 }
 
 /// A buffer that the counters of a frame are copied to.
@@ -202,6 +206,11 @@ impl InFlight {
         }
         self.slots = waiting;
         finished
+    }
+
+    /// Keys of the frames that the GPU is not known to be done with.
+    pub(super) fn labels(&self) -> impl Iterator<Item = &Label> {
+        self.slots.iter().map(|slot| &slot.label)
     }
 
     /// Frames that the GPU is not known to be done with.

@@ -1,10 +1,13 @@
 //! Facing, rectangles and work items of triangles, against `f64`. Facing equals wherever the exact side exceeds the
 //! kernel's doubt; rectangles hold the exact ones and exceed them by at most a cell; items are the blocks exactly.
 
-use crate::support::geometry::{Case, MESHES, Place, Ran, add, ball, fan, light, mesh, run_all, unpack};
+use crate::support::geometry::{
+    Case, MESHES, Place, Ran, add, ball, fan, light, mesh, run_all, set_up_in_turn, unpack, with_what_turns_away,
+};
 use crate::support::{Random, difference, gpu, sizes_around, small_gpu};
 use oracle::reference::triangle_setup::{Reach, side_doubt};
 use oracle::reference::view::block_count;
+use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::scene::{Light, Mesh};
@@ -193,6 +196,66 @@ fn mesh_of_ball() -> Mesh {
     let mut mesh = Mesh::default();
     ball(&mut mesh, DVec3::ZERO, 0.8, 9, 8);
     mesh
+}
+
+/// What turns away and may cut a facet keeps its texels; what cannot has none.
+#[gpu_test]
+fn what_turns_away() {
+    let [with_all, culled, cutting] = with_what_turns_away(gpu(), 3);
+    let texels = |ran: &Ran| ran.light_items.iter().filter(|&&items| items > 0).count();
+    assert_eq!(cutting.light_rects, with_all.light_rects);
+    assert!(texels(&culled) < texels(&with_all), "nothing turns away");
+    for t in 0..culled.facing.len() {
+        assert!(
+            culled.light_rects[t] == with_all.light_rects[t] || culled.facing[t] == BACK && culled.light_items[t] == 0
+        );
+    }
+}
+
+/// A strip of rows has of each rectangle of pixels what lies in it.
+#[gpu_test]
+fn a_strip_of_rows() {
+    for (seed, name) in (0..).zip(MESHES) {
+        let case = Case::new(&mesh(name, seed), light(seed), [37, 41], 16);
+        let (frame, whole) = (case.frame(), run_all(gpu(), &case));
+        let (points, facing) = (4 * whole.points.len(), whole.facing.len());
+        let mut cut = 0;
+        for [first, rows] in [[0, 7], [7, 20], [27, 14], [40, 1]] {
+            let strip = Frame { image_size: [37, rows], first_row: first, ..frame };
+            let got = &set_up_in_turn(gpu(), &case, &[strip])[0][points + facing..];
+            for (t, &rect) in whole.camera_rects.iter().enumerate() {
+                let wanted = unpack(rect).and_then(|[left, top, right, bottom]| {
+                    let (top, bottom) = (top.max(first), bottom.min(first + rows - 1));
+                    (top <= bottom).then(|| [left, top - first, right, bottom - first])
+                });
+                assert_eq!(unpack([got[2 * t], got[2 * t + 1]]), wanted, "{name}, triangle {t}, rows from {first}");
+                assert_eq!(got[2 * facing + t], block_count(wanted), "{name}, triangle {t}, rows from {first}");
+                cut += u32::from(wanted.is_some() && wanted != unpack(rect));
+            }
+        }
+        assert!(cut > 0, "{name}: no rectangle is cut");
+    }
+}
+
+/// What stands in one view is left as it is, and the other view's part is that of a frame of its own.
+#[gpu_test]
+fn one_view_alone() {
+    for (seed, name) in (0..).zip(MESHES) {
+        let case = Case::new(&mesh(name, seed), light(seed), [33, 17], 40);
+        let mut from_elsewhere = case.clone();
+        from_elsewhere.camera.eye = case.camera.eye.map(|c| 1.5 * c + 0.25);
+        let mut other_light = case.clone();
+        other_light.light = light(seed + 1);
+        let [here, there, lit] = [&case, &from_elsewhere, &other_light].map(Case::frame);
+        let [of_here, of_there, of_lit] =
+            [(&case, here), (&from_elsewhere, there), (&other_light, lit)].map(|(c, f)| set_up_in_turn(gpu(), c, &[f]));
+        assert!(of_here[0] != of_there[0] && of_here[1] != of_lit[1], "{name}: nothing differs");
+        let flagged = |frame: Frame, flag| Frame { flags: frame.flags | flag, ..frame };
+        let camera_alone = set_up_in_turn(gpu(), &case, &[here, flagged(there, Frame::LIGHT_STANDS)]);
+        assert!(camera_alone == [of_there[0].clone(), of_here[1].clone()], "{name}: the camera's part alone");
+        let light_alone = set_up_in_turn(gpu(), &case, &[here, flagged(lit, Frame::FURTHER_VIEW)]);
+        assert!(light_alone == [of_here[0].clone(), of_lit[1].clone()], "{name}: the light's part alone");
+    }
 }
 
 /// The stage has no list: nothing is written past the last triangle (see `run_all`). An index past the last vertex

@@ -37,7 +37,7 @@ struct Frame {
     pixel_texel_capacity: u32,
     triangle_texel_capacity: u32,
     candidate_capacity: u32,
-    pad: u32,
+    maps: u32,               // number of the light maps that the frame uses; 0 if it needs none
     facets_total: u32,
     pixel_triangle_capacity: u32,
     complex_capacity: u32,
@@ -62,6 +62,7 @@ const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of face
 // Four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
 const FLAG_ENDS = 1024u;
 const FLAG_NOTHING_CASTS = 16384u; // a facet that faces the light is lit
+const FLAG_LIGHT_STANDS = 65536u; // casters are set up in the light view as a frame before left them
 const FLAG_NO_VIEW = 32768u;    // what lies outside the view may be in shadow, too
 // The view is one of several: facets are settled only where all of them lies in it
 const FLAG_ONE_OF_SEVERAL = 512u;

@@ -12,7 +12,7 @@ struct StatusHead {
     candidate_tests: array<u32, 2>,  // low and high word
     facets: array<atomic<u32>, 8>,   // of each state
     longest_pixel: atomic<u32>,      // longest list of triangles of a pixel
-    pad: u32,
+    maps: u32,                       // number of the light maps that the frame used
     pixel_triangles: Need,
     complex_pixels: Need,
     facets_needed: Need,

@@ -28,8 +28,8 @@ impl Strip {
 pub enum MapSource {
     /// It makes them.
     Made,
-    /// The frame before made them, and they hold for this one too, as for another strip of its image: with one view they are kept, and
-    /// silhouettes are not counted again.
+    /// A frame before made them, and they hold for this one too: of the same casters, all of whose vertices stand as they did, and the same view of
+    /// the light; the camera may be another one. Of several views, which share the memory, they are made anew all the same.
     Kept,
 }
 

@@ -227,6 +227,48 @@ pub fn with_what_turns_away(gpu: &Gpu, seed: u64) -> [Ran; 3] {
     [with_all, culled, cutting]
 }
 
+/// Memory of the stages that set casters up.
+struct SetUp {
+    points: Buffer<[f32; 4]>,
+    map_points: Buffer<[f32; 4]>,
+    facts: TriangleFacts,
+}
+
+/// Runs these stages with one frame after another, in the same memory.
+fn set_up(gpu: &Gpu, case: &Case, frames: &[Frame]) -> SetUp {
+    let device = &gpu.device;
+    let positions = super::upload(gpu, &padded(case.positions()));
+    let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
+    let (vertex_count, count) = (positions.len(), triangles.len());
+    let (points, map_points) = (poisoned(gpu, vertex_count), poisoned(gpu, vertex_count));
+    let facts = TriangleFacts {
+        facing: poisoned(gpu, count),
+        camera_rects: poisoned(gpu, count),
+        light_rects: poisoned(gpu, count),
+        camera_items: poisoned(gpu, count),
+        light_items: poisoned(gpu, count),
+    };
+    let (project, setup) = (VertexProject::new(device), TriangleSetup::new(device));
+    for frame in frames {
+        let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
+        uniform.write(&gpu.queue, &[*frame]);
+        run(gpu, |s| project.record(s, &uniform, &positions, &points, &map_points, vertex_count));
+        run(gpu, |s| setup.record(s, &uniform, &triangles, &points, &map_points, &facts, count));
+    }
+    SetUp { points, map_points, facts }
+}
+
+/// What these stages leave after one frame after another: bits of what is of the camera's view, and of the light's.
+pub fn set_up_in_turn(gpu: &Gpu, case: &Case, frames: &[Frame]) -> [Vec<u32>; 2] {
+    let SetUp { points, map_points, facts } = set_up(gpu, case, frames);
+    let bits = |points: &Buffer<[f32; 4]>| read(gpu, points).into_iter().flatten().map(f32::to_bits).collect();
+    let rects = |rects: &Buffer<[u32; 2]>| read(gpu, rects).into_iter().flatten().collect::<Vec<u32>>();
+    [
+        [bits(&points), read(gpu, &facts.facing), rects(&facts.camera_rects), read(gpu, &facts.camera_items)].concat(),
+        [bits(&map_points), rects(&facts.light_rects), read(gpu, &facts.light_items)].concat(),
+    ]
+}
+
 /// Runs the six stages.
 pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let device = &gpu.device;
@@ -237,21 +279,9 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let positions = super::upload(gpu, &padded(case.positions()));
     let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
     let edges = super::upload(gpu, &case.prepared.edges);
-    let (vertex_count, count, edge_count) = (positions.len(), triangles.len(), edges.len());
+    let edge_count = edges.len();
 
-    let (points, map_points) = (poisoned(gpu, vertex_count), poisoned(gpu, vertex_count));
-    let project = VertexProject::new(device);
-    run(gpu, |s| project.record(s, frame_buffer, &positions, &points, &map_points, vertex_count));
-
-    let facts = TriangleFacts {
-        facing: poisoned(gpu, count),
-        camera_rects: poisoned(gpu, count),
-        light_rects: poisoned(gpu, count),
-        camera_items: poisoned(gpu, count),
-        light_items: poisoned(gpu, count),
-    };
-    let setup = TriangleSetup::new(device);
-    run(gpu, |s| setup.record(s, frame_buffer, &triangles, &points, &map_points, &facts, count));
+    let SetUp { points, map_points, facts } = set_up(gpu, case, &[frame]);
     let (camera_items, light_items) = (read(gpu, &facts.camera_items), read(gpu, &facts.light_items));
 
     let (offsets, args) = work(gpu, &camera_items, kernels::camera_visibility::WORKGROUP);
