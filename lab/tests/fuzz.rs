@@ -4,11 +4,13 @@ use lab::fuzz::{Fault, FuzzCase, FuzzDevice, FuzzProgress, Kind, Run, Shot, judg
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
+use subpixel_shadows::gpu::KeptPrograms;
 use subpixel_shadows::methods::{FacetMode, MethodName};
 use subpixel_shadows::plan::Extent;
 use subpixel_shadows::stages::facet_classify::FacetState;
 use test_support::gpu;
 use test_support::gpu_test;
+use test_support::kept_light::Walks;
 
 /// The seed of the fixed set.
 const SEED: u64 = 4;
@@ -146,4 +148,15 @@ fn the_program_refuses_what_it_cannot_do() {
     let (status, text) = program(&["fuzz", "--cases", "1", "--adapter", "no such adapter"]);
     assert_eq!(status, 3, "{text}");
     assert!(text.contains("no adapter") && text.contains("no such adapter"), "{text}");
+}
+
+/// Cameras that go about, while the light's maps stay: every picture is that of a pass that makes them anew.
+#[gpu_test]
+fn light_maps_that_are_kept_change_nothing() {
+    let (programs, mut walks) = (KeptPrograms::default(), Walks::default());
+    for case in cases().take(3 * Kind::ALL.len()) {
+        walks.take(gpu(), &programs, &case).expect("a walk");
+    }
+    assert!(walks.faults.is_empty(), "{:#?}", walks.faults);
+    assert!(walks.refused <= 2 && walks.kept > walks.pictures / 4 && walks.shadowed > walks.pictures / 4, "{walks:?}");
 }

@@ -3,6 +3,7 @@
 mod device;
 mod folder;
 mod frames;
+pub mod kept_light;
 pub mod refused;
 pub mod soak;
 

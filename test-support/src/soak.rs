@@ -1,5 +1,6 @@
 //! One pass through very many frames: camera, light and casters move, sizes and casters change.
 
+use crate::kept_light::picture;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Settings};
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, Moved, PassConfig, Target, Vertices};
@@ -146,25 +147,6 @@ impl<'a> App<'a> {
         }
         Err(Error::Gpu(format!("nothing is known of frame {number}")))
     }
-
-    fn picture(&self, pass: &ShadowPass) -> Result<Vec<u32>> {
-        let lit = pass.lit().ok_or_else(|| Error::Config("no lit masks".to_owned()))?;
-        let [a, b] = [pass.visibility(), lit];
-        let staging = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("soak.picture"),
-            size: a.size() + b.size(),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.gpu.encoder();
-        encoder.copy_buffer_to_buffer(a, 0, &staging, 0, a.size());
-        encoder.copy_buffer_to_buffer(b, 0, &staging, a.size(), b.size());
-        self.gpu.queue.submit([encoder.finish()]);
-        staging.map_async(wgpu::MapMode::Read, .., |_| {});
-        self.gpu.wait(None)?;
-        let view = staging.get_mapped_range(..).map_err(|e| Error::Gpu(e.to_string()))?;
-        Ok(bytemuck::pod_collect_to_vec(&view))
-    }
 }
 
 /// Runs so many frames of one pass, other sizes and casters every `leg` frames, and notes every `every` frames what is in memory.
@@ -205,7 +187,7 @@ pub fn soak(
         if !(0..9).map(|_| app.frame(pass, &Scene::of(frame, leg), frame)).any(|s| s.is_ok_and(|s| s.complete)) {
             return Err(Error::Gpu("the last frame is not complete".to_owned()));
         }
-        *out = app.picture(pass)?;
+        *out = picture(gpu, pass)?;
     }
     Ok(soak)
 }
