@@ -61,7 +61,7 @@ fn worlds(words: &[String]) -> Result<bool> {
     Ok(walks.faults.is_empty())
 }
 
-/// What moves from frame to frame.
+/// Columns of the table: the part of a frame that is another in each.
 const MOVES: [&str; 3] = ["the light", "the camera alone", "casters in a vertex buffer"];
 
 struct Case {

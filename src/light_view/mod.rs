@@ -141,7 +141,7 @@ impl LightView {
         row_noise(self.z) + row_noise(self.w)
     }
 
-    /// What rounding in `f32` takes from tests of points within the unit cube.
+    /// Margins of tests of points within the unit cube.
     pub fn margins(&self) -> Margins {
         // The least divisor makes the most of rounding.
         let divisor = if self.perspective { self.near } else { 1.0 };

@@ -47,7 +47,7 @@ pub struct LightMaps {
     pub layers: Layers,
     /// Summed-area table of the marks; the last word counts them all.
     pub sat: Buffer<u32>,
-    /// What is known of them in the frames after the one that made them: their number, and the count of silhouette edges.
+    /// Number of the maps and count of silhouette edges, for the frames after the one that made them.
     kept: Buffer<u32>,
     edge_rects: Buffer<[u32; 2]>,
     edge_items: Buffer<u32>,

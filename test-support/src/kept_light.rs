@@ -1,12 +1,13 @@
 //! Cameras that go about random worlds whose light maps one pass keeps: every picture is that of a pass that makes them anew.
 
+use crate::refused::words;
 use lab::fuzz::random::Random;
 use lab::fuzz::{FuzzCase, view};
 use subpixel_shadows::gpu::{Gpu, KeptPrograms};
 use subpixel_shadows::methods::{FacetMode, Settings};
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
 use subpixel_shadows::scene::{Camera, Light};
-use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
+use subpixel_shadows::{Error, Result, ShadowPass};
 
 /// Cameras of a walk, in the order that they are looked from: the first comes again.
 const TURNS: [usize; 6] = [0, 1, 2, 0, 3, 1];
@@ -26,7 +27,7 @@ pub struct Walks {
     pub kept: u64,
     /// Those in which something is in shadow.
     pub shadowed: u64,
-    /// What differs, with the number of the world.
+    /// Pictures that differ, with the number of the world.
     pub faults: Vec<String>,
 }
 
@@ -93,29 +94,9 @@ fn complete(gpu: &Gpu, pass: &mut ShadowPass, camera: &Camera, light: &Light) ->
             return Err(Error::Gpu(error));
         }
         if status.complete {
-            return Ok((picture(gpu, pass)?, status));
+            return Ok((words(gpu, pass.visibility(), pass.lit())?, status));
         }
     }
     // Lists that no budget holds.
     Err(Error::Config(format!("no frame of {FRAMES} was complete")))
-}
-
-/// The words of the visibility, and of the lit masks, that a pass holds.
-pub fn picture(gpu: &Gpu, pass: &ShadowPass) -> Result<Vec<u32>> {
-    let lit = pass.lit().ok_or_else(|| Error::Config("no lit masks".to_owned()))?;
-    let [a, b] = [pass.visibility(), lit];
-    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("picture"),
-        size: a.size() + b.size(),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.encoder();
-    encoder.copy_buffer_to_buffer(a, 0, &staging, 0, a.size());
-    encoder.copy_buffer_to_buffer(b, 0, &staging, a.size(), b.size());
-    gpu.queue.submit([encoder.finish()]);
-    staging.map_async(wgpu::MapMode::Read, .., |_| {});
-    gpu.wait(None)?;
-    let view = staging.get_mapped_range(..).map_err(|e| Error::Gpu(e.to_string()))?;
-    Ok(bytemuck::pod_collect_to_vec(&view))
 }

@@ -164,7 +164,7 @@ fn frame(gpu: &Gpu, pass: &mut ShadowPass, inputs: &Inputs) -> Result<bool> {
 pub fn words(gpu: &Gpu, visibility: &wgpu::Buffer, lit: Option<&wgpu::Buffer>) -> Result<Vec<u32>> {
     let lit = lit.ok_or_else(|| Error::Config("no lit masks".to_owned()))?;
     let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("refused.picture"),
+        label: Some("picture"),
         size: visibility.size() + lit.size(),
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
         mapped_at_creation: false,

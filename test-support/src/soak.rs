@@ -1,6 +1,6 @@
 //! One pass through very many frames: camera, light and casters move, sizes and casters change.
 
-use crate::kept_light::picture;
+use crate::refused::words;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Settings};
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, Moved, PassConfig, Target, Vertices};
@@ -187,7 +187,7 @@ pub fn soak(
         if !(0..9).map(|_| app.frame(pass, &Scene::of(frame, leg), frame)).any(|s| s.is_ok_and(|s| s.complete)) {
             return Err(Error::Gpu("the last frame is not complete".to_owned()));
         }
-        *out = picture(gpu, pass)?;
+        *out = words(gpu, pass.visibility(), pass.lit())?;
     }
     Ok(soak)
 }

@@ -9,7 +9,7 @@ fn elsewhere(camera: &Camera, factor: f32, angle: f32) -> Camera {
     Camera { eye: [x * cos - z * sin, y, x * sin + z * cos], far: camera.far * factor.max(1.0), ..*camera }
 }
 
-/// What maps cannot change: visibility, and with every surface the lit masks. With one facet a pixel that is settled as lit counts the samples
+/// The words that maps cannot change: visibility, and with every surface the lit masks. With one facet a pixel that is settled as lit counts the samples
 /// beside its facet, too.
 fn certain(facets: FacetMode, picture: &Picture) -> Picture {
     match facets {
@@ -26,6 +26,11 @@ fn assert_is(what: &str, pass: &ShadowPass, scene: &Scene, inputs: &Inputs, got:
     assert_eq!(got.0.len(), want.0.len(), "{what}");
     let wrong = got.0.iter().zip(&want.0).filter(|(g, w)| g != w).count();
     assert_eq!(wrong, 0, "{what}: {wrong} of {} words differ", want.0.len());
+    // The comparison must notice one bit, and the picture must hold light and shadow.
+    let mut corrupted = got.clone();
+    corrupted.0[want.0.len() / 3] ^= 1;
+    assert!(corrupted != want, "{what}: a corrupted picture passes");
+    assert!(want.0.iter().any(|&v| v == 1.0f32.to_bits()) && want.0.contains(&0), "{what}: nothing to see");
 }
 
 fn pass_of(settings: Settings, scene: &Scene, change: impl Fn(&mut PassConfig)) -> ShadowPass {
@@ -72,7 +77,7 @@ fn a_moving_camera_keeps_the_light_maps() {
                     assert!(kept.dispatches + 10 < all, "{what}: {} of {all} dispatches", kept.dispatches);
                 }
                 assert_eq!(certain(facets, &again), certain(facets, &got), "{what}, camera {k}");
-                // What is known of the maps is said of every frame that uses them.
+                // Every frame that uses the maps says their counts.
                 let of_maps = |c: &Counts| (c.silhouette_edges, c.silhouette_pixels);
                 assert_eq!(of_maps(&kept.counts), of_maps(&status.counts), "{what}, camera {k}");
                 assert!(kept.counts.silhouette_edges > 0 && kept.counts.silhouette_pixels > 0, "{what}: {kept:?}");

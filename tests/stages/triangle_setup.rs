@@ -198,7 +198,7 @@ fn mesh_of_ball() -> Mesh {
     mesh
 }
 
-/// What turns away and may cut a facet keeps its texels; what cannot has none.
+/// A caster that turns away and may cut a facet keeps its texels; one that cannot has none.
 #[gpu_test]
 fn what_turns_away() {
     let [with_all, culled, cutting] = with_what_turns_away(gpu(), 3);
@@ -237,7 +237,7 @@ fn a_strip_of_rows() {
     }
 }
 
-/// What stands in one view is left as it is, and the other view's part is that of a frame of its own.
+/// The part of a view that stands is left as it is, and the other view's part is that of a frame of its own.
 #[gpu_test]
 fn one_view_alone() {
     for (seed, name) in (0..).zip(MESHES) {

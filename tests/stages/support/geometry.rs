@@ -258,7 +258,7 @@ fn set_up(gpu: &Gpu, case: &Case, frames: &[Frame]) -> SetUp {
     SetUp { points, map_points, facts }
 }
 
-/// What these stages leave after one frame after another: bits of what is of the camera's view, and of the light's.
+/// Bits that these stages leave after one frame after another: of the camera's view, and of the light's.
 pub fn set_up_in_turn(gpu: &Gpu, case: &Case, frames: &[Frame]) -> [Vec<u32>; 2] {
     let SetUp { points, map_points, facts } = set_up(gpu, case, frames);
     let bits = |points: &Buffer<[f32; 4]>| read(gpu, points).into_iter().flatten().map(f32::to_bits).collect();
