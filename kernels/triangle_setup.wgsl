@@ -5,7 +5,8 @@
 // whose squares it may touch count, else those whose centres it may cover. Rectangles are conservative; a
 // triangle that crosses the camera's near plane is clipped for its rectangle, one that is not surely in front
 // of the light takes the whole map, one surely behind it nothing. One that goes on beyond one of the ends of
-// the map (FLAG_ENDS) takes the whole map, too. What was found in the camera's view stands where another view
+// the map (FLAG_ENDS) takes the whole map, too. With FLAG_BACKS_HIDDEN one of a closed body that surely faces
+// away from the eye takes no pixels. What was found in the camera's view stands where another view
 // of the light came before (FLAG_FURTHER_VIEW), what was found in the light's with FLAG_LIGHT_STANDS.
 
 //@import frame dispatch rect facing view_sides map_ends
@@ -111,6 +112,9 @@ fn setup(
         facing[t] = side;
         var in_camera = EMPTY_RECT;
         if !dropped { in_camera = camera_rect(a.xyz, b.xyz, c.xyz); }
+        let eye = vec4(0.0, 0.0, 0.0, 1.0);
+        let may_hide = (frame.flags & FLAG_BACKS_HIDDEN) != 0u && i.w != 0u;
+        if may_hide && facing_of(a.xyz, b.xyz, c.xyz, eye) == BACK { in_camera = EMPTY_RECT; }
         camera_rects[t] = in_camera;
         camera_items[t] = block_count(in_camera);
     }

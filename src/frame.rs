@@ -118,6 +118,8 @@ impl Frame {
     pub const MORE_VIEWS: u32 = 128;
     /// Nothing casts a shadow: a facet that faces the light is lit.
     pub const NOTHING_CASTS: u32 = 16384;
+    /// The eye and what is nearer than the near distance are outside all closed bodies: what faces away from the eye of these is hidden.
+    pub const BACKS_HIDDEN: u32 = 131072;
     /// Nothing is known of what lies outside the light's view.
     pub const NO_VIEW: u32 = 32768;
     /// Casters are set up in the light's view as a frame before left them; only the camera's part is made.

@@ -62,11 +62,14 @@ const MERGE: (&str, &str) = ("sample_surfaces.merge", "takes neighbouring triang
 const SETTLE: (&str, &str) = ("facet_classify.settle", "settles facets that need no evaluation");
 const BACK_FACING: (&str, &str) =
     ("triangle_setup.back_facing", "casters of closed bodies that face away from the light");
+const HIDDEN: (&str, &str) =
+    ("triangle_setup.hidden_backs", "triangles of closed bodies that face away from the camera");
 const PERSPECTIVE: (&str, &str) = ("vertex_project.divide", "perspective divide of the light view");
 
 impl Plan {
     /// Plan for rendering `prepared`. `wanted` says what is asked for: with `cull_back` the plan may leave out casters
-    /// that face away from the light. `force_all` leaves out nothing and settles no facet before evaluation.
+    /// that face away from the light. `force_all` leaves out nothing and settles no facet before evaluation; what [`Settings::hide_backs`]
+    /// says stays, as it is part of what a sample sees.
     ///
     /// # Errors
     /// [`crate::Error::Scene`] or [`crate::Error::Config`] if camera, light or settings cannot be used.
@@ -119,6 +122,11 @@ impl Plan {
         let culled = culled.map(|why| if settings.validity { why + "; those that may cut a facet stay" } else { why });
         settings.cull_back = culled.is_some();
         part(BACK_FACING, culled);
+        let hidden = settings.hide_backs && !force_all && prepared.hides_backs(camera, wanted.size);
+        part(
+            HIDDEN,
+            hidden.then(|| "closed bodies, camera outside: what faces away lies behind what does not".to_owned()),
+        );
         if wanted.facets == FacetMode::All {
             part(MERGE, (!prepared.merges()).then(|| "no two neighbouring triangles are coplanar".to_owned()));
         }
@@ -305,7 +313,8 @@ mod tests {
         assert_eq!(reason(&plan(body(), sun(1.0), &warped, false), PERSPECTIVE.0), None, "a warp divides");
         assert!(one.settings.cull_back && one.settings.settle && !one.settings.validity);
         let many = of(spot, 32, true);
-        assert_eq!(many.left_out().count(), 1, "{many:?}");
+        assert_eq!(many.left_out().count(), 2, "{many:?}");
+        assert!(reason(&many, HIDDEN.0).unwrap().contains("camera outside"));
         assert!(reason(&many, BACK_FACING.0).unwrap().contains("may cut a facet stay"));
         assert!(many.settings.cull_back && many.settings.settle && many.settings.validity);
         let off = of(spot, 32, false);
@@ -313,7 +322,7 @@ mod tests {
         let inside = of(Light::Point { position: [0.3, 0.2, 0.3] }, 1, true);
         assert!(!inside.settings.cull_back, "the shell around a light is all back faces");
         let open = plan(triangles(&[A, B, C, A, D, B]), spot, &settings(1, true), false);
-        assert!(!open.settings.cull_back);
+        assert!(!open.settings.cull_back && reason(&open, HIDDEN.0).is_none());
         // A body beside a sheet: its triangles are two thirds. The light has to be outside the body, wherever the sheet is.
         let mut beside = body();
         beside.positions.extend(triangles(&[[-9.0, -9.0, -9.0], [9.0, -9.0, -9.0], [0.0, 9.0, 9.0]]).positions);

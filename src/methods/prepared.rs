@@ -5,8 +5,9 @@ use crate::gpu::Buffer;
 use crate::light_view::MeshAndTree;
 use crate::scene::adjacency::{Adjacency, Edge};
 use crate::scene::mesh_tree::MeshTree;
-use crate::scene::{Light, Mesh};
+use crate::scene::{Camera, Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicUsize;
@@ -114,12 +115,29 @@ impl Prepared {
         self.bodies.contains(&true) && (light.is_directional() || self.bodies_around(light) == Some(0))
     }
 
-    /// How many closed bodies a light that is not at infinity is in, or `None` where it is as good as on one.
-    pub(crate) fn bodies_around(&self, light: &Light) -> Option<i64> {
+    /// Whether a camera sees no triangle that faces away from it of a closed body ([`Prepared::bodies`]), and there are any: each lies
+    /// behind one that does not. Its eye is outside all of these, and none comes nearer to it than the near distance in any corner of
+    /// an image of this size.
+    pub(crate) fn hides_backs(&self, camera: &Camera, [width, height]: [u32; 2]) -> bool {
+        if !self.bodies.contains(&true) {
+            return false;
+        }
+        let half = (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan();
+        let corner = half.hypot(half * f64::from(width) / f64::from(height.max(1))).hypot(1.0);
+        let eye = Vec3::from(camera.eye).as_dvec3();
+        self.around(eye, 1.01 * corner * f64::from(camera.near)) == Some(0)
+    }
+
+    /// How many closed bodies are around a point, or `None` if one comes as near as `slack`, or 10^-9 of the mesh's size.
+    fn around(&self, at: DVec3, slack: f64) -> Option<i64> {
         let (low, high) = self.tree().bounds()?;
         let of_body = |t: u32| self.bodies.get(t as usize) == Some(&true);
-        let at = light.homogeneous().truncate();
-        self.tree().winding(&self.mesh, at, 1e-9 * (high - low).length(), of_body)
+        self.tree().winding(&self.mesh, at, slack.max(1e-9 * (high - low).length()), of_body)
+    }
+
+    /// How many closed bodies a light that is not at infinity is in, or `None` where it is as good as on one.
+    pub(crate) fn bodies_around(&self, light: &Light) -> Option<i64> {
+        self.around(light.homogeneous().truncate(), 0.0)
     }
 
     /// Whether any two triangles are one surface.
@@ -246,5 +264,29 @@ mod tests {
             found[usize::from(inwards(0.999))] += 1;
         }
         assert!(found[0] > 100 && found[1] > 100, "{found:?}");
+    }
+
+    /// A camera above the slab sees no back, one in it or so near to it that the near distance reaches into it does, and of an open
+    /// mesh every triangle counts.
+    #[test]
+    fn a_camera_outside_bodies_sees_no_backs() {
+        let mesh = crate::test_scenes::builtin("knot").mesh;
+        let prepared = Prepared::new(&mesh).unwrap();
+        let at = |eye, near| {
+            let camera = Camera { eye, near, target: [0.1, 1.0, 0.2], ..crate::test_scenes::builtin("knot").camera };
+            prepared.hides_backs(&camera, [64, 48])
+        };
+        assert!(at([0.0, 9.0, 0.0], 0.01) && !at([0.0, -0.2, 0.0], 0.01) && at([0.0, 1.9, 0.0], 0.01));
+        assert!(at([9.0, 0.5, 9.0], 0.01) && !at([9.0, 0.5, 9.0], 20.0), "the near distance reaches to the slab");
+        let open = Mesh { triangles: mesh.triangles[1..].to_vec(), ..mesh };
+        let camera = crate::test_scenes::builtin("knot").camera;
+        assert!(prepared.hides_backs(&camera, [64, 48]));
+        let part = Prepared::new(&open).unwrap();
+        assert!(part.bodies.contains(&false) && part.bodies.contains(&true), "one body is open");
+        assert!(
+            !Prepared::new(&Mesh { triangles: vec![open.triangles[0]], ..open })
+                .unwrap()
+                .hides_backs(&camera, [64, 48])
+        );
     }
 }

@@ -253,6 +253,10 @@ pub struct Settings {
     /// Leave out casters of closed bodies that face away from the light, if it is outside all of these ([`LightView::outside`]). With
     /// validity masks those that may cut a facet stay.
     pub cull_back: bool,
+    /// Leave out of the camera's view triangles of closed bodies that face away from it, if it is outside all of these: each lies behind
+    /// one that does not. Without, such a triangle may show at samples that rounding puts on this side of a silhouette, where it passes
+    /// for the nearer one. Of casters that stand.
+    pub hide_backs: bool,
     /// How half-planes become masks.
     pub masks: MaskVariant,
     /// How pairs are brought together by texel.
@@ -376,6 +380,7 @@ impl Settings {
             facets: FacetMode::default(),
             validity: true,
             cull_back: false,
+            hide_backs: true,
             masks: MaskVariant::Exact,
             pairs: PairVariant::default(),
             projection: ProjectionVariant::Pencil,

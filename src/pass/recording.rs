@@ -73,6 +73,10 @@ impl ShadowPass {
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             flags |= Frame::BEYOND;
         }
+        let stands = self.casters.places.is_none();
+        if self.settings.hide_backs && stands && self.casters.prepared.hides_backs(inputs.camera, self.settings.size) {
+            flags |= Frame::BACKS_HIDDEN;
+        }
         flags |= match extent {
             Extent::Everything => 0,
             Extent::Facing => Frame::NOTHING_CASTS,

@@ -438,3 +438,47 @@ fn detects_corruption() {
     assert!(broken(&|f| f.id_keys[several] ^= 1), "another centre");
     assert!(broken(&|f| drop(f.surfaces.pop())), "a pixel is missing");
 }
+
+/// Backs of closed bodies are listed nowhere, and samples see what they see with them, but at silhouettes within rounding; from
+/// inside a body, and of a mesh that is open, something is missing.
+#[gpu_test]
+fn hidden_backs_are_not_seen() {
+    let scene = builtin("windmill").expect("a scene");
+    let mut cases = vec![Case { camera: scene.camera, ..Case::new(&scene.mesh, light(0), [200, 150], 8) }];
+    cases.extend((0..3).map(|seed| Case::new(&mesh("closed balls", seed), light(seed), [61, 45], 8)));
+    for (n, case) in cases.iter().enumerate() {
+        let samples = pattern([32, 128, 32, 8][n]);
+        let with = find(gpu(), case, &samples);
+        let hidden = Case { backs_hidden: true, ..case.clone() };
+        let found = find(gpu(), &hidden, &samples);
+        let wanted = wanted(case, &samples);
+        let open = compare(&found, &wanted, &samples).unwrap_or_else(|text| panic!("case {n}: {text}"));
+        assert!(open * 10 < wanted.len(), "case {n}: {open} of {} are open", wanted.len());
+        assert!(
+            found.needed[0] * 10 < with.needed[0] * 8,
+            "case {n}: {} of {} listed",
+            found.needed[0],
+            with.needed[0]
+        );
+        let view = case.view();
+        for &t in found.lists.iter().flatten().filter(|&&t| case.prepared.bodies[t as usize]) {
+            let [a, b, c] = case.prepared.mesh().corners(t as usize).map(|p| p - view.eye);
+            let facing = (b - a).cross(c - a).dot(-a);
+            let (ab, ac, reach) = ((b - a).length(), (c - a).length(), a.length().max(b.length()).max(c.length()));
+            let doubt = 4.0 * a.length() * (2e-6 * ab * ac + 6e-7 * reach * (ab + ac));
+            assert!(facing > -doubt, "case {n}: triangle {t} faces away by {facing}");
+        }
+    }
+    // From inside a ball all of it faces away.
+    let mut case = cases.swap_remove(1);
+    let inside = case.prepared.mesh().corners(0).iter().sum::<DVec3>() / 3.0;
+    let normal = case.prepared.mesh().corners(0);
+    let normal = (normal[1] - normal[0]).cross(normal[2] - normal[0]).normalize();
+    case.camera.eye = (inside - 0.05 * normal).as_vec3().into();
+    case.camera.target = inside.as_vec3().into();
+    (case.camera.near, case.camera.up) = (1e-4, normal.any_orthonormal_vector().as_vec3().into());
+    let samples = pattern(32);
+    let wanted = wanted(&case, &samples);
+    compare(&find(gpu(), &case, &samples), &wanted, &samples).expect("seen from inside");
+    assert!(compare(&find(gpu(), &Case { backs_hidden: true, ..case }, &samples), &wanted, &samples).is_err());
+}

@@ -44,6 +44,8 @@ pub struct Case {
     pub map: u32,
     /// Leave out what faces away from the light.
     pub cull_back: bool,
+    /// Leave out of the camera's view what faces away from it.
+    pub backs_hidden: bool,
     /// Validity masks are kept: what is left out may cut facets, and keeps its texels.
     pub validity: bool,
 }
@@ -61,6 +63,7 @@ impl Case {
             image,
             map,
             cull_back: false,
+            backs_hidden: false,
             validity: false,
         }
     }
@@ -89,6 +92,7 @@ impl Case {
         let view = self.light_view();
         let mut frame = Frame::new(&self.camera, &self.light, &view, self.bounds(), self.image, &samples);
         frame.flags |= if self.cull_back { Frame::CULL_BACK } else { 0 };
+        frame.flags |= if self.backs_hidden { Frame::BACKS_HIDDEN } else { 0 };
         frame.flags |= if self.validity { Frame::VALIDITY } else { 0 };
         frame.vertex_count = self.positions().len() as u32;
         frame.triangle_count = self.prepared.mesh().triangles.len() as u32;

@@ -6,7 +6,7 @@ use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::gpu::kernels::sample_surfaces::STATE_MERGED;
 use subpixel_shadows::gpu::recorder::fold_within;
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels};
-use subpixel_shadows::methods::prepared::padded;
+use subpixel_shadows::methods::prepared::{marked_triangles, padded};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Mesh as Scene;
 use subpixel_shadows::stages::camera_visibility::Blocks;
@@ -116,7 +116,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
     offsets_of_samples.write(&gpu.queue, &sample_words(samples));
     let frame = &uniform;
     let positions = upload(gpu, &padded(case.positions()));
-    let triangles = upload(gpu, &padded(&case.prepared.mesh().triangles));
+    let triangles = upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
     let (vertices, count) = (positions.len(), triangles.len());
     let pixels = (case.image[0] * case.image[1]) as usize;
     let memory = "memory";
