@@ -256,7 +256,7 @@ fn stages_progress_and_looks() {
     let plan = Plan::of(&prepared, &scene.camera, &scene.light, &settings, false).expect("a plan");
     for step in plan.steps.iter().filter(|s| s.left_out.is_none() && !s.name.contains('.')) {
         let ran = frame.stages.iter().any(|s| s.name == step.name && s.ms >= 0.0);
-        assert!(ran != engine::merged(step.name).is_some(), "{}", step.name);
+        assert!(ran != engine::merged(step.name, &frame.stages).is_some(), "{}", step.name);
     }
     let looks = frame.looks.expect("looks");
     let count = |class: PixelClass| looks.classes.iter().filter(|c| **c == class).count() as u64;

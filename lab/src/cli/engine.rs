@@ -6,7 +6,7 @@ use super::progress::Console;
 use super::repeat::timed;
 use lab::report::FacetSet;
 use lab::scene::Scene;
-use oracle::engine::{self, CpuTime};
+use oracle::engine::{self, CpuRays, CpuTime, RAYS};
 use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{DebugViews, MethodName, PixelClass, Prepared};
@@ -148,9 +148,20 @@ impl Engine {
                 let (output, timed_frames) = timed(output, frames, || renderer.render(camera, light))?;
                 Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
             }
+            (_, Self::Cpu) if options.method == MethodName::RayTraced => {
+                let rays = CpuRays::new(prepared)?;
+                let task = console.task("CPU rays");
+                let progress = |done, total| task.at(done, total);
+                let render = || rays.render(settings, &scene.camera, &scene.light, Some(&progress));
+                let first = render()?;
+                let setup = start.elapsed();
+                let (output, timed_frames) = timed(first, frames, render)?;
+                let cpu_stages = Some(vec![CpuTime { name: RAYS, ms: output.wall_ms }]);
+                Ok(Rendered { output, facets: None, looks: None, cpu_stages, timed_frames, setup })
+            }
             (_, Self::Cpu) if options.method != MethodName::FacetMasks => {
                 let name = options.method.name();
-                Err(Error::Config(format!("method {name} on the CPU engine, which has facet-masks only")))
+                Err(Error::Config(format!("method {name} on the CPU engine, which has facet-masks and ray-traced")))
             }
             (_, Self::Cpu) => {
                 // Nothing is compiled here, but the first view of all makes the tree of the mesh.

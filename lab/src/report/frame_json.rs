@@ -159,7 +159,7 @@ impl<'a> FrameReport<'a> {
     pub fn new(s: Sources<'a>) -> Self {
         let time = |name: &str| s.output.stages.iter().find(|t| t.name == name).map_or(0.0, |t| t.gpu_ms);
         let cpu_time = |name: &str| s.cpu_stages?.iter().find(|t| t.name == name).map(|t| t.ms);
-        let merged = |name: &str| s.cpu_stages.and_then(|_| engine::merged(name));
+        let merged = |name: &str| s.cpu_stages.and_then(|ran| engine::merged(name, ran));
         let stages = s.plan.steps.iter().filter(|step| step.left_out.is_some() || !step.name.contains('.'));
         Self {
             program: ProgramReport { version: env!("CARGO_PKG_VERSION") },

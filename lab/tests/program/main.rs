@@ -240,6 +240,31 @@ fn bad_input_is_one_line_and_leaves_nothing() {
 }
 
 #[test]
+fn rays_on_the_cpu_are_a_method() {
+    let folder = Folder::new("cpu-rays");
+    let out = folder.path("out");
+    let args = ["windmill", "--engine", "cpu", "--method", "ray-traced", "--truth", "--frames", "2", "--quiet"];
+    render(&out, &args);
+    assert_contract(&out, "cpu", [64, 48], 32);
+    let f = frame(&out);
+    assert!(f["error"]["scene_rmse"].as_f64().is_some_and(|e| e < 0.01), "{}", f["error"]);
+    assert_eq!((&f["timed_frames"], &f["gpu_ms"]), (&2.into(), &0.0.into()));
+    for stage in f["stages"].as_array().expect("stages") {
+        let rays = stage["name"] == "shadow_rays";
+        assert_eq!((stage["left_out"].is_null(), stage["cpu_ms"].as_f64() > Some(0.0)), (rays, rays), "{stage}");
+    }
+    let share: f32 = exr(&out, "visibility.exr").2.iter().map(|v| v[0]).sum::<f32>() / (64.0 * 48.0);
+    assert!(share > 0.3 && share < 0.95, "{share}");
+    // Other methods have no CPU engine, and say so.
+    let other = folder.path("other");
+    let refused = run(&["render", "plane", "--engine", "cpu", "--method", "spsm", "--out", &other]);
+    let line = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!((refused.status.code(), line.lines().count()), (Some(1), 1), "{line}");
+    assert!(line.contains("spsm") && line.contains("facet-masks and ray-traced"), "{line}");
+    assert!(!Path::new(&other).exists());
+}
+
+#[test]
 fn the_cpu_engine_works_and_says_so() {
     let folder = Folder::new("cpu");
     let out = folder.path("deep/out");

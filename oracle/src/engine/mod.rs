@@ -1,4 +1,5 @@
-//! `facet-masks` on the CPU: the same stages by their definitions in `f64`, on all cores, for machines without an adapter.
+//! Methods on the CPU, on all cores, for machines without an adapter: `facet-masks`, the same stages by their definitions in `f64`, and
+//! `ray-traced` ([`CpuRays`]).
 //!
 //! The maps of the first light view are made once, facets in bands of rows with the maps of further views, their pairs in parts that fit
 //! memory. How masks are looked up and how pairs are brought together ([`Settings::masks`], [`Settings::pairs`]) are
@@ -6,6 +7,7 @@
 
 mod light_side;
 mod primary_hits;
+mod rays;
 mod shadows;
 
 use crate::reference::facet_classify::FacetState;
@@ -14,6 +16,7 @@ use crate::reference::resolve::{FacetBits, pixel};
 use crate::truth::{FacetTruth, Progress, Tracer, split_mask};
 use glam::DVec3;
 use light_side::{LightSide, join};
+pub use rays::CpuRays;
 use std::time::Instant;
 use subpixel_shadows::methods::debug_views::{DebugMap, DebugViews, PixelClass};
 use subpixel_shadows::methods::facet_masks::Settings;
@@ -74,9 +77,15 @@ pub struct CpuFrame {
     pub looks: Option<DebugViews>,
 }
 
-/// Why the CPU runs a stage of the plan as no stage of its own, if so.
-pub fn merged(stage: &str) -> Option<&'static str> {
+/// The stage of [`CpuRays`].
+pub const RAYS: &str = "shadow_rays";
+
+/// Why the CPU runs a stage of the plan as no stage of its own, if so. `ran`: the stages that ran.
+pub fn merged(stage: &str, ran: &[CpuTime]) -> Option<&'static str> {
     match stage {
+        _ if stage != RAYS && ran.iter().any(|t| t.name == RAYS) => {
+            Some("CPU engine: rays from the eye find what each sample sees")
+        }
         "pixel_triangles" => Some("CPU engine: sample_surfaces looks at the triangles themselves"),
         "visibility_refine" => Some("CPU engine: all is decided in f64"),
         _ => None,
