@@ -49,7 +49,7 @@ const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure 
 
 //@import frame_copy
 
-//@import facet_samples facet_place
+//@import facet_place
 
 @compute @workgroup_size(WORKGROUP)
 fn one(

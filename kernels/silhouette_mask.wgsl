@@ -1,11 +1,11 @@
 // silhouette_mask: finds the silhouette edges and marks the texels they touch (Pan 2009, section 3.2).
 // `classify` decides for every edge whether it is a silhouette: its two triangles do not face the light
 // alike, or one of them is missing, unsure, or not known to be its only neighbour. Writes `edge_rects`,
-// `edge_items` (8 x 8 blocks to mark; 0 where the edge is none). `raster` marks in `mask` every texel an edge
-// touches (conservatively), unless the edge lies there behind the texel's split depth: then it is hidden by
-// what is in front, or front_layer marks the texel anyway.
+// `edge_items` (8 x 8 blocks to mark, of those that are `requested`; 0 where the edge is none). `raster`
+// marks in `mask` every texel an edge touches (conservatively), unless the edge lies there behind the
+// texel's split depth: then it is hidden by what is in front, or front_layer marks the texel anyway.
 
-//@import frame dispatch status rect work_items front_split facing span mask_rows
+//@import frame dispatch status rect work_items front_split facing span mask_rows requested_part
 
 struct Edge { v0: u32, v1: u32, t0: u32, t1: u32 }
 
@@ -22,7 +22,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(8) var<storage, read> second_keys: array<u32>;
 @group(0) @binding(9) var<storage, read_write> mask: array<atomic<u32>>;
 @group(0) @binding(10) var<storage, read_write> status: Status;
-
+@group(0) @binding(11) var<storage, read> requested: array<u32>;
 
 fn is_silhouette(e: Edge) -> bool {
     if e.t1 == NO_TRIANGLE { return true; }
@@ -51,7 +51,7 @@ fn classify(
             let high = max(a.xy, b.xy);
             let slack = frame.map_margin
                 + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
-            rect = cells_touched(low - slack, high + slack, vec2(frame.map_size));
+            rect = requested_part(cells_touched(low - slack, high + slack, vec2(frame.map_size)));
         }
         // The same in every view.
         if (frame.flags & FLAG_FURTHER_VIEW) == 0u { atomicAdd(&status.head.silhouette_edges, 1u); }

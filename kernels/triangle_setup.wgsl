@@ -1,15 +1,15 @@
-// triangle_setup: what each triangle is to the light and where it lies in both views.
-// Reads `triangles`, `points`, `map_points`. Writes per triangle: `facing` (FRONT, BACK, UNSURE or DROPPED),
-// `camera_rects` and `light_rects` (pixels and texels it may touch) and how many 8 x 8 blocks those take
-// (`camera_items`, `light_items`; 0 where the triangle has no work in that view). With FLAG_CLAMP the pixels
-// whose squares it may touch count, else those whose centres it may cover. Rectangles are conservative; a
-// triangle that crosses the camera's near plane is clipped for its rectangle, one that is not surely in front
-// of the light takes the whole map, one surely behind it nothing. One that goes on beyond one of the ends of
-// the map (FLAG_ENDS) takes the whole map, too. With FLAG_BACKS_HIDDEN one of a closed body that surely faces
-// away from the eye takes no pixels. What was found in the camera's view stands where another view
-// of the light came before (FLAG_FURTHER_VIEW), what was found in the light's with FLAG_LIGHT_STANDS.
+// triangle_setup: what each triangle is to the light and where it lies in both views. `setup_camera` reads
+// `triangles` and `points` and writes `camera_rects` (pixels that a triangle may touch) and how many 8 x 8
+// blocks those take (`camera_items`; 0 where the triangle has no work in that view). With FLAG_CLAMP the
+// pixels whose squares it may touch count, else those whose centres it may cover. Rectangles are
+// conservative; a triangle that crosses the camera's near plane is clipped for its rectangle. With
+// FLAG_BACKS_HIDDEN one of a closed body that surely faces away from the eye takes no pixels. `setup_light`
+// reads `map_points` besides and writes `facing` (FRONT, BACK, UNSURE or DROPPED), `light_rects` and
+// `light_items` likewise, of texels: those that are `requested`, where that says so. A triangle that is not
+// surely in front of the light takes the whole map, one surely behind it nothing. One that goes on beyond
+// one of the ends of the map (FLAG_ENDS) takes the whole map, too.
 
-//@import frame dispatch rect facing view_sides map_ends
+//@import frame dispatch rect facing view_sides map_ends requested_part
 
 const WORKGROUP = 64u;
 
@@ -22,6 +22,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(6) var<storage, read_write> light_rects: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> camera_items: array<u32>;
 @group(0) @binding(8) var<storage, read_write> light_items: array<u32>;
+@group(0) @binding(9) var<storage, read> requested: array<u32>;
 
 //@import frame_copy
 
@@ -91,8 +92,19 @@ fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32
         ends_beyond(low, high) != 0u);
 }
 
+// Corners of a triangle; `none` where they are no good.
+struct Corners { a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, none: bool }
+
+fn corners_of(i: vec3<u32>) -> Corners {
+    let bad = max(max(i.x, i.y), i.z) >= frame.vertex_count || i.x == i.y || i.y == i.z || i.z == i.x;
+    let a = points[min(i.x, frame.vertex_count - 1u)];
+    let b = points[min(i.y, frame.vertex_count - 1u)];
+    let c = points[min(i.z, frame.vertex_count - 1u)];
+    return Corners(a, b, c, bad || a.w * b.w * c.w == 0.0);
+}
+
 @compute @workgroup_size(WORKGROUP)
-fn setup(
+fn setup_camera(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
@@ -101,34 +113,44 @@ fn setup(
     let t = flat_invocation(group, groups, WORKGROUP, local);
     if t >= frame.triangle_count { return; }
     let i = triangles[t];
-    let bad = max(max(i.x, i.y), i.z) >= frame.vertex_count || i.x == i.y || i.y == i.z || i.z == i.x;
-    let a = points[min(i.x, frame.vertex_count - 1u)];
-    let b = points[min(i.y, frame.vertex_count - 1u)];
-    let c = points[min(i.z, frame.vertex_count - 1u)];
-    let dropped = bad || a.w * b.w * c.w == 0.0;
+    let corners = corners_of(i.xyz);
+    let a = corners.a;
+    let b = corners.b;
+    let c = corners.c;
+    var rect = EMPTY_RECT;
+    if !corners.none { rect = camera_rect(a.xyz, b.xyz, c.xyz); }
+    let eye = vec4(0.0, 0.0, 0.0, 1.0);
+    let may_hide = (frame.flags & FLAG_BACKS_HIDDEN) != 0u && i.w != 0u;
+    if may_hide && facing_of(a.xyz, b.xyz, c.xyz, eye) == BACK { rect = EMPTY_RECT; }
+    camera_rects[t] = rect;
+    camera_items[t] = block_count(rect);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn setup_light(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    take_frame(local);
+    let t = flat_invocation(group, groups, WORKGROUP, local);
+    if t >= frame.triangle_count { return; }
+    let i = triangles[t];
+    let corners = corners_of(i.xyz);
+    let a = corners.a.xyz;
+    let b = corners.b.xyz;
+    let c = corners.c.xyz;
     var side = DROPPED;
-    if !dropped { side = facing_of(a.xyz, b.xyz, c.xyz, frame.light); }
-    if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
-        facing[t] = side;
-        var in_camera = EMPTY_RECT;
-        if !dropped { in_camera = camera_rect(a.xyz, b.xyz, c.xyz); }
-        let eye = vec4(0.0, 0.0, 0.0, 1.0);
-        let may_hide = (frame.flags & FLAG_BACKS_HIDDEN) != 0u && i.w != 0u;
-        if may_hide && facing_of(a.xyz, b.xyz, c.xyz, eye) == BACK { in_camera = EMPTY_RECT; }
-        camera_rects[t] = in_camera;
-        camera_items[t] = block_count(in_camera);
+    var rect = EMPTY_RECT;
+    if !corners.none {
+        side = facing_of(a, b, c, frame.light);
+        let beyond = sides_beyond(a) & sides_beyond(b) & sides_beyond(c);
+        rect = light_rect(map_points[i.x], map_points[i.y], map_points[i.z], beyond);
+        // With validity masks it may cut a facet.
+        if is_culled(frame.flags, i.w, side) & ((frame.flags & FLAG_VALIDITY) == 0u) { rect = EMPTY_RECT; }
+        rect = requested_part(rect);
     }
-    if (frame.flags & FLAG_LIGHT_STANDS) != 0u { return; }
-    if dropped {
-        light_rects[t] = EMPTY_RECT;
-        light_items[t] = 0u;
-        return;
-    }
-    var in_light = light_rect(
-        map_points[i.x], map_points[i.y], map_points[i.z],
-        sides_beyond(a.xyz) & sides_beyond(b.xyz) & sides_beyond(c.xyz));
-    // With validity masks it may cut a facet.
-    if is_culled(frame.flags, i.w, side) & ((frame.flags & FLAG_VALIDITY) == 0u) { in_light = EMPTY_RECT; }
-    light_rects[t] = in_light;
-    light_items[t] = block_count(in_light);
+    facing[t] = side;
+    light_rects[t] = rect;
+    light_items[t] = block_count(rect);
 }

@@ -1,9 +1,9 @@
 // vertex_project: brings vertices into the frame's eye-relative, scaled space and into the light view.
-// Reads `positions` (world units). Writes `points` (xyz; w 1 where finite, else 0) and `map_points` (texel x,
-// y, depth, w; for a vertex that is not surely in front of the light the first three times w, and how much w
-// is less than it would have to be, which is not above 0; 0 for one that projects to no number). The
-// subtraction of the eye is the only rounding of `points`: half an ulp of the difference. `points` stand
-// where another view of the light came before (FLAG_FURTHER_VIEW), `map_points` with FLAG_LIGHT_STANDS.
+// `place` reads `positions` (world units) and writes `points` (xyz; w 1 where finite, else 0); the
+// subtraction of the eye is their only rounding: half an ulp of the difference. `project` reads `points` and
+// writes `map_points` (texel x, y, depth, w; for a vertex that is not surely in front of the light the first
+// three times w, and how much w is less than it would have to be, which is not above 0; 0 for one that
+// projects to no number).
 
 //@import frame dispatch finite
 
@@ -17,7 +17,7 @@ const WORKGROUP = 64u;
 //@import frame_copy
 
 @compute @workgroup_size(WORKGROUP)
-fn project(
+fn place(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
@@ -27,16 +27,23 @@ fn project(
     if v >= frame.vertex_count { return; }
     let world = positions[v];
     let point = ((world - frame.eye.xyz) - frame.eye_low.xyz) * frame.eye.w;
-    let is_point = all_finite(point);
-    if (frame.flags & FLAG_FURTHER_VIEW) == 0u {
-        points[v] = select(vec4(0.0), vec4(point, 1.0), is_point);
-    }
-    if (frame.flags & FLAG_LIGHT_STANDS) != 0u { return; }
-    if !is_point {
+    points[v] = select(vec4(0.0), vec4(point, 1.0), all_finite(point));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn project(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    take_frame(local);
+    let v = flat_invocation(group, groups, WORKGROUP, local);
+    if v >= frame.vertex_count { return; }
+    let p = points[v];
+    if p.w == 0.0 {
         map_points[v] = vec4(0.0);
         return;
     }
-    let p = vec4(point, 1.0);
     let uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
     var seen = vec4(uvz, 1.0);
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {

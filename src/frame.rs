@@ -122,9 +122,7 @@ impl Frame {
     pub const BACKS_HIDDEN: u32 = 131072;
     /// Nothing is known of what lies outside the light's view.
     pub const NO_VIEW: u32 = 32768;
-    /// Casters are set up in the light's view as a frame before left them; only the camera's part is made.
-    pub const LIGHT_STANDS: u32 = 65536;
-    /// This is not the first view of the light: what was found of facets is kept, and casters are set up in the camera's view.
+    /// This is not the first view of the light: what was found of facets is kept.
     pub const FURTHER_VIEW: u32 = 256;
 
     /// The frame of a camera, a light and its view of a scene that lies between two corners.

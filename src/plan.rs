@@ -13,6 +13,7 @@ pub use crate::methods::facet_masks::Extent;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
 use crate::scene::{Camera, Light};
+pub(crate) use proofs::asks_for_most;
 use proofs::{all_is_lit, back_faces_add_nothing, no_shadow, nothing_seen};
 
 /// A stage, or a part of one that can be left out by itself.
@@ -38,11 +39,12 @@ pub struct Plan {
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 15] = [
+const STAGES: [(&str, &str, Extent); 16] = [
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
     ("pixel_triangles", "triangles that the samples of each pixel may see", Extent::Facing),
     ("sample_surfaces", "the surface each sample sees, a facet for each", Extent::Facing),
+    (REQUESTS, "blocks of texels that facets ask for: nothing is made in others", Extent::Everything),
     ("light_layers", "two nearest layers at every texel centre", Extent::Everything),
     ("silhouette_mask", "texels that silhouette edges touch", Extent::Everything),
     ("front_layer", "proves which texels are covered by one sheet", Extent::Everything),
@@ -55,6 +57,9 @@ const STAGES: [(&str, &str, Extent); 15] = [
     ("visibility_refine", "the same with 46 bits, where 24 leave it open", Extent::Everything),
     ("resolve", "masks to visibility", Extent::Facing),
 ];
+
+/// The stage that finds which part of the light's view the camera asks for.
+const REQUESTS: &str = "requested_blocks";
 
 /// Parts of stages that a setting or the scene may make needless.
 const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that see another surface than the centre");
@@ -97,6 +102,7 @@ impl Plan {
             Extent::Facing => least != Extent::Everything,
             Extent::Everything => true,
         };
+        let all_blocks = all_blocks(prepared, camera, wanted, force_all);
         let mut steps: Vec<PlanStep> = STAGES
             .iter()
             .filter(|(name, ..)| {
@@ -104,10 +110,12 @@ impl Plan {
             })
             .map(|&(name, purpose, least)| {
                 let left_out = every_surface(name).or_else(|| (!needs(least)).then(|| reason.clone()));
+                let left_out = left_out.or_else(|| all_blocks.clone().filter(|_| name == REQUESTS));
                 PlanStep { name, purpose, left_out }
             })
             .collect();
         let mut settings = wanted.clone();
+        settings.request_blocks = all_blocks.is_none();
         let mut part = |(name, purpose): (&'static str, &'static str), left_out: Option<String>| {
             let left_out = if needs(Extent::Everything) { left_out } else { Some(reason.clone()) };
             let runs = left_out.is_none();
@@ -175,6 +183,18 @@ fn no_validity(wanted: &Settings) -> Option<String> {
         Some("one sample: the pixel centre is always valid".to_owned())
     } else {
         (!wanted.validity).then(|| "switched off".to_owned())
+    }
+}
+
+/// Why the light's maps are made whole.
+fn all_blocks(prepared: &Prepared, camera: &Camera, wanted: &Settings, force_all: bool) -> Option<String> {
+    if force_all {
+        Some("forced: every block is made".to_owned())
+    } else if !wanted.request_blocks {
+        Some("switched off".to_owned())
+    } else {
+        let of = |bounds| asks_for_most(camera, wanted.size, bounds, prepared.mesh.triangles.len());
+        prepared.tree().bounds().and_then(of)
     }
 }
 
@@ -313,7 +333,7 @@ mod tests {
         assert_eq!(reason(&plan(body(), sun(1.0), &warped, false), PERSPECTIVE.0), None, "a warp divides");
         assert!(one.settings.cull_back && one.settings.settle && !one.settings.validity);
         let many = of(spot, 32, true);
-        assert_eq!(many.left_out().count(), 2, "{many:?}");
+        assert_eq!(many.left_out().count(), 3, "{many:?}");
         assert!(reason(&many, HIDDEN.0).unwrap().contains("camera outside"));
         assert!(reason(&many, BACK_FACING.0).unwrap().contains("may cut a facet stay"));
         assert!(many.settings.cull_back && many.settings.settle && many.settings.validity);
@@ -333,6 +353,24 @@ mod tests {
             assert_eq!(plan.settings.cull_back, outside, "{position:?}");
             assert_eq!(reason(&plan, BACK_FACING.0).is_some_and(|why| why.contains("66 %")), outside, "{plan:?}");
         }
+    }
+
+    #[test]
+    fn blocks_are_requested_where_the_camera_sees_a_part() {
+        let scene = builtin("windmill");
+        let prepared = Prepared::new(&scene.mesh).unwrap();
+        let of = |camera: &Camera, wanted: &Settings| Plan::of(&prepared, camera, &sun(1.0), wanted, false).unwrap();
+        let wanted = settings(32, true);
+        let (low, high) = prepared.mesh().bounds().unwrap();
+        let all = of(&Camera::framing(low, high), &wanted);
+        assert!(reason(&all, REQUESTS).unwrap().contains("% of the scene"), "{all:?}");
+        let near = Camera { eye: [0.3, 0.4, 0.3], target: [1.0, 0.4, 0.3], near: 1e-3, ..scene.camera };
+        let part = of(&near, &wanted);
+        assert!(reason(&part, REQUESTS).is_none() && part.settings.request_blocks, "{part:?}");
+        let off = of(&near, &Settings { request_blocks: false, ..wanted.clone() });
+        assert!(reason(&off, REQUESTS).unwrap().contains("switched off") && !off.settings.request_blocks);
+        let large = of(&near, &Settings { size: [4000, 3000], ..wanted });
+        assert!(reason(&large, REQUESTS).unwrap().contains("few beside 12000000 pixels"), "{large:?}");
     }
 
     #[test]
@@ -364,7 +402,10 @@ mod tests {
         for mesh in [Mesh::default(), triangles(&[A, B, C]), body()] {
             let forced = plan(mesh, sun(1.0), &settings(32, true), true);
             assert_eq!(forced.extent, Extent::Everything);
-            assert!(STAGES.iter().all(|(name, ..)| reason(&forced, name).is_none()), "{forced:?}");
+            // It finds what may be left out.
+            let needed = STAGES.iter().map(|(name, ..)| *name).filter(|name| *name != REQUESTS);
+            assert!(needed.into_iter().all(|name| reason(&forced, name).is_none()), "{forced:?}");
+            assert!(reason(&forced, REQUESTS).unwrap().contains("forced") && !forced.settings.request_blocks);
             assert!(forced.settings.validity && !forced.settings.cull_back && !forced.settings.settle);
         }
     }

@@ -3,7 +3,8 @@
 
 use lab::scene::{Scene, SceneOptions};
 use oracle::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, TruthImage, join_mask};
-use subpixel_shadows::glam::{DQuat, DVec3};
+use subpixel_shadows::glam::{DQuat, DVec3, Quat, Vec3};
+use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::{MethodName, Prepared};
@@ -380,4 +381,53 @@ fn bodies_in_sheets_and_in_each_other() {
         let (samples, _) = wrong(&render(&mistaken, &scene, &plan.settings, Budget::default()), &truth);
         assert!(samples > 0, "round {round}: all triangles as of bodies, and nothing is wrong");
     }
+}
+
+/// Blocks of the light's map that no facet asks for may be left out: the pictures are the same, to the bit, of one renderer whose camera turns, with
+/// one view of the light and with several; and marked texels are fewer.
+#[gpu_test]
+fn blocks_that_nobody_requests_change_nothing() {
+    let lamp = Light::Point { position: [0.3, 1.7, 0.2] };
+    let inside = |name: &str, light: Option<Light>| {
+        let scene = Scene::open(name, &SceneOptions::default()).expect("a built-in scene");
+        Scene { light: light.unwrap_or(scene.light), ..scene }
+    };
+    let scenes = [inside("windmill", None), inside("plant", None), inside("spheres", Some(lamp))];
+    let [mut fewer, mut darker, mut frames] = [0; 3];
+    for scene in scenes {
+        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let (low, high) = prepared.mesh().bounds().expect("a mesh");
+        let middle = (low * 0.6 + high * 0.4).as_vec3();
+        let slices = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.3 };
+        for (facets, samples, partition) in
+            [(FacetMode::All, 32, None), (FacetMode::One, 8, None), (FacetMode::All, 32, Some(slices))]
+        {
+            let samples = Samples::new(Pattern::LowDiscrepancy, samples).expect("a pattern");
+            let all = Settings { facets, partition, request_blocks: false, ..Settings::new([56, 40], 160, samples) };
+            let part = Settings { request_blocks: true, ..all.clone() };
+            let [mut whole, mut requesting] = [&all, &part]
+                .map(|settings| Renderer::new(gpu(), &prepared, settings, Budget::default()).expect("a renderer"));
+            for turn in 0..4u8 {
+                let towards = Quat::from_rotation_y(1.5 * f32::from(turn)) * Vec3::new(1.0, -0.2, 0.3);
+                let camera = Camera {
+                    eye: middle.into(),
+                    target: (middle + towards).into(),
+                    vertical_fov_degrees: 50.0,
+                    near: 1e-2,
+                    ..scene.camera
+                };
+                let [a, b] = [&mut whole, &mut requesting].map(|r| r.render(&camera, &scene.light).expect("a frame"));
+                let picture = |o: &Output| o.visibility.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+                // Of one facet a pixel, which samples are cut off by other surfaces is not looked at once it is settled.
+                let lit = facets == FacetMode::One || a.lit == b.lit;
+                assert!(picture(&a) == picture(&b) && lit, "{}, {facets:?}, {partition:?}, turn {turn}", scene.name);
+                let [of_whole, of_part] = [&a, &b].map(|output| output.counts.silhouette_texels);
+                assert!(of_part <= of_whole, "{}: {of_part} marked texels, {of_whole} of the whole map", scene.name);
+                fewer += u32::from(2 * of_part < of_whole);
+                darker += a.visibility.iter().filter(|v| **v < 1.0).count() as u32;
+                frames += 1;
+            }
+        }
+    }
+    assert!(3 * fewer > frames && darker > 5000, "{fewer} of {frames} frames make half of the marks; {darker} pixels");
 }

@@ -29,6 +29,7 @@ mod pixel_triangles;
 mod pixel_views;
 mod prefix_scan;
 mod radix_sort;
+mod requested_blocks;
 mod resolve;
 mod sample_bins;
 mod sample_surfaces;
@@ -70,7 +71,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 33] = [
+    let without_textures: [Maker; 34] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -103,6 +104,7 @@ fn run(options: &Options) -> Result<()> {
         triangle_texel_pairs::cases,
         candidate_pairs::cases,
         visibility_masks::cases,
+        requested_blocks::cases,
         resolve::cases,
     ];
     let with_textures: [Maker; 4] =

@@ -19,7 +19,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         record: Box::new(move |s| {
             let (frame, edges, map) = (&setup.frame, &setup.casters.edges, &setup.map_points);
             let (rects, items, facing) = (&setup.edge_rects, &setup.edge_items, &setup.facts.facing);
-            stage.record_classify(s, frame, edges, facing, map, rects, items, &setup.status, count);
+            let requested = &setup.requested;
+            stage.record_classify(s, frame, edges, facing, map, requested, rects, items, &setup.status, count);
             let work = &setup.edge_work;
             stage.record_raster(s, frame, edges, map, rects, work.offsets(), work.args(), &setup.layers);
             Ok(())

@@ -13,12 +13,14 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     Ok(vec![Case {
         name: "triangle_setup".to_owned(),
         size: count,
-        bytes: count * 40 + setup.points.len() * 32,
+        bytes: count * 60 + setup.points.len() * 48,
         atomics: 0,
         flops: count * 60,
         record: Box::new(move |s| {
             let (triangles, map) = (&setup.casters.triangles, &setup.map_points);
-            stage.record(s, &setup.frame, triangles, &setup.points, map, &setup.facts, count);
+            let (points, requested) = (&setup.points, &setup.requested);
+            stage.record_camera(s, &setup.frame, triangles, points, &setup.facts, count);
+            stage.record_light(s, &setup.frame, triangles, points, map, requested, &setup.facts, count);
             Ok(())
         }),
     }])

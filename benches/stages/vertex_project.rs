@@ -13,11 +13,12 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     Ok(vec![Case {
         name: "vertex_project".to_owned(),
         size: count,
-        bytes: count * 44,
+        bytes: count * 60,
         atomics: 0,
         flops: count * 42,
         record: Box::new(move |s| {
-            stage.record(s, &setup.frame, &setup.casters.positions, &setup.points, &setup.map_points, count);
+            stage.record_place(s, &setup.frame, &setup.casters.positions, &setup.points);
+            stage.record_project(s, &setup.frame, &setup.points, &setup.map_points, count);
             Ok(())
         }),
     }])

@@ -1,60 +1,16 @@
-// Where a facet of a triangle lies in the light view, and what follows from that (facet_classify).
+// What is known of a facet by where it lies in the light view (facet_classify).
 
-//@import frame rect facet facing vertex front_split only_receiver summed_area facet_samples facet_box
-//@needs override CLAMPED: u32;
+//@import frame rect facet facing front_split only_receiver summed_area facet_samples facet_extent
 //@needs override RECEIVERS: u32;
 //@needs var<uniform> frame: Frame;
-//@needs var<storage, read> triangles: array<vec4<u32>>;
 //@needs var<storage, read> splits: array<f32>;
 //@needs var<storage, read_write> facets: array<Facet>;
 //@needs var<storage, read_write> undecided: array<Undecided>;
 //@needs var<storage, read_write> facet_items: array<atomic<u32>>;
 
-// A triangle, its vertices by rising index, and their edges from the first.
-struct Shape {
-    triangle: u32,
-    given: vec4<u32>,  // w: 1 for one of a closed body
-    i: vec3<u32>,
-    a: vec3<f32>,
-    b: vec3<f32>,
-    c: vec3<f32>,
-    ab: vec3<f32>,
-    ac: vec3<f32>,
-}
-
-fn shape_of(t: u32) -> Shape {
-    var s: Shape;
-    s.triangle = t;
-    s.given = triangles[t];
-    let i = rising(s.given.xyz);
-    s.i = i;
-    let a = world_of(i.x);
-    let b = world_of(i.y);
-    let c = world_of(i.z);
-    s.a = to_eye(a);
-    s.b = to_eye(b);
-    s.c = to_eye(c);
-    s.ab = (b - a) * frame.eye.w;
-    s.ac = (c - a) * frame.eye.w;
-    return s;
-}
-
-// Power of two by which the largest component of a vector is at least 1 and less than 2.
-fn power_of_two(v: vec3<f32>) -> f32 {
-    return bitcast<f32>(0x7f000000u - (bitcast<u32>(largest(v)) & 0x7f800000u));
-}
-
-fn is_clamped() -> bool {
-    if CLAMPED == 2u { return (frame.flags & FLAG_CLAMP) != 0u; }
-    return CLAMPED == 1u;
-}
-
 // Geometry of a facet.
 struct Found {
-    plane: vec4<f32>,
-    ray: vec3<f32>,    // to its sample `origin`
-    depth: f32,        // of the plane along that
-    limit: f32,
+    extent: FacetExtent,
     low: vec2<f32>,    // box of its outline, margins included
     high: vec2<f32>,
     farthest: f32,
@@ -67,7 +23,7 @@ struct Found {
 // is stored is stored in one place: vector machines pay for each store in the text, whichever lanes take it.
 fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     var found: Found;
-    let merged = is_clamped() && (facets[f].state == STATE_MERGED || (facets[f].state & WAS_MERGED) != 0u);
+    let merged = is_merged(f);
     var state = state_of(f, shape, turns, merged, &found);
     if (frame.flags & FLAG_FURTHER_VIEW) != 0u {
         // Settled in one view it is so; to be evaluated in one, though there is nothing before it in another.
@@ -88,12 +44,13 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     facets[f].state = state;
     atomicStore(&facet_items[f], block_count(rect));
     if !is_here { return; }
+    let e = found.extent;
     let a = shape.a;
-    let normal = found.plane.xyz;
+    let normal = e.plane.xyz;
     // One Newton step takes the rounding of the quotient out of the point.
-    let over = dot(normal, found.ray);
-    let raw = found.ray * found.depth;
-    let at = raw - found.ray * (dot(normal, raw - a) / over);
+    let over = dot(normal, e.ray);
+    let raw = e.ray * e.depth;
+    let at = raw - e.ray * (dot(normal, raw - a) / over);
     // Products that each component of the normal is the difference of. Of two million normals of random
     // triangles none was farther off, along any direction, than 3.3 times the rounding of these.
     let products = abs(shape.ab.yzx * shape.ac.zxy) + abs(shape.ab.zxy * shape.ac.yzx);
@@ -103,8 +60,8 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
     let doubt = 5.9604645e-8 * (3.0 * largest(at) + dot(tilts, abs(at - a)));
     let shares = select(vec3(0u), vec3<u32>(tilts / tilt * 254.0) + 1u, tilts > vec3(0.0));
     let flags = select(0u, FACET_ALONE, alone) | select(0u, FACET_AWAY, turns.x < 0.0);
-    undecided[f] = Undecided(found.plane, facets[f].pixel, shape.triangle, rect, found.farthest, found.limit,
-        facets[f].origin, at, doubt, found.low, found.high, light_slope(found.plane), tilt,
+    undecided[f] = Undecided(e.plane, facets[f].pixel, shape.triangle, rect, found.farthest, e.limit,
+        facets[f].origin, at, doubt, found.low, found.high, light_slope(e.plane), tilt,
         shares.x | (shares.y << 8u) | (shares.z << 16u) | flags, found.span);
 }
 
@@ -114,56 +71,29 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     // Of what is no caster the splits know nothing.
     let hidden = away & (shape.given.w != 0u) & ((frame.flags & FLAG_CULL_BACK) != 0u);
     let pixel = facets[f].pixel;
-    let a = shape.a;
-    let b = shape.b;
-    let c = shape.c;
-    let spread = cross(shape.ab, shape.ac);
-    let normal = turns.x * spread * power_of_two(spread);
-    // Below 0 where single precision does not see it.
-    let plane = vec4(normal, min(dot(normal, a), -1e-9 * largest(a)));
-    let ray = ray_at(pixel, facets[f].origin);
-    let depth = plane.w / dot(normal, ray);
-    let far_corner = max(dot(a, frame.forward.xyz),
-        max(dot(b, frame.forward.xyz), dot(c, frame.forward.xyz)));
-    // One facet is followed well beyond its own triangle, but not to the horizon.
-    let clamped = is_clamped();
-    let near = clamped && (frame.flags & FLAG_BEYOND) == 0u;
-    var reached = far_corner;
     var span = vec2(0u);
-    if clamped {
-        if merged { reached = max(far_corner, facets[f].limit); }
-        span = span_of_samples(f);
-    }
-    let limit = max(reached, depth) * select(4.0, 1.0001, near);
-    var outline = facet_box(pixel, part_of(span), plane, limit);
-    if near && !merged {
-        cut_to_triangle(&outline, a, b, c);
-    } else if !clamped && !outline.whole {
-        keep_own_triangle(f, shape.given.xyz, pixel_ray(pixel));
-    }
+    if is_clamped() { span = span_of_samples(f); }
+    let e = extent_of(f, part_of(span), shape, turns.x, merged);
+    let outline = e.outline;
+    if !is_clamped() && !outline.whole { keep_own_triangle(f, shape.given.xyz, pixel_ray(pixel)); }
     if (frame.flags & FLAG_NOTHING_CASTS) != 0u { return STATE_LIT; }
-    var rect = EMPTY_RECT;
     let low = select(vec2(-3.0e38), outline.low, outline.in_front);
     let high = select(vec2(3.0e38), outline.high, outline.in_front);
     var farthest = select(3.0e38, outline.farthest, outline.in_front & !hidden);
+    var nearest = outline.nearest;
     var margin = frame.map_margin;
     let receives = RECEIVERS != 0u && only_receives(shape.triangle);
     if receives {
-        let reach = reach_beyond(pixel, part_of(span), plane, limit);
+        let reach = reach_beyond(pixel, part_of(span), e.plane, e.limit);
         let perspective = (frame.flags & FLAG_PERSPECTIVE) != 0u;
         if perspective && outline.ahead + 2e-6 * reach < frame.eye_low.w { return STATE_LIT; }
         margin = margin_beyond(reach);
         farthest += frame.depth_margin * reach;
-        outline.nearest -= frame.depth_margin * (reach + 1.0);
+        nearest -= frame.depth_margin * (reach + 1.0);
     }
     let lit_outside = (frame.flags & FLAG_NO_VIEW) == 0u;
-    let beside = !outline.in_front && outline.beyond != 0u && (frame.flags & FLAG_PERSPECTIVE) != 0u;
-    if beside && lit_outside { return STATE_LIT; }
-    if outline.in_front {
-        rect = cells_touched(low - margin, high + margin, vec2(frame.map_size));
-    } else {
-        rect = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
-    }
+    if lies_beside(outline) && lit_outside { return STATE_LIT; }
+    var rect = texels_of(outline, margin);
     if is_empty(rect) {
         if lit_outside { return STATE_LIT; }
         rect = pack_rect(Rect(vec2(0u), vec2(0u)));
@@ -175,10 +105,10 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
         let r = unpack_rect(rect);
         let unmarked = rect_sum(vec2(frame.map_size), r.low, r.high) == 0u;
         if unmarked && receives {
-            let state = behind_splits(r, outline.nearest, inside);
+            let state = behind_splits(r, nearest, inside);
             if state != STATE_UNDECIDED { return state | WAS_SETTLED; }
         } else if unmarked {
-            let p = vec4(ray * depth, 1.0);
+            let p = vec4(e.ray * e.depth, 1.0);
             var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
             if (frame.flags & FLAG_PERSPECTIVE) != 0u { uvz /= dot(frame.map_w, p); }
             let texel = floor(uvz.xy);
@@ -189,7 +119,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
             }
         }
     }
-    *found = Found(plane, ray, depth, limit, low - margin, high + margin, farthest, rect, span, true);
+    *found = Found(e, low - margin, high + margin, farthest, rect, span, true);
     return select(STATE_UNDECIDED, STATE_UNDECIDED | WAS_HELD, inside && outline.in_front);
 }
 

@@ -14,9 +14,9 @@ pub mod camera_visibility {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64, SETTLED = 2147483648,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64, SETTLED = 2147483648,
     }
     entry_point! { "camera_visibility", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -87,13 +87,13 @@ pub mod candidate_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1,
-        TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, BLOCK = 8, BLOCK_SHIFT = 3,
-        NOTHING = 0, MATTERS = 1, COVERS = 2, WORKGROUP = 64, SEEN_BITS = 16, KNOWN = 2147483648,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
+        STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536,
+        TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5,
+        BLOCK = 8, BLOCK_SHIFT = 3, NOTHING = 0, MATTERS = 1, COVERS = 2, WORKGROUP = 64, SEEN_BITS = 16,
+        KNOWN = 2147483648,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -217,18 +217,17 @@ pub mod facet_classify {
         "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
         "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/front_split", "shared/facet/only_receiver",
         "shared/raster/summed_area", "shared/frame/frame_copy", "shared/frame/sample_copy",
-        "facet_classify/facet_samples", "shared/raster/view_sides", "facet_classify/facet_box",
-        "facet_classify/facet_place", "facet_classify",
+        "facet_classify/facet_samples", "shared/raster/view_sides", "shared/facet/facet_box",
+        "shared/facet/facet_extent", "facet_classify/facet_place", "facet_classify",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
-        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
-        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
-        UNSURE_GROUPS = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, FACET_ALONE = 16777216,
+        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
+        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
+        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64, UNSURE_GROUPS = 64,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",
@@ -294,9 +293,9 @@ pub mod front_layer {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8,
-        BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "front_layer", "check", [64, 1, 1], SOURCE, () => Check, CheckProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -333,9 +332,8 @@ pub mod gbuffer_triangles {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2,
-        MOST = 128,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2, MOST = 128,
     }
     entry_point! { "gbuffer_triangles", "count_layers", [64, 1, 1], SOURCE, () => CountLayers, CountLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -411,9 +409,9 @@ pub mod light_layers {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     overrides! {
         both: u32 = 1, "BOTH",
@@ -474,9 +472,8 @@ pub mod map_moments {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 256, TILE = 32,
-        HALF = 16, LEVELS = 5,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 256, TILE = 32, HALF = 16, LEVELS = 5,
     }
     overrides! {
         first: u32 = 0, "FIRST",
@@ -505,9 +502,9 @@ pub mod moment_shadows {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, MOST_PROBES = 16, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, MOST_PROBES = 16, WORKGROUP = 64,
     }
     overrides! {
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
@@ -542,10 +539,10 @@ pub mod pixel_receivers {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2, GIVEN_IDS = 4, NOTHING = 0, SURFACE = 1, FAULT = 2,
-        WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, MOST_STEPS = 4,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
+        GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2, GIVEN_IDS = 4, NOTHING = 0, SURFACE = 1, FAULT = 2, WORKGROUP = 64,
+        FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, MOST_STEPS = 4,
     }
     entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -580,12 +577,11 @@ pub mod pixel_texel_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
-        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
-        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -663,9 +659,9 @@ pub mod pixel_triangles {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "pixel_triangles", "cover", [64, 1, 1], SOURCE, () => Cover, CoverProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -761,9 +757,9 @@ pub mod pixel_views {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
     }
     overrides! {
         reach: f32 = 1.0, "REACH",
@@ -876,6 +872,47 @@ pub mod radix_sort {
     }
 }
 
+/// `kernels/requested_blocks.wgsl`.
+pub mod requested_blocks {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
+        "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
+        "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/front_split", "shared/facet/only_receiver",
+        "shared/raster/view_sides", "shared/facet/facet_box", "shared/facet/facet_extent",
+        "shared/frame/frame_copy", "requested_blocks",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, FACET_ALONE = 16777216,
+        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
+        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
+        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64, MOST_WORDS = 1024,
+    }
+    overrides! {
+        clamped: u32 = 2, "CLAMPED",
+        receivers: u32 = 1, "RECEIVERS",
+    }
+    entry_point! { "requested_blocks", "begin", [1, 1, 1], SOURCE, Constants => Begin, BeginProgram {
+        5 requested: Write<'a, u32>,
+    } }
+    entry_point! { "requested_blocks", "request", [64, 1, 1], SOURCE, Constants => Request, RequestProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 positions: Read<'a, [f32; 4]>,
+        4 facets: Write<'a, crate::stages::facet_classify::Facet>,
+        5 requested: Write<'a, u32>,
+    } }
+    subset! { Request => Begin { requested } }
+    entries! {
+        Begin, Request,
+    }
+}
+
 /// `kernels/resolve.wgsl`.
 pub mod resolve {
     use crate::entry_point;
@@ -888,11 +925,10 @@ pub mod resolve {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
+        STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -927,12 +963,12 @@ pub mod sample_bins {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
-        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
-        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, FREE = 0, BLOCKED = 1,
-        DOUBTFUL = 2, CROWD = 2048, WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, FREE = 0, BLOCKED = 1, DOUBTFUL = 2,
+        CROWD = 2048, WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1074,11 +1110,11 @@ pub mod sample_surfaces {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BATCH = 8, WORKGROUP = 64, SEVERAL = 2147483648,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
+        STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BATCH = 8,
+        WORKGROUP = 64, SEVERAL = 2147483648,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1208,12 +1244,12 @@ pub mod seen_texels {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2,
-        SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, EMPTY_WORD = 4294967295, BEHIND = 0,
-        BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3,
-        CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4,
+        SEEN_BASE = 6, SEEN_BITS = 8, EMPTY_WORD = 4294967295, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0,
+        CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2,
+        WORKGROUP = 64,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -1266,9 +1302,9 @@ pub mod shadow_map {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
     }
     overrides! {
         kernel: u32 = 1, "KERNEL",
@@ -1305,12 +1341,11 @@ pub mod shadow_rays {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, STACK = 24, MOST_STEPS = 60000, INNER = 4278190080, FREE = 0,
-        BLOCKED = 1, DOUBTFUL = 2, WORK_HEAD = 4, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
+        STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, STACK = 24,
+        MOST_STEPS = 60000, INNER = 4278190080, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, WORK_HEAD = 4, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1387,14 +1422,15 @@ pub mod silhouette_mask {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/math/divide",
         "shared/raster/rect", "shared/raster/work_items", "shared/raster/front_split", "shared/frame/facing",
-        "shared/raster/span", "shared/raster/block_bits", "shared/raster/mask_rows", "silhouette_mask",
+        "shared/raster/span", "shared/raster/block_bits", "shared/raster/mask_rows", "shared/raster/requested_part",
+        "silhouette_mask",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, MOST_WORDS = 64, WORKGROUP = 64,
     }
     entry_point! { "silhouette_mask", "classify", [64, 1, 1], SOURCE, () => Classify, ClassifyProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1404,6 +1440,7 @@ pub mod silhouette_mask {
         4 edge_rects: Write<'a, [u32; 2]>,
         5 edge_items: Write<'a, u32>,
         10 status: Write<'a, u32>,
+        11 requested: Read<'a, u32>,
     } }
     entry_point! { "silhouette_mask", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1432,9 +1469,9 @@ pub mod smsr {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64, DARK = 0, LIT = 1, SEVERAL = 2,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64, DARK = 0, LIT = 1, SEVERAL = 2,
     }
     overrides! {
         bias_slope: f32 = 0.5, "BIAS_SLOPE",
@@ -1500,10 +1537,10 @@ pub mod spsm_map {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, BLOCK = 8,
-        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1,
-        SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8,
+        HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
+        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -1591,10 +1628,10 @@ pub mod spsm_map_64 {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, BLOCK = 8,
-        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1,
-        SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8,
+        HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
+        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -1655,12 +1692,12 @@ pub mod spsm_query {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
-        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, BEHIND = 0,
-        BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3,
-        CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
+        EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4,
+        SEEN_BASE = 6, SEEN_BITS = 8, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, BEHIND = 0, BEFORE = 1,
+        EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4,
+        COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -1853,8 +1890,8 @@ pub mod triangle_ids {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2,
     }
     entry_point! { "triangle_ids", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1876,29 +1913,35 @@ pub mod triangle_setup {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
-        "shared/frame/facing", "shared/raster/view_sides", "shared/raster/map_ends", "shared/frame/frame_copy",
-        "triangle_setup",
+        "shared/frame/facing", "shared/raster/view_sides", "shared/raster/map_ends", "shared/raster/requested_part",
+        "shared/frame/frame_copy", "triangle_setup",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, MOST_WORDS = 64, WORKGROUP = 64,
     }
-    entry_point! { "triangle_setup", "setup", [64, 1, 1], SOURCE, () => Setup, SetupProgram {
+    entry_point! { "triangle_setup", "setup_camera", [64, 1, 1], SOURCE, () => SetupCamera, SetupCameraProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 points: Read<'a, [f32; 4]>,
+        5 camera_rects: Write<'a, [u32; 2]>,
+        7 camera_items: Write<'a, u32>,
+    } }
+    entry_point! { "triangle_setup", "setup_light", [64, 1, 1], SOURCE, () => SetupLight, SetupLightProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 triangles: Read<'a, [u32; 4]>,
         2 points: Read<'a, [f32; 4]>,
         3 map_points: Read<'a, [f32; 4]>,
         4 facing: Write<'a, u32>,
-        5 camera_rects: Write<'a, [u32; 2]>,
         6 light_rects: Write<'a, [u32; 2]>,
-        7 camera_items: Write<'a, u32>,
         8 light_items: Write<'a, u32>,
+        9 requested: Read<'a, u32>,
     } }
     entries! {
-        Setup,
+        SetupCamera, SetupLight,
     }
 }
 
@@ -1917,9 +1960,9 @@ pub mod triangle_texel_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8,
-        BLOCK_SHIFT = 3, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3,
+        WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -2003,17 +2046,21 @@ pub mod vertex_project {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
     }
-    entry_point! { "vertex_project", "project", [64, 1, 1], SOURCE, () => Project, ProjectProgram {
+    entry_point! { "vertex_project", "place", [64, 1, 1], SOURCE, () => Place, PlaceProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 positions: Read<'a, [f32; 4]>,
+        2 points: Write<'a, [f32; 4]>,
+    } }
+    entry_point! { "vertex_project", "project", [64, 1, 1], SOURCE, () => Project, ProjectProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
         2 points: Write<'a, [f32; 4]>,
         3 map_points: Write<'a, [f32; 4]>,
     } }
     entries! {
-        Project,
+        Place, Project,
     }
 }
 
@@ -2033,12 +2080,12 @@ pub mod visibility_masks {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1,
-        TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, WORKGROUP = 64, CUT_GROUPS = 256,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
+        STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536,
+        TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5,
+        WORKGROUP = 64, CUT_GROUPS = 256,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",
@@ -2101,8 +2148,8 @@ pub mod visibility_texture {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
-        FLAG_NOTHING_CASTS = 16384, FLAG_LIGHT_STANDS = 65536, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
     }
     entry_point! { "visibility_texture", "judge", [64, 1, 1], SOURCE, () => Judge, JudgeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2165,6 +2212,7 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("pixel_views", pixel_views::SOURCE, pixel_views::ENTRIES),
     ("prefix_scan", prefix_scan::SOURCE, prefix_scan::ENTRIES),
     ("radix_sort", radix_sort::SOURCE, radix_sort::ENTRIES),
+    ("requested_blocks", requested_blocks::SOURCE, requested_blocks::ENTRIES),
     ("resolve", resolve::SOURCE, resolve::ENTRIES),
     ("sample_bins", sample_bins::SOURCE, sample_bins::ENTRIES),
     ("sample_surfaces", sample_surfaces::SOURCE, sample_surfaces::ENTRIES),

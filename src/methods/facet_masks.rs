@@ -219,8 +219,7 @@ impl FacetMasks {
         rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
         let geometry = &m.geometry;
-        let setup = if self.light_stands(maps, extent) { SetupOf::Camera } else { SetupOf::Both };
-        geometry.record_setup(rec, &self.with.geometry, frame, casters, setup)?;
+        geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Camera)?;
         let in_camera = geometry.in_camera(casters);
         match (self.every_surface.as_ref().zip(self.with.surfaces.as_ref()), seen) {
             (None, FacetSource::Centres(write)) => write(rec, frame)?,
@@ -244,11 +243,15 @@ impl FacetMasks {
                 )?;
             }
         }
+        if self.every_surface.is_none() {
+            let stage = &mut rec.stage("facet_classify");
+            self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets);
+        }
         for view in 0..self.capacities.views {
             // Views share the memory of the maps: of several the last would be left.
             if extent == Extent::Everything {
-                if !self.light_stands(maps, extent) {
-                    self.record_maps(rec, casters, view)?;
+                if maps != MapSource::Kept || self.capacities.views > 1 {
+                    self.record_maps(rec, casters, maps, view)?;
                 }
                 let texels = self.capacities.status_band(view, 0) + offset_of!(StatusBand, marked_texels) / 4;
                 m.maps.record_kept(rec, &m.status, texels);
@@ -259,27 +262,30 @@ impl FacetMasks {
         Ok(())
     }
 
-    /// Whether casters need no set-up in the light's view, in a frame with light maps from `maps` and of no more than `extent`; its uniform must then
-    /// have [`Frame::LIGHT_STANDS`].
-    pub fn light_stands(&self, maps: MapSource, extent: Extent) -> bool {
-        extent != Extent::Everything || (maps == MapSource::Kept && self.capacities.views == 1)
-    }
-
     fn record_resolve(&self, rec: &mut Recorder) {
         let m = &self.memory;
         let stage = &mut rec.stage("resolve");
         self.with.resolve.record(stage, &m.frames[0], &m.facets, &m.visibility, &m.lit, &m.status);
     }
 
-    /// Records the maps of one view of the light: layers, silhouettes and their table.
-    fn record_maps(&self, rec: &mut Recorder, casters: &CasterBuffers, view: u32) -> Result<()> {
+    /// Records the maps of one view of the light: casters set up in it, layers, silhouettes and their table.
+    fn record_maps(&self, rec: &mut Recorder, casters: &CasterBuffers, maps: MapSource, view: u32) -> Result<()> {
         let (m, geometry) = (&self.memory, &self.memory.geometry);
         let frame = &m.frames[self.frame_at(view, 0)];
         if view > 0 {
             // A facet and a triangle that had nothing in common in the view before may have in this one.
             rec.clear_words(m.lists.candidates.raw(), TALLY_COUNTERS as u64, (TALLY_WORDS - TALLY_COUNTERS) as u64);
-            geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Light)?;
         }
+        rec.clear(geometry.requested.raw());
+        if maps == MapSource::Requested {
+            let stage = &mut rec.stage("requested_blocks");
+            let (triangles, positions) = (&casters.triangles, &casters.positions);
+            self.args(stage, Arg::Listed, &m.facets.pixel_facets)?;
+            let groups = Groups::Indirect(m.args.raw(), Arg::Listed.word());
+            let (with, requested) = (&self.with.requests, &geometry.requested);
+            with.record(stage, frame, triangles, positions, &m.facets.list, requested, groups);
+        }
+        geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Light)?;
         m.maps.record(rec, &self.with.light_maps, frame, casters, geometry, &m.status)
     }
 
@@ -301,9 +307,6 @@ impl FacetMasks {
                 sat: &m.maps.sat,
                 splits: &m.maps.layers.splits,
             };
-            if view == 0 && self.every_surface.is_none() {
-                self.with.classify.record_one(stage, frame, &geometry.id_keys, &m.facets);
-            }
             self.args(stage, Arg::Listed, &m.facets.pixel_facets)?;
             let groups = Groups::Indirect(m.args.raw(), Arg::Listed.word());
             self.with.classify.record_classify(stage, frame, &m.samples, around, &m.facets, groups);

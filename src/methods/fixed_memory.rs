@@ -217,7 +217,7 @@ impl FixedMemory {
         };
         Ok(Self {
             with: GeometryPipelines::new(device),
-            geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.texels())?,
+            geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.map as usize)?,
             settings,
             frame: Buffer::uniform(device, "frame", 1)?,
             samples,
@@ -332,7 +332,8 @@ impl FixedMemory {
             if let Some(uploads) = view.checked_sub(1).and_then(|k| further.get(k as usize)) {
                 uploads.record(rec);
             }
-            geometry.record_setup(rec, with, frame, casters, SetupOf::Both)?;
+            let of = if view == 0 { SetupOf::Both } else { SetupOf::Light };
+            geometry.record_setup(rec, with, frame, casters, of)?;
             match source {
                 _ if view > 0 => {}
                 FacetSource::Centres(write) => write(rec, frame)?,

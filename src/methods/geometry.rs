@@ -5,9 +5,10 @@ use super::prepared::CasterBuffers;
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::{camera_visibility, light_layers};
-use crate::gpu::{Buffer, Recorder};
+use crate::gpu::{Buffer, Recorder, Stage};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
+use crate::stages::requested_blocks::RequestedBlocks;
 use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use crate::stages::vertex_project::VertexProject;
 use crate::stages::work_owners::{ListWork, WorkOwners};
@@ -41,6 +42,8 @@ pub struct Geometry {
     pub points: Buffer<[f32; 4]>,
     /// Vertices in the light view.
     pub map_points: Buffer<[f32; 4]>,
+    /// Blocks of the light's map in which casters are set up; clear: all.
+    pub requested: Buffer<u32>,
     /// Facing, rectangles and block counts of each triangle.
     pub facts: TriangleFacts,
     /// The triangle that every pixel centre sees, and how sure that is.
@@ -59,9 +62,9 @@ pub struct Geometry {
 pub enum SetupOf {
     /// Camera and light.
     Both,
-    /// The camera's; the light's part stands.
+    /// The camera's.
     Camera,
-    /// The light's; the camera's part stands.
+    /// The light's.
     Light,
 }
 
@@ -70,7 +73,7 @@ const CAMERA_ARGS: usize = 0;
 const LIGHT_ARGS: usize = 3;
 
 impl Geometry {
-    /// Makes the memory for an image of `pixels` pixels and a map of `texels` texels.
+    /// Makes the memory for an image of `pixels` pixels and a map of `map` texels a side.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
@@ -79,7 +82,7 @@ impl Geometry {
         queue: &wgpu::Queue,
         casters: &CasterBuffers,
         pixels: usize,
-        texels: usize,
+        map: usize,
     ) -> Result<Self> {
         let (vertices, triangles) = (casters.positions.len(), casters.triangles.len());
         let request = |group: u32, at: usize| {
@@ -89,11 +92,12 @@ impl Geometry {
         Ok(Self {
             points: Buffer::storage(device, "vertex_project.points", vertices)?,
             map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
+            requested: RequestedBlocks::memory(device, map)?,
             facts: TriangleFacts::new(device, triangles)?,
             centres: Centres::new(device, queue, pixels)?,
             id_keys: Buffer::storage(device, "camera_visibility.id_keys", pixels)?,
             camera_offsets: offsets("triangle_setup.camera_offsets", pixels)?,
-            light_offsets: offsets("triangle_setup.light_offsets", texels)?,
+            light_offsets: offsets("triangle_setup.light_offsets", map * map)?,
             scan_scratch: PrefixScan::scratch(device, triangles)?,
             requests: [
                 request(camera_visibility::WORKGROUP, CAMERA_ARGS)?,
@@ -103,8 +107,8 @@ impl Geometry {
         })
     }
 
-    /// Records the stage `triangle_setup`: vertices, rectangles, and the lists of their blocks, of both views or of the one whose part does not
-    /// stand. Flags of the frame must say the same: [`Frame::LIGHT_STANDS`], [`Frame::FURTHER_VIEW`].
+    /// Records the stage `triangle_setup`: vertices, rectangles, and the lists of their blocks, of both views or of one. That of the light follows
+    /// that of the camera, and is of the blocks that are [requested](Geometry::requested).
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
@@ -118,14 +122,21 @@ impl Geometry {
     ) -> Result<()> {
         let stage = &mut rec.stage("triangle_setup");
         let (positions, triangles) = (&casters.positions, &casters.triangles);
-        with.project.record(stage, frame, positions, &self.points, &self.map_points, positions.len());
-        let count = triangles.len();
-        with.setup.record(stage, frame, triangles, &self.points, &self.map_points, &self.facts, count);
-        let camera = (&self.facts.camera_items, &self.camera_offsets, &self.requests[0]);
-        let light = (&self.facts.light_items, &self.light_offsets, &self.requests[1]);
-        let stands = [of == SetupOf::Light, of == SetupOf::Camera];
-        for ((items, offsets, requests), _) in [camera, light].into_iter().zip(stands).filter(|(_, stands)| !stands) {
-            with.work.record(stage, (items, items.len()), offsets, &self.scan_scratch, (requests, &self.args))?;
+        let (count, points, facts) = (triangles.len(), &self.points, &self.facts);
+        let list = |stage: &mut Stage, items: &Buffer<u32>, offsets: &Buffer<u32>, requests: &Requests| {
+            with.work.record(stage, (items, count), offsets, &self.scan_scratch, (requests, &self.args))
+        };
+        let [camera, light] = &self.requests;
+        if of != SetupOf::Light {
+            with.project.record_place(stage, frame, positions, points);
+            with.setup.record_camera(stage, frame, triangles, points, facts, count);
+            list(stage, &facts.camera_items, &self.camera_offsets, camera)?;
+        }
+        if of != SetupOf::Camera {
+            let map_points = &self.map_points;
+            with.project.record_project(stage, frame, points, map_points, positions.len());
+            with.setup.record_light(stage, frame, triangles, points, map_points, &self.requested, facts, count);
+            list(stage, &facts.light_items, &self.light_offsets, light)?;
         }
         Ok(())
     }

@@ -110,7 +110,19 @@ impl LightMaps {
             let stage = &mut rec.stage("silhouette_mask");
             let (edges, points, facing) = (&casters.edges, &geometry.map_points, &geometry.facts.facing);
             let (rects, items, offsets) = (&self.edge_rects, &self.edge_items, &self.edge_offsets);
-            with.silhouettes.record_classify(stage, frame, edges, facing, points, rects, items, status, edges.len());
+            let requested = &geometry.requested;
+            with.silhouettes.record_classify(
+                stage,
+                frame,
+                edges,
+                facing,
+                points,
+                requested,
+                rects,
+                items,
+                status,
+                edges.len(),
+            );
             with.work.record(stage, (items, items.len()), offsets, &self.scan_scratch, (&self.requests, &self.args))?;
             let args = (self.args.raw(), 0);
             with.silhouettes.record_raster(stage, frame, edges, points, rects, offsets, args, layers);

@@ -257,6 +257,9 @@ pub struct Settings {
     /// one that does not. Without, such a triangle may show at samples that rounding puts on this side of a silhouette, where it passes
     /// for the nearer one. Of casters that stand.
     pub hide_backs: bool,
+    /// Make no blocks of the light's maps but those that the facets ask for, where the camera may see but a part of the scene, and there are
+    /// many triangles beside the pixels. Maps that are kept for frames to come are made whole.
+    pub request_blocks: bool,
     /// How half-planes become masks.
     pub masks: MaskVariant,
     /// How pairs are brought together by texel.
@@ -381,6 +384,7 @@ impl Settings {
             validity: true,
             cull_back: false,
             hide_backs: true,
+            request_blocks: true,
             masks: MaskVariant::Exact,
             pairs: PairVariant::default(),
             projection: ProjectionVariant::Pencil,

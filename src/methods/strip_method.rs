@@ -94,12 +94,8 @@ pub struct FrameOf<'a> {
     pub stamp: u32,
     /// Number of its light maps; 0 if it needs none.
     pub maps: u32,
-    /// Where they come from.
-    pub source: MapSource,
     /// Their margins, where they are wider than the frame's own.
     pub margins: Option<Margins>,
-    /// How much of the frame is made.
-    pub extent: Extent,
     /// Flags of [`Frame`] besides those that follow from settings and views.
     pub flags: u32,
 }
@@ -137,14 +133,13 @@ impl StripMethod {
     /// # Errors
     /// As [`FacetMasks::frames_for`].
     pub fn uploads(&self, casters: &CasterBuffers, of: FrameOf, strip: Strip) -> Result<Vec<Uploads>> {
-        let FrameOf { camera, light, views, bounds, stamp, maps, source, margins, extent, flags } = of;
+        let FrameOf { camera, light, views, bounds, stamp, maps, margins, flags } = of;
         match self {
             Self::FacetMasks(method) => {
                 let mut uploads = Uploads::default();
                 let frames = method.frames_for(casters, camera, light, views, bounds, strip)?;
-                let stands = if method.light_stands(source, extent) { Frame::LIGHT_STANDS } else { 0 };
                 for (mut frame, buffer) in frames.into_iter().zip(method.frames()) {
-                    (frame.stamp, frame.maps, frame.flags) = (stamp, maps, frame.flags | flags | stands);
+                    (frame.stamp, frame.maps, frame.flags) = (stamp, maps, frame.flags | flags);
                     if let Some(Margins { texels, depth }) = margins {
                         frame.map_margin = frame.map_margin.max(texels as f32);
                         frame.depth_margin = frame.depth_margin.max(depth as f32);

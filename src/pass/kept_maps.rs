@@ -53,7 +53,7 @@ impl FrameMaps {
 
     /// Where those of a strip of the image come from.
     pub fn source_of(&self, strip: u32) -> MapSource {
-        if strip == 0 { self.source } else { MapSource::Kept }
+        if strip == 0 || self.source == MapSource::Requested { self.source } else { MapSource::Kept }
     }
 }
 
@@ -92,7 +92,7 @@ impl KeptMaps {
             }
         };
         let others =
-            in_flight.labels().any(|label| label.maps.source == MapSource::Made && label.maps.number != self.number);
+            in_flight.labels().any(|label| label.maps.source != MapSource::Kept && label.maps.number != self.number);
         let source = if self.made && !others { MapSource::Kept } else { MapSource::Made };
         if source == MapSource::Made {
             // Those of one number hold within the widest.

@@ -8,10 +8,10 @@ use super::{GBuffer, Inputs, ShadowPass, Target};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Recorder, Uploads};
-use crate::methods::facet_masks::Extent;
+use crate::methods::facet_masks::{Extent, MapSource};
 use crate::methods::strip_method::FrameOf;
 use crate::methods::strips::Rows;
-use crate::plan::extent_of;
+use crate::plan::{asks_for_most, extent_of};
 
 impl ShadowPass {
     /// How much of a frame has to run, as far as that is proved: of casters that stand.
@@ -58,9 +58,10 @@ impl ShadowPass {
         }
         self.make_room_for(views.len() as u32)?;
         let part = self.image.strips.part(strip);
-        let maps = match (views.as_slice(), extent) {
+        let stands = self.casters.places.is_none();
+        let mut maps = match (views.as_slice(), extent) {
             ([view], Extent::Everything) if !self.image.method.is_fixed() => {
-                let keeps = (self.keeps_maps && self.casters.places.is_none()) || strip.is_some_and(|k| k > 0);
+                let keeps = (self.keeps_maps && stands) || strip.is_some_and(|k| k > 0);
                 self.kept_maps.for_frame(view, (inputs.camera, bounds), keeps, &self.in_flight)
             }
             (_, Extent::Everything) => {
@@ -69,11 +70,17 @@ impl ShadowPass {
             }
             _ => FrameMaps::NONE,
         };
+        // Other frames and strips may use what one view left in memory.
+        let shared = views.len() == 1 && ((self.keeps_maps && stands) || self.image.strips.count() > 1);
+        let requests = self.settings.request_blocks && !shared && maps.source == MapSource::Made;
+        let triangles = self.casters.buffers.triangles.len();
+        if requests && asks_for_most(inputs.camera, self.settings.size, bounds, triangles).is_none() {
+            maps.source = MapSource::Requested;
+        }
         let (stamp, mut flags) = (stamp_of(self.frame + 1), 0);
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             flags |= Frame::BEYOND;
         }
-        let stands = self.casters.places.is_none();
         if self.settings.hide_backs && stands && self.casters.prepared.hides_backs(inputs.camera, self.settings.size) {
             flags |= Frame::BACKS_HIDDEN;
         }
@@ -90,16 +97,12 @@ impl ShadowPass {
             bounds,
             stamp,
             maps: maps.number,
-            source: maps.source,
             margins: maps.margins,
-            extent,
             flags,
         };
         let method = &self.image.method;
-        let uploads = part.iter().map(|&(k, rows)| {
-            let of = FrameOf { source: maps.source_of(k), ..of };
-            method.uploads(&self.casters.buffers, of, self.image.strips.strip(rows))
-        });
+        let uploads =
+            part.iter().map(|&(_, rows)| method.uploads(&self.casters.buffers, of, self.image.strips.strip(rows)));
         let uploads = uploads.collect::<Result<Vec<_>>>()?;
         let (strips, status) = (part.len() as u32, self.image.method.status());
         let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;

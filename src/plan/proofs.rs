@@ -44,6 +44,32 @@ pub fn nothing_seen(prepared: &Prepared, camera: &Camera, [width, height]: [u32;
     Some(format!("the whole mesh lies {name} the view"))
 }
 
+/// Why it does not pay to ask the facets of an image which part of the light's view they need: so few triangles that it would take longer than to set them
+/// all up, or half or more of the box `bounds` of the scene lies before the camera, by 64 points all over. It is no proof, and need be none: blocks that
+/// are not requested change nothing.
+pub fn asks_for_most(
+    camera: &Camera,
+    [width, height]: [u32; 2],
+    (low, high): (DVec3, DVec3),
+    triangles: usize,
+) -> Option<String> {
+    let pixels = width as usize * height as usize;
+    if 2 * triangles < pixels {
+        return Some(format!("{triangles} triangles are few beside {pixels} pixels"));
+    }
+    const SIDE: u32 = 4;
+    let rays = camera.rays(width, height);
+    let (w, h) = (f64::from(width), f64::from(height));
+    let [a, b, c, d] = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|[x, y]| rays.direction(x, y));
+    let sides = [(a, b), (b, c), (c, d), (d, a)].map(|(p, q)| p.cross(q) * p.cross(q).dot(a + c).signum());
+    let share = |k: u32| (f64::from(k) + 0.5) / f64::from(SIDE);
+    let point = |k: u32| DVec3::new(share(k % SIDE), share(k / SIDE % SIDE), share(k / SIDE / SIDE));
+    let points = (0..SIDE.pow(3)).map(|k| low + (high - low) * point(k) - rays.eye);
+    let seen = points.filter(|p| p.dot(rays.forward) > 0.0 && sides.iter().all(|n| n.dot(*p) >= 0.0)).count() as u32;
+    let percent = 100 * seen / SIDE.pow(3);
+    (percent >= 50).then(|| format!("the image holds {percent} % of the scene's box"))
+}
+
 /// Why no surface that is seen and faces the light can be in shadow, if that is certain. `only_seen`: no sample is evaluated off the
 /// triangle that its pixel shows, where its plane may be behind others.
 pub fn no_shadow(prepared: &Prepared, camera: &Camera, light: &Light, only_seen: bool) -> Option<String> {

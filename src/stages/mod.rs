@@ -20,6 +20,7 @@ pub mod pixel_triangles;
 pub mod pixel_views;
 pub mod prefix_scan;
 pub mod radix_sort;
+pub mod requested_blocks;
 pub mod resolve;
 pub mod sample_bins;
 pub mod sample_surfaces;

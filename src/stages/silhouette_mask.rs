@@ -1,6 +1,7 @@
 //! The silhouette mask map: which texels hold silhouette edges (Pan 2009, section 3.2).
 //!
-//! - **Reads** edges with their two triangles, facing of each triangle, light-view vertices, the light layers.
+//! - **Reads** edges with their two triangles, facing of each triangle, light-view vertices, the light layers, and which blocks of texels
+//!   are [requested](super::requested_blocks).
 //! - **Writes** `edge_rects` and `edge_items` (texels an edge may touch and their 8 × 8 blocks; 0 for an edge that is no
 //!   silhouette), then marks in the layers' `mask`.
 //! - **Guarantee.** Conservative: no silhouette before a texel's split depth is left out. An edge with one triangle, with
@@ -35,6 +36,7 @@ impl SilhouetteMask {
         edges: &Buffer<Edge>,
         facing: &Buffer<u32>,
         map_points: &Buffer<[f32; 4]>,
+        requested: &Buffer<u32>,
         edge_rects: &Buffer<[u32; 2]>,
         edge_items: &Buffer<u32>,
         status: &Buffer<u32>,
@@ -45,6 +47,7 @@ impl SilhouetteMask {
             edges: edges.as_read(),
             facing: facing.as_read(),
             map_points: map_points.as_read(),
+            requested: requested.as_read(),
             edge_rects: edge_rects.as_write(),
             edge_items: edge_items.as_write(),
             status: status.as_write(),

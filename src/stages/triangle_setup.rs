@@ -4,8 +4,9 @@
 //! - **Writes** per triangle: facing ([`FRONT`] …), the rectangle of pixels and of texels it may touch (packed corners, both
 //!   included, `x | y << 16`; empty if the first x exceeds the second), and how many 8 × 8 blocks each takes.
 //!   With [`Frame::CULL_BACK`](crate::frame::Frame::CULL_BACK), and no validity masks, what surely turns away of closed bodies has no texels.
+//!   Of texels, the least rectangle of those requested ([`requested_blocks`](super::requested_blocks)), or a larger one.
 //! - **Guarantee.** Rectangles are conservative; facing is `UNSURE` within the rounding bound.
-//! - **Cost.** One dispatch; about 70 bytes a triangle.
+//! - **Cost.** A dispatch for either view; about 45 bytes a triangle each.
 
 use crate::Result;
 use crate::frame::Frame;
@@ -14,10 +15,11 @@ use crate::gpu::{Buffer, Groups, Stage};
 
 pub use kernel::{BACK, DROPPED, FRONT, UNSURE};
 
-/// The pipeline.
+/// The pipelines.
 #[derive(Debug)]
 pub struct TriangleSetup {
-    setup: kernel::SetupProgram,
+    camera: kernel::SetupCameraProgram,
+    light: kernel::SetupLightProgram,
 }
 
 /// Outputs of the stage: one element a triangle.
@@ -52,34 +54,54 @@ impl TriangleFacts {
 }
 
 impl TriangleSetup {
-    /// Builds the pipeline.
+    /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { setup: kernel::SetupProgram::new(device, ()) }
+        Self { camera: kernel::SetupCameraProgram::new(device, ()), light: kernel::SetupLightProgram::new(device, ()) }
     }
 
-    /// Records the setup of `count` triangles.
+    /// Records the setup of `count` triangles in the camera's view.
+    pub fn record_camera(
+        &self,
+        stage: &mut Stage,
+        frame: &Buffer<Frame>,
+        triangles: &Buffer<[u32; 4]>,
+        points: &Buffer<[f32; 4]>,
+        facts: &TriangleFacts,
+        count: usize,
+    ) {
+        let bindings = kernel::SetupCamera {
+            frame: frame.as_uniform(),
+            triangles: triangles.as_read(),
+            points: points.as_read(),
+            camera_rects: facts.camera_rects.as_write(),
+            camera_items: facts.camera_items.as_write(),
+        };
+        stage.run(&self.camera, bindings, Groups::Items(count as u64));
+    }
+
+    /// Records the setup of `count` triangles in the light's view, of the blocks that are `requested`.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
-    pub fn record(
+    pub fn record_light(
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
         triangles: &Buffer<[u32; 4]>,
         points: &Buffer<[f32; 4]>,
         map_points: &Buffer<[f32; 4]>,
+        requested: &Buffer<u32>,
         facts: &TriangleFacts,
         count: usize,
     ) {
-        let bindings = kernel::Setup {
+        let bindings = kernel::SetupLight {
             frame: frame.as_uniform(),
             triangles: triangles.as_read(),
             points: points.as_read(),
             map_points: map_points.as_read(),
+            requested: requested.as_read(),
             facing: facts.facing.as_write(),
-            camera_rects: facts.camera_rects.as_write(),
             light_rects: facts.light_rects.as_write(),
-            camera_items: facts.camera_items.as_write(),
             light_items: facts.light_items.as_write(),
         };
-        stage.run(&self.setup, bindings, Groups::Items(count as u64));
+        stage.run(&self.light, bindings, Groups::Items(count as u64));
     }
 }

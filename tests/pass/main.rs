@@ -207,8 +207,12 @@ fn the_picture_is_the_renderers() {
             let expected = facets == FacetMode::All && prepared.bodies.contains(&true);
             assert_eq!(fewer, expected, "{name}, {facets:?}: {:?} of {:?}", status.counts, all.counts);
             // How many evaluations it takes depends on who comes first.
-            let counts = |c: &Counts| Counts { visibility_evaluations: 0, refined_evaluations: 0, ..*c };
+            let counts =
+                |c: &Counts| Counts { visibility_evaluations: 0, refined_evaluations: 0, silhouette_texels: 0, ..*c };
             assert_eq!(counts(&status.counts), counts(&want.counts), "{name}, {facets:?}");
+            // The pass keeps its maps and makes them whole, the renderer makes what its facets ask.
+            let [kept, asked] = [&status.counts, &want.counts].map(|c| c.silhouette_texels);
+            assert!(asked > 0 && kept >= asked, "{name}, {facets:?}: {kept} marks, {asked} asked for");
         }
     }
 }

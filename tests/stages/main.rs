@@ -19,6 +19,7 @@ mod pixel_triangles;
 mod pixel_views;
 mod prefix_scan;
 mod radix_sort;
+mod requested_blocks;
 mod resolve;
 mod sample_bins;
 mod sample_surfaces;

@@ -2,8 +2,9 @@
 //! the doubt of facing; the marks hold the exact ones and lie within those at twice the margin.
 
 use crate::support::geometry::{Case, MESHES, Ran, add, fan, light, mesh, run_all, unpack};
-use crate::support::{difference, gpu, sizes_around, small_gpu};
+use crate::support::{Random, difference, gpu, sizes_around, small_gpu};
 use oracle::reference::front_layer::Margin;
+use oracle::reference::requested_blocks::requested_part;
 use oracle::reference::silhouette_mask::{Sides, marks, silhouettes};
 use oracle::reference::view::block_count;
 use subpixel_shadows::glam::DVec3;
@@ -187,4 +188,38 @@ fn detects_corruption() {
     let clear = |r: &mut Ran| r.marks[1] = r.marks[0].clone();
     assert!(spoilt(&clear));
     assert!(spoilt(&|r| r.marks[1].fill(true)));
+}
+
+/// Of requested blocks the marks are those of the whole map, and edges have no other blocks.
+#[gpu_test]
+fn what_is_requested() {
+    let mut told = 0;
+    for (seed, name) in (0..).zip(MESHES) {
+        let map = 300;
+        let whole = Case::new(&mesh(name, seed), light(seed), [1, 1], map);
+        let mut random = Random::new(seed);
+        let blocks: Vec<bool> = (0..map.div_ceil(8).pow(2)).map(|_| random.below(3) == 0).collect();
+        let case = Case { requested: Some(blocks.clone()), ..whole.clone() };
+        let (all, part) = (run_all(gpu(), &whole), run_all(gpu(), &case));
+        assert_eq!(all.silhouettes, part.silhouettes, "{name}: silhouettes are counted wherever they are");
+        let asked =
+            |texel: usize| blocks[texel / map as usize / 8 * map.div_ceil(8) as usize + texel % map as usize / 8];
+        for k in 0..3 {
+            let marks =
+                |ran: &Ran| -> Vec<bool> { ran.marks[k].iter().enumerate().map(|(t, m)| *m && asked(t)).collect() };
+            assert_eq!(difference(&marks(&all), &marks(&part)), None, "{name}: marks after stage {k}");
+        }
+        for (k, (&of_all, &of_part)) in all.edge_rects.iter().zip(&part.edge_rects).enumerate() {
+            let wanted = unpack(of_all).and_then(|rect| requested_part(rect, &blocks, map));
+            assert_eq!(unpack(of_part), wanted, "{name}, edge {k}");
+        }
+        told += u32::from(part.edge_items.iter().sum::<u32>() < all.edge_items.iter().sum::<u32>());
+        // The splits, too.
+        let splits = |ran: &Ran| -> Vec<u32> {
+            ran.splits.iter().enumerate().map(|(t, s)| if asked(t) { s.to_bits() } else { 0 }).collect()
+        };
+        assert_eq!(difference(&splits(&all), &splits(&part)), None, "{name}: splits");
+        told += u32::from(all.marks != part.marks);
+    }
+    assert!(told > 8, "a comparison of all texels, or of all blocks, tells them apart {told} times");
 }

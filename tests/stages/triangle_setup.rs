@@ -5,11 +5,13 @@ use crate::support::geometry::{
     Case, MESHES, Place, Ran, add, ball, fan, light, mesh, run_all, set_up_in_turn, unpack, with_what_turns_away,
 };
 use crate::support::{Random, difference, gpu, sizes_around, small_gpu};
+use oracle::reference::requested_blocks::requested_part;
 use oracle::reference::triangle_setup::{Reach, side_doubt};
 use oracle::reference::view::block_count;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::geometry::SetupOf;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::triangle_setup::{BACK, DROPPED, FRONT, UNSURE};
 use test_support::gpu_test;
@@ -218,18 +220,18 @@ fn a_strip_of_rows() {
     for (seed, name) in (0..).zip(MESHES) {
         let case = Case::new(&mesh(name, seed), light(seed), [37, 41], 16);
         let (frame, whole) = (case.frame(), run_all(gpu(), &case));
-        let (points, facing) = (4 * whole.points.len(), whole.facing.len());
+        let (points, count) = (4 * whole.points.len(), whole.facing.len());
         let mut cut = 0;
         for [first, rows] in [[0, 7], [7, 20], [27, 14], [40, 1]] {
             let strip = Frame { image_size: [37, rows], first_row: first, ..frame };
-            let got = &set_up_in_turn(gpu(), &case, &[strip])[0][points + facing..];
+            let got = &set_up_in_turn(gpu(), &case, &[(SetupOf::Both, strip)])[0][points..];
             for (t, &rect) in whole.camera_rects.iter().enumerate() {
                 let wanted = unpack(rect).and_then(|[left, top, right, bottom]| {
                     let (top, bottom) = (top.max(first), bottom.min(first + rows - 1));
                     (top <= bottom).then(|| [left, top - first, right, bottom - first])
                 });
                 assert_eq!(unpack([got[2 * t], got[2 * t + 1]]), wanted, "{name}, triangle {t}, rows from {first}");
-                assert_eq!(got[2 * facing + t], block_count(wanted), "{name}, triangle {t}, rows from {first}");
+                assert_eq!(got[2 * count + t], block_count(wanted), "{name}, triangle {t}, rows from {first}");
                 cut += u32::from(wanted.is_some() && wanted != unpack(rect));
             }
         }
@@ -247,15 +249,43 @@ fn one_view_alone() {
         let mut other_light = case.clone();
         other_light.light = light(seed + 1);
         let [here, there, lit] = [&case, &from_elsewhere, &other_light].map(Case::frame);
-        let [of_here, of_there, of_lit] =
-            [(&case, here), (&from_elsewhere, there), (&other_light, lit)].map(|(c, f)| set_up_in_turn(gpu(), c, &[f]));
+        let [of_here, of_there, of_lit] = [(&case, here), (&from_elsewhere, there), (&other_light, lit)]
+            .map(|(c, f)| set_up_in_turn(gpu(), c, &[(SetupOf::Both, f)]));
         assert!(of_here[0] != of_there[0] && of_here[1] != of_lit[1], "{name}: nothing differs");
-        let flagged = |frame: Frame, flag| Frame { flags: frame.flags | flag, ..frame };
-        let camera_alone = set_up_in_turn(gpu(), &case, &[here, flagged(there, Frame::LIGHT_STANDS)]);
+        let first = (SetupOf::Both, here);
+        let camera_alone = set_up_in_turn(gpu(), &case, &[first, (SetupOf::Camera, there)]);
         assert!(camera_alone == [of_there[0].clone(), of_here[1].clone()], "{name}: the camera's part alone");
-        let light_alone = set_up_in_turn(gpu(), &case, &[here, flagged(lit, Frame::FURTHER_VIEW)]);
+        let light_alone = set_up_in_turn(gpu(), &case, &[first, (SetupOf::Light, lit)]);
         assert!(light_alone == [of_here[0].clone(), of_lit[1].clone()], "{name}: the light's part alone");
     }
+}
+
+/// Of texels a triangle keeps the least rectangle of requested blocks, of a large one all, and of the camera's view everything.
+#[gpu_test]
+fn what_is_requested() {
+    let (mut cut, mut gone, mut large) = (0, 0, 0);
+    for (seed, name) in (0..).zip(MESHES) {
+        for (map, share) in [(40, 2), (300, 3), (520, 10), (700, 40)] {
+            let whole = Case::new(&mesh(name, seed), light(seed), [33, 17], map);
+            let mut random = Random::new(u64::from(map) + seed);
+            let blocks: Vec<bool> = (0..map.div_ceil(8).pow(2)).map(|_| random.below(share) == 0).collect();
+            let case = Case { requested: Some(blocks.clone()), ..whole.clone() };
+            let (all, part) = (run_all(gpu(), &whole), run_all(gpu(), &case));
+            assert!(all.camera_rects == part.camera_rects && all.facing == part.facing, "{name}");
+            for (t, (&of_all, &of_part)) in all.light_rects.iter().zip(&part.light_rects).enumerate() {
+                let (of_all, of_part) = (unpack(of_all), unpack(of_part));
+                let wanted = of_all.and_then(|rect| requested_part(rect, &blocks, map));
+                let words = |r: [u32; 4]| (r[2] / 256 - r[0] / 256 + 1) * (r[3] / 8 - r[1] / 8 + 1);
+                let whole = of_all.is_some_and(|r| words(r) > 64);
+                assert_eq!(of_part, if whole { of_all } else { wanted }, "{name}, {map} texels, triangle {t}");
+                assert_eq!(part.light_items[t], block_count(of_part), "{name}, {map} texels, triangle {t}");
+                cut += u32::from(of_part.is_some() && of_part != of_all);
+                gone += u32::from(of_part.is_none() && of_all.is_some());
+                large += u32::from(whole);
+            }
+        }
+    }
+    assert!(cut > 300 && gone > 300 && large > 5, "{cut} cut, {gone} gone, {large} large");
 }
 
 /// The stage has no list: nothing is written past the last triangle (see `run_all`). An index past the last vertex

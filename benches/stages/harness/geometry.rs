@@ -16,6 +16,7 @@ use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Cent
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
 use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments};
+use subpixel_shadows::stages::requested_blocks::RequestedBlocks;
 use subpixel_shadows::stages::silhouette_mask::SilhouetteMask;
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::vertex_project::VertexProject;
@@ -45,6 +46,8 @@ pub struct Setup {
     pub casters: CasterBuffers,
     pub points: Buffer<[f32; 4]>,
     pub map_points: Buffer<[f32; 4]>,
+    /// Blocks of texels that are requested: all.
+    pub requested: Buffer<u32>,
     pub facts: TriangleFacts,
     pub in_camera: Work,
     /// Pixels in the triangles' rectangles, halved, as a triangle fills half of a box.
@@ -187,9 +190,13 @@ impl Setup {
         let map_points = Buffer::storage(device, "bench.map_points", vertices)?;
         let facts = TriangleFacts::new(device, triangles)?;
         let raw = &casters.triangles;
+        let requested = RequestedBlocks::memory(device, MAP as usize)?;
         submit(gpu, |s| {
-            VertexProject::new(device).record(s, &frame, &casters.positions, &points, &map_points, vertices);
-            TriangleSetup::new(device).record(s, &frame, raw, &points, &map_points, &facts, triangles);
+            let (project, setup) = (VertexProject::new(device), TriangleSetup::new(device));
+            project.record_place(s, &frame, &casters.positions, &points);
+            project.record_project(s, &frame, &points, &map_points, vertices);
+            setup.record_camera(s, &frame, raw, &points, &facts, triangles);
+            setup.record_light(s, &frame, raw, &points, &map_points, &requested, &facts, triangles);
             Ok(())
         })?;
         let in_camera = Work::of(gpu, &facts.camera_items, kernels::camera_visibility::WORKGROUP)?;
@@ -205,9 +212,9 @@ impl Setup {
         let edge_items = Buffer::storage(device, "bench.edge_items", edges)?;
         let status = Buffer::storage(device, "bench.status", 64)?;
         submit(gpu, |s| {
-            let (facing, map) = (&facts.facing, &map_points);
+            let (facing, map, rects, items) = (&facts.facing, &map_points, &edge_rects, &edge_items);
             let stage = SilhouetteMask::new(device);
-            stage.record_classify(s, &frame, &casters.edges, facing, map, &edge_rects, &edge_items, &status, edges);
+            stage.record_classify(s, &frame, &casters.edges, facing, map, &requested, rects, items, &status, edges);
             Ok(())
         })?;
         let edge_work = Work::of(gpu, &edge_items, kernels::silhouette_mask::WORKGROUP)?;
@@ -215,6 +222,7 @@ impl Setup {
             frame,
             points,
             map_points,
+            requested,
             facts,
             in_camera,
             cells_seen,

@@ -62,7 +62,6 @@ const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of face
 // Four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
 const FLAG_ENDS = 1024u;
 const FLAG_NOTHING_CASTS = 16384u; // a facet that faces the light is lit
-const FLAG_LIGHT_STANDS = 65536u; // casters are set up in the light view as a frame before left them
 // Triangles of closed bodies that face away from the eye lie behind others of these: no pixel sees them
 const FLAG_BACKS_HIDDEN = 131072u;
 const FLAG_NO_VIEW = 32768u;    // what lies outside the view may be in shadow, too

@@ -41,6 +41,11 @@ fn block_count(p: vec2<u32>) -> u32 {
     return n.x * n.y;
 }
 
+// Words of a row of bits, one for each block across so many cells.
+fn block_words(cells: u32) -> u32 {
+    return (cells + 32u * BLOCK - 1u) / (32u * BLOCK);
+}
+
 // The part of the rectangle that lies in its `index`th block.
 fn block_of(p: vec2<u32>, index: u32) -> Rect {
     let r = unpack_rect(p);

@@ -28,6 +28,8 @@ impl Strip {
 pub enum MapSource {
     /// It makes them.
     Made,
+    /// It makes what its own facets ask of them: no other frame can use them.
+    Requested,
     /// A frame before made them, and they hold for this one too: of the same casters, all of whose vertices stand as they did, and the same view of
     /// the light; the camera may be another one. Of several views, which share the memory, they are made anew all the same.
     Kept,

@@ -134,7 +134,7 @@ impl Memory {
             samples,
             table: Buffer::from_slice(device, queue, "visibility_masks.table", &table)?,
             frames: frames(device, capacities)?,
-            geometry: Geometry::new(device, queue, casters, pixels, map * map)?,
+            geometry: Geometry::new(device, queue, casters, pixels, map)?,
             maps: LightMaps::new(device, queue, with, casters.edges.len(), map)?,
             facets,
             facet_offsets: offsets,

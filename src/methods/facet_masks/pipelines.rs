@@ -9,6 +9,7 @@ use crate::mask_table::MaskVariant;
 use crate::stages::candidate_pairs::CandidatePairs;
 use crate::stages::facet_classify::FacetClassify;
 use crate::stages::pixel_texel_pairs::PixelTexelPairs;
+use crate::stages::requested_blocks::RequestedBlocks;
 use crate::stages::resolve::Resolve;
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
 use crate::stages::visibility_masks::VisibilityMasks;
@@ -28,6 +29,7 @@ pub struct Pipelines {
     pub(super) surfaces: Option<SurfacePipelines>,
     pub(super) geometry: GeometryPipelines,
     pub(super) light_maps: LightMapPipelines,
+    pub(super) requests: RequestedBlocks,
     pub(super) classify: FacetClassify,
     /// `None` for frames in which nothing casts a shadow.
     pub(super) pairs: Option<PairPipelines>,
@@ -78,6 +80,7 @@ impl Pipelines {
             surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count())),
             geometry: GeometryPipelines::new(device),
             light_maps: LightMapPipelines::new(device, &scan),
+            requests: RequestedBlocks::specialised(device, clamp, receivers),
             classify: FacetClassify::specialised(device, words, clamp, receivers),
             pairs: casters.then(|| PairPipelines {
                 pixel_pairs: PixelTexelPairs::new(device, places),

@@ -16,12 +16,14 @@ use subpixel_shadows::gpu::recorder::fold_within;
 use subpixel_shadows::gpu::{Buffer, Gpu, kernels};
 use subpixel_shadows::light_view::LightView;
 use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::geometry::SetupOf;
 use subpixel_shadows::methods::prepared::{marked_triangles, padded};
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Camera, Light, Mesh};
 use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
+use subpixel_shadows::stages::requested_blocks::RequestedBlocks;
 use subpixel_shadows::stages::silhouette_mask::SilhouetteMask;
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::vertex_project::VertexProject;
@@ -48,6 +50,8 @@ pub struct Case {
     pub backs_hidden: bool,
     /// Validity masks are kept: what is left out may cut facets, and keeps its texels.
     pub validity: bool,
+    /// Blocks of texels that are requested; `None`: all.
+    pub requested: Option<Vec<bool>>,
 }
 
 impl Case {
@@ -65,7 +69,20 @@ impl Case {
             cull_back: false,
             backs_hidden: false,
             validity: false,
+            requested: None,
         }
+    }
+
+    /// The requested blocks as the stages read them.
+    fn requested_words(&self) -> Vec<u32> {
+        let mut words = vec![0; RequestedBlocks::words(self.map as usize)];
+        let Some(blocks) = &self.requested else { return words };
+        let across = self.map.div_ceil(8) as usize;
+        words[0] = 1;
+        for k in (0..blocks.len()).filter(|&k| blocks[k]) {
+            words[1 + k / across * across.div_ceil(32) + k % across / 32] |= 1 << (k % across % 32);
+        }
+        words
     }
 
     /// Positions the stages read.
@@ -238,8 +255,8 @@ struct SetUp {
     facts: TriangleFacts,
 }
 
-/// Runs these stages with one frame after another, in the same memory.
-fn set_up(gpu: &Gpu, case: &Case, frames: &[Frame]) -> SetUp {
+/// Runs these stages for one view or both, one frame after another, in the same memory.
+fn set_up(gpu: &Gpu, case: &Case, turns: &[(SetupOf, Frame)]) -> SetUp {
     let device = &gpu.device;
     let positions = super::upload(gpu, &padded(case.positions()));
     let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
@@ -252,24 +269,32 @@ fn set_up(gpu: &Gpu, case: &Case, frames: &[Frame]) -> SetUp {
         camera_items: poisoned(gpu, count),
         light_items: poisoned(gpu, count),
     };
+    let requested = super::upload(gpu, &case.requested_words());
     let (project, setup) = (VertexProject::new(device), TriangleSetup::new(device));
-    for frame in frames {
+    for (of, frame) in turns {
         let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
         uniform.write(&gpu.queue, &[*frame]);
-        run(gpu, |s| project.record(s, &uniform, &positions, &points, &map_points, vertex_count));
-        run(gpu, |s| setup.record(s, &uniform, &triangles, &points, &map_points, &facts, count));
+        if *of != SetupOf::Light {
+            run(gpu, |s| project.record_place(s, &uniform, &positions, &points));
+            run(gpu, |s| setup.record_camera(s, &uniform, &triangles, &points, &facts, count));
+        }
+        if *of != SetupOf::Camera {
+            run(gpu, |s| project.record_project(s, &uniform, &points, &map_points, vertex_count));
+            run(gpu, |s| setup.record_light(s, &uniform, &triangles, &points, &map_points, &requested, &facts, count));
+        }
     }
     SetUp { points, map_points, facts }
 }
 
 /// Bits that these stages leave after one frame after another: of the camera's view, and of the light's.
-pub fn set_up_in_turn(gpu: &Gpu, case: &Case, frames: &[Frame]) -> [Vec<u32>; 2] {
-    let SetUp { points, map_points, facts } = set_up(gpu, case, frames);
+pub fn set_up_in_turn(gpu: &Gpu, case: &Case, turns: &[(SetupOf, Frame)]) -> [Vec<u32>; 2] {
+    let SetUp { points, map_points, facts } = set_up(gpu, case, turns);
     let bits = |points: &Buffer<[f32; 4]>| read(gpu, points).into_iter().flatten().map(f32::to_bits).collect();
     let rects = |rects: &Buffer<[u32; 2]>| read(gpu, rects).into_iter().flatten().collect::<Vec<u32>>();
     [
-        [bits(&points), read(gpu, &facts.facing), rects(&facts.camera_rects), read(gpu, &facts.camera_items)].concat(),
-        [bits(&map_points), rects(&facts.light_rects), read(gpu, &facts.light_items)].concat(),
+        [bits(&points), rects(&facts.camera_rects), read(gpu, &facts.camera_items)].concat(),
+        [bits(&map_points), read(gpu, &facts.facing), rects(&facts.light_rects), read(gpu, &facts.light_items)]
+            .concat(),
     ]
 }
 
@@ -285,7 +310,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let edges = super::upload(gpu, &case.prepared.edges);
     let edge_count = edges.len();
 
-    let SetUp { points, map_points, facts } = set_up(gpu, case, &[frame]);
+    let SetUp { points, map_points, facts } = set_up(gpu, case, &[(SetupOf::Both, frame)]);
     let (camera_items, light_items) = (read(gpu, &facts.camera_items), read(gpu, &facts.light_items));
 
     let (offsets, args) = work(gpu, &camera_items, kernels::camera_visibility::WORKGROUP);
@@ -325,10 +350,11 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
 
     let (edge_rects, edge_items) = (poisoned(gpu, edge_count), poisoned(gpu, edge_count));
     let status = super::upload(gpu, &[0u32; 32]);
+    let requested = super::upload(gpu, &case.requested_words());
     let stage = SilhouetteMask::new(device);
     run(gpu, |s| {
-        let (facing, map) = (&facts.facing, &map_points);
-        stage.record_classify(s, frame_buffer, &edges, facing, map, &edge_rects, &edge_items, &status, edge_count)
+        let (facing, map, rects, items) = (&facts.facing, &map_points, &edge_rects, &edge_items);
+        stage.record_classify(s, frame_buffer, &edges, facing, map, &requested, rects, items, &status, edge_count)
     });
     let items = read(gpu, &edge_items);
     let (edge_offsets, edge_args) = work(gpu, &items, kernels::silhouette_mask::WORKGROUP);

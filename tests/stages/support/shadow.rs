@@ -24,6 +24,7 @@ use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::facet_classify::{ClassifyInputs, Facet, FacetClassify, Facets};
 use subpixel_shadows::stages::front_layer::{MARKED, UNCOVERED};
 use subpixel_shadows::stages::pixel_texel_pairs::{PairLists, PairTiles, PixelTexelPairs};
+use subpixel_shadows::stages::requested_blocks::RequestedBlocks;
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use subpixel_shadows::stages::triangle_texel_pairs::TriangleTexelPairs;
 use subpixel_shadows::stages::vertex_project::VertexProject;
@@ -109,10 +110,13 @@ impl World {
         let map_points = Buffer::storage(&gpu.device, "test.map_points", vertices).expect("memory");
         let facts = TriangleFacts::new(&gpu.device, triangles).expect("memory");
         let uniform = uniform(gpu, &frame);
+        let requested = RequestedBlocks::memory(&gpu.device, map as usize).expect("memory");
         run(gpu, |s| {
-            front.project.record(s, &uniform, &casters.positions, &points, &map_points, vertices);
-            let indices = &casters.triangles;
-            front.setup.record(s, &uniform, indices, &points, &map_points, &facts, triangles);
+            front.project.record_place(s, &uniform, &casters.positions, &points);
+            front.project.record_project(s, &uniform, &points, &map_points, vertices);
+            let (indices, map) = (&casters.triangles, &map_points);
+            front.setup.record_camera(s, &uniform, indices, &points, &facts, triangles);
+            front.setup.record_light(s, &uniform, indices, &points, map, &requested, &facts, triangles);
         });
         let view = View::new(&camera, &light, &fitted, bounds, size, false);
         let projected = project(&view, &prepared.mesh().positions);
@@ -166,19 +170,7 @@ impl World {
         static MADE: Pipelines<FacetClassify> = Pipelines::new();
         let (gpu, words) = (self.gpu, self.words());
         let classify = MADE.get(gpu, words, || FacetClassify::new(&gpu.device, words as u32));
-        let pixels = (self.view.image[0] * self.view.image[1]) as usize;
-        let facets = Facets::new(&gpu.device, listed.len(), pixels, words).expect("memory");
-        let one = |&(pixel, t): &(u32, Option<u32>)| Facet {
-            pixel,
-            triangle: t.unwrap_or(u32::MAX),
-            state,
-            ..Facet::default()
-        };
-        facets.list.write(&gpu.queue, &listed.iter().map(one).collect::<Vec<_>>());
-        let full: Vec<u32> = (0..words as u32).map(|w| full_word(self.samples.count(), w)).collect();
-        let masks: Vec<u32> = listed.iter().flat_map(|_| [full.clone(), vec![POISON; 2 * words]].concat()).collect();
-        facets.masks.write(&gpu.queue, &masks);
-        facets.items.write(&gpu.queue, &vec![POISON; facets.items.len()]);
+        let facets = self.listed(listed, state);
         let bits: Vec<u32> = marked.iter().map(|&m| u32::from(m)).collect();
         let sat =
             Buffer::from_slice(&gpu.device, &gpu.queue, "test.sat", &table(&bits, self.view.map.map_size as usize))
@@ -196,6 +188,44 @@ impl World {
         let groups = Groups::Items(listed.len() as u64);
         run(gpu, |s| classify.record_classify(s, &frame, &offsets, around, &facets, groups));
         facets
+    }
+
+    /// The facets as the stage before leaves them, in one state.
+    fn listed(&self, listed: &[(u32, Option<u32>)], state: u32) -> Facets {
+        let (gpu, words) = (self.gpu, self.words());
+        let pixels = (self.view.image[0] * self.view.image[1]) as usize;
+        let facets = Facets::new(&gpu.device, listed.len(), pixels, words).expect("memory");
+        let one = |&(pixel, t): &(u32, Option<u32>)| Facet {
+            pixel,
+            triangle: t.unwrap_or(u32::MAX),
+            state,
+            ..Facet::default()
+        };
+        facets.list.write(&gpu.queue, &listed.iter().map(one).collect::<Vec<_>>());
+        let full: Vec<u32> = (0..words as u32).map(|w| full_word(self.samples.count(), w)).collect();
+        let masks: Vec<u32> = listed.iter().flat_map(|_| [full.clone(), vec![POISON; 2 * words]].concat()).collect();
+        facets.masks.write(&gpu.queue, &masks);
+        facets.items.write(&gpu.queue, &vec![POISON; facets.items.len()]);
+        facets
+    }
+
+    /// Runs `requested_blocks` on the first `count` of listed facets that the stage before left in a state: what it writes.
+    pub fn request(&self, listed: &[(u32, Option<u32>)], count: usize, state: u32) -> Vec<u32> {
+        static MADE: Pipelines<RequestedBlocks> = Pipelines::new();
+        let gpu = self.gpu;
+        let device = &gpu.device;
+        let stage = MADE.get(gpu, 0, || RequestedBlocks::new(device));
+        let facets = self.listed(listed, state);
+        let frame = uniform(gpu, &Frame { facets_total: count as u32, ..self.frame });
+        let map = self.view.map.map_size as usize;
+        let requested = Buffer::storage(device, "test.requested", RequestedBlocks::words(map) + 1).expect("memory");
+        requested.write(&gpu.queue, &[vec![0; RequestedBlocks::words(map)], vec![POISON]].concat());
+        let groups = Groups::Items(listed.len() as u64);
+        let (triangles, positions) = (&self.casters.triangles, &self.casters.positions);
+        run(gpu, |s| stage.record(s, &frame, triangles, positions, &facets.list, &requested, groups));
+        let mut words = requested.read(gpu).expect("readback");
+        assert_eq!(words.pop(), Some(POISON), "written past the end");
+        words
     }
 
     /// Split depths as the kernels hold them.

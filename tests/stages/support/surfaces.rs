@@ -121,11 +121,10 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
     let pixels = (case.image[0] * case.image[1]) as usize;
     let memory = "memory";
     let points = Buffer::storage(device, "test.points", vertices).expect(memory);
-    let map_points = Buffer::storage(device, "test.map_points", vertices).expect(memory);
     let facts = TriangleFacts::new(device, count).expect(memory);
     run(gpu, |s| {
-        VertexProject::new(device).record(s, frame, &positions, &points, &map_points, vertices);
-        TriangleSetup::new(device).record(s, frame, &triangles, &points, &map_points, &facts, count);
+        VertexProject::new(device).record_place(s, frame, &positions, &points);
+        TriangleSetup::new(device).record_camera(s, frame, &triangles, &points, &facts, count);
     });
     let scan = PrefixScan::new(device);
     let scratch = PrefixScan::scratch(device, pixels.max(count)).expect(memory);

@@ -247,7 +247,7 @@ const PAPER: [(&str, [&str; 8]); 7] = [
 
 /// Stages of the three steps that the paper times.
 const STEPS: [&[&str]; 3] = [
-    &["light_layers", "silhouette_mask", "front_layer", "summed_area"],
+    &["requested_blocks", "light_layers", "silhouette_mask", "front_layer", "summed_area"],
     &["facet_classify", "pixel_texel_pairs", "triangle_texel_pairs"],
     &["candidate_pairs", "visibility_masks", "visibility_refine", "resolve"],
 ];
