@@ -160,7 +160,7 @@ impl App {
             let mut encoder = self.device.create_command_encoder(&Default::default());
             self.record_gbuffer(&mut encoder, &self.centres);
             self.record_gbuffer(&mut encoder, &self.samples);
-            let frame = pass.record(&mut encoder, inputs, &Target { visibility: Some(&self.visibility), lit: None })?;
+            let frame = pass.record(&mut encoder, inputs, &Target::texture(&self.visibility))?;
             self.record_shading(&mut encoder);
             self.queue.submit([encoder.finish()]);
             let shaded = self.read(&self.image)?;

@@ -9,7 +9,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 
 fn main() -> subpixel_shadows::Result<()> {
     // A ground square with a triangle standing on it.
@@ -33,6 +33,7 @@ fn main() -> subpixel_shadows::Result<()> {
         vertical_fov_degrees: 45.0,
         near: 0.01,
         far: 100.0,
+        lens: Lens::CENTRED,
     };
     let light = Light::Directional { direction: [0.9, 1.0, 0.5] };
     let settings = Settings::new([320, 240], 128, Samples::new(Pattern::LowDiscrepancy, 32)?);

@@ -59,7 +59,7 @@ fn triangle_of(texel: vec4<u32>) -> u32 {
 }
 
 fn place_of(pixel: u32) -> vec2<u32> {
-    return texel_of_image(place_in_strip(pixel));
+    return given_texel(place_in_strip(pixel));
 }
 
 fn sample_count() -> u32 {

@@ -73,7 +73,7 @@ fn other_at(at: vec2<i32>) -> Place {
     if p.what != SURFACE { return p; }
     var is_caster = false;
     if (params.given & GIVEN_IDS) != 0u {
-        is_caster = textureLoad(ids, texel_of_image(vec2<u32>(at)), 0).x != params.none;
+        is_caster = textureLoad(ids, given_texel(vec2<u32>(at)), 0).x != params.none;
     } else {
         let t = ~id_keys[u32(at.y * i32(frame.image_size.x) + at.x)];
         is_caster = t < frame.triangle_count && shows(t, p, ray_of(at), 1.0);
@@ -99,7 +99,7 @@ fn step_along(at: vec2<i32>, by: vec2<i32>, p: Place) -> vec3<f32> {
 
 fn normal_at(at: vec2<i32>, p: Place) -> vec3<f32> {
     if (params.given & GIVEN_NORMALS) != 0u {
-        return textureLoad(normals, texel_of_image(vec2<u32>(at)), 0).xyz;
+        return textureLoad(normals, given_texel(vec2<u32>(at)), 0).xyz;
     }
     let a = step_along(at, vec2(1, 0), p);
     let b = step_along(at, vec2(0, 1), p);
@@ -134,7 +134,7 @@ fn count_fault(fault: u32, at: vec2<i32>) {
 
 fn key_at(pixel: u32, at: vec2<i32>) -> u32 {
     if (params.given & GIVEN_IDS) != 0u {
-        let id = textureLoad(ids, texel_of_image(vec2<u32>(at)), 0).x;
+        let id = textureLoad(ids, given_texel(vec2<u32>(at)), 0).x;
         let given = id - params.first;
         if id != params.none && id >= params.first && given < frame.triangle_count { return ~numbers[given]; }
         if id != params.none {

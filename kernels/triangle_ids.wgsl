@@ -30,7 +30,7 @@ fn take(
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let at = place_in_strip(pixel);
-    let id = textureLoad(ids, texel_of_image(at), 0).x;
+    let id = textureLoad(ids, given_texel(at), 0).x;
     var key = 0u;
     if id != params.none {
         let given = id - params.first;

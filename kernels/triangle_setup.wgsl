@@ -65,8 +65,10 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
     include_edge(b, c, db, dc, near);
     include_edge(c, a, dc, da, near);
     if box_low.x > box_high.x { return EMPTY_RECT; }
-    let slack = 0.015625 + 1e-6 * max(max(abs(box_low.x), abs(box_low.y)),
-        max(abs(box_high.x), abs(box_high.y)));
+    // The middle of an image may lie far from where the view direction meets its plane.
+    let shift = max(abs(frame.pixel_x.w), abs(frame.pixel_y.w));
+    let reach = max(max(abs(box_low.x), abs(box_low.y)), max(abs(box_high.x), abs(box_high.y)));
+    let slack = 0.015625 + 1e-6 * max(reach, shift);
     if (frame.flags & FLAG_CLAMP) != 0u { return pixels_touched(box_low - slack, box_high + slack); }
     // A pixel can be covered only if its centre is in the box.
     let low = ceil(box_low - 0.5 - slack);

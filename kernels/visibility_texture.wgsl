@@ -1,6 +1,7 @@
 // visibility_texture: writes the visibility of every pixel into a texture of the application's.
-// Reads `visibility` (row by row from the top). Writes `target_texture` (r32float, a texel a pixel), of a
-// strip of rows those that are its own.
+// Reads `visibility` (row by row from the top). `store` writes `target_texture` (r32float, a texel a pixel),
+// of a strip of rows those that are its own. `pack` writes `packed`, rows of `rows.words` words that a copy
+// takes into a texture of BITS bits a texel; `pack_channel` a byte of each word, the others stay.
 //
 // Where the last complete picture is to stand until the next, `judge` looks at what a frame left in its
 // counters (`status`, `faults`) and sets `verdict` if anything is missing; it is cleared before. Then `hold`
@@ -27,6 +28,18 @@ struct Lists {
 @group(0) @binding(6) var<storage, read_write> verdict: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read> latest: array<u32>;
 @group(0) @binding(8) var<storage, read_write> held: array<u32>;
+
+struct PackedRows {
+    words: u32,    // of a row
+    channel: u32,
+    pad_0: u32,
+    pad_1: u32,
+}
+
+@group(0) @binding(9) var<uniform> rows: PackedRows;
+@group(0) @binding(10) var<storage, read_write> packed: array<u32>;
+
+override BITS: u32 = 32u;
 
 // Whether a list was too short.
 fn is_short(need: Need, capacity: u32) -> bool { return need.items > capacity || need.over != 0u; }
@@ -80,5 +93,57 @@ fn store(
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let at = place_in_strip(pixel);
     if !is_own(at.y) { return; }
-    textureStore(target_texture, texel_of_image(at), vec4(visibility[pixel], 0.0, 0.0, 1.0));
+    let texel = frame.target_origin + texel_of_image(at);
+    textureStore(target_texture, texel, vec4(visibility[pixel], 0.0, 0.0, 1.0));
+}
+
+fn visibility_at(x: u32, y: u32) -> f32 {
+    return visibility[y * frame.image_size.x + min(x, frame.image_size.x - 1u)];
+}
+
+// The nearest number of 16 bits, of two the even one, to a value between 0 and 1: pack2x16float is no part of
+// what every device can.
+fn half_of(value: f32) -> u32 {
+    let v = clamp(value, 0.0, 1.0);
+    if v < 6.1035156e-5 { return u32(round(v * 16777216.0)); }
+    let bits = bitcast<u32>(v);
+    return ((bits + 0xfffu + ((bits >> 13u) & 1u)) >> 13u) - (112u << 10u);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn pack(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let word = flat_invocation(group, groups, WORKGROUP, local);
+    if word >= rows.words * frame.image_size.y { return; }
+    let at = divided(word, rows.words);
+    let x = at.y * (32u / BITS);
+    let y = at.x;
+    if x >= frame.image_size.x { return; }
+    let first = visibility_at(x, y);
+    if BITS == 32u {
+        packed[word] = bitcast<u32>(first);
+    } else if BITS == 16u {
+        packed[word] = half_of(first) | (half_of(visibility_at(x + 1u, y)) << 16u);
+    } else {
+        let rest = vec3(visibility_at(x + 1u, y), visibility_at(x + 2u, y), visibility_at(x + 3u, y));
+        packed[word] = pack4x8unorm(vec4(first, rest));
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn pack_channel(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let at = place_in_strip(pixel);
+    let word = at.y * rows.words + at.x;
+    let shift = 8u * rows.channel;
+    let byte = pack4x8unorm(vec4(visibility[pixel], 0.0, 0.0, 0.0));
+    packed[word] = (packed[word] & ~(255u << shift)) | (byte << shift);
 }

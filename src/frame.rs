@@ -17,7 +17,7 @@ shared_struct! {
         pub light: [f32; 4],
         /// Remainder of the light beyond `f32`; `w`: nearest distance along the light view's axis.
         pub light_low: [f32; 4],
-        /// Direction through the image's top left corner.
+        /// Direction through the image's top left corner; `w`: the largest component of any ray of the image.
         pub ray_corner: [f32; 4],
         /// Change of direction for one pixel to the right.
         pub ray_x: [f32; 4],
@@ -92,6 +92,10 @@ shared_struct! {
         pub seal: u32,
         /// Which frame it is: the last stage writes it down when it has run. No condition may ask for it either.
         pub stamp: u32,
+        /// Texel of the application's G-buffer that the image's first pixel is.
+        pub given_origin: [u32; 2],
+        /// Texel of its target that it is.
+        pub target_origin: [u32; 2],
     }
 }
 
@@ -151,6 +155,7 @@ impl Frame {
             axis.extend(-axis.dot(rays.corner))
         };
         let margins = v.margins();
+        let widest = rays.corners(width, height).map(|ray| ray.abs().max_element()).into_iter().fold(0.0, f64::max);
         let (eye_high, eye_low) = split(eye);
         let (light_high, light_low) = split(to_light);
         Self {
@@ -158,7 +163,7 @@ impl Frame {
             eye_low: eye_low.extend(v.clear_of_rounding()).as_vec4().into(),
             light: light_high.extend(l.w).as_vec4().into(),
             light_low: light_low.extend(v.near).as_vec4().into(),
-            ray_corner: rays.corner.extend(0.0).as_vec4().into(),
+            ray_corner: rays.corner.extend(widest).as_vec4().into(),
             ray_x: rays.step_x.extend(0.0).as_vec4().into(),
             ray_y: rays.step_y.extend(0.0).as_vec4().into(),
             forward: rays.forward.extend(f64::from(camera.near) * scale).as_vec4().into(),

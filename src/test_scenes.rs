@@ -1,6 +1,6 @@
 //! Scenes for unit tests, of the types of this build: those of `lab` are of the library as it is built without tests.
 
-use crate::scene::{Camera, Light, Mesh};
+use crate::scene::{Camera, Lens, Light, Mesh};
 
 /// A mesh, seen and lit.
 pub(crate) struct Scene {
@@ -23,12 +23,14 @@ pub(crate) fn of_mesh(mesh: Mesh) -> Scene {
 
 fn of_lab(scene: lab::scene::Scene) -> Scene {
     let lab::scene::Mesh { positions, triangles } = scene.mesh;
-    let lab::scene::Camera { eye, target, up, vertical_fov_degrees, near, far } = scene.camera;
+    let lab::scene::Camera { eye, target, up, vertical_fov_degrees, near, far, lens } = scene.camera;
+    let lab::scene::Lens { shift, pixel_aspect, mirrored } = lens;
+    let lens = Lens { shift, pixel_aspect, mirrored };
     let light = match scene.light {
         lab::scene::Light::Directional { direction } => Light::Directional { direction },
         lab::scene::Light::Point { position } => Light::Point { position },
         lab::scene::Light::Spot { position, target, angle_degrees } => Light::Spot { position, target, angle_degrees },
     };
-    let camera = Camera { eye, target, up, vertical_fov_degrees, near, far };
+    let camera = Camera { eye, target, up, vertical_fov_degrees, near, far, lens };
     Scene { mesh: Mesh { positions, triangles }, camera, light }
 }

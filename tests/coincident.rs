@@ -9,7 +9,7 @@ use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 use test_support::gpu;
 use test_support::gpu_test;
 
@@ -20,7 +20,7 @@ fn settings(facets: FacetMode) -> Settings {
 }
 
 fn camera(eye: [f32; 3], target: [f32; 3], fov: f32) -> Camera {
-    Camera { eye, target, up: [0.0, 1.0, 0.0], vertical_fov_degrees: fov, near: 1e-3, far: 1e3 }
+    Camera { eye, target, up: [0.0, 1.0, 0.0], vertical_fov_degrees: fov, near: 1e-3, far: 1e3, lens: Lens::CENTRED }
 }
 
 /// A mesh, and from where it is seen.

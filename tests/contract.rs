@@ -105,6 +105,7 @@ fn registry() -> Vec<Registered> {
         of::<texel_group::TexelGroupParams>(),
         of::<triangle_ids::TriangleIdsParams>(),
         of::<visibility_texture::Lists>(),
+        of::<visibility_texture::PackedRows>(),
         of::<work_owners::WorkOwnersParams>(),
     ]
 }

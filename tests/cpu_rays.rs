@@ -101,12 +101,8 @@ fn samples_are_as_truth_says() {
 fn any_place_and_any_size_will_do() {
     let mut city = scene("city", false);
     let from = |eye: [f32; 3], target: [f32; 3], fov, near, far| Camera {
-        eye,
-        target,
-        up: [0.0, 1.0, 0.0],
-        vertical_fov_degrees: fov,
-        near,
         far,
+        ..Camera::look_at(eye, target, [0.0, 1.0, 0.0], fov, near)
     };
     city.camera = from([43.5, 2.0, 200.0], [43.5, 8.0, -200.0], 60.0, 0.1, 1000.0);
     let mut far = scene("windmill", false);

@@ -226,7 +226,7 @@ fn the_last_complete_picture_stands() {
         gpu.queue.submit([encoder.finish()]);
         [words(&gpu, &texels), words(&gpu, &lit)]
     };
-    let target = Target { visibility: Some(&texture), lit: Some(&lit) };
+    let target = Target { lit: Some(&lit), ..Target::texture(&texture) };
     for facets in [FacetMode::One, FacetMode::All] {
         // What complete frames show: of each scene and camera.
         let cameras = [0, 1].map(|s| (0..9).map(|k| turned(&scenes[s], 0.05 * k as f32)).collect::<Vec<_>>());

@@ -49,7 +49,7 @@ fn seen_of(t: u32, block: Rect) -> Seen {
     // A sliver's normal is mostly rounding, and then on which side of its plane the eye is.
     let reach = max(largest(a), max(largest(b), largest(c)));
     let doubt = 3e-6 * largest(b - a) * largest(c - a) * reach;
-    s.lean = doubt * largest(frame.ray_corner.xyz);
+    s.lean = doubt * frame.ray_corner.w;
     s.normal = vec3(dot(normal, frame.ray_corner.xyz), dot(normal, frame.ray_x.xyz),
         dot(normal, frame.ray_y.xyz));
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));

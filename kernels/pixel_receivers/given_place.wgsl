@@ -43,7 +43,7 @@ fn ray_of(at: vec2<i32>) -> vec3<f32> {
 fn place_at(at: vec2<i32>) -> Place {
     var p: Place;
     if any(at < vec2(0)) || any(at >= vec2<i32>(frame.image_size)) { return p; }
-    let texel = textureLoad(place, texel_of_image(vec2<u32>(at)), 0);
+    let texel = textureLoad(place, given_texel(vec2<u32>(at)), 0);
     p.what = FAULT;
     if (params.given & GIVEN_POSITIONS) != 0u {
         if texel.w == 0.0 { p.what = NOTHING; }

@@ -42,7 +42,7 @@ fn seen_triangle(t: u32) -> Seen {
     let normal = cross(b - a, c - a);
     // Rounding of the normal, of the corners themselves, and of the products with a ray anywhere in the
     // image.
-    let wide = largest(frame.ray_corner.xyz) + largest(ray);
+    let wide = frame.ray_corner.w + largest(ray);
     let reach = max(largest(a), max(largest(b), largest(c)));
     let doubt = 2e-6 * largest(b - a) * largest(c - a) + 6e-7 * reach * (largest(b - a) + largest(c - a));
     s.plane = vec4(dot(normal, ray), dot(normal, frame.ray_x.xyz), dot(normal, frame.ray_y.xyz),

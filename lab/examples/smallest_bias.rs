@@ -10,7 +10,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{MethodName, Prepared, Settings, ShadowMapSettings, SpsmEncoding, SpsmSettings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 use subpixel_shadows::{Error, Result};
 
 const SIZE: [u32; 2] = [320, 240];
@@ -92,6 +92,7 @@ impl Plane {
             vertical_fov_degrees: 40.0,
             near: 0.1,
             far: 100.0,
+            lens: Lens::CENTRED,
         };
         Ok(Self { prepared, camera, own })
     }

@@ -18,7 +18,7 @@ use subpixel_shadows::gpu::{Gpu, StageTime};
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 use subpixel_shadows::{Error, Result};
 
 const CAMERA: Camera = Camera {
@@ -28,6 +28,7 @@ const CAMERA: Camera = Camera {
     vertical_fov_degrees: 40.0,
     near: 0.1,
     far: 100.0,
+    lens: Lens::CENTRED,
 };
 const LIGHT: Light = Light::Directional { direction: [0.3, 0.5, 1.0] };
 const TURNS: usize = 5;

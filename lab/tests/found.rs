@@ -74,9 +74,7 @@ fn case(found: &Found) -> FuzzCase {
         Scene::open(&path.to_string_lossy(), &SceneOptions::default()).expect("a scene")
     };
     let (scene, mesh) = (open("scene.toml"), open("mesh.ply").mesh);
-    let [eye, target, up] = [scene.camera.eye, scene.camera.target, scene.camera.up].map(Some);
-    let fov = Some(scene.camera.vertical_fov_degrees);
-    let camera = CameraOverride { eye, target, up, fov };
+    let camera = CameraOverride::from(scene.camera);
     let (pattern, count) = found.samples;
     let samples = Samples::new(pattern, count).expect("samples");
     let settings = Settings { facets: found.facets, ..Settings::new(found.size, found.map, samples) };

@@ -2151,25 +2151,42 @@ pub mod visibility_texture {
         FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
         NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
     }
-    entry_point! { "visibility_texture", "judge", [64, 1, 1], SOURCE, () => Judge, JudgeProgram {
+    overrides! {
+        bits: u32 = 32, "BITS",
+    }
+    entry_point! { "visibility_texture", "judge", [64, 1, 1], SOURCE, Constants => Judge, JudgeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         3 lists: Uniform<'a, crate::stages::visibility_texture::Lists>,
         4 status: Write<'a, u32>,
         5 faults: Read<'a, u32>,
         6 verdict: Write<'a, u32>,
     } }
-    entry_point! { "visibility_texture", "hold", [64, 1, 1], SOURCE, () => Hold, HoldProgram {
+    entry_point! { "visibility_texture", "hold", [64, 1, 1], SOURCE, Constants => Hold, HoldProgram {
         6 verdict: Write<'a, u32>,
         7 latest: Read<'a, u32>,
         8 held: Write<'a, u32>,
     } }
-    entry_point! { "visibility_texture", "store", [64, 1, 1], SOURCE, () => Store, StoreProgram {
+    entry_point! { "visibility_texture", "store", [64, 1, 1], SOURCE, Constants => Store, StoreProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 visibility: Read<'a, f32>,
         2 target_texture: TextureStoreR32Float<'a>,
     } }
+    entry_point! { "visibility_texture", "pack", [64, 1, 1], SOURCE, Constants => Pack, PackProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 visibility: Read<'a, f32>,
+        9 rows: Uniform<'a, crate::stages::visibility_texture::PackedRows>,
+        10 packed: Write<'a, u32>,
+    } }
+    entry_point! { "visibility_texture", "pack_channel", [64, 1, 1], SOURCE, Constants => PackChannel, PackChannelProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 visibility: Read<'a, f32>,
+        9 rows: Uniform<'a, crate::stages::visibility_texture::PackedRows>,
+        10 packed: Write<'a, u32>,
+    } }
+    subset! { Pack => PackChannel { frame, visibility, rows, packed } }
+    subset! { PackChannel => Pack { frame, visibility, rows, packed } }
     entries! {
-        Judge, Hold, Store,
+        Judge, Hold, Store, Pack, PackChannel,
     }
 }
 

@@ -24,7 +24,7 @@ pub use device::{AdapterSummary, Gpu};
 pub use kept::KeptPrograms;
 pub use profile::Profile;
 pub use program::{Entry, Program};
-pub use recorder::{Groups, Recorder, Stage};
+pub use recorder::{Groups, Recorder, Stage, TexelRows};
 pub use timer::{StageTime, Timer};
 pub use uniforms::Uniforms;
 pub use uploads::{StagedUploads, Uploads};

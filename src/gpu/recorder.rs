@@ -95,9 +95,62 @@ impl<'a> Recorder<'a> {
         self.encoder.copy_buffer_to_buffer(from, first * 4, to, at * 4, count * 4);
     }
 
+    /// Copies rows of a buffer into a texture.
+    pub fn copy_to_texture(&mut self, from: &wgpu::Buffer, rows: TexelRows) {
+        self.encoder.copy_buffer_to_texture(rows.in_buffer(from), rows.in_texture(), rows.extent());
+    }
+
+    /// Copies a part of a texture to rows of a buffer.
+    pub fn copy_from_texture(&mut self, rows: TexelRows, to: &wgpu::Buffer) {
+        self.encoder.copy_texture_to_buffer(rows.in_texture(), rows.in_buffer(to), rows.extent());
+    }
+
     /// Dispatches recorded so far.
     pub fn dispatches(&self) -> u32 {
         self.dispatches
+    }
+}
+
+/// Rows of a buffer that are a part of a texture.
+#[derive(Clone, Copy, Debug)]
+pub struct TexelRows<'a> {
+    /// The texture.
+    pub texture: &'a wgpu::Texture,
+    /// Its level.
+    pub level: u32,
+    /// First column, row and layer.
+    pub origin: [u32; 3],
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// The first row in the buffer.
+    pub first: u32,
+    /// Bytes of a row in the buffer, a multiple of 256.
+    pub row_bytes: u32,
+}
+
+impl<'a> TexelRows<'a> {
+    fn in_texture(self) -> wgpu::TexelCopyTextureInfo<'a> {
+        let [x, y, z] = self.origin;
+        let origin = wgpu::Origin3d { x, y, z };
+        wgpu::TexelCopyTextureInfo {
+            texture: self.texture,
+            mip_level: self.level,
+            origin,
+            aspect: wgpu::TextureAspect::All,
+        }
+    }
+
+    fn in_buffer(self, buffer: &wgpu::Buffer) -> wgpu::TexelCopyBufferInfo<'_> {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: u64::from(self.first) * u64::from(self.row_bytes),
+            bytes_per_row: Some(self.row_bytes),
+            rows_per_image: None,
+        };
+        wgpu::TexelCopyBufferInfo { buffer, layout }
+    }
+
+    fn extent(self) -> wgpu::Extent3d {
+        wgpu::Extent3d { width: self.size[0], height: self.size[1], depth_or_array_layers: 1 }
     }
 }
 

@@ -21,9 +21,8 @@ pub struct SeenBox {
 impl SeenBox {
     /// Frustum of an image of this size and the box `bounds` of the world, lengths times `scale`.
     pub fn new(rays: &PixelRays, [w, h]: [u32; 2], near: f64, bounds: (DVec3, DVec3), scale: f64) -> Self {
-        let (w, h) = (f64::from(w), f64::from(h));
         Self {
-            corners: [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|[x, y]| rays.direction(x, y)),
+            corners: rays.corners(w, h),
             forward: rays.forward,
             near: near * scale,
             bounds: ((bounds.0 - rays.eye) * scale, (bounds.1 - rays.eye) * scale),
@@ -97,7 +96,7 @@ impl SeenBox {
         let inside = |plane: usize, p: DVec3| match plane {
             k @ 0..4 => {
                 let normal = self.corners[k].cross(self.corners[(k + 1) % 4]);
-                normal.dot(p) * normal.dot(self.forward).signum()
+                normal.dot(p) * normal.dot(self.corners[(k + 2) % 4]).signum()
             }
             4 => p.dot(self.forward) - from,
             5 => to - p.dot(self.forward),

@@ -271,7 +271,7 @@ impl FixedMemory {
         (camera, light): (&Camera, &Light),
         views: &[LightView],
         bounds: (DVec3, DVec3),
-        stamp: u32,
+        (stamp, origins): (u32, [[u32; 2]; 2]),
     ) -> Result<Vec<Uploads>> {
         camera.check()?;
         light.check()?;
@@ -288,6 +288,7 @@ impl FixedMemory {
             frame.facets_total = self.settings.pixels() as u32;
             frame.facet_count = frame.facets_total;
             frame.stamp = stamp;
+            [frame.given_origin, frame.target_origin] = origins;
             if let AskedViews::One(_) = self.method.asks() {
                 frame.light_low[3] = nearest(view, bounds, camera);
             }

@@ -7,7 +7,7 @@ use crate::scene::adjacency::{Adjacency, Edge};
 use crate::scene::mesh_tree::MeshTree;
 use crate::scene::{Camera, Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicUsize;
@@ -122,10 +122,8 @@ impl Prepared {
         if !self.bodies.contains(&true) {
             return false;
         }
-        let half = (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan();
-        let corner = half.hypot(half * f64::from(width) / f64::from(height.max(1))).hypot(1.0);
-        let eye = Vec3::from(camera.eye).as_dvec3();
-        self.around(eye, 1.01 * corner * f64::from(camera.near)) == Some(0)
+        let rays = camera.rays(width, height.max(1));
+        self.around(rays.eye, 1.01 * rays.longest(width, height) * f64::from(camera.near)) == Some(0)
     }
 
     /// How many closed bodies are around a point, or `None` if one comes as near as `slack`, or 10^-9 of the mesh's size.

@@ -98,6 +98,8 @@ pub struct FrameOf<'a> {
     pub margins: Option<Margins>,
     /// Flags of [`Frame`] besides those that follow from settings and views.
     pub flags: u32,
+    /// Where the image begins in the application's G-buffer, and in its target.
+    pub origins: [[u32; 2]; 2],
 }
 
 impl StripMethod {
@@ -133,13 +135,14 @@ impl StripMethod {
     /// # Errors
     /// As [`FacetMasks::frames_for`].
     pub fn uploads(&self, casters: &CasterBuffers, of: FrameOf, strip: Strip) -> Result<Vec<Uploads>> {
-        let FrameOf { camera, light, views, bounds, stamp, maps, margins, flags } = of;
+        let FrameOf { camera, light, views, bounds, stamp, maps, margins, flags, origins } = of;
         match self {
             Self::FacetMasks(method) => {
                 let mut uploads = Uploads::default();
                 let frames = method.frames_for(casters, camera, light, views, bounds, strip)?;
                 for (mut frame, buffer) in frames.into_iter().zip(method.frames()) {
                     (frame.stamp, frame.maps, frame.flags) = (stamp, maps, frame.flags | flags);
+                    [frame.given_origin, frame.target_origin] = origins;
                     if let Some(Margins { texels, depth }) = margins {
                         frame.map_margin = frame.map_margin.max(texels as f32);
                         frame.depth_margin = frame.depth_margin.max(depth as f32);
@@ -149,7 +152,7 @@ impl StripMethod {
                 Ok(vec![uploads])
             }
             #[cfg(feature = "baselines")]
-            Self::Fixed(method) => method.uploads(casters, (camera, light), views, bounds, stamp),
+            Self::Fixed(method) => method.uploads(casters, (camera, light), views, bounds, (stamp, origins)),
         }
     }
 

@@ -1,29 +1,29 @@
 //! Checks of settings, device and a frame's inputs.
 
-use super::{Casters, GBuffer, Moved, ShadowPass};
+use super::textures::ImagePart;
+use super::{Casters, GBuffer, Inputs, Moved, ShadowPass};
 use crate::methods::{FacetMode, MethodName, Settings};
-use crate::scene::Camera;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
 
 impl ShadowPass {
-    pub(super) fn check_gbuffer(&self, gbuffer: &GBuffer, camera: &Camera) -> Result<()> {
+    pub(super) fn check_gbuffer(&self, &Inputs { gbuffer, camera, origin, .. }: &Inputs) -> Result<()> {
         let refuse = |text: &str| Err(Error::Config(text.to_owned()));
-        let size = self.settings.size;
+        let part = ImagePart { size: self.settings.size, origin };
         match gbuffer {
             GBuffer::None => Ok(()),
             GBuffer::SampleIds(_) if self.settings.facets == FacetMode::One => refuse(
                 "a G-buffer of several samples shows several surfaces a pixel; they need a facet for every surface",
             ),
-            GBuffer::SampleIds(given) => given.check(size, self.settings.samples.offsets()),
+            GBuffer::SampleIds(given) => given.check(part, self.settings.samples.offsets()),
             _ if self.settings.facets == FacetMode::All => refuse(
                 "a G-buffer of one sample shows one surface a pixel; with a facet for every surface the pass finds them",
             ),
-            GBuffer::TriangleIds(given) => given.check(size),
+            GBuffer::TriangleIds(given) => given.check(part),
             GBuffer::Surfaces(_) if !self.maker.receivers => {
                 refuse("surfaces in a G-buffer need a pass that was made with room for receivers")
             }
-            GBuffer::Surfaces(given) => given.check(size, camera),
+            GBuffer::Surfaces(given) => given.check(part, camera),
         }
     }
 

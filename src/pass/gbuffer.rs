@@ -1,10 +1,9 @@
 //! Surfaces that an application's pixels show, as its textures tell, and the checks of them.
 
-use super::textures::{check_sampled, check_texture};
-use crate::scene::Camera;
+use super::textures::{ImagePart, check_sampled, check_texture};
+use crate::scene::{Camera, Lens, PerspectiveTerms};
 use crate::stages::gbuffer_triangles::GbufferTrianglesParams;
 use crate::{Error, Result};
-use glam::Mat4;
 use wgpu::TextureFormat;
 
 /// Surfaces that the application's pixels show, as far as it knows them.
@@ -25,8 +24,7 @@ pub enum GBuffer<'a> {
 /// A texture of triangle numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleTexture<'a> {
-    /// Format `R32Uint`, usage `TEXTURE_BINDING`, two-dimensional, one sample, the size of the image. Its first level and
-    /// layer are read.
+    /// Format `R32Uint`, usage `TEXTURE_BINDING`, two-dimensional, one sample. Its first level and layer are read.
     pub texture: &'a wgpu::Texture,
     /// The number of the first triangle; the others follow in the order in which they were given to the pass.
     pub first: u32,
@@ -40,9 +38,9 @@ impl<'a> TriangleTexture<'a> {
         Self { texture, first: 0, none: u32::MAX }
     }
 
-    pub(super) fn check(&self, size: [u32; 2]) -> Result<()> {
+    pub(super) fn check(&self, part: ImagePart) -> Result<()> {
         let usage = wgpu::TextureUsages::TEXTURE_BINDING;
-        check_texture("triangle id", self.texture, &[TextureFormat::R32Uint], usage, size)
+        check_texture("triangle id", self.texture, &[TextureFormat::R32Uint], usage, part)
     }
 }
 
@@ -87,7 +85,7 @@ impl<'a> SampleTexture<'a> {
         GbufferTrianglesParams::new(ours, self.places, self.first, self.none)
     }
 
-    pub(super) fn check(&self, size: [u32; 2], ours: &[[f32; 2]]) -> Result<()> {
+    pub(super) fn check(&self, part: ImagePart, ours: &[[f32; 2]]) -> Result<()> {
         use TextureFormat::{R16Uint, R32Uint, Rg16Uint};
         self.params(ours)?;
         let (usage, given) = (wgpu::TextureUsages::TEXTURE_BINDING, self.places.len() as u32);
@@ -96,7 +94,7 @@ impl<'a> SampleTexture<'a> {
         } else {
             (&[R32Uint], "layers", self.texture.depth_or_array_layers())
         };
-        check_sampled("sample triangle id", self.texture, formats, usage, size, self.texture.sample_count())?;
+        check_sampled("sample triangle id", self.texture, formats, usage, part, (0, self.texture.sample_count()))?;
         if have != given {
             return Err(Error::Config(format!("sample triangle id texture: {have} {what}, {given} places are given")));
         }
@@ -144,25 +142,25 @@ impl<'a> SurfaceTextures<'a> {
         Self { place, normals: None, ids: None, tolerance: Self::TOLERANCE }
     }
 
-    pub(super) fn check(&self, size: [u32; 2], camera: &Camera) -> Result<()> {
+    pub(super) fn check(&self, part: ImagePart, camera: &Camera) -> Result<()> {
         use TextureFormat::{Depth32Float, R32Float, Rgba16Float, Rgba32Float};
         let usage = wgpu::TextureUsages::TEXTURE_BINDING;
         match self.place {
             SurfacePosition::Depth { texture, terms, nothing } => {
-                check_texture("depth", texture, &[Depth32Float, R32Float], usage, size)?;
+                check_texture("depth", texture, &[Depth32Float, R32Float], usage, part)?;
                 terms.check()?;
-                terms.check_camera(camera, size)?;
+                terms.check_camera(camera, part.size)?;
                 if !nothing.is_finite() {
                     return Err(Error::Config(format!("depth texture: {nothing} cannot stand for no surface")));
                 }
             }
-            SurfacePosition::Position(texture) => check_texture("position", texture, &[Rgba32Float], usage, size)?,
+            SurfacePosition::Position(texture) => check_texture("position", texture, &[Rgba32Float], usage, part)?,
         }
         if let Some(normals) = self.normals {
-            check_texture("normal", normals, &[Rgba16Float, Rgba32Float], usage, size)?;
+            check_texture("normal", normals, &[Rgba16Float, Rgba32Float], usage, part)?;
         }
         if let Some(ids) = self.ids {
-            ids.check(size)?;
+            ids.check(part)?;
         }
         if !(self.tolerance >= 0.0 && self.tolerance < 1.0) {
             return Err(Error::Config(format!("a tolerance of {} view depths is not in [0, 1)", self.tolerance)));
@@ -199,106 +197,115 @@ pub struct DepthTerms {
     pub w_scale: f32,
     /// Alone, below.
     pub w_offset: f32,
-    /// Of a projection ([`DepthTerms::of_projection`]) by how much it scales x and y: [`ShadowPass::record`](super::ShadowPass::record)
-    /// refuses a camera with another field of view or aspect. `None`: nobody looks.
-    pub focal: Option<[f32; 2]>,
+    /// The projection that they are of ([`DepthTerms::of_projection`]): [`ShadowPass::record`](super::ShadowPass::record) refuses a camera
+    /// with another image. `None`: nobody looks.
+    pub image: Option<ImageTerms>,
+}
+
+/// Image of a projection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageTerms {
+    /// Scale of x and y at view depth 1.
+    pub focal: [f32; 2],
+    /// Place of the image's middle, as in [`Lens::shift`].
+    pub shift: [f32; 2],
+    /// Whether left and right are exchanged: as in [`Lens::mirrored`].
+    pub mirrored: bool,
 }
 
 impl DepthTerms {
     /// 0 at `near`, 1 at `far`.
     pub fn standard(near: f32, far: f32) -> Self {
         let scale = far / (far - near);
-        Self { scale, offset: -near * scale, w_scale: 1.0, w_offset: 0.0, focal: None }
+        Self { scale, offset: -near * scale, w_scale: 1.0, w_offset: 0.0, image: None }
     }
 
     /// 0 at `near`, 1 infinitely far.
     pub fn infinite(near: f32) -> Self {
-        Self { scale: 1.0, offset: -near, w_scale: 1.0, w_offset: 0.0, focal: None }
+        Self { scale: 1.0, offset: -near, w_scale: 1.0, w_offset: 0.0, image: None }
     }
 
     /// 1 at `near`, 0 at `far`.
     pub fn reversed(near: f32, far: f32) -> Self {
         let scale = -near / (far - near);
-        Self { scale, offset: -far * scale, w_scale: 1.0, w_offset: 0.0, focal: None }
+        Self { scale, offset: -far * scale, w_scale: 1.0, w_offset: 0.0, image: None }
     }
 
     /// 1 at `near`, 0 infinitely far.
     pub fn reversed_infinite(near: f32) -> Self {
-        Self { scale: 0.0, offset: near, w_scale: 1.0, w_offset: 0.0, focal: None }
+        Self { scale: 0.0, offset: near, w_scale: 1.0, w_offset: 0.0, image: None }
     }
 
     /// The view depth itself.
     pub fn linear() -> Self {
-        Self { scale: 1.0, offset: 0.0, w_scale: 0.0, w_offset: 1.0, focal: None }
+        Self { scale: 1.0, offset: 0.0, w_scale: 0.0, w_offset: 1.0, image: None }
     }
 
     /// Of a projection from view space, with the eye at the origin and the view along `-z` (right-handed) or `z`
     /// (left-handed), to clip space as wgpu has it, depth between 0 and 1. The viewport's depth range must be 0 to 1.
     ///
     /// # Errors
-    /// [`Error::Config`], with the numbers, for what no [`Camera`] can say: a projection that is orthographic, off-centre or jittered,
-    /// turned, sheared or mirrored, or seen from elsewhere than the origin; and where depth depends on more than view depth.
-    pub fn of_projection(projection: Mat4) -> Result<Self> {
-        let refuse = |why: String| Err(Error::Config(format!("depth terms: {why}")));
-        let [x, y, z, w] = [0, 1, 2, 3].map(|row| projection.row(row));
-        if !projection.is_finite() {
-            return refuse(format!("the projection {projection} is not finite"));
-        }
-        if z.x != 0.0 || z.y != 0.0 || w.x != 0.0 || w.y != 0.0 {
-            return refuse(format!("rows {z} and {w} of the projection depend on x or y"));
-        }
-        if w.z == 0.0 {
-            return refuse(format!("row {w} of the projection is not of a perspective one"));
-        }
-        // What lies ahead has a positive divisor.
-        let ahead = if w.z < 0.0 { -1.0 } else { 1.0 };
-        if x.z != 0.0 || y.z != 0.0 {
-            let [x, y] = [x.z, y.z].map(|c| c / w.z);
-            return refuse(format!(
-                "the projection is off-centre or jittered: its image is shifted by ({x}, {y}) of 2"
-            ));
-        }
-        if x.w != 0.0 || y.w != 0.0 || w.w != 0.0 {
-            return refuse(format!(
-                "the projection's eye is not the origin: it adds ({}, {}) and divides by {}",
-                x.w, y.w, w.w
-            ));
-        }
-        if x.y != 0.0 || y.x != 0.0 {
-            return refuse(format!(
-                "the projection is turned or sheared: rows ({}, {}) and ({}, {})",
-                x.x, x.y, y.x, y.y
-            ));
-        }
-        let focal = [x.x, y.y].map(|c| c / w.z.abs());
-        if focal.iter().any(|&c| c <= 0.0) {
-            return refuse(format!(
-                "the projection is flat or mirrored: it scales x by {} and y by {}",
-                focal[0], focal[1]
-            ));
-        }
-        let terms = Self { scale: z.z * ahead, offset: z.w, w_scale: w.z * ahead, w_offset: w.w, focal: Some(focal) };
+    /// [`Error::Config`], with the numbers, for what no [`Camera`] can say: as [`PerspectiveTerms::new`].
+    pub fn of_projection(matrix: &[[f32; 4]; 4]) -> Result<Self> {
+        let projection = PerspectiveTerms::new(matrix)?;
+        let ([focal, shift], [a, b, c]) =
+            ([projection.focal, projection.shift].map(|v| v.map(|c| c as f32)), projection.depth.map(|c| c as f32));
+        let image = Some(ImageTerms { focal, shift, mirrored: projection.mirrors() });
+        let terms = Self { scale: a, offset: b, w_scale: c, w_offset: 0.0, image };
         terms.check().map(|()| terms)
+    }
+
+    /// The projection of a camera for a depth buffer of these terms: from view space as [`Camera::view`] has it to clip space as wgpu has it.
+    ///
+    /// # Errors
+    /// [`Error::Config`] for terms that no projection has, such as [`DepthTerms::linear`].
+    pub fn projection(&self, camera: &Camera, size: [u32; 2]) -> Result<[[f32; 4]; 4]> {
+        if self.w_offset != 0.0 || self.w_scale <= 0.0 {
+            let (c, d) = (self.w_scale, self.w_offset);
+            return Err(Error::Config(format!("depth terms: no projection divides by {c} z + {d}")));
+        }
+        let [x, y] = camera.focal(size).map(|c| c as f32 * self.w_scale);
+        let Lens { shift, mirrored, .. } = camera.lens;
+        let [right, up] = shift.map(|c| c * self.w_scale);
+        Ok([
+            [if mirrored { -x } else { x }, 0.0, 0.0, 0.0],
+            [0.0, y, 0.0, 0.0],
+            [right, up, -self.scale, -self.w_scale],
+            [0.0, 0.0, self.offset, 0.0],
+        ])
     }
 
     /// Whether an image of `camera` of so many pixels is that of the projection: no pixel lies off by more than a 64th, or by 10^-5
     /// of the image.
     fn check_camera(&self, camera: &Camera, size: [u32; 2]) -> Result<()> {
-        let Some(focal) = self.focal else { return Ok(()) };
-        let [width, height] = size.map(f64::from);
-        let of_height = 1.0 / (f64::from(camera.vertical_fov_degrees).to_radians() * 0.5).tan();
-        let wanted = [of_height * height / width, of_height];
-        let have = focal.map(f64::from);
-        let off = |k: usize| (have[k] / wanted[k] - 1.0).abs();
-        let bound = |side: f64| (1.0 / 32.0 / side).max(1e-5);
-        if off(0) <= bound(width) && off(1) <= bound(height) {
-            return Ok(());
+        let Some(image) = self.image else { return Ok(()) };
+        let wanted = camera.focal(size);
+        let have = image.focal.map(f64::from);
+        let bound = |k: usize| (1.0 / 32.0 / f64::from(size[k])).max(1e-5);
+        let scaled = |k: usize| (have[k] / wanted[k] - 1.0).abs() <= bound(k);
+        let moved = |k: usize| (image.shift[k] - camera.lens.shift[k]).abs() <= bound(k) as f32;
+        let [width, height] = size;
+        if !(scaled(0) && scaled(1)) {
+            let ([x, y], [wx, wy]) = (have, wanted);
+            let fov = camera.vertical_fov_degrees;
+            return Err(Error::Config(format!(
+                "depth terms: the projection scales x by {x} and y by {y}, the camera of {fov} degrees over {width}x{height} pixels by {wx:.7} and {wy:.7}"
+            )));
         }
-        let ([x, y], [wx, wy]) = (have, wanted);
-        let fov = camera.vertical_fov_degrees;
-        Err(Error::Config(format!(
-            "depth terms: the projection scales x by {x} and y by {y}, the camera of {fov} degrees over {width}x{height} pixels by {wx:.7} and {wy:.7}"
-        )))
+        if !(moved(0) && moved(1)) {
+            let ([x, y], [wx, wy]) = (image.shift, camera.lens.shift);
+            return Err(Error::Config(format!(
+                "depth terms: the projection shifts its image by ({x}, {y}) halves, the camera by ({wx}, {wy})"
+            )));
+        }
+        if image.mirrored != camera.lens.mirrored {
+            let [projection, camera] =
+                [image.mirrored, camera.lens.mirrored].map(|is| if is { "left" } else { "right" });
+            return Err(Error::Config(format!(
+                "depth terms: the projection is {projection}-handed, the camera {camera}-handed (mirrored)"
+            )));
+        }
+        Ok(())
     }
 
     pub(super) fn words(&self) -> [f32; 4] {
@@ -318,7 +325,12 @@ impl DepthTerms {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Mat4;
     use glam::camera::{lh::proj::directx as lh, rh::proj::directx as rh};
+
+    fn terms_of(matrix: Mat4) -> Result<DepthTerms> {
+        DepthTerms::of_projection(&matrix.to_cols_array_2d())
+    }
 
     fn value(t: DepthTerms, z: f32) -> f32 {
         (t.scale * z + t.offset) / (t.w_scale * z + t.w_offset)
@@ -353,90 +365,68 @@ mod tests {
             (projection([-1.0, -0.5, -1.0]), DepthTerms::infinite(0.5)),
             (projection([0.0, 0.5, -1.0]), DepthTerms::reversed_infinite(0.5)),
         ] {
-            let of = DepthTerms::of_projection(matrix).expect("a projection");
+            let of = terms_of(matrix).expect("a projection");
             [0.5, 1.0, 3.0, 8.0].iter().for_each(|&z| near(value(of, z), value(terms, z)));
-        }
-        assert!(DepthTerms::of_projection(Mat4::ZERO).is_err());
-        assert!(DepthTerms::of_projection(Mat4::from_rotation_x(0.1)).is_err());
-        let orthographic = Mat4::from_diagonal(glam::Vec4::new(1.2, 1.8, -1.0 / 7.5, 1.0));
-        assert!(DepthTerms::of_projection(orthographic).is_err());
-    }
-
-    /// Everything that a camera cannot say is refused, with the numbers.
-    #[test]
-    fn projections_of_no_camera_are_refused() {
-        let sound = rh::perspective_infinite_reverse(0.9, 4.0 / 3.0, 0.1);
-        assert!(DepthTerms::of_projection(sound).is_ok());
-        for at_w in [-1.0, 1.0] {
-            let with = |column: usize, row: usize, value: f32| {
-                let mut m = rh::perspective_infinite_reverse(0.9, 4.0 / 3.0, 0.1);
-                m.z_axis.w = at_w;
-                m.col_mut(column)[row] = value;
-                DepthTerms::of_projection(m).map_err(|e| e.to_string())
-            };
-            assert!(with(2, 3, at_w).is_ok());
-            for (column, row, value, numbers) in [
-                (2, 0, 0.25 / 320.0, "0.00078125"),
-                (2, 1, -0.3, "0.3"),
-                (3, 0, 0.5, "adds (0.5, 0)"),
-                (3, 1, 0.125, "adds (0, 0.125)"),
-                (3, 3, 0.75, "divides by 0.75"),
-                (1, 0, 0.0625, "0.0625"),
-                (0, 1, 0.03125, "0.03125"),
-                (0, 2, 0.5, "0.5"),
-                (1, 3, 0.5, "0.5"),
-                (0, 0, -1.5, "x by -1.5"),
-                (1, 1, 0.0, "y by 0"),
-                (1, 1, f32::NAN, "NaN"),
-                (2, 3, 0.0, "not of a perspective one"),
-            ] {
-                let got = with(column, row, value);
-                assert!(got.as_ref().is_err_and(|e| e.contains(numbers)), "{column} {row} {value}: {got:?}");
-            }
-        }
-        for m in [
-            rh::frustum(-0.1, 0.2, -0.1, 0.1, 0.1, 10.0),
-            rh::orthographic(-1.0, 1.0, -1.0, 1.0, 0.1, 10.0),
-            rh::perspective(0.9, 1.5, 0.1, 10.0) * Mat4::from_rotation_z(0.1),
-            Mat4::from_translation(glam::Vec3::new(0.001, 0.0, 0.0)) * sound,
-        ] {
-            assert!(DepthTerms::of_projection(m).is_err(), "{m}");
         }
     }
 
     /// Terms of a projection go with the camera that it is of, and with none that puts a pixel elsewhere.
     #[test]
     fn terms_know_their_camera() {
-        let camera = |vertical_fov_degrees: f32| Camera {
-            eye: [0.0; 3],
-            target: [0.0, 0.0, -1.0],
-            up: [0.0, 1.0, 0.0],
-            vertical_fov_degrees,
-            near: 0.1,
-            far: 10.0,
-        };
+        let camera = |fov: f32| Camera::look_at([0.0; 3], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], fov, 0.1);
+        let lefty = |camera: Camera| Camera { lens: Lens { mirrored: true, ..camera.lens }, ..camera };
         for size in [[1, 1], [320, 240], [1920, 1080], [16384, 16384], [16384, 1]] {
             let aspect = size[0] as f32 / size[1] as f32;
             for fov in [0.5f32, 40.0, 90.0, 170.0] {
-                for m in [rh::perspective, lh::perspective] {
-                    let terms = DepthTerms::of_projection(m(fov.to_radians(), aspect, 0.1, 10.0)).expect("a camera's");
-                    terms.check_camera(&camera(fov), size).expect("the camera's own");
-                    let refused = |fov: f32, size| terms.check_camera(&camera(fov), size).map_err(|e| e.to_string());
+                for left in [false, true] {
+                    let project = if left { lh::perspective } else { rh::perspective };
+                    let terms = terms_of(project(fov.to_radians(), aspect, 0.1, 10.0)).expect("a camera's");
+                    let handed = |camera| if left { lefty(camera) } else { camera };
+                    let own = handed(camera(fov));
+                    terms.check_camera(&own, size).expect("the camera's own");
+                    let refused = |camera: Camera, size| terms.check_camera(&camera, size).map_err(|e| e.to_string());
+                    let other = if left { camera(fov) } else { lefty(camera(fov)) };
+                    assert!(refused(other, size).is_err_and(|e| e.contains("handed")), "{fov} {size:?}");
                     // An eighth of a pixel at the image's edge.
                     let by = 1.0 + 0.25 / size[1].max(1000) as f64;
                     let other = (((f64::from(fov).to_radians() / 2.0).tan() * by).atan() * 2.0).to_degrees() as f32;
                     if size[1] > 100 {
                         assert!(
-                            refused(other, size).is_err_and(|e| e.contains(&format!("{other} degrees"))),
+                            refused(handed(camera(other)), size)
+                                .is_err_and(|e| e.contains(&format!("{other} degrees"))),
                             "{fov} {size:?}"
                         );
+                        let moved = Lens { shift: [0.0, -0.25 / size[1] as f32], ..own.lens };
+                        let moved = refused(Camera { lens: moved, ..own }, size);
+                        assert!(moved.is_err_and(|e| e.contains("shifts")), "{fov} {size:?}");
                     }
                     let wider = [size[0] + 1 + size[0] / 8, size[1]];
-                    assert!(refused(fov, wider).is_err_and(|e| e.contains(&wider[0].to_string())), "{fov} {size:?}");
+                    assert!(refused(own, wider).is_err_and(|e| e.contains(&wider[0].to_string())), "{fov} {size:?}");
                 }
             }
         }
         let blind = DepthTerms::reversed_infinite(0.1);
         blind.check_camera(&camera(10.0), [7, 5]).expect("nothing to compare with");
+    }
+
+    /// The projection of terms has these terms and the camera's image; terms of no projection are refused.
+    #[test]
+    fn terms_make_projections() {
+        let lens = Lens { shift: [0.3, -0.7], pixel_aspect: 1.5, mirrored: true };
+        let camera = Camera::look_at([1.0, 2.0, 3.0], [0.0, 1.0, -1.0], [0.0, 1.0, 0.0], 50.0, 0.25);
+        let size = [320, 200];
+        for camera in [camera, Camera { lens, ..camera }] {
+            for terms in
+                [DepthTerms::standard(0.25, 8.0), DepthTerms::reversed(0.25, 8.0), DepthTerms::reversed_infinite(0.25)]
+            {
+                let matrix = terms.projection(&camera, size).expect("a projection");
+                let of = DepthTerms::of_projection(&matrix).expect("a camera's");
+                of.check_camera(&camera, size).expect("the camera's own");
+                assert_eq!(DepthTerms { image: None, ..of }, terms);
+                let other = Lens { mirrored: !camera.lens.mirrored, ..camera.lens };
+                assert!(of.check_camera(&Camera { lens: other, ..camera }, size).is_err());
+            }
+        }
+        assert!(DepthTerms::linear().projection(&camera, size).is_err_and(|e| e.to_string().contains("0 z + 1")));
     }
 }

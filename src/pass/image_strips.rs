@@ -4,8 +4,8 @@
 use super::casters::CasterSet;
 use super::gbuffer_stage::{HALO, keys};
 use super::inputs::Target;
-use super::textures::first_level;
-use crate::gpu::{Buffer, Profile, Recorder};
+use super::textures::one_level;
+use crate::gpu::{Buffer, Profile, Recorder, TexelRows};
 use crate::light_view::MapTiles;
 use crate::methods::facet_masks::Capacities;
 use crate::methods::output::Budget;
@@ -13,7 +13,7 @@ use crate::methods::prepared::{MeshBuffers, surfaces};
 use crate::methods::strip_method::{MethodPipelines, StripMethod};
 use crate::methods::strips::{Rows, Strips};
 use crate::methods::{Settings, list_sizing};
-use crate::stages::visibility_texture::VisibilityTexture;
+use crate::stages::visibility_texture::{PackedVisibility, Packing, VisibilityTexture};
 use crate::{Error, Result};
 
 /// Maker of strips.
@@ -34,6 +34,21 @@ pub struct ImageStrips {
     pub strips: Strips,
     pub method: StripMethod,
     whole: Option<Whole>,
+    /// Rows on their way to a texture.
+    packed: Option<Buffer<u32>>,
+}
+
+/// The ways to an application's texture.
+pub struct Stores {
+    place: VisibilityTexture,
+    packed: PackedVisibility,
+}
+
+impl Stores {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { place: VisibilityTexture::new(device), packed: PackedVisibility::new(device) }
+    }
 }
 
 struct Whole {
@@ -108,7 +123,7 @@ impl StripMaker {
         let method = StripMethod::new(device, queue, &self.pipelines, mesh, &of_strip, first)?;
         let room = |_| surfaces(device, queue, &casters.prepared.mesh, &casters.prepared.bodies, pixels);
         Ok(NewStrips {
-            image: ImageStrips { strips, method, whole: None },
+            image: ImageStrips { strips, method, whole: None, packed: None },
             surfaces: self.receivers.then_some(()).map(room).transpose()?,
             keys: self.receivers.then(|| keys(device, pixels)).transpose()?,
         })
@@ -145,11 +160,47 @@ impl ImageStrips {
         Whole { visibility: self.visibility().clone(), lit: self.lit().cloned() }
     }
 
-    /// The visibility of a strip to where the application wants it.
-    pub fn record_store(&self, rec: &mut Recorder, store: &VisibilityTexture, target: &Target) -> Result<()> {
+    /// Makes memory for rows on their way to a target of another format, where there is none that suffices; says whether it did.
+    pub fn make_packed(&mut self, device: &wgpu::Device, target: &Target) -> Result<bool> {
+        let Some(packing) = target.visibility.and_then(|texture| texture.packing()) else { return Ok(false) };
+        let [width, rows] = self.strips.size();
+        let words = packing.row_bytes(width) as usize / 4 * rows as usize;
+        if self.packed.as_ref().is_some_and(|packed| packed.len() >= words) {
+            return Ok(false);
+        }
+        self.packed = Some(Buffer::storage(device, "shadow_pass.packed", words)?);
+        Ok(true)
+    }
+
+    /// The visibility of a strip's own rows to where the application wants it.
+    pub fn record_store(&self, rec: &mut Recorder, stores: &Stores, rows: Rows, target: &Target) -> Result<()> {
         let Some(texture) = target.visibility else { return Ok(()) };
-        let (method, view) = (&self.method, first_level(texture));
-        store.record(&mut rec.stage("visibility_texture"), method.frame(), method.visibility(), &view);
+        let method = &self.method;
+        let (Some(packing), Some(packed)) = (texture.packing(), &self.packed) else {
+            let view = one_level(texture.texture, texture.level, texture.layer);
+            stores.place.record(&mut rec.stage("visibility_texture"), method.frame(), method.visibility(), &view);
+            return Ok(());
+        };
+        let [width, height] = self.strips.size();
+        let [x, y] = texture.origin.unwrap_or_default();
+        let part = |first: u32, own: u32| TexelRows {
+            texture: texture.texture,
+            level: texture.level,
+            origin: [x, y + rows.first + rows.known, texture.layer],
+            size: [width, own],
+            first,
+            row_bytes: packing.row_bytes(width),
+        };
+        let own = part(rows.known, rows.own);
+        if let Packing::Rgba8Channel(_) = packing {
+            rec.copy_from_texture(own, packed.raw());
+        }
+        let (frame, visibility) = (method.frame(), method.visibility());
+        {
+            let stage = &mut rec.stage("visibility_texture");
+            stores.packed.record(stage, frame, [width, height], visibility, packing, packed)?;
+        }
+        rec.copy_to_texture(packed.raw(), own);
         Ok(())
     }
 

@@ -1,9 +1,10 @@
 //! Inputs that an application hands to the pass, and the checks of them.
 
 use super::GBuffer;
-use super::textures::check_texture;
+use super::textures::{ImagePart, check_sampled};
 use crate::scene::{Camera, Light};
 use crate::stages::caster_positions::Vertices;
+use crate::stages::visibility_texture::Packing;
 use crate::{Error, Result};
 
 /// The triangles that cast and receive shadows: topology is given once.
@@ -48,8 +49,8 @@ pub struct Moved<'a> {
 /// Inputs of one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
-    /// The camera. Its image is the whole target; pixels are square. A G-buffer must be drawn with the projection of this camera: no
-    /// jitter, centred. Of a depth buffer [`DepthTerms::of_projection`](super::DepthTerms::of_projection) sees to it; of others nobody can.
+    /// The camera. A G-buffer must be drawn with its projection, jitter included ([`Camera::of_matrices`]): of a depth buffer
+    /// [`DepthTerms::of_projection`](super::DepthTerms::of_projection) sees to it; of others nobody can.
     pub camera: &'a Camera,
     /// The light, which may be another every frame: its views are then fitted anew, which takes no walk over all casters.
     pub light: &'a Light,
@@ -57,31 +58,98 @@ pub struct Inputs<'a> {
     pub moved: Option<Moved<'a>>,
     /// State of the surfaces seen.
     pub gbuffer: GBuffer<'a>,
+    /// Texel of the G-buffer's textures that the image's top left pixel is: the corner of a viewport. `None`: the image is all of them, to the
+    /// texel.
+    pub origin: Option<[u32; 2]>,
 }
 
 impl<'a> Inputs<'a> {
     /// A frame of static casters without a G-buffer.
     pub fn new(camera: &'a Camera, light: &'a Light) -> Self {
-        Self { camera, light, moved: None, gbuffer: GBuffer::None }
+        Self { camera, light, moved: None, gbuffer: GBuffer::None, origin: None }
+    }
+}
+
+/// A texture that visibility is written into: two-dimensional, one sample.
+///
+/// `R32Float` of usage `STORAGE_BINDING` is written in place; `R8Unorm` (the nearest 255th), `R16Float` (the nearest) and `R32Float` of usage `COPY_DST` by a
+/// copy; of `Rgba8Unorm`, usage `COPY_SRC` and `COPY_DST`, one channel is, so that four lights lie in one texture. Copies take the memory of the image in
+/// that format once more, rows padded to 256 bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct TargetTexture<'a> {
+    /// The texture.
+    pub texture: &'a wgpu::Texture,
+    /// Mip level.
+    pub level: u32,
+    /// Layer of an array.
+    pub layer: u32,
+    /// Channel of `Rgba8Unorm`, 0 to 3; 0 for other formats.
+    pub channel: u32,
+    /// Texel that the image's top left pixel is. `None`: the image is the whole level, to the texel.
+    pub origin: Option<[u32; 2]>,
+}
+
+impl<'a> TargetTexture<'a> {
+    /// The whole first level of the first layer.
+    pub fn new(texture: &'a wgpu::Texture) -> Self {
+        Self { texture, level: 0, layer: 0, channel: 0, origin: None }
+    }
+
+    /// How a copy writes it; `None` where the texture is written in place.
+    pub(super) fn packing(&self) -> Option<Packing> {
+        use wgpu::{TextureFormat as F, TextureUsages};
+        match self.texture.format() {
+            F::R8Unorm => Some(Packing::R8Unorm),
+            F::R16Float => Some(Packing::R16Float),
+            F::Rgba8Unorm => Some(Packing::Rgba8Channel(self.channel)),
+            _ if self.texture.usage().contains(TextureUsages::STORAGE_BINDING) => None,
+            _ => Some(Packing::R32Float),
+        }
+    }
+
+    fn check(&self, size: [u32; 2]) -> Result<()> {
+        use wgpu::{TextureFormat as F, TextureUsages};
+        let (texture, what) = (self.texture, "visibility");
+        let formats = [F::R32Float, F::R16Float, F::R8Unorm, F::Rgba8Unorm];
+        let usage = match self.packing() {
+            None => TextureUsages::STORAGE_BINDING,
+            Some(Packing::Rgba8Channel(_)) => TextureUsages::COPY_DST | TextureUsages::COPY_SRC,
+            Some(_) => TextureUsages::COPY_DST,
+        };
+        let (level, layer, channel) = (self.level, self.layer, self.channel);
+        let (levels, layers) = (texture.mip_level_count(), texture.depth_or_array_layers());
+        if level >= levels || layer >= layers {
+            return Err(Error::Config(format!(
+                "{what} texture: level {level} of {levels} and layer {layer} of {layers} are not both there"
+            )));
+        }
+        let channels = if texture.format() == F::Rgba8Unorm { 4 } else { 1 };
+        if channel >= channels {
+            return Err(Error::Config(format!("{what} texture: channel {channel}, the format has {channels} of use")));
+        }
+        check_sampled(what, texture, &formats, usage, ImagePart { size, origin: self.origin }, (level, 1))
     }
 }
 
 /// Where results go.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Target<'a> {
-    /// Visibility of each pixel in `[0, 1]`, row 0 at the top; 1 where nothing is seen. Format `R32Float`, usage
-    /// `STORAGE_BINDING`, two-dimensional, one sample, the size of the image. Its first level and layer are written.
-    pub visibility: Option<&'a wgpu::Texture>,
+    /// Visibility of each pixel in `[0, 1]`, row 0 at the top; 1 where nothing is seen.
+    pub visibility: Option<TargetTexture<'a>>,
     /// Lit samples of each pixel, one bit a sample, [`words`](crate::samples::Samples::words) words a pixel, row by row from
     /// the top; all ones where nothing is seen. Usage `COPY_DST`; written from its start.
     pub lit: Option<&'a wgpu::Buffer>,
 }
 
-impl Target<'_> {
+impl<'a> Target<'a> {
+    /// The first level and layer of a texture of the size of the image.
+    pub fn texture(texture: &'a wgpu::Texture) -> Self {
+        Self { visibility: Some(TargetTexture::new(texture)), lit: None }
+    }
+
     pub(super) fn check(&self, size: [u32; 2], lit_bytes: Option<u64>) -> Result<()> {
         if let Some(texture) = self.visibility {
-            use wgpu::{TextureFormat, TextureUsages};
-            check_texture("visibility", texture, &[TextureFormat::R32Float], TextureUsages::STORAGE_BINDING, size)?;
+            texture.check(size)?;
         }
         let Some(lit) = self.lit else { return Ok(()) };
         let Some(lit_bytes) = lit_bytes else {

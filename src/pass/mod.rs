@@ -46,8 +46,8 @@ mod textures;
 mod views;
 
 pub use crate::stages::caster_positions::Vertices;
-pub use gbuffer::{DepthTerms, GBuffer, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
-pub use inputs::{Casters, Inputs, Moved, Target};
+pub use gbuffer::{DepthTerms, GBuffer, ImageTerms, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
+pub use inputs::{Casters, Inputs, Moved, Target, TargetTexture};
 pub use status::{Faults, FrameStatus};
 
 use crate::gpu::{BindGroups, Buffer, Gpu, KeptPrograms, Timer};
@@ -59,14 +59,14 @@ use crate::methods::strip_method::{MethodPipelines, StripMethod};
 pub use crate::methods::strips::Strips;
 use crate::methods::{MethodName, Prepared, Settings};
 use crate::stages::caster_positions::CasterPositions;
-use crate::stages::visibility_texture::{LastPicture, VisibilityTexture};
+use crate::stages::visibility_texture::LastPicture;
 use crate::{Error, Result};
 use casters::{CasterSet, checked_mesh};
 use checks::{check_limits, check_moving, settled};
 use futures::executor::block_on;
 use gbuffer_stage::GbufferStage;
 use held::HeldPicture;
-use image_strips::{ImageStrips, NewStrips, StripMaker};
+use image_strips::{ImageStrips, NewStrips, Stores, StripMaker};
 use kept_maps::KeptMaps;
 use status::{FAULT_WORDS, InFlight};
 use std::collections::VecDeque;
@@ -138,7 +138,7 @@ pub struct ShadowPass {
     proves: bool,
     gather: CasterPositions,
     seen: GbufferStage,
-    store: VisibilityTexture,
+    store: Stores,
     casters: CasterSet,
     image: ImageStrips,
     last: Option<(LastPicture, HeldPicture)>,
@@ -266,7 +266,7 @@ impl ShadowPass {
             grows: config.grow,
             proves: config.prove,
             gather: CasterPositions::new(device),
-            store: VisibilityTexture::new(device),
+            store: Stores::new(device),
             casters,
             image: made.image,
             faults: Buffer::storage(device, "shadow_pass.faults", FAULT_WORDS)?,

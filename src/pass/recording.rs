@@ -40,7 +40,7 @@ impl ShadowPass {
         inputs.camera.check()?;
         inputs.light.check()?;
         target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
-        self.check_gbuffer(&inputs.gbuffer, inputs.camera)?;
+        self.check_gbuffer(inputs)?;
         let bounds = self.check_moved(inputs.moved.as_ref())?;
         let settings = self.image.method.view_settings(&self.settings);
         let views = self.views.of(inputs, &self.casters, &settings, bounds)?;
@@ -77,6 +77,9 @@ impl ShadowPass {
         if requests && asks_for_most(inputs.camera, self.settings.size, bounds, triangles).is_none() {
             maps.source = MapSource::Requested;
         }
+        if self.image.make_packed(&self.maker.device, target)? {
+            self.bind_groups.forget();
+        }
         let (stamp, mut flags) = (stamp_of(self.frame + 1), 0);
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             flags |= Frame::BEYOND;
@@ -99,6 +102,8 @@ impl ShadowPass {
             maps: maps.number,
             margins: maps.margins,
             flags,
+            origins: [inputs.origin, target.visibility.and_then(|texture| texture.origin)]
+                .map(Option::unwrap_or_default),
         };
         let method = &self.image.method;
         let uploads =
@@ -157,7 +162,7 @@ impl ShadowPass {
                     image.record_copies(rec, rows, None);
                 }
                 None => {
-                    image.record_store(rec, &self.store, target)?;
+                    image.record_store(rec, &self.store, rows, target)?;
                     image.record_copies(rec, rows, target.lit);
                 }
             }
@@ -170,7 +175,7 @@ impl ShadowPass {
             let (width, pixels) = (u64::from(self.settings.size[0]), method.visibility().len() as u64);
             let (from, to) = (held.visibility.raw(), method.visibility().raw());
             rec.copy_words(from, u64::from(rows.first) * width, to, 0, pixels);
-            image.record_store(rec, &self.store, target)?;
+            image.record_store(rec, &self.store, rows, target)?;
         }
         if let Some((lit, held)) = target.lit.zip(held.lit.as_ref()) {
             rec.copy(held.raw(), lit, held.len() as u64 * 4);

@@ -17,11 +17,9 @@ pub fn nothing_seen(prepared: &Prepared, camera: &Camera, [width, height]: [u32;
         return Some("the mesh has no triangles".to_owned());
     }
     let rays = camera.rays(width, height);
-    let (w, h) = (f64::from(width), f64::from(height));
     // Inner normals of the four sides of the view; a point on the inner side of all of them may be seen.
-    let corner = |x: f64, y: f64| rays.direction(x, y);
-    let [a, b, c, d] = [corner(0.0, 0.0), corner(w, 0.0), corner(w, h), corner(0.0, h)];
-    let middle = rays.direction(w * 0.5, h * 0.5);
+    let [a, b, c, d] = rays.corners(width, height);
+    let middle = rays.direction(f64::from(width) * 0.5, f64::from(height) * 0.5);
     let sides = [("above", a, b), ("to the right of", b, c), ("below", c, d), ("to the left of", d, a)];
     let planes = sides.map(|(name, p, q)| {
         let n = p.cross(q);
@@ -59,8 +57,7 @@ pub fn asks_for_most(
     }
     const SIDE: u32 = 4;
     let rays = camera.rays(width, height);
-    let (w, h) = (f64::from(width), f64::from(height));
-    let [a, b, c, d] = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|[x, y]| rays.direction(x, y));
+    let [a, b, c, d] = rays.corners(width, height);
     let sides = [(a, b), (b, c), (c, d), (d, a)].map(|(p, q)| p.cross(q) * p.cross(q).dot(a + c).signum());
     let share = |k: u32| (f64::from(k) + 0.5) / f64::from(SIDE);
     let point = |k: u32| DVec3::new(share(k % SIDE), share(k / SIDE % SIDE), share(k / SIDE / SIDE));

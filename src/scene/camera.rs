@@ -22,6 +22,57 @@ pub struct Camera {
     pub near: f32,
     /// Distance that holds the scene. Nothing is clipped against it: no stage quantises depth.
     pub far: f32,
+    /// Part of the image plane that the image shows.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub lens: Lens,
+}
+
+/// Part of the image plane that an image shows, and the shape of its pixels. The default is centred on the view direction, with square pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Lens {
+    /// Place of the image's middle: from where the view direction meets the image plane, in halves of the image, x to the right, y up.
+    /// At most [`Lens::MOST_SHIFT`] either way.
+    pub shift: [f32; 2],
+    /// Width of a pixel by its height, more than 0.
+    pub pixel_aspect: f32,
+    /// Left and right are exchanged: what a left-handed view of a right-handed world shows.
+    pub mirrored: bool,
+}
+
+impl Default for Lens {
+    fn default() -> Self {
+        Self::CENTRED
+    }
+}
+
+impl Lens {
+    /// Centred on the view direction, square pixels, not mirrored.
+    pub const CENTRED: Self = Self { shift: [0.0; 2], pixel_aspect: 1.0, mirrored: false };
+    /// The largest shift: a poster of 17 images a side.
+    pub const MOST_SHIFT: f32 = 16.0;
+
+    /// This lens with every sample of an image of `width` x `height` pixels moved by so many pixels, x to the right, y down: the jitter of
+    /// temporal antialiasing.
+    pub fn jittered(self, [x, y]: [f32; 2], [width, height]: [u32; 2]) -> Self {
+        let [right, down] = [(x, width), (y, height)].map(|(by, side)| 2.0 * by / side as f32);
+        Self { shift: [self.shift[0] + right, self.shift[1] - down], ..self }
+    }
+
+    fn check(&self) -> Result<()> {
+        let [x, y] = self.shift;
+        if !(x.abs() <= Self::MOST_SHIFT && y.abs() <= Self::MOST_SHIFT) {
+            let most = Self::MOST_SHIFT;
+            return Err(Error::Scene(format!(
+                "camera lens: a shift of ({x}, {y}) half images is not within {most} either way"
+            )));
+        }
+        let aspect = self.pixel_aspect;
+        if !(1e-3..=1e3).contains(&aspect) {
+            return Err(Error::Scene(format!("camera lens: a pixel aspect of {aspect} is not between 0.001 and 1000")));
+        }
+        Ok(())
+    }
 }
 
 /// The rays of an image: `direction(x, y) = corner + x * step_x + y * step_y`, with `x` right and `y` down in pixels.
@@ -46,6 +97,17 @@ impl PixelRays {
     #[inline]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         self.corner + self.step_x * x + self.step_y * y
+    }
+
+    /// Rays through the corners of an image of `width` x `height` pixels: top left, top right, bottom right, bottom left.
+    pub fn corners(&self, width: u32, height: u32) -> [DVec3; 4] {
+        let (w, h) = (f64::from(width), f64::from(height));
+        [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|[x, y]| self.direction(x, y))
+    }
+
+    /// The length of the longest ray of the image.
+    pub fn longest(&self, width: u32, height: u32) -> f64 {
+        self.corners(width, height).map(DVec3::length).into_iter().fold(0.0, f64::max)
     }
 }
 
@@ -86,25 +148,33 @@ impl Camera {
                 self.up[0], self.up[1], self.up[2], view.x, view.y, view.z
             )));
         }
-        Ok(())
+        self.lens.check()
+    }
+
+    /// A camera at `eye` that looks at `target`, centred, with square pixels. It sees surfaces from `near` on.
+    pub fn look_at(eye: [f32; 3], target: [f32; 3], up: [f32; 3], vertical_fov_degrees: f32, near: f32) -> Self {
+        Self { eye, target, up, vertical_fov_degrees, near, far: f32::MAX, lens: Lens::CENTRED }
     }
 
     /// The rays of an image of `width` × `height` pixels.
     ///
     /// Sample `(x, y)` of pixel `(i, j)` has NDC `(2(i+x)/w − 1, 1 − 2(j+y)/h)`; the ray through it is
-    /// `forward + ndc.x·tan(fov/2)·(w/h)·right + ndc.y·tan(fov/2)·up`.
+    /// `forward + (ndc.x + shift.x)·tan(fov/2)·(w/h)·pixel_aspect·right + (ndc.y + shift.y)·tan(fov/2)·up`.
     pub fn rays(&self, width: u32, height: u32) -> PixelRays {
         let eye = Vec3::from(self.eye).as_dvec3();
         let forward = (Vec3::from(self.target).as_dvec3() - eye).normalize();
         let right = forward.cross(Vec3::from(self.up).as_dvec3()).normalize();
         let up = right.cross(forward);
+        let Lens { shift, pixel_aspect, mirrored } = self.lens;
+        let [x, y] = shift.map(f64::from);
+        let right = if mirrored { -right } else { right };
         let tan = (f64::from(self.vertical_fov_degrees).to_radians() * 0.5).tan();
         let (w, h) = (f64::from(width), f64::from(height));
-        let x_axis = right * (tan * (w / h));
+        let x_axis = right * (tan * (w / h) * f64::from(pixel_aspect));
         let y_axis = up * tan;
         PixelRays {
             eye,
-            corner: forward - x_axis + y_axis,
+            corner: forward + x_axis * (x - 1.0) + y_axis * (y + 1.0),
             step_x: x_axis * (2.0 / w),
             step_y: y_axis * (-2.0 / h),
             forward,
@@ -126,6 +196,7 @@ impl Camera {
             vertical_fov_degrees: fov as f32,
             near: (distance * 1e-3) as f32,
             far: (distance * 100.0) as f32,
+            lens: Lens::CENTRED,
         }
     }
 

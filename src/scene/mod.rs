@@ -6,9 +6,11 @@ mod coplanar;
 pub mod light;
 pub mod mesh;
 pub(crate) mod mesh_tree;
+pub mod projection;
 pub(crate) mod weld;
 
 pub use adjacency::{Adjacency, Edge, NO_TRIANGLE};
-pub use camera::{Camera, PixelRays};
+pub use camera::{Camera, Lens, PixelRays};
 pub use light::Light;
 pub use mesh::{Ground, Mesh};
+pub use projection::PerspectiveTerms;

@@ -1,12 +1,13 @@
 //! The visibility of every pixel, as a texture of the application's.
 //!
 //! - **Reads** `visibility`, row by row from the top.
-//! - **Writes** a `r32float` texture, texel (x, y) for the pixel in column x from the left and row y from the top.
+//! - **Writes** a `r32float` texture, texel (x, y) for the pixel in column x from the left and row y from the top; or rows in a buffer as a copy
+//!   takes them into a texture of another format ([`PackedVisibility`]).
 //! - **Strips.** Of a strip of rows ([`Frame::first_row`](crate::frame::Frame)) the texture is still the whole image's; rows that belong
 //!   to other strips are not written.
 //! - **Last complete picture.** `judge` finds by a frame's counters whether anything is missing in it, `hold` copies a picture, or
 //!   any words, if nothing is. Nothing is read back.
-//! - **Guarantee.** Bits are copied.
+//! - **Guarantee.** Bits are copied; of 16 bits it is the nearest number (of a 128th itself), of 8 the nearest 255th.
 //! - **Cost.** One dispatch over pixels; to judge, one workgroup; to hold, 8 bytes a word.
 
 use crate::frame::Frame;
@@ -29,6 +30,57 @@ shared_struct! {
     }
 }
 
+shared_struct! {
+    /// Rows in a buffer.
+    "visibility_texture" => pub struct PackedRows {
+        /// Words of a row.
+        pub words: u32,
+        /// Byte of each word that is written, where one is.
+        pub channel: u32,
+        /// Unused.
+        pub pad_0: u32,
+        /// Unused.
+        pub pad_1: u32,
+    }
+}
+
+/// How texels hold visibility.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packing {
+    /// A byte a texel, the nearest 255th.
+    R8Unorm,
+    /// 16 bits a texel.
+    R16Float,
+    /// 32 bits a texel.
+    R32Float,
+    /// This one of four bytes a texel.
+    Rgba8Channel(u32),
+}
+
+impl Packing {
+    /// Bytes of a texel.
+    pub fn texel_bytes(self) -> u32 {
+        match self {
+            Self::R8Unorm => 1,
+            Self::R16Float => 2,
+            Self::R32Float | Self::Rgba8Channel(_) => 4,
+        }
+    }
+
+    /// Bytes of a row of `width` texels, as copies to textures need them: a multiple of 256.
+    pub fn row_bytes(self, width: u32) -> u32 {
+        (width * self.texel_bytes()).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+    }
+}
+
+/// The pipelines that write rows for a copy to a texture.
+#[derive(Debug)]
+pub struct PackedVisibility {
+    pack: [kernel::PackProgram; 3],
+    channel: kernel::PackChannelProgram,
+    uniforms: Uniforms,
+}
+
 /// The pipeline that stores.
 #[derive(Debug)]
 pub struct VisibilityTexture {
@@ -47,8 +99,8 @@ impl LastPicture {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
-            judge: kernel::JudgeProgram::new(device, ()),
-            hold: kernel::HoldProgram::new(device, ()),
+            judge: kernel::JudgeProgram::new(device, kernel::Constants::default()),
+            hold: kernel::HoldProgram::new(device, kernel::Constants::default()),
             uniforms: Uniforms::default(),
         }
     }
@@ -104,10 +156,56 @@ impl LastPicture {
     }
 }
 
+impl PackedVisibility {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let pack = |bits: u32| kernel::PackProgram::new(device, kernel::Constants { bits });
+        Self {
+            pack: [8, 16, 32].map(pack),
+            channel: kernel::PackChannelProgram::new(device, kernel::Constants::default()),
+            uniforms: Uniforms::default(),
+        }
+    }
+
+    /// Records the rows of the frame's image into `packed`, [`Packing::row_bytes`] bytes each; what lies behind a row's end is not written.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if `packed` is too short; [`crate::Error::Gpu`] if the device has no memory for parameters.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &Buffer<Frame>,
+        size: [u32; 2],
+        visibility: &Buffer<f32>,
+        packing: Packing,
+        packed: &Buffer<u32>,
+    ) -> Result<()> {
+        let words = packing.row_bytes(size[0]) / 4;
+        let all = words as usize * size[1] as usize;
+        super::holds("visibility_texture", "packed", packed.len(), all)?;
+        let channel = if let Packing::Rgba8Channel(channel) = packing { channel } else { 0 };
+        let rows = self.uniforms.get(stage.device, &PackedRows { words, channel, ..PackedRows::default() })?;
+        let (frame, rows) = (frame.as_uniform(), rows.as_uniform());
+        let (visibility, packed) = (visibility.as_read(), packed.as_write());
+        let program = match packing {
+            Packing::R8Unorm => &self.pack[0],
+            Packing::R16Float => &self.pack[1],
+            Packing::R32Float => &self.pack[2],
+            Packing::Rgba8Channel(_) => {
+                let bindings = kernel::PackChannel { frame, visibility, rows, packed };
+                stage.run(&self.channel, bindings, Groups::Items(u64::from(size[0]) * u64::from(size[1])));
+                return Ok(());
+            }
+        };
+        stage.run(program, kernel::Pack { frame, visibility, rows, packed }, Groups::Items(all as u64));
+        Ok(())
+    }
+}
+
 impl VisibilityTexture {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { store: kernel::StoreProgram::new(device, ()) }
+        Self { store: kernel::StoreProgram::new(device, kernel::Constants::default()) }
     }
 
     /// Records the copy into `target`, a two-dimensional view of a `r32float` texture of usage `STORAGE_BINDING`; what of

@@ -5,7 +5,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Settings};
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, Moved, PassConfig, Target, Vertices};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
 
 /// Legs after which everything comes again.
@@ -78,6 +78,7 @@ impl Scene {
             vertical_fov_degrees: 45.0 + 10.0 * (0.3 * t).sin(),
             near: 0.01,
             far: 100.0,
+            lens: Lens::CENTRED,
         };
         let [x, z] = [(1.7 * t).sin(), (1.7 * t).cos()];
         let light = match leg % 3 {

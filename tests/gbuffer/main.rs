@@ -1,6 +1,7 @@
 //! The pass with an application's G-buffer: surfaces by depth or position, be they casters or not, and triangle numbers of
 //! several samples a pixel.
 
+mod frames;
 mod receivers;
 mod samples;
 mod strips;
@@ -442,7 +443,7 @@ fn bad_surfaces_are_refused() {
     let fov = scene.camera.vertical_fov_degrees;
     let projection = |degrees: f32, aspect: f32| {
         let of = glam::camera::rh::proj::directx::perspective_infinite_reverse(degrees.to_radians(), aspect, 0.1);
-        DepthTerms::of_projection(of).expect("a projection")
+        DepthTerms::of_projection(&of.to_cols_array_2d()).expect("a projection")
     };
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     with(with_terms(projection(fov, aspect), 0.0)).expect("the camera's own");

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Facet truth of what each pixel shows.
-fn judged(seen: &Raster, all: &Mesh, scene: &Scene, settings: &Settings) -> Vec<(FacetInput, FacetResult)> {
+pub(crate) fn judged(seen: &Raster, all: &Mesh, scene: &Scene, settings: &Settings) -> Vec<(FacetInput, FacetResult)> {
     let tracer = Tracer::new(all).expect("a tracer");
     let [w, h] = SIZE;
     let truth = FacetTruth::new(&tracer, &scene.camera, &scene.light, &settings.samples, w, h).expect("a truth");

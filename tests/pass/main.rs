@@ -4,6 +4,7 @@ mod kept_maps;
 mod lists;
 mod refusals;
 mod strips;
+mod targets;
 
 use lab::scene::{Scene, builtin};
 use std::sync::{Arc, Mutex};
@@ -102,7 +103,7 @@ impl Targets {
     }
 
     fn target(&self) -> Target<'_> {
-        Target { visibility: Some(&self.visibility), lit: Some(&self.lit) }
+        Target { lit: Some(&self.lit), ..Target::texture(&self.visibility) }
     }
 
     fn read(&self) -> Picture {

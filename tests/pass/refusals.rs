@@ -55,7 +55,7 @@ fn bad_input_is_refused() {
         ("lacks", SIZE, TextureFormat::R32Float, TextureUsages::TEXTURE_BINDING),
     ] {
         let texture = texture(size, format, usage);
-        refused(what, with(&inputs, &Target { visibility: Some(&texture), lit: None }));
+        refused(what, with(&inputs, &Target::texture(&texture)));
     }
     let pixels = u64::from(SIZE[0] * SIZE[1]) * 4;
     for (what, size, usage) in

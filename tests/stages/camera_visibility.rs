@@ -37,7 +37,8 @@ fn compare(case: &Case, ran: &Ran) -> Result<usize, String> {
         if got != want.triangle {
             return Err(format!("{at}: {got:?} at depth {depth}, {want:?}"));
         }
-        let near = (depth / want.depth - 1.0).abs() <= 1e-3;
+        // Of a sliver it is a bound.
+        let near = (depth / want.depth - 1.0).abs() <= 2e-3;
         if got.is_some() && !near {
             return Err(format!("{at}: depth {depth}, {want:?}"));
         }

@@ -2,10 +2,10 @@
 
 use crate::support::shadow::{folding_gpu, uniform};
 use crate::support::{Random, difference, gpu, read_texture, run, sizes_around, texture, upload};
-use oracle::reference::visibility_texture::{Lengths, is_complete, texels};
+use oracle::reference::visibility_texture::{Lengths, byte, half, is_complete, texels};
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::stages::visibility_texture::{LastPicture, Lists, VisibilityTexture};
+use subpixel_shadows::stages::visibility_texture::{LastPicture, Lists, PackedVisibility, Packing, VisibilityTexture};
 use subpixel_shadows::status::{Need, Status, StatusBand, StatusHead};
 use subpixel_shadows::wgpu;
 use test_support::gpu_test;
@@ -90,6 +90,21 @@ fn overflow_by_one() {
     }
 }
 
+/// The image lies in a part of the texture, the rest of which stays.
+#[gpu_test]
+fn an_image_lies_where_its_origin_is() {
+    let (gpu, image, size, [x, y]) = (gpu(), [9, 8], [20, 11], [7usize, 3usize]);
+    let values = values(image, &mut Random::new(37));
+    let frame = Frame { image_size: image, target_origin: [x as u32, y as u32], ..Frame::default() };
+    let target = texture(gpu, size, wgpu::TextureFormat::R32Float, Some(&[BEFORE; 220]));
+    let view = target.create_view(&Default::default());
+    let (frame, visibility) = (uniform(gpu, &frame), upload(gpu, &values));
+    run(gpu, |s| VisibilityTexture::new(&gpu.device).record(s, &frame, &visibility, &view));
+    let mut wanted = vec![BEFORE; 220];
+    texels(&values, 9).into_iter().for_each(|([i, j], v)| wanted[(y + j) * 20 + x + i] = v.to_bits());
+    assert_eq!(difference(&read_texture(gpu, &target), &wanted), None);
+}
+
 /// A strip of rows is written where it belongs, but for the rows of its neighbours.
 #[gpu_test]
 fn a_strip_writes_its_own_rows() {
@@ -129,6 +144,75 @@ fn detects_corruption() {
         assert!(difference(&off, &wanted(image, image, &values)).is_some());
     }
     assert!(difference(&got, &wanted([10, 20], image, &values)).is_some());
+}
+
+const PACKINGS: [Packing; 5] =
+    [Packing::R8Unorm, Packing::R16Float, Packing::R32Float, Packing::Rgba8Channel(0), Packing::Rgba8Channel(3)];
+
+/// Bytes of rows that held `BEFORE` after the stage ran.
+fn packed(gpu: &Gpu, image: [u32; 2], values: &[f32], packing: Packing) -> Vec<u8> {
+    let words = packing.row_bytes(image[0]) as usize / 4 * image[1] as usize;
+    let rows = upload(gpu, &vec![BEFORE; words]);
+    let (frame, visibility) = (uniform(gpu, &Frame { image_size: image, ..Frame::default() }), upload(gpu, values));
+    let stage = PackedVisibility::new(&gpu.device);
+    run(gpu, |s| stage.record(s, &frame, image, &visibility, packing, &rows).expect("rows that suffice"));
+    bytemuck::pod_collect_to_vec(&rows.read(gpu).expect("readback")[..words])
+}
+
+/// Where the bytes differ from the definition: those of texels, and of a channel the others, which stay.
+fn packing_fault(got: &[u8], image: [u32; 2], values: &[f32], packing: Packing) -> Option<String> {
+    let (row, each) = (packing.row_bytes(image[0]) as usize, packing.texel_bytes() as usize);
+    let mut wanted: Vec<u8> = bytemuck::pod_collect_to_vec(&vec![BEFORE; got.len() / 4]);
+    let mut known = vec![false; got.len()];
+    for ([x, y], v) in texels(values, image[0] as usize) {
+        let at = y * row + x * each;
+        known[at..at + each].fill(true);
+        match packing {
+            Packing::R8Unorm => wanted[at] = byte(f64::from(v)),
+            Packing::R16Float => wanted[at..at + 2].copy_from_slice(&half(f64::from(v)).to_le_bytes()),
+            Packing::R32Float => wanted[at..at + 4].copy_from_slice(&v.to_le_bytes()),
+            Packing::Rgba8Channel(channel) => wanted[at + channel as usize] = byte(f64::from(v)),
+        }
+    }
+    let of = |bytes: &[u8]| bytes.iter().zip(&known).filter(|(_, k)| **k).map(|(b, _)| *b).collect::<Vec<u8>>();
+    difference(&of(got), &of(&wanted))
+}
+
+#[gpu_test]
+fn rows_are_packed_as_told() {
+    let mut random = Random::new(91);
+    for packing in PACKINGS {
+        for image in [[0, 0], [1, 1], [3, 2], [64, 3], [65, 2], [255, 4], [60, 8]] {
+            let mut values = values(image, &mut random);
+            // Not only shares of samples.
+            for v in values.iter_mut().step_by(3) {
+                *v = [random.below(1 << 24) as f32 / (1 << 24) as f32, 1e-5, 6.1e-5, 1.0][random.below(4) as usize];
+            }
+            let got = packed(gpu(), image, &values, packing);
+            assert_eq!(packing_fault(&got, image, &values, packing), None, "{packing:?} {image:?}");
+            if image == [60, 8] {
+                let corner = if let Packing::Rgba8Channel(channel) = packing { channel as usize } else { 0 };
+                for at in [0, 256] {
+                    let mut off = got.clone();
+                    off[at + corner] ^= 1;
+                    assert!(packing_fault(&off, image, &values, packing).is_some(), "{packing:?}: a corrupted byte");
+                }
+                let folded = packed(folding_gpu(), image, &values, packing);
+                assert_eq!(packing_fault(&folded, image, &values, packing), None, "{packing:?}, folded");
+            }
+        }
+        // 128 samples: each share is one of 16 bits.
+        assert!((0..=128).all(|k| half(f64::from(k) / 128.0) as u32 == half_bits(k)), "{packing:?}");
+    }
+    let stage = PackedVisibility::new(&gpu().device);
+    let (frame, visibility) = (uniform(gpu(), &Frame::default()), upload(gpu(), &[0.5f32; 8]));
+    let short = upload(gpu(), &[0u32; 64]);
+    run(gpu(), |s| assert!(stage.record(s, &frame, [8, 2], &visibility, Packing::R8Unorm, &short).is_err()));
+}
+
+/// The bits of `k` parts of 128, which need no rounding.
+fn half_bits(k: u32) -> u32 {
+    if k == 0 { 0 } else { ((k as f32 / 128.0).to_bits() >> 13) - (112 << 10) }
 }
 
 /// A frame's counters, each need at, below or beyond what its list holds: one alone decides, and so does a fault or another stamp.

@@ -46,6 +46,8 @@ struct Frame {
     rows_below: u32,         // likewise at its bottom
     seal: u32,               // always 0, and no condition asks for it: see double_float
     stamp: u32,              // which frame it is; no condition asks for it
+    given_origin: vec2<u32>,   // texel of the application's G-buffer that the image's first pixel is
+    target_origin: vec2<u32>,  // likewise of its target
 }
 
 // Triangles of closed bodies that face away from the light are no casters; they may cut facets

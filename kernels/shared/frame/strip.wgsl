@@ -13,6 +13,11 @@ fn texel_of_image(at: vec2<u32>) -> vec2<u32> {
     return vec2(at.x, frame.first_row + at.y);
 }
 
+// The texel of the application's G-buffer that a place in the strip is.
+fn given_texel(at: vec2<u32>) -> vec2<u32> {
+    return frame.given_origin + texel_of_image(at);
+}
+
 // Whether a row is the strip's own: others belong to strips above and below, and are here for their
 // neighbours.
 fn is_own(row: u32) -> bool {

@@ -1,8 +1,8 @@
-//! What a frame may grow with, and the scenes that show it.
+//! Scenes in which one thing grows.
 
 use glam::{DVec3, Vec3};
 use lab::scene::{Scene, SceneOptions, builtin};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 use subpixel_shadows::{Error, Result};
 
 /// A frame to be measured: what it shows is made when its turn comes.
@@ -34,9 +34,9 @@ impl Point {
 pub struct Axis {
     /// Name, as `--axes` takes it.
     pub name: &'static str,
-    /// What the value counts.
+    /// Unit of the value.
     pub unit: &'static str,
-    /// What is held.
+    /// Everything else, which stays.
     pub held: &'static str,
     /// Whether a slope says something.
     pub sloped: bool,
@@ -112,6 +112,7 @@ pub fn axes(sizes: Sizes, files: &[String]) -> Vec<Axis> {
         vertical_fov_degrees: 60.0,
         near: 0.05,
         far: 1e4,
+        lens: Lens::CENTRED,
     };
     let mut views = vec![city(1.0, "`city` from above", None), city(2.0, "`city` from the street", Some(street))];
     views.extend(files.iter().zip(3u8..).map(|(file, x)| {
@@ -162,6 +163,7 @@ fn scene_of(name: &str, mesh: Mesh, degrees: f64) -> Result<Scene> {
         vertical_fov_degrees: 45.0,
         near: 0.05,
         far: 100.0,
+        lens: Lens::CENTRED,
     };
     Ok(scene)
 }

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use std::ffi::OsString;
 use std::path::Path;
 use subpixel_shadows::methods::{METHOD_OPTIONS, METHODS, MethodName};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 use subpixel_shadows::{Error, Result};
 
 /// Largest frame.json that is read, bytes.
@@ -249,7 +249,12 @@ pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<
 /// A camera as `--camera` takes it.
 fn camera(camera: &Camera) -> String {
     let [eye, target, up] = [camera.eye, camera.target, camera.up].map(vector);
-    format!("eye={eye};target={target};up={up};fov={}", camera.vertical_fov_degrees)
+    let mut text = format!("eye={eye};target={target};up={up};fov={}", camera.vertical_fov_degrees);
+    let Lens { shift: [x, y], pixel_aspect, mirrored } = camera.lens;
+    if camera.lens != Lens::CENTRED {
+        text += &format!(";shift={x},{y};pixel_aspect={pixel_aspect};mirrored={mirrored}");
+    }
+    text
 }
 
 /// A light as `--light` takes it.
@@ -308,7 +313,9 @@ mod tests {
             &["--method", "smsr", "--reach", "9", "--shape", "corners", "--truth", "--converged", "--size", "7x9"],
         ];
         for (asked, light) in asked.iter().zip(lights) {
-            let own = options(&[asked, &["--light", light, "--camera", "eye=0.1,2,3.3333333;fov=40.1"][..]].concat());
+            let own = options(
+                &[asked, &["--light", light, "--camera", "eye=0.1,2,3.3333333;fov=40.1;shift=0.1,-0.7"][..]].concat(),
+            );
             let scene = own.open(Some("spheres"), Console::new(true)).unwrap();
             let path = Path::new("f.json");
             let mut line = vec![OsString::from("subpixel-shadows")];

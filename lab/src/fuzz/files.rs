@@ -96,6 +96,15 @@ fn toml(case: &FuzzCase) -> String {
     if let Some(fov) = world.camera.fov {
         let _ = writeln!(text, "fov = {:?}", f64::from(fov));
     }
+    if let Some([x, y]) = world.camera.shift {
+        let _ = writeln!(text, "shift = [{:?}, {:?}]", f64::from(x), f64::from(y));
+    }
+    if let Some(aspect) = world.camera.pixel_aspect {
+        let _ = writeln!(text, "pixel_aspect = {:?}", f64::from(aspect));
+    }
+    if let Some(mirrored) = world.camera.mirrored {
+        let _ = writeln!(text, "mirrored = {mirrored}");
+    }
     text += "\n[light]\n";
     let _ = match world.light {
         Light::Directional { direction } => writeln!(text, "directional = {}", vector(direction)),

@@ -1,6 +1,7 @@
 //! Making a failing case smaller: triangles first, then the image, then the settings.
 
 use super::FuzzCase;
+use crate::scene::CameraOverride;
 use std::time::{Duration, Instant};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{FacetMode, PairVariant, RayTracedSettings, Settings};
@@ -108,6 +109,10 @@ impl Shrinker<'_> {
         ] {
             self.takes(smaller);
         }
+        let CameraOverride { eye, target, up, fov, .. } = self.case.world.camera;
+        let mut centred = self.case.clone();
+        centred.world.camera = CameraOverride { eye, target, up, fov, ..CameraOverride::default() };
+        self.takes(centred);
         let plain = FuzzCase { how: super::How { force_all: false, ..self.case.how.clone() }, ..self.case.clone() };
         self.takes(plain);
         self.try_settings(|s| s.partition = None);

@@ -87,7 +87,20 @@ pub fn camera(r: &mut Random, mesh: &Mesh) -> CameraOverride {
             (stand.centre() + r.direction() * (stand.radius * far), aim)
         }
     };
-    usable(r, &stand, eye, target, fov)
+    let camera = usable(r, &stand, eye, target, fov);
+    if r.chance(0.75) { camera } else { CameraOverride { mirrored: Some(r.chance(0.5)), ..through_lens(r, camera) } }
+}
+
+/// The camera jittered by less than a pixel of most images, off-centre, or with oblong pixels.
+fn through_lens(r: &mut Random, camera: CameraOverride) -> CameraOverride {
+    let shift = [0, 1].map(|_| r.between(-1.0, 1.0));
+    let by = |size: f64| CameraOverride { shift: Some(shift.map(|c| (c * size) as f32)), ..camera };
+    match r.whole(0, 3) {
+        0 => by(0.02),
+        1 => by(0.5),
+        2 => by(3.0),
+        _ => CameraOverride { pixel_aspect: Some(r.by_size(0.1, 10.0) as f32), ..camera },
+    }
 }
 
 /// A camera of these numbers that passes its checks: eye and target apart in `f32`, up not along the view.
@@ -108,6 +121,7 @@ fn usable(r: &mut Random, stand: &Stand, eye: DVec3, target: DVec3, fov: f64) ->
         target: Some(target.into()),
         up: Some(up.as_vec3().into()),
         fov: Some(fov.clamp(0.05, 170.0) as f32),
+        ..CameraOverride::default()
     }
 }
 

@@ -84,6 +84,7 @@ fn srgb(linear: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use subpixel_shadows::scene::Lens;
 
     #[test]
     fn light_shadow_and_sky_differ() {
@@ -96,6 +97,7 @@ mod tests {
             vertical_fov_degrees: 30.0,
             near: 0.1,
             far: 100.0,
+            lens: Lens::CENTRED,
         };
         let shade = |light: Light, triangle: u32, visibility: f32| {
             let s = Shading {

@@ -10,7 +10,7 @@ pub use load::{Loaded, load};
 pub use options::{CameraOverride, DEFAULT_LIGHT, SceneOptions, light_from_text};
 
 /// Parts of a scene.
-pub use subpixel_shadows::scene::{Camera, Ground, Light, Mesh};
+pub use subpixel_shadows::scene::{Camera, Ground, Lens, Light, Mesh};
 
 /// A scene: one mesh, one camera, one light.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! Changes that a caller may make to a scene, and the text forms of cameras and lights.
 
-use super::{Camera, Light, Mesh};
+use super::{Camera, Lens, Light, Mesh};
 use glam::{DVec3, Vec3};
 use std::str::FromStr;
 use subpixel_shadows::scene::mesh::MAX_EXTENT;
@@ -19,7 +19,7 @@ pub struct SceneOptions {
 
 /// Parts of a camera; those not given stay as they are, or are framed from the scene's bounds.
 ///
-/// As text: `eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES`, each part optional, in any order.
+/// As text: `eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES;shift=X,Y;pixel_aspect=RATIO;mirrored=true`, each part optional, in any order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraOverride {
@@ -31,10 +31,32 @@ pub struct CameraOverride {
     pub up: Option<[f32; 3]>,
     /// Full vertical field of view, degrees.
     pub fov: Option<f32>,
+    /// Place of the image's middle, in halves of the image from the view direction.
+    pub shift: Option<[f32; 2]>,
+    /// Width of a pixel by its height.
+    pub pixel_aspect: Option<f32>,
+    /// Whether left and right are exchanged.
+    pub mirrored: Option<bool>,
 }
 
 /// The light of scenes that bring none: towards `(0.5, 1, 0.3)`.
 pub const DEFAULT_LIGHT: Light = Light::Directional { direction: [0.5, 1.0, 0.3] };
+
+impl From<Camera> for CameraOverride {
+    /// All parts of a camera but its depth range.
+    fn from(camera: Camera) -> Self {
+        let Lens { shift, pixel_aspect, mirrored } = camera.lens;
+        Self {
+            eye: Some(camera.eye),
+            target: Some(camera.target),
+            up: Some(camera.up),
+            fov: Some(camera.vertical_fov_degrees),
+            shift: Some(shift),
+            pixel_aspect: Some(pixel_aspect),
+            mirrored: Some(mirrored),
+        }
+    }
+}
 
 impl CameraOverride {
     /// `base`, or a camera that frames `mesh`, with the given parts set and with a depth range that cuts nothing off:
@@ -54,6 +76,9 @@ impl CameraOverride {
         camera.eye = self.eye.unwrap_or(camera.eye);
         camera.target = self.target.unwrap_or(camera.target);
         camera.vertical_fov_degrees = self.fov.unwrap_or(camera.vertical_fov_degrees);
+        camera.lens.shift = self.shift.unwrap_or(camera.lens.shift);
+        camera.lens.pixel_aspect = self.pixel_aspect.unwrap_or(camera.lens.pixel_aspect);
+        camera.lens.mirrored = self.mirrored.unwrap_or(camera.lens.mirrored);
         let eye = Vec3::from(camera.eye).as_dvec3();
         match self.up {
             Some(up) => camera.up = up,
@@ -83,7 +108,7 @@ fn depth_range(lowest: DVec3, highest: DVec3, eye: DVec3) -> (f32, f32) {
 pub(super) fn camera_at(mesh: &Mesh, eye: [f32; 3], target: [f32; 3], vertical_fov_degrees: f32) -> Camera {
     let (lowest, highest) = framed_box(mesh);
     let (near, far) = depth_range(lowest, highest, Vec3::from(eye).as_dvec3());
-    Camera { eye, target, up: [0.0, 1.0, 0.0], vertical_fov_degrees, near, far }
+    Camera { eye, target, up: [0.0, 1.0, 0.0], vertical_fov_degrees, near, far, lens: Lens::CENTRED }
 }
 
 /// The box that cameras are fitted to: the bounds, or a stand-in if there is nothing or it has no extent in `f32`.
@@ -106,7 +131,14 @@ impl FromStr for CameraOverride {
                 "target" => set("camera", key, &mut camera.target, vector("camera", key, value)?)?,
                 "up" => set("camera", key, &mut camera.up, vector("camera", key, value)?)?,
                 "fov" => set("camera", key, &mut camera.fov, number("camera", key, value)?)?,
-                _ => return Err(Error::Scene(format!("camera has no part '{key}', only eye, target, up and fov"))),
+                "shift" => set("camera", key, &mut camera.shift, vector("camera", key, value)?)?,
+                "pixel_aspect" => set("camera", key, &mut camera.pixel_aspect, number("camera", key, value)?)?,
+                "mirrored" => set("camera", key, &mut camera.mirrored, truth("camera", key, value)?)?,
+                _ => {
+                    return Err(Error::Scene(format!(
+                        "camera has no part '{key}', only eye, target, up, fov, shift, pixel_aspect and mirrored"
+                    )));
+                }
             }
         }
         Ok(camera)
@@ -181,10 +213,14 @@ fn number(what: &str, key: &str, text: &str) -> Result<f32> {
     text.trim().parse().map_err(|_| Error::Scene(format!("{what} {key}: '{text}' is not a number")))
 }
 
-fn vector(what: &str, key: &str, text: &str) -> Result<[f32; 3]> {
+fn truth(what: &str, key: &str, text: &str) -> Result<bool> {
+    text.trim().parse().map_err(|_| Error::Scene(format!("{what} {key}: '{text}' is neither true nor false")))
+}
+
+fn vector<const N: usize>(what: &str, key: &str, text: &str) -> Result<[f32; N]> {
     let numbers = text.split(',').map(|n| number(what, key, n)).collect::<Result<Vec<f32>>>()?;
-    <[f32; 3]>::try_from(numbers)
-        .map_err(|n| Error::Scene(format!("{what} {key}: '{text}' has {} numbers, needs 3", n.len())))
+    <[f32; N]>::try_from(numbers)
+        .map_err(|n| Error::Scene(format!("{what} {key}: '{text}' has {} numbers, needs {N}", n.len())))
 }
 
 #[cfg(test)]
@@ -195,6 +231,14 @@ mod tests {
     fn cameras_are_read_part_by_part() {
         let camera: CameraOverride = "eye=1,2.5,-3; fov=35".parse().unwrap();
         assert_eq!(camera, CameraOverride { eye: Some([1.0, 2.5, -3.0]), fov: Some(35.0), ..Default::default() });
+        let lens: CameraOverride = "shift=0.25,-1;pixel_aspect=2;mirrored=true".parse().unwrap();
+        let wanted = CameraOverride {
+            shift: Some([0.25, -1.0]),
+            pixel_aspect: Some(2.0),
+            mirrored: Some(true),
+            ..Default::default()
+        };
+        assert_eq!(lens, wanted);
         assert_eq!("".parse::<CameraOverride>().unwrap(), CameraOverride::default());
         for (text, part) in [
             ("eye=1,2", "2 numbers"),
@@ -203,6 +247,8 @@ mod tests {
             ("eye=1,2,3;eye=1,2,3", "twice"),
             ("look=1,2,3", "'look'"),
             ("fov=wide", "'wide'"),
+            ("shift=1,2,3", "needs 2"),
+            ("mirrored=1", "neither true nor false"),
         ] {
             let message = text.parse::<CameraOverride>().unwrap_err().to_string();
             assert!(message.contains(part) && message.contains("camera"), "{text}: {message}");

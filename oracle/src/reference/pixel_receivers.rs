@@ -239,7 +239,7 @@ impl Asked<'_> {
 mod tests {
     use super::*;
     use subpixel_shadows::light_view::LightView;
-    use subpixel_shadows::scene::{Camera, Light};
+    use subpixel_shadows::scene::{Camera, Lens, Light};
 
     #[test]
     fn a_caster_a_plane_beside_it_and_what_is_neither() {
@@ -250,6 +250,7 @@ mod tests {
             vertical_fov_degrees: 90.0,
             near: 0.1,
             far: 10.0,
+            lens: Lens::CENTRED,
         };
         let light = Light::Directional { direction: [0.0, 1.0, 0.0] };
         let bounds = (DVec3::NEG_ONE, DVec3::ONE);

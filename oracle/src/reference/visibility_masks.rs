@@ -94,7 +94,7 @@ mod tests {
     use crate::reference::vertex_project::project;
     use crate::truth::predicate::{Cover, FacetPlane, Plane, Shadow};
     use subpixel_shadows::light_view::LightView;
-    use subpixel_shadows::scene::{Camera, Light, Mesh};
+    use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 
     /// The paper's two projections and planes through the eye bound the same shadow, also of casters that reach beneath the
     /// facet, behind the eye and beyond the light.
@@ -121,6 +121,7 @@ mod tests {
                 vertical_fov_degrees: 50.0,
                 near: 1e-3,
                 far: 1e3,
+                lens: Lens::CENTRED,
             };
             let map = LightView::fit(&mesh, &light, 4).unwrap();
             let view = View::new(&camera, &light, &map, mesh.bounds().unwrap(), [16, 12], false);

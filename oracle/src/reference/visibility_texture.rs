@@ -8,6 +8,24 @@ pub fn texels(visibility: &[f32], width: usize) -> Vec<([usize; 2], f32)> {
     visibility.iter().enumerate().map(|(p, &v)| ([p % width.max(1), p / width.max(1)], v)).collect()
 }
 
+/// The 16 bits of the number nearest to a value between 0 and 1, of two equally near the even one: found among all of them.
+pub fn half(value: f64) -> u16 {
+    // All numbers of 16 bits from 0 to 1, which are as they are ordered.
+    let number = |bits: u16| {
+        let (exponent, mantissa) = (i32::from(bits >> 10), f64::from(bits & 1023));
+        if exponent == 0 { mantissa * 2f64.powi(-24) } else { (1.0 + mantissa / 1024.0) * 2f64.powi(exponent - 15) }
+    };
+    let above = (0..=0x3c00u16).collect::<Vec<_>>().partition_point(|&bits| number(bits) < value) as u16;
+    let below = above.saturating_sub(1);
+    let [down, up] = [below, above].map(|bits| (number(bits) - value).abs());
+    if down < up || (down == up && below & 1 == 0) { below } else { above }
+}
+
+/// The nearest 255th of a value between 0 and 1.
+pub fn byte(value: f64) -> u8 {
+    (value * 255.0).round() as u8
+}
+
 /// How long the lists of a frame are: of pixel-texel pairs, triangle-texel pairs, candidates and triangles over a place of the map, all of a
 /// band; and with a facet for every surface of triangles in the lists of pixels, complex pixels, facets, and triangles over a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +55,16 @@ pub fn is_complete(status: &Status, faults: &[u32], stamp: u32, lengths: Lengths
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn halves_and_bytes_are_the_nearest() {
+        for (value, bits) in [(0.0, 0), (1.0, 0x3c00), (0.5, 0x3800), (0.75, 0x3a00), (2f64.powi(-24), 1), (1e-9, 0)] {
+            assert_eq!(half(value), bits, "{value}");
+        }
+        // Half way between two of them.
+        assert_eq!([half(1.5 * 2f64.powi(-24)), half(2.5 * 2f64.powi(-24))], [2, 2]);
+        assert_eq!([byte(0.0), byte(0.5), byte(1.0), byte(1.0 / 32.0)], [0, 128, 255, 8]);
+    }
 
     #[test]
     fn row_by_row() {

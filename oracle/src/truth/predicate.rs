@@ -272,7 +272,7 @@ impl Shadow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use subpixel_shadows::scene::Camera;
+    use subpixel_shadows::scene::{Camera, Lens};
 
     /// A small generator, so that a failing case can be named by its number.
     struct Random(u64);
@@ -302,6 +302,7 @@ mod tests {
             vertical_fov_degrees: 60.0,
             near: 0.01,
             far: 100.0,
+            lens: Lens::CENTRED,
         };
         camera.rays(64, 48)
     }
@@ -364,6 +365,7 @@ mod tests {
             vertical_fov_degrees: 0.2,
             near: 1.0,
             far: 1e6,
+            lens: Lens::CENTRED,
         }
         .rays(64, 64);
         let flat = |random: &mut Random, tilt: f64| {

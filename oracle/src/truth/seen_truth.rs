@@ -269,7 +269,7 @@ impl<'a> SeenTruth<'a> {
 mod tests {
     use super::*;
     use subpixel_shadows::samples::Pattern;
-    use subpixel_shadows::scene::Mesh;
+    use subpixel_shadows::scene::{Lens, Mesh};
 
     const CAMERA: Camera = Camera {
         eye: [0.0, 0.0, 5.0],
@@ -278,6 +278,7 @@ mod tests {
         vertical_fov_degrees: 40.0,
         near: 0.1,
         far: 100.0,
+        lens: Lens::CENTRED,
     };
 
     /// Two sheets that face the eye, `gap` apart at x = 0 and `gap + tilt` at x = 1, the nearer one ending at x = 0.5.

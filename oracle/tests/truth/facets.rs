@@ -21,6 +21,7 @@ fn overhead() -> Camera {
         vertical_fov_degrees: 2.0 * 0.5f32.atan().to_degrees(),
         near: 0.01,
         far: 10.0,
+        lens: subpixel_shadows::scene::Lens::CENTRED,
     }
 }
 

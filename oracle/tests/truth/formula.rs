@@ -17,6 +17,7 @@ fn square_over_plane() -> (Mesh, Camera) {
         vertical_fov_degrees: 50.0,
         near: 0.01,
         far: 100.0,
+        lens: subpixel_shadows::scene::Lens::CENTRED,
     };
     (mesh, camera)
 }

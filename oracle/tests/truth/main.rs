@@ -6,7 +6,7 @@ mod formula;
 use oracle::truth::{AMBIGUITY, FacetInput, FacetResult, FacetTruth, SceneTruth, Tracer, join_mask, split_mask};
 use subpixel_shadows::glam::{DVec3, DVec4, Vec3};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 
 const LIGHTS: [Light; 2] =
     [Light::Directional { direction: [0.5, 1.0, 0.25] }, Light::Point { position: [0.7, 3.0, -0.4] }];
@@ -244,6 +244,7 @@ fn busy_scene() -> (Mesh, Camera) {
         vertical_fov_degrees: 45.0,
         near: 0.01,
         far: 100.0,
+        lens: Lens::CENTRED,
     };
     (mesh, camera)
 }
@@ -377,6 +378,7 @@ fn a_tessellated_floor_has_no_acne_anywhere() {
             vertical_fov_degrees: 40.0,
             near: 0.01,
             far: 100.0,
+            lens: Lens::CENTRED,
         };
         let tracer = Tracer::new(&mesh).unwrap();
         let samples = Samples::new(Pattern::LowDiscrepancy, 8).unwrap();

@@ -2,7 +2,7 @@
 
 use super::Random;
 use subpixel_shadows::glam::DVec3;
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 
 /// A value in [0, 1).
 pub fn unit(random: &mut Random) -> f64 {
@@ -108,6 +108,7 @@ pub fn camera(eye: DVec3, target: DVec3, fov: f32) -> Camera {
         vertical_fov_degrees: fov,
         near: 1e-4,
         far: 1e4,
+        lens: Lens::CENTRED,
     }
 }
 

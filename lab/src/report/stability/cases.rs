@@ -3,7 +3,7 @@
 use super::shapes::{Numbers, add, at, ball, block, sheet};
 use glam::{DQuat, DVec3};
 use subpixel_shadows::render::Budget;
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 
 /// A case with its steps, from harmless to extreme.
 #[derive(Clone, Debug)]
@@ -64,6 +64,7 @@ fn camera(eye: DVec3, target: DVec3) -> Camera {
         vertical_fov_degrees: 40.0,
         near: 1e-3,
         far: 1e3,
+        lens: Lens::CENTRED,
     }
 }
 

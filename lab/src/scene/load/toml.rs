@@ -8,6 +8,9 @@
 //! target = [0.0, 1.0, 0.0]
 //! up = [0.0, 1.0, 0.0]
 //! fov = 40.0             # vertical, degrees
+//! shift = [0.0, 0.0]     # of the image's middle, in halves of the image
+//! pixel_aspect = 1.0     # width by height
+//! mirrored = false
 //! [light]                # one of directional (towards the light), point, spot
 //! spot = [3.0, 6.0, 2.0]
 //! target = [0.0, 0.0, 0.0]

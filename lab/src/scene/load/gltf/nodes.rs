@@ -8,7 +8,7 @@ use glam::{DMat4, DQuat, DVec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 
 /// Walks the scene of `root` from its roots and collects what is there, in world space.
 pub(super) fn assemble(root: &Root, buffers: &[Cow<'_, [u8]>]) -> Parsed<Loaded> {
@@ -153,6 +153,7 @@ fn read_camera(root: &Root, index: usize, matrix: &DMat4) -> Parsed<Option<Camer
         // The file's own range says what its renderer could hold; here nothing needs to be cut.
         near: 1e-4,
         far: 1e4,
+        lens: Lens::CENTRED,
     };
     camera.check().map_err(|e| format!("camera {index}: {}", without_name(&e)))?;
     Ok(Some(camera))

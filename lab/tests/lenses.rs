@@ -1,0 +1,84 @@
+//! Cameras that are jittered, off-centre, mirrored or of oblong pixels, each held against facet truth, scene truth and seen truth.
+
+use lab::fuzz::{FuzzCase, FuzzDevice, How, Kind, World, judge};
+use lab::scene::{CameraOverride, Lens, builtin};
+use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
+use subpixel_shadows::render::Budget;
+use subpixel_shadows::samples::{Pattern, Samples};
+use test_support::gpu;
+use test_support::gpu_test;
+
+const SIZE: [u32; 2] = [48, 36];
+
+fn case(name: &str, facets: FacetMode, lens: Lens) -> FuzzCase {
+    let scene = builtin(name).expect("a built-in scene");
+    let samples = Samples::new(Pattern::LowDiscrepancy, 8).expect("samples");
+    let settings = Settings { facets, cull_back: true, ..Settings::new(SIZE, 64, samples) };
+    let how = How {
+        method: MethodName::FacetMasks,
+        pattern: Pattern::LowDiscrepancy,
+        settings,
+        budget: Budget::default(),
+        force_all: false,
+        both: true,
+    };
+    let mut camera = CameraOverride::from(scene.camera);
+    (camera.shift, camera.pixel_aspect, camera.mirrored) =
+        (Some(lens.shift), Some(lens.pixel_aspect), Some(lens.mirrored));
+    let world = World { mesh: scene.mesh, ground: false, camera, light: scene.light };
+    FuzzCase { seed: 0, number: 0, kind: Kind::ALL[0], world, how }
+}
+
+/// No sample is wrong, of the GPU or of the CPU engine, and there is something to be wrong about.
+fn holds(bench: &FuzzDevice, name: &str, facets: FacetMode, lens: Lens) {
+    let case = case(name, facets, lens);
+    let shot = bench.render(&case).expect("a frame");
+    let verdict = judge(&case, &shot).expect("a judgement");
+    assert!(verdict.figures.compared > 1000, "{name}, {lens:?}: {:?}", verdict.figures);
+    assert!(!verdict.fails(), "{name}, {facets:?}, {lens:?}: {:?}", verdict.faults);
+}
+
+/// Sixteen offsets within a pixel, as temporal antialiasing takes them (the first points of a (2, 3) Halton sequence).
+#[gpu_test]
+fn jitter_of_any_offset_is_exact() {
+    let bench = FuzzDevice::new(gpu());
+    let halton = |mut k: u32, base: u32| {
+        let (mut share, mut value) = (1.0f32, 0.0);
+        while k > 0 {
+            share /= base as f32;
+            value += share * (k % base) as f32;
+            k /= base;
+        }
+        value - 0.5
+    };
+    for k in 1..=16 {
+        let lens = Lens::CENTRED.jittered([halton(k, 2), halton(k, 3)], SIZE);
+        holds(&bench, ["windmill", "knot"][k as usize % 2], FacetMode::All, lens);
+    }
+}
+
+#[gpu_test]
+fn lenses_of_any_shape_are_exact() {
+    let bench = FuzzDevice::new(gpu());
+    let lens = |shift, pixel_aspect, mirrored| Lens { shift, pixel_aspect, mirrored };
+    for (name, lens) in [
+        ("windmill", lens([0.6, -0.4], 1.0, false)),
+        ("bicycle", lens([-0.3, 0.2], 1.0, true)),
+        ("cage", lens([0.0, 0.0], 2.0, false)),
+        ("spheres", lens([0.5, 0.5], 0.4, true)),
+    ] {
+        for facets in [FacetMode::All, FacetMode::One] {
+            holds(&bench, name, facets, lens);
+        }
+    }
+}
+
+/// A frame through one lens is not that of another: held against the truth of the centred camera a jittered one is wrong.
+#[gpu_test]
+fn the_lens_is_looked_at() {
+    let bench = FuzzDevice::new(gpu());
+    let jittered = case("windmill", FacetMode::All, Lens::CENTRED.jittered([0.3, -0.2], SIZE));
+    let shot = bench.render(&jittered).expect("a frame");
+    let centred = case("windmill", FacetMode::All, Lens::CENTRED);
+    assert!(judge(&centred, &shot).is_ok_and(|verdict| verdict.fails()));
+}
