@@ -1,4 +1,4 @@
-// What is known of a facet by where it lies in the light view (facet_classify).
+// Classes of facets that their place in the light view tells (facet_classify).
 
 //@import frame rect facet facing front_split only_receiver summed_area facet_samples facet_extent
 //@needs override RECEIVERS: u32;

@@ -1,4 +1,4 @@
-//! What the counters of a frame grow with, on small frames of `examples/growth`: samples bring no pairs, finer triangles no facets and no marks, and
+//! Growth of the counters of a frame, on small frames of `examples/growth`: samples bring no pairs, finer triangles no facets and no marks, and
 //! neither brings work in proportion.
 
 #[path = "../examples/growth/axes.rs"]
@@ -30,21 +30,7 @@ fn counted(axis: &Axis) -> Vec<Row> {
         let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
         let dark = output.visibility.iter().filter(|v| **v < 1.0).count();
         assert!(20 * dark > output.visibility.len(), "{}: {dark} pixels are in shadow", point.label);
-        let c = output.counts;
-        Row {
-            axis: axis.name.to_owned(),
-            x: point.x,
-            label: point.label.clone(),
-            triangles: prepared.mesh().triangles.len() as u64,
-            silhouettes: c.silhouette_edges,
-            marked: c.silhouette_texels,
-            facets: c.facets,
-            undecided: c.silhouette_pixels,
-            pairs: c.pixel_texel_pairs + c.triangle_texel_pairs,
-            tests: c.candidate_tests,
-            evaluations: c.visibility_evaluations,
-            ..Row::default()
-        }
+        Row::counted(axis.name, point.x, &point.label, prepared.mesh().triangles.len(), &output.counts)
     };
     axis.points.iter().map(count).collect()
 }

@@ -41,7 +41,7 @@ fn grown([x0, y0, x1, y1]: [u32; 4], size: u32) -> [u32; 4] {
     [x0.saturating_sub(x), y0.saturating_sub(y), (x1 + x).min(size - 1), (y1 + y).min(size - 1)]
 }
 
-/// What is wrong with the words that were written for these facets, and how many blocks are requested.
+/// The first fault of the words that were written for these facets, and how many blocks are requested.
 fn fault(world: &World, listed: &[(u32, Option<u32>)], words: &[u32]) -> (Option<String>, usize) {
     let size = world.view.map.map_size;
     let least = blocks_of(rects(&defined(world, listed, 0.0)), size);

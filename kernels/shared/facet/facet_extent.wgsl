@@ -45,7 +45,7 @@ fn is_clamped() -> bool {
     return CLAMPED == 1u;
 }
 
-// What a pixel sees of a facet.
+// Part of a facet that a pixel sees.
 struct FacetExtent {
     plane: vec4<f32>,
     ray: vec3<f32>,      // to its sample `origin`

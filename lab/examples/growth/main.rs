@@ -1,4 +1,4 @@
-//! What a frame of `facet-masks` grows with: time, memory and counters over samples, triangles, silhouettes, pixels, map, height of the light, sheets behind
+//! Growth of a frame of `facet-masks`: time, memory and counters over samples, triangles, silhouettes, pixels, map, height of the light, sheets behind
 //! each other, and views from within.
 //!
 //! `cargo run --release --example growth -- [--quick] [--axes NAME,...] [--out DIR] [FILE...]` writes `growth.md`, `rows.jsonl` and a plot for each
@@ -37,7 +37,7 @@ fn main() {
     }
 }
 
-/// What was asked for.
+/// The command line.
 struct Asked {
     quick: bool,
     axes: Option<Vec<String>>,
@@ -142,12 +142,8 @@ fn measure(gpu: &Gpu, axis: &Axis, point: &Point) -> Result<Row> {
         };
         median(&frames.iter().map(sum).collect::<Vec<_>>())
     };
-    let c = frames[FRAMES - 1].counts;
+    let triangles = prepared.mesh().triangles.len();
     Ok(Row {
-        axis: axis.name.to_owned(),
-        x: point.x,
-        label: point.label.clone(),
-        triangles: prepared.mesh().triangles.len() as u64,
         prepare_ms,
         first_ms,
         frame_ms: median(&frames.iter().map(|frame| frame.wall_ms).collect::<Vec<_>>()),
@@ -170,12 +166,6 @@ fn measure(gpu: &Gpu, axis: &Axis, point: &Point) -> Result<Row> {
             "resolve",
         ]),
         memory,
-        silhouettes: c.silhouette_edges,
-        marked: c.silhouette_texels,
-        facets: c.facets,
-        undecided: c.silhouette_pixels,
-        pairs: c.pixel_texel_pairs + c.triangle_texel_pairs,
-        tests: c.candidate_tests,
-        evaluations: c.visibility_evaluations,
+        ..Row::counted(axis.name, point.x, &point.label, triangles, &frames[FRAMES - 1].counts)
     })
 }

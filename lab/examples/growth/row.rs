@@ -1,8 +1,9 @@
 //! A frame that was measured.
 
 use serde::{Deserialize, Serialize};
+use subpixel_shadows::render::Counts;
 
-/// What was measured of a frame.
+/// Times, memory and counters of a frame.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Row {
     /// The axis.
@@ -46,7 +47,7 @@ pub struct Row {
 /// A figure of a row.
 pub type Figure = fn(&Row) -> f64;
 
-/// What tables show, by name.
+/// Columns of tables, by name.
 pub const COLUMNS: [(&str, Figure); 14] = [
     ("frame ms", |r| r.frame_ms),
     ("surfaces ms", |r| r.surfaces_ms),
@@ -65,6 +66,24 @@ pub const COLUMNS: [(&str, Figure); 14] = [
 ];
 
 impl Row {
+    /// A frame's counters, at `x` of an axis; without times and memory.
+    pub fn counted(axis: &str, x: f64, label: &str, triangles: usize, c: &Counts) -> Self {
+        Self {
+            axis: axis.to_owned(),
+            x,
+            label: label.to_owned(),
+            triangles: triangles as u64,
+            silhouettes: c.silhouette_edges,
+            marked: c.silhouette_texels,
+            facets: c.facets,
+            undecided: c.silhouette_pixels,
+            pairs: c.pixel_texel_pairs + c.triangle_texel_pairs,
+            tests: c.candidate_tests,
+            evaluations: c.visibility_evaluations,
+            ..Self::default()
+        }
+    }
+
     /// Key of the row among others.
     pub fn key(&self) -> String {
         format!("{} {}", self.axis, self.label)
