@@ -9,7 +9,7 @@ pub use crate::methods::output::{Budget, Counts, ListUse, Output};
 use crate::methods::strip_method::{MethodPipelines, StripMethod};
 pub use crate::methods::strips::{Rows, Strips};
 use crate::methods::{MethodName, Prepared, Settings};
-use crate::pass::{FrameStatus, Inputs, ShadowPass, Target};
+use crate::pass::{FramePart, FrameStatus, Inputs, ShadowPass, Surfaces, Target};
 use crate::plan::Plan;
 use crate::scene::{Camera, Light};
 use crate::{Error, Result};
@@ -228,7 +228,8 @@ fn render_strip(
     loop {
         runs += 1;
         let mut encoder = gpu.encoder();
-        let frame = pass.record_part(&mut encoder, inputs, &Target::default(), extent, Some(strip))?;
+        let part = FramePart { extent, strip: Some(strip), surfaces: Surfaces::Own };
+        let frame = pass.record_part(&mut encoder, inputs, &Target::default(), part)?;
         let start = Instant::now();
         gpu.submit_and_wait(encoder)?;
         let took = start.elapsed().as_secs_f64() * 1e3;

@@ -1,6 +1,7 @@
 //! `facet-masks`: the flagship (Pan, Wang, Chen, Zhou, Bao 2009), one page of calls to stages.
 
 mod bands;
+mod found;
 mod frame_source;
 mod memory;
 mod pipelines;
@@ -20,6 +21,7 @@ use crate::stages::light_layers::Layers;
 use crate::stages::pixel_texel_pairs::{PairLists, TALLY_COUNTERS, TALLY_WORDS};
 use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
+use found::FoundFacets;
 pub use frame_source::{Extent, FacetSource, MapSource, Strip};
 use glam::{DVec3, Vec3};
 pub use memory::Capacities;
@@ -35,6 +37,8 @@ pub struct FacetMasks {
     every_surface: Option<EverySurface>,
     memory: Memory,
     capacities: Capacities,
+    found: Option<FoundFacets>,
+    keeps_found: bool,
 }
 
 impl FacetMasks {
@@ -62,7 +66,8 @@ impl FacetMasks {
             FacetMode::All => Some(EverySurface::new(device, queue, casters.triangles.len(), settings, capacities)?),
         };
         let memory = Memory::new(device, queue, casters, settings, &pipelines.light_maps, capacities)?;
-        Ok(Self { settings: settings.clone(), with: pipelines, every_surface, memory, capacities })
+        let settings = settings.clone();
+        Ok(Self { settings, with: pipelines, every_surface, memory, capacities, found: None, keeps_found: false })
     }
 
     /// Sizes anew what `capacities` change, keeping all else.
@@ -92,6 +97,7 @@ impl FacetMasks {
         }
         if let Some(FacetMemory { facets, offsets, scan_scratch }) = facets {
             (m.facets, m.facet_offsets, m.scan_scratch) = (facets, offsets, scan_scratch);
+            self.found = None;
         }
         if let Some((frames, status)) = of_runs {
             (m.frames, m.status) = (frames, status);
@@ -100,6 +106,18 @@ impl FacetMasks {
             m.requests = requests;
         }
         self.capacities = capacities;
+        Ok(())
+    }
+
+    /// Says whether frames from now on keep the facets that they find, for the frames of other lights ([`FacetSource::Kept`]).
+    ///
+    /// # Errors
+    /// [`Error::Memory`] and [`Error::Gpu`] if there is no memory for them; all is then as before.
+    pub fn keep_found(&mut self, device: &wgpu::Device, keeps: bool) -> Result<()> {
+        if keeps && self.every_surface.is_some() && self.found.is_none() {
+            self.found = Some(FoundFacets::new(device, self.memory.facets.list.len())?);
+        }
+        self.keeps_found = keeps;
         Ok(())
     }
 
@@ -219,9 +237,13 @@ impl FacetMasks {
         rec.clear_words(m.lists.candidates.raw(), 0, TALLY_WORDS as u64);
 
         let geometry = &m.geometry;
-        geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Camera)?;
+        let is_kept = matches!(seen, FacetSource::Kept);
+        if !is_kept {
+            geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Camera)?;
+        }
         let in_camera = geometry.in_camera(casters);
         match (self.every_surface.as_ref().zip(self.with.surfaces.as_ref()), seen) {
+            (_, FacetSource::Kept) => self.found.iter().for_each(|found| found.record_restore(rec, m)),
             (None, FacetSource::Centres(write)) => write(rec, frame)?,
             (None, _) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
             (Some((camera, with)), seen) => {
@@ -242,6 +264,9 @@ impl FacetMasks {
                     given,
                 )?;
             }
+        }
+        if self.keeps_found && !is_kept {
+            self.found.iter().for_each(|found| found.record_keep(rec, m));
         }
         if self.every_surface.is_none() {
             let stage = &mut rec.stage("facet_classify");

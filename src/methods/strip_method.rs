@@ -156,6 +156,18 @@ impl StripMethod {
         }
     }
 
+    /// Says whether frames keep what the camera sees for the frames of other lights: `facet-masks` alone can.
+    ///
+    /// # Errors
+    /// As [`FacetMasks::keep_found`].
+    pub fn keep_found(&mut self, device: &wgpu::Device, keeps: bool) -> Result<()> {
+        match self {
+            Self::FacetMasks(method) => method.keep_found(device, keeps),
+            #[cfg(feature = "baselines")]
+            Self::Fixed(_) => Ok(()),
+        }
+    }
+
     /// Records the frame, of which the uniforms are written, but for those of `further` views.
     ///
     /// # Errors

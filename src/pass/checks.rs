@@ -1,13 +1,22 @@
 //! Checks of settings, device and a frame's inputs.
 
 use super::textures::ImagePart;
-use super::{Casters, GBuffer, Inputs, Moved, ShadowPass};
+use super::{Casters, GBuffer, Inputs, Moved, ShadowPass, Target};
 use crate::methods::{FacetMode, MethodName, Settings};
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
 
 impl ShadowPass {
-    pub(super) fn check_gbuffer(&self, &Inputs { gbuffer, camera, origin, .. }: &Inputs) -> Result<()> {
+    /// Checks all inputs of a frame; the box of the casters.
+    pub(super) fn check(&self, inputs: &Inputs, target: &Target) -> Result<(DVec3, DVec3)> {
+        inputs.camera.check()?;
+        inputs.light.check()?;
+        target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
+        self.check_gbuffer(inputs)?;
+        self.check_moved(inputs.moved.as_ref())
+    }
+
+    fn check_gbuffer(&self, &Inputs { gbuffer, camera, origin, .. }: &Inputs) -> Result<()> {
         let refuse = |text: &str| Err(Error::Config(text.to_owned()));
         let part = ImagePart { size: self.settings.size, origin };
         match gbuffer {
@@ -28,7 +37,7 @@ impl ShadowPass {
     }
 
     /// The box of the casters.
-    pub(super) fn check_moved(&self, moved: Option<&Moved>) -> Result<(DVec3, DVec3)> {
+    fn check_moved(&self, moved: Option<&Moved>) -> Result<(DVec3, DVec3)> {
         match (&self.casters.places, moved) {
             (None, None) => Ok(self.casters.prepared.tree().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))),
             (Some(places), Some(moved)) => {

@@ -35,6 +35,8 @@ pub struct With<'a> {
     pub maps: MapSource,
     /// How much of the method runs.
     pub extent: Extent,
+    /// Whether the frame before found what pixels show, and kept it.
+    pub kept: bool,
     /// Uniforms of further views of the light.
     pub further: &'a [StagedUploads],
 }
@@ -74,6 +76,7 @@ impl GbufferStage {
         let With { method, casters, maps, extent, further, .. } = with;
         let buffers = &casters.buffers;
         match (gbuffer, &self.receivers) {
+            _ if with.kept => method.record(rec, buffers, FacetSource::Kept, (maps, extent), further),
             (GBuffer::TriangleIds(given), _) => {
                 let ids = |rec: &mut Recorder, frame: &Buffer<Frame>| self.record_ids(rec, frame, *given, with);
                 method.record(rec, buffers, FacetSource::Centres(&ids), (maps, extent), further)
@@ -93,7 +96,7 @@ impl GbufferStage {
     }
 
     fn record_samples(&self, rec: &mut Recorder, given: &SampleTexture, ours: &[[f32; 2]], with: With) -> Result<()> {
-        let With { method, casters, faults, maps, extent, further } = with;
+        let With { method, casters, faults, maps, extent, further, .. } = with;
         let Some(stage) = &self.samples else {
             return method.record(rec, &casters.buffers, FacetSource::Found, (maps, extent), further);
         };

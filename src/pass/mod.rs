@@ -40,6 +40,7 @@ mod image_strips;
 mod inputs;
 mod judge;
 mod kept_maps;
+mod lights;
 mod recording;
 mod status;
 mod textures;
@@ -68,6 +69,7 @@ use gbuffer_stage::GbufferStage;
 use held::HeldPicture;
 use image_strips::{ImageStrips, NewStrips, Stores, StripMaker};
 use kept_maps::KeptMaps;
+pub(crate) use recording::{FramePart, Surfaces};
 use status::{FAULT_WORDS, InFlight};
 use std::collections::VecDeque;
 use std::num::NonZeroU32;
@@ -350,10 +352,9 @@ impl ShadowPass {
     /// recording, for a buffer of some words: the encoder then holds a part of a frame that has no status, and is to be dropped. A later
     /// frame is as if there had been no error.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs, target: &Target) -> Result<u64> {
-        inputs.camera.check()?;
-        inputs.light.check()?;
-        let extent = self.extent(inputs);
-        self.record_part(encoder, inputs, target, extent, None)
+        self.check(inputs, target)?;
+        let part = FramePart { extent: self.extent(inputs), strip: None, surfaces: Surfaces::Own };
+        self.record_part(encoder, inputs, target, part)
     }
 
     /// How the oldest frame came out that the GPU is done with and that was not asked for yet; `None` if there is none. Does

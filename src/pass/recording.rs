@@ -13,6 +13,28 @@ use crate::methods::strip_method::FrameOf;
 use crate::methods::strips::Rows;
 use crate::plan::{asks_for_most, extent_of};
 
+/// The part of a frame that is recorded.
+#[derive(Clone, Copy)]
+pub(crate) struct FramePart {
+    /// No more than this of the method.
+    pub extent: Extent,
+    /// One strip of rows; `None`: all.
+    pub strip: Option<u32>,
+    /// Its place among frames of one camera and several lights.
+    pub surfaces: Surfaces,
+}
+
+/// Who finds what the camera sees.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Surfaces {
+    /// The frame, for itself.
+    Own,
+    /// The frame, and keeps it for those of other lights that follow.
+    Shared,
+    /// The frame before.
+    Kept,
+}
+
 impl ShadowPass {
     /// How much of a frame has to run, as far as that is proved: of casters that stand.
     pub(super) fn extent(&self, inputs: &Inputs) -> Extent {
@@ -27,21 +49,15 @@ impl ShadowPass {
         }
     }
 
-    /// As [`ShadowPass::record`], of no more than `extent`, and of one strip of rows where that is wanted. Strips after the first use the
-    /// light maps of the one before.
+    /// As [`ShadowPass::record`], of a part. Strips after the first use the light maps of the one before.
     pub(crate) fn record_part(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs,
         target: &Target,
-        extent: Extent,
-        strip: Option<u32>,
+        FramePart { extent, strip, mut surfaces }: FramePart,
     ) -> Result<u64> {
-        inputs.camera.check()?;
-        inputs.light.check()?;
-        target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
-        self.check_gbuffer(inputs)?;
-        let bounds = self.check_moved(inputs.moved.as_ref())?;
+        let bounds = self.check(inputs, target)?;
         let settings = self.image.method.view_settings(&self.settings);
         let views = self.views.of(inputs, &self.casters, &settings, bounds)?;
         // These may show what lies beside the casters.
@@ -51,17 +67,24 @@ impl ShadowPass {
         if extent != Extent::Everything {
             views.truncate(1);
         }
-        if self.grows {
+        if self.grows && surfaces != Surfaces::Kept {
             self.grow()?;
         } else {
             self.collect();
         }
+        if self.image.strips.count() > 1 {
+            // They use one memory in turn.
+            surfaces = Surfaces::Own;
+        }
+        self.image.method.keep_found(&self.maker.device, surfaces == Surfaces::Shared)?;
         self.make_room_for(views.len() as u32)?;
         let part = self.image.strips.part(strip);
         let stands = self.casters.places.is_none();
+        // Of several lights each would find the maps of the one before.
+        let keeps_maps = self.keeps_maps && stands && surfaces == Surfaces::Own;
         let mut maps = match (views.as_slice(), extent) {
             ([view], Extent::Everything) if !self.image.method.is_fixed() => {
-                let keeps = (self.keeps_maps && stands) || strip.is_some_and(|k| k > 0);
+                let keeps = keeps_maps || strip.is_some_and(|k| k > 0);
                 self.kept_maps.for_frame(view, (inputs.camera, bounds), keeps, &self.in_flight)
             }
             (_, Extent::Everything) => {
@@ -71,7 +94,7 @@ impl ShadowPass {
             _ => FrameMaps::NONE,
         };
         // Other frames and strips may use what one view left in memory.
-        let shared = views.len() == 1 && ((self.keeps_maps && stands) || self.image.strips.count() > 1);
+        let shared = views.len() == 1 && (keeps_maps || self.image.strips.count() > 1);
         let requests = self.settings.request_blocks && !shared && maps.source == MapSource::Made;
         let triangles = self.casters.buffers.triangles.len();
         if requests && asks_for_most(inputs.camera, self.settings.size, bounds, triangles).is_none() {
@@ -112,7 +135,8 @@ impl ShadowPass {
         let (strips, status) = (part.len() as u32, self.image.method.status());
         let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;
         encoder.push_debug_group("shadow_pass");
-        let recorded = self.record_checked(encoder, inputs, target, (maps, extent), (&part, uploads), &staging);
+        let recorded =
+            self.record_checked(encoder, inputs, target, (maps, extent, surfaces), (&part, uploads), &staging);
         encoder.pop_debug_group();
         let dispatches = recorded?;
         self.frame += 1;
@@ -127,7 +151,7 @@ impl ShadowPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs,
         target: &Target,
-        (maps, extent): (FrameMaps, Extent),
+        (maps, extent, surfaces): (FrameMaps, Extent, Surfaces),
         (part, uploads): (&[(u32, Rows)], Vec<Vec<Uploads>>),
         staging: &Staging,
     ) -> Result<u32> {
@@ -142,20 +166,24 @@ impl ShadowPass {
         let staged = uploads.into_iter().map(of_views).collect::<Result<Vec<_>>>()?;
         let rec = Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
         let rec = &mut rec.keeping(&mut self.bind_groups);
-        rec.clear(faults.raw());
+        let kept = surfaces == Surfaces::Kept;
+        if !kept {
+            rec.clear(faults.raw());
+        }
         if let Some((_, held)) = &self.last {
             held.record_begin(rec);
         }
         for ((k, &(strip, rows)), staged) in (0..).zip(part).zip(&staged) {
             let (first, further) = staged.split_at(1);
             first.iter().for_each(|uploads| uploads.record(rec));
-            if let (0, Some(moved), Some(places)) = (strip, &inputs.moved, &casters.places) {
+            if let (0, false, Some(moved), Some(places)) = (strip, kept, &inputs.moved, &casters.places) {
                 let stage = &mut rec.stage("caster_positions");
                 self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
             }
             let maps = maps.source_of(strip);
             let offsets = self.settings.samples.offsets();
-            self.seen.record(rec, &inputs.gbuffer, offsets, With { method, casters, faults, maps, extent, further })?;
+            let with = With { method, casters, faults, maps, extent, kept, further };
+            self.seen.record(rec, &inputs.gbuffer, offsets, with)?;
             match &self.last {
                 Some((with, held)) => {
                     held.record_judge(rec, with, image, faults)?;

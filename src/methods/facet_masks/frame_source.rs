@@ -57,4 +57,7 @@ pub enum FacetSource<'a> {
     Centres(&'a dyn Fn(&mut Recorder, &Buffer<Frame>) -> Result<()>),
     /// With a facet for every surface: a G-buffer of several samples a pixel. The frames must have [`Frame::BEYOND`](crate::frame::Frame::BEYOND) set.
     Samples(&'a SampleIds<'a>),
+    /// The frame before found them, of the same camera, casters and G-buffer, and kept them ([`FacetMasks::keep_found`](super::FacetMasks::keep_found)): this one
+    /// is of another light.
+    Kept,
 }
