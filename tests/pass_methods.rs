@@ -208,6 +208,17 @@ fn every_method_takes_triangle_numbers_and_keeps_its_picture() {
         assert!(got == rendered(&plain, method, &one), "{name}: another picture");
         let (found, whole) = frame(&mut pass, &Inputs::new(&plain.camera, &plain.light));
         assert!(found == got && whole.dispatches > status.dispatches, "{name}: what is seen was searched for");
+        // Of several lights each takes them: no other method keeps what the camera sees.
+        let config = PassConfig { keep_last: false, ..config };
+        let mut several = self::pass(&config);
+        let inputs = Inputs { gbuffer, ..Inputs::new(&plain.camera, &plain.light) };
+        let mut encoder = gpu().encoder();
+        let lights = [(plain.light, Target::default()); 2];
+        several.record_lights(&mut encoder, &inputs, &lights).expect("two frames");
+        gpu().submit_and_wait(encoder).expect("they run");
+        let dispatches = [status_of(&mut several).dispatches, status_of(&mut several).dispatches];
+        assert_eq!(dispatches[0], dispatches[1], "{name}: the second light searches for what is seen");
+        assert!(picture(&several) == got, "{name}: another picture of the second light");
         // Triangles that there are not are a fault, and the picture before stands.
         let none = GBuffer::TriangleIds(TriangleTexture { texture: &texture, first: 0, none: 7 });
         let mut encoder = gpu().encoder();

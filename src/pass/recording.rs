@@ -72,8 +72,8 @@ impl ShadowPass {
         } else {
             self.collect();
         }
-        if self.image.strips.count() > 1 {
-            // They use one memory in turn.
+        if self.image.strips.count() > 1 || self.image.method.is_fixed() {
+            // Strips use one memory in turn; other methods keep no facets.
             surfaces = Surfaces::Own;
         }
         self.image.method.keep_found(&self.maker.device, surfaces == Surfaces::Shared)?;

@@ -52,7 +52,7 @@ impl PerspectiveTerms {
         if scales.contains(&0.0) {
             return refuse(format!("it is flat: it scales x by {} and y by {}", scales[0], scales[1]));
         }
-        // What lies ahead has a positive divisor.
+        // A point ahead has a positive divisor.
         let ahead = by_depth.signum();
         Ok(Self {
             focal: scales.map(f64::abs),

@@ -255,7 +255,7 @@ fn where_truth_is_sure(truth: &mut Vec<(FacetInput, FacetResult)>, scene: &Scene
 }
 
 fn pass_of(scene: &Scene) -> ShadowPass {
-    // What is settled says nothing of samples beside their triangle.
+    // A settled facet says nothing of samples beside its triangle.
     pass(Settings { settle: false, ..settings(FacetMode::One, 32) }, &scene.mesh)
 }
 

@@ -153,7 +153,7 @@ fn a_gbuffer_is_read_in_a_viewport() {
     let (want, prepared) = rendered(&scene.mesh, &scene.camera, &scene.light, &settings);
     let ids: Vec<u32> =
         want.triangles.iter().map(|&t| prepared.given.get(t as usize).copied().unwrap_or(u32::MAX)).collect();
-    // What lies beside it is no triangle of these.
+    // Texels beside it name no triangle of these.
     let mut all = vec![7_000_000u32; (LEVEL[0] * LEVEL[1]) as usize];
     for (k, &id) in (0u32..).zip(&ids) {
         all[((ORIGIN[1] + k / SIZE[0]) * LEVEL[0] + ORIGIN[0] + k % SIZE[0]) as usize] = id;

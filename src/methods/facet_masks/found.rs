@@ -1,4 +1,4 @@
-//! What the camera sees, found once and used for several lights.
+//! Facets that the camera sees, found once and used for several lights.
 
 use super::Memory;
 use crate::Result;
