@@ -105,7 +105,7 @@ fn pipelines_are_made_once() {
             let kept = KeptPrograms::default();
             kept.within(|| pass_on(&gpu, &config));
             let before = made_here();
-            let mut pass = pass_on(&gpu, &config);
+            let mut pass = KeptPrograms::default().within(|| pass_on(&gpu, &config));
             let made = made_here();
             assert!(made > before + 30, "{} pipelines: nothing is counted", made - before);
             assert_eq!(made - before, kept.len() as u64, "{facets:?}: a pipeline is made twice");

@@ -1,12 +1,13 @@
 //! Typed buffers.
 
+use super::ledger::{Held, Ledger};
 use super::{Gpu, faults};
 use crate::{Error, Result};
 use bytemuck::Pod;
 use futures::executor::block_on;
 use std::marker::PhantomData;
 
-/// A buffer of `size` bytes, mapped or not: every buffer of the library is made here.
+/// A buffer of `size` bytes, mapped or not: every buffer of the library is made here, and goes into the open [`Ledger`].
 ///
 /// # Errors
 /// [`Error::Gpu`] if the device has no memory for it.
@@ -16,12 +17,12 @@ pub fn allocate(
     size: u64,
     usage: wgpu::BufferUsages,
     mapped_at_creation: bool,
-) -> Result<wgpu::Buffer> {
+) -> Result<Held> {
     faults::ask(label, size)?;
     let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation });
     match block_on(scope.pop()) {
-        None => Ok(buffer),
+        None => Ok(Ledger::enter(buffer, label)),
         Some(_) => Err(faults::out_of_memory(label, size)),
     }
 }
@@ -37,7 +38,7 @@ pub(crate) fn not_mapped(doing: &str, error: &dyn std::error::Error) -> Error {
 ///
 /// # Errors
 /// As [`allocate`]; [`Error::Gpu`] if the device is lost.
-pub fn filled(device: &wgpu::Device, label: &str, content: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+pub fn filled(device: &wgpu::Device, label: &str, content: &[u8], usage: wgpu::BufferUsages) -> Result<Held> {
     let buffer = allocate(device, label, content.len() as u64, usage, true)?;
     match buffer.get_mapped_range_mut(..) {
         Ok(mut view) => view.copy_from_slice(content),
@@ -53,7 +54,7 @@ pub fn filled(device: &wgpu::Device, label: &str, content: &[u8], usage: wgpu::B
 /// A clone is another handle of the same memory.
 #[derive(Clone, Debug)]
 pub struct Buffer<T> {
-    raw: wgpu::Buffer,
+    raw: Held,
     len: usize,
     label: String,
     element: PhantomData<T>,
@@ -121,7 +122,7 @@ impl<T: Pod> Buffer<T> {
     }
 
     /// A handle of a buffer that holds `len` elements.
-    pub(super) fn of(raw: wgpu::Buffer, len: usize, label: &str) -> Self {
+    pub(super) fn of(raw: Held, len: usize, label: &str) -> Self {
         Self { raw, len, label: label.to_owned(), element: PhantomData }
     }
 

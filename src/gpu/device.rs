@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 use futures::executor::block_on;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
 
 /// Summary of an adapter in tables and files.
@@ -55,9 +55,11 @@ impl Gpu {
         wgpu::Features::TIMESTAMP_QUERY | Self::WIDE_ATOMICS
     }
 
-    /// Every adapter of this machine.
+    /// Every adapter of this machine, of the one instance that a process has here: wgpu takes devices of two instances for the same.
     pub fn adapters() -> Vec<wgpu::Adapter> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
+        static INSTANCE: OnceLock<wgpu::Instance> = OnceLock::new();
+        let instance = INSTANCE
+            .get_or_init(|| wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env()));
         let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
         block_on(instance.enumerate_adapters(backends))
     }

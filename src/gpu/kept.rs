@@ -1,10 +1,12 @@
 //! Programs that are made once and used again.
 
+use super::batch;
 use super::profile::Profile;
 use super::program::{Compiled, Entry};
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Key of a program: the device and what it is built for, the entry point, and the values of its constants.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -23,11 +25,25 @@ struct Kept {
     modules: HashMap<(wgpu::Device, Profile, &'static str), wgpu::ShaderModule>,
 }
 
+/// Who hears how many programs of a batch are compiled, and of how many.
+type Told = Arc<dyn Fn(usize, usize) + Send + Sync>;
+
 /// A store of programs and of the modules that they are made from. Compiling is most of the cost of a small frame: with
 /// [`KeptPrograms::within`] every program of a method that is made anew is the one that was compiled the first time. There are as many as
-/// there are entry points and values of their constants, so the store is bounded by the settings it meets. A clone is the same store.
-#[derive(Clone, Debug, Default)]
-pub struct KeptPrograms(Arc<Mutex<Kept>>);
+/// there are entry points and values of their constants, so the store is bounded by the settings it meets. Devices that meet one store must be
+/// of one [`wgpu::Instance`]: nothing tells those of two apart. A clone is the same store.
+#[derive(Clone, Default)]
+pub struct KeptPrograms {
+    kept: Arc<Mutex<Kept>>,
+    cache: Option<wgpu::PipelineCache>,
+    told: Option<Told>,
+}
+
+impl fmt::Debug for KeptPrograms {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "KeptPrograms({})", self.len())
+    }
+}
 
 thread_local! {
     static IN_USE: RefCell<Option<KeptPrograms>> = const { RefCell::new(None) };
@@ -43,6 +59,19 @@ impl Drop for Restore {
 }
 
 impl KeptPrograms {
+    /// An empty store whose programs are compiled with a pipeline cache ([`wgpu::Features::PIPELINE_CACHE`]) of the application's, on the
+    /// device that it is of: filled from a file, it saves a later start the driver's part of compiling.
+    pub fn with_cache(cache: wgpu::PipelineCache) -> Self {
+        Self { cache: Some(cache), ..Self::default() }
+    }
+
+    /// The same store, which tells `told` of the programs that are compiled together, as for a pass that is made: how many are done, and of
+    /// how many. It is called from any thread, first with none.
+    #[must_use]
+    pub fn telling(self, told: impl Fn(usize, usize) + Send + Sync + 'static) -> Self {
+        Self { told: Some(Arc::new(told)), ..self }
+    }
+
     /// Runs `work`, in which every [`Compiled::new`](super::program::Compiled::new) of this thread takes what is kept, and keeps what it
     /// has to make.
     pub fn within<T>(&self, work: impl FnOnce() -> T) -> T {
@@ -52,17 +81,31 @@ impl KeptPrograms {
     }
 
     /// Runs `work`, in which no program is made twice and no kernel's text is read twice: with the store in use, or one for this
-    /// work alone.
+    /// work alone. The programs are compiled at its end, on all cores ([`rayon`]'s threads).
     pub fn once<T>(work: impl FnOnce() -> T) -> T {
-        match IN_USE.with_borrow(Clone::clone) {
-            Some(_) => work(),
-            None => Self::default().within(work),
-        }
+        let store = Self::in_use();
+        let told = store.told.clone();
+        batch::together(told.as_deref(), || store.within(work))
+    }
+
+    /// The same store, which tells nobody.
+    pub(crate) fn silent(self) -> Self {
+        Self { told: None, ..self }
+    }
+
+    /// The store in use, or an empty one.
+    pub(crate) fn in_use() -> Self {
+        IN_USE.with_borrow(Clone::clone).unwrap_or_default()
+    }
+
+    /// The pipeline cache of the store in use.
+    pub(super) fn cache() -> Option<wgpu::PipelineCache> {
+        IN_USE.with_borrow(|store| store.as_ref().and_then(|store| store.cache.clone()))
     }
 
     /// How many programs there are.
     pub fn len(&self) -> usize {
-        self.0.lock().map_or(0, |kept| kept.programs.len())
+        self.lock().programs.len()
     }
 
     /// Whether there is none yet.
@@ -70,25 +113,28 @@ impl KeptPrograms {
         self.len() == 0
     }
 
-    /// The program that is kept for this, or `make`'s, which is kept from now on where a store is in use.
+    fn lock(&self) -> MutexGuard<'_, Kept> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The program that is kept for this, or `make`'s, which is kept from now on where a store is in use; and whether it is `make`'s.
     pub(super) fn get_or_make(
         device: &wgpu::Device,
         entry: Entry,
         constants: &[(&str, f64)],
         make: impl FnOnce() -> Compiled,
-    ) -> Compiled {
-        let Some(Self(store)) = IN_USE.with_borrow(Clone::clone) else { return make() };
+    ) -> (Compiled, bool) {
+        let Some(store) = IN_USE.with_borrow(Clone::clone) else { return (make(), true) };
         let constants = constants.iter().map(|(name, value)| ((*name).to_owned(), value.to_bits())).collect();
         let profile = Profile::of(device);
         let key = Key { device: device.clone(), profile, kernel: entry.kernel, entry: entry.name, constants };
-        let known =
-            |store: &Mutex<Kept>| store.lock().unwrap_or_else(PoisonError::into_inner).programs.get(&key).cloned();
-        if let Some(known) = known(&store) {
-            return known;
+        let known = store.lock().programs.get(&key).cloned();
+        if let Some(known) = known {
+            return (known, false);
         }
         let made = make();
-        store.lock().unwrap_or_else(PoisonError::into_inner).programs.insert(key, made.clone());
-        made
+        store.lock().programs.insert(key, made.clone());
+        (made, true)
     }
 
     /// Likewise the module of a kernel's text.
@@ -97,8 +143,8 @@ impl KeptPrograms {
         source: &'static str,
         make: impl FnOnce() -> wgpu::ShaderModule,
     ) -> wgpu::ShaderModule {
-        let Some(Self(store)) = IN_USE.with_borrow(Clone::clone) else { return make() };
-        let mut kept = store.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(store) = IN_USE.with_borrow(Clone::clone) else { return make() };
+        let mut kept = store.lock();
         kept.modules.entry((device.clone(), Profile::of(device), source)).or_insert_with(make).clone()
     }
 }

@@ -1,5 +1,6 @@
 //! Mechanism that knows nothing of shadows: device, buffers, programs, recording, timing, readback.
 
+mod batch;
 pub mod bind_groups;
 pub mod bindings;
 pub mod buffer;
@@ -9,6 +10,7 @@ pub mod faults;
 pub mod kernels;
 pub mod kept;
 pub mod layout;
+pub mod ledger;
 #[cfg(feature = "mutations")]
 pub mod mutation;
 pub mod profile;
@@ -22,6 +24,7 @@ pub use bind_groups::BindGroups;
 pub use buffer::Buffer;
 pub use device::{AdapterSummary, Gpu};
 pub use kept::KeptPrograms;
+pub use ledger::{BufferMemory, Ledger};
 pub use profile::Profile;
 pub use program::{Entry, Program};
 pub use recorder::{Groups, Recorder, Stage, TexelRows};

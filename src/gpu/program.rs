@@ -1,10 +1,13 @@
 //! Compute pipelines that know their bindings.
 
+use super::batch;
 use super::bindings::{EntryPoint, Overrides};
 use super::kept::KeptPrograms;
 use super::profile::Profile;
+use futures::executor::block_on;
 use std::cell::Cell;
 use std::marker::PhantomData;
+use std::sync::{Arc, OnceLock};
 
 /// Log target of the messages about pipelines that are made, at debug level: each a JSON array of the kernel, the entry point and the
 /// constants.
@@ -118,20 +121,33 @@ impl<E: EntryPoint> Program<E> {
 
 /// A compute pipeline made from an [`Entry`]. A clone is the same pipeline.
 #[derive(Clone, Debug)]
-pub struct Compiled {
+pub struct Compiled(Arc<Parts>);
+
+/// What a pipeline is compiled from, and the pipeline once it is.
+#[derive(Debug)]
+struct Parts {
+    device: wgpu::Device,
     entry: Entry,
-    pipeline: wgpu::ComputePipeline,
+    constants: Vec<(String, f64)>,
+    module: wgpu::ShaderModule,
+    cache: Option<wgpu::PipelineCache>,
     layout: wgpu::BindGroupLayout,
+    pipeline: OnceLock<wgpu::ComputePipeline>,
 }
 
 impl Compiled {
     /// Builds the pipeline, or takes one that is kept ([`KeptPrograms`]); `constants` are values for the kernel's `override`s.
     pub fn new(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
-        KeptPrograms::get_or_make(device, entry, constants, || Self::build(device, entry, constants))
+        let (made, new) =
+            KeptPrograms::get_or_make(device, entry, constants, || Self::described(device, entry, constants));
+        if new && !batch::defer(&made) {
+            made.pipeline();
+        }
+        made
     }
 
-    fn build(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
-        let label = format!("{}.{}", entry.kernel, entry.name);
+    /// All but the pipeline itself.
+    fn described(device: &wgpu::Device, entry: Entry, constants: &[(&str, f64)]) -> Self {
         MADE.set(MADE.get() + 1);
         log::debug!(target: LOG, "{}", described(entry, constants));
         let module = KeptPrograms::module_or_make(device, entry.source, || {
@@ -152,44 +168,69 @@ impl Compiled {
                 count: None,
             })
             .collect();
+        let label = format!("{}.{}", entry.kernel, entry.name);
         let layout = device
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        Self(Arc::new(Parts {
+            device: device.clone(),
+            entry,
+            constants: constants.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
+            module,
+            cache: KeptPrograms::cache(),
+            layout,
+            pipeline: OnceLock::new(),
+        }))
+    }
+
+    fn compile(&self) -> wgpu::ComputePipeline {
+        let Parts { device, entry, constants, module, cache, layout, .. } = &*self.0;
+        let label = format!("{}.{}", entry.kernel, entry.name);
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(&label),
-            bind_group_layouts: &[Some(&layout)],
+            bind_group_layouts: &[Some(layout)],
             immediate_size: 0,
         });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let constants: Vec<_> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+        let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(&label),
-            layout: Some(&pipeline_layout),
-            module: &module,
+            layout: Some(&layout),
+            module,
             entry_point: Some(entry.name),
-            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
-            cache: None,
-        });
-        Self { entry, pipeline, layout }
+            compilation_options: options,
+            cache: cache.as_ref(),
+        })
+    }
+
+    /// Compiles it on a thread of its own, without an error: what fails is left to [`Compiled::pipeline`], which fails where it is heard.
+    pub(super) fn try_compile(&self) {
+        let scope = self.0.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let made = self.compile();
+        if block_on(scope.pop()).is_none() {
+            let _ = self.0.pipeline.set(made);
+        }
     }
 
     /// The entry point it was made from.
     pub fn entry(&self) -> &Entry {
-        &self.entry
+        &self.0.entry
     }
 
     /// Invocations in one workgroup.
     pub fn workgroup_invocations(&self) -> u32 {
-        self.entry.workgroup.iter().product()
+        self.0.entry.workgroup.iter().product()
     }
 
-    /// The wgpu pipeline.
+    /// The wgpu pipeline, compiled now if it is not yet.
     pub fn pipeline(&self) -> &wgpu::ComputePipeline {
-        &self.pipeline
+        self.0.pipeline.get_or_init(|| self.compile())
     }
 
     /// A bind group.
     pub fn bind(&self, device: &wgpu::Device, entries: &[wgpu::BindGroupEntry]) -> wgpu::BindGroup {
         device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(self.entry.kernel),
-            layout: &self.layout,
+            label: Some(self.0.entry.kernel),
+            layout: &self.0.layout,
             entries,
         })
     }

@@ -2,6 +2,7 @@
 
 use super::Gpu;
 use super::buffer::{allocate, not_mapped};
+use super::ledger::Held;
 use crate::Result;
 
 /// GPU time of one stage.
@@ -17,8 +18,8 @@ pub struct StageTime {
 /// Collects time stamps of up to [`Timer::PASSES`] passes of one submission.
 pub struct Timer {
     queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    staging: wgpu::Buffer,
+    resolved: Held,
+    staging: Held,
     names: Vec<&'static str>,
     period_ns: f64,
 }

@@ -4,6 +4,7 @@ use crate::Result;
 use crate::gpu::Buffer;
 use crate::gpu::buffer::filled;
 use crate::gpu::layout::Shared;
+use crate::gpu::ledger::Held;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Hands out parameter buffers by content: equal parameters share one buffer, so that recording the same frame again
@@ -17,7 +18,7 @@ pub struct Uniforms {
 }
 
 /// A buffer and its content.
-type Made = (Vec<u8>, wgpu::Buffer);
+type Made = (Vec<u8>, Held);
 
 impl Uniforms {
     /// Most contents that are kept; beyond it the oldest half is forgotten (what is recorded keeps its own).

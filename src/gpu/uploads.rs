@@ -2,6 +2,7 @@
 //! frames in one submission the second would change the first.
 
 use super::buffer::filled;
+use super::ledger::Held;
 use super::{Buffer, Recorder};
 use crate::Result;
 use bytemuck::Pod;
@@ -15,7 +16,7 @@ pub struct Uploads {
 
 /// The same in a buffer of the device, from which commands copy it.
 pub struct StagedUploads {
-    from: wgpu::Buffer,
+    from: Held,
     copies: Vec<(wgpu::Buffer, u64)>,
 }
 

@@ -41,7 +41,7 @@ impl MethodPipelines {
             return Err(Error::Config(format!("{name}: no receivers that are no casters; facet-masks has them")));
         }
         #[cfg(feature = "baselines")]
-        return Ok(Self::Fixed(method, KeptPrograms::default()));
+        return Ok(Self::Fixed(method, KeptPrograms::in_use().silent()));
         #[cfg(not(feature = "baselines"))]
         return Err(Error::Config(format!("{name}: built without the feature baselines")));
     }

@@ -41,6 +41,7 @@ mod inputs;
 mod judge;
 mod kept_maps;
 mod lights;
+mod lit_masks;
 mod recording;
 mod status;
 mod textures;
@@ -49,9 +50,11 @@ mod views;
 pub use crate::stages::caster_positions::Vertices;
 pub use gbuffer::{DepthTerms, GBuffer, ImageTerms, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
 pub use inputs::{Casters, Inputs, Moved, Target, TargetTexture};
+pub use lit_masks::lit_masks_wgsl;
 pub use status::{Faults, FrameStatus};
 
-use crate::gpu::{BindGroups, Buffer, Gpu, KeptPrograms, Timer};
+pub use crate::gpu::BufferMemory;
+use crate::gpu::{BindGroups, Buffer, Gpu, KeptPrograms, Ledger, Timer};
 use crate::light_view::MapTiles;
 use crate::methods::facet_masks::Capacities;
 use crate::methods::list_sizing::{self, Together, Wanted};
@@ -110,6 +113,9 @@ pub struct PassConfig<'a> {
     /// Visibility is the same to the bit, and with a facet for every surface all lit masks; maps made from another camera may settle
     /// other facets early, and with one facet a pixel the lit mask of such a one counts the samples beside it, too.
     pub keep_maps: bool,
+    /// Pipelines that passes share: what another pass of the store has compiled is not compiled again. It may have a pipeline cache, and
+    /// tell of its progress. `None`: the pass's own.
+    pub programs: Option<&'a KeptPrograms>,
 }
 
 impl<'a> PassConfig<'a> {
@@ -128,6 +134,7 @@ impl<'a> PassConfig<'a> {
             timing: false,
             prove: true,
             keep_maps: true,
+            programs: None,
         }
     }
 }
@@ -135,6 +142,7 @@ impl<'a> PassConfig<'a> {
 /// Shadows as a pass of an application's frame: see the [module](self).
 pub struct ShadowPass {
     settings: Settings,
+    ledger: Ledger,
     maker: StripMaker,
     grows: bool,
     proves: bool,
@@ -180,8 +188,8 @@ impl ShadowPass {
         wgpu::Limits::default()
     }
 
-    /// Builds every pipeline and all memory, and uploads the casters. Nothing is submitted: uploads go with the
-    /// application's next submission to `queue`.
+    /// Builds every pipeline, on all cores, and all memory, and uploads the casters. Nothing is submitted: uploads go with the
+    /// application's next submission to `queue`. A pass may be made on one thread and used on another.
     ///
     /// # Errors
     /// [`Error::Config`] for impossible settings or a device below [`ShadowPass::required_limits`] in what the pass uses; [`Error::Mesh`] for
@@ -195,11 +203,15 @@ impl ShadowPass {
         let mesh = checked_mesh(&config.casters)?;
         check_moving(&config.casters, config.method)?;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let made = KeptPrograms::once(|| {
+        let programs = config.programs.cloned().unwrap_or_else(KeptPrograms::in_use);
+        let make = || {
             let pipelines = MethodPipelines::new(device, config.method, &settings, config.receivers)?;
             let casters = CasterSet::new(device, queue, &config.casters, mesh)?;
             Self::made(device, queue, settings, pipelines, casters, config)
-        });
+        };
+        let ledger = Ledger::default();
+        let made = ledger.within(|| programs.within(|| KeptPrograms::once(make)));
+        let made = made.map(|pass| Self { ledger, ..pass });
         match block_on(scope.pop()) {
             Some(error) => Err(Error::Gpu(error.to_string().replace('\n', " "))),
             None => made,
@@ -218,7 +230,6 @@ impl ShadowPass {
     ) -> Result<Self> {
         settings.check()?;
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let casters = CasterSet::of_prepared(device, queue, prepared)?;
         let none = Casters::Static { positions: &[], triangles: &[] };
         let config = PassConfig {
             budget,
@@ -229,9 +240,13 @@ impl ShadowPass {
             keep_maps: false,
             ..PassConfig::new(settings.clone(), none)
         };
-        let made = Self::made(device, queue, settings.clone(), pipelines, casters, &config)?;
+        let ledger = Ledger::default();
+        let made = ledger.within(|| {
+            let casters = CasterSet::of_prepared(device, queue, prepared)?;
+            Self::made(device, queue, settings.clone(), pipelines, casters, &config)
+        })?;
         gpu.check()?;
-        Ok(made)
+        Ok(Self { ledger, ..made })
     }
 
     fn made(
@@ -264,6 +279,7 @@ impl ShadowPass {
             last: config.keep_last.then(held).transpose()?,
             seen: GbufferStage::new(device, &settings, made.keys)?,
             settings,
+            ledger: Ledger::default(),
             maker,
             grows: config.grow,
             proves: config.prove,
@@ -292,8 +308,10 @@ impl ShadowPass {
     /// # Errors
     /// As [`ShadowPass::new`]; the pass is then as before.
     pub fn set_casters(&mut self, casters: &Casters) -> Result<()> {
-        let set = self.caster_set(casters)?;
-        self.rebuild(self.settings.clone(), Some(set))
+        self.ledger.clone().within(|| {
+            let set = self.caster_set(casters)?;
+            self.rebuild(self.settings.clone(), Some(set))
+        })
     }
 
     /// Takes another image size, pixels. As [`ShadowPass::set_casters`].
@@ -303,7 +321,7 @@ impl ShadowPass {
     pub fn set_size(&mut self, size: [u32; 2]) -> Result<()> {
         let settings = Settings { size, ..self.settings.clone() };
         settings.check()?;
-        self.rebuild(settings, None)
+        self.ledger.clone().within(|| self.rebuild(settings, None))
     }
 
     fn caster_set(&self, casters: &Casters) -> Result<CasterSet> {
@@ -376,6 +394,10 @@ impl ShadowPass {
     /// # Errors
     /// [`Error::Memory`] and [`Error::Gpu`] if there is no memory for them; the lists are then as before.
     pub fn grow(&mut self) -> Result<bool> {
+        self.ledger.clone().within(|| self.grow_lists())
+    }
+
+    fn grow_lists(&mut self) -> Result<bool> {
         self.collect();
         let Some(Wanted { capacities: wanted, must }) = self.wanted.take() else { return Ok(false) };
         self.bind_groups.forget();
@@ -444,6 +466,12 @@ impl ShadowPass {
     /// How long the lists are, those of one strip.
     pub fn capacities(&self) -> Capacities {
         self.image.method.capacities()
+    }
+
+    /// Every buffer that the pass holds, the largest first: casters, results, maps, lists, counters. Memory that it has given up, and that frames in
+    /// flight may still use, is not among them, nor are pipelines.
+    pub fn memory(&self) -> Vec<BufferMemory> {
+        self.ledger.held()
     }
 
     /// Strips of rows in which the image is rendered, one after the other.

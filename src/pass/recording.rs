@@ -55,6 +55,16 @@ impl ShadowPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs,
         target: &Target,
+        part: FramePart,
+    ) -> Result<u64> {
+        self.ledger.clone().within(|| self.record_into_ledger(encoder, inputs, target, part))
+    }
+
+    fn record_into_ledger(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs,
+        target: &Target,
         FramePart { extent, strip, mut surfaces }: FramePart,
     ) -> Result<u64> {
         let bounds = self.check(inputs, target)?;

@@ -3,6 +3,7 @@
 
 use super::kept_maps::FrameMaps;
 use crate::gpu::buffer::{allocate, not_mapped};
+use crate::gpu::ledger::Held;
 use crate::gpu::{Buffer, Recorder, StageTime, Timer};
 use crate::methods::facet_masks::Capacities;
 use crate::methods::output::{Counts, ListUse};
@@ -98,7 +99,7 @@ impl Drop for Signal {
 /// A frame in flight.
 struct Slot {
     label: Label,
-    staging: wgpu::Buffer,
+    staging: Held,
     status_bytes: u64,
     passes: Vec<&'static str>,
     state: Arc<AtomicU8>,
@@ -108,7 +109,7 @@ struct Slot {
 #[derive(Default)]
 pub(super) struct InFlight {
     slots: Vec<Slot>,
-    free: Vec<wgpu::Buffer>,
+    free: Vec<Held>,
 }
 
 /// Key of a frame.
@@ -125,7 +126,7 @@ pub(super) struct Label {
 
 /// A buffer that the counters of a frame are copied to.
 pub(super) struct Staging {
-    buffer: wgpu::Buffer,
+    buffer: Held,
     words: u64,
 }
 

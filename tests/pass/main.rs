@@ -3,6 +3,8 @@
 mod kept_maps;
 mod lights;
 mod lists;
+mod lit_masks;
+mod programs;
 mod refusals;
 mod strips;
 mod targets;

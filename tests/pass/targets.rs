@@ -21,7 +21,7 @@ const LEVEL: [u32; 2] = [200, 100];
 const ORIGIN: [u32; 2] = [101, 37];
 
 /// The bytes of a level and layer.
-fn bytes(texture: &wgpu::Texture, level: u32, layer: u32) -> Vec<u8> {
+pub fn bytes(texture: &wgpu::Texture, level: u32, layer: u32) -> Vec<u8> {
     let texel = texture.format().block_copy_size(None).expect("a plain format");
     let [width, height] = [texture.width(), texture.height()].map(|side| side >> level);
     let row = (texel * width).next_multiple_of(256);

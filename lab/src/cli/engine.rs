@@ -8,7 +8,7 @@ use lab::report::FacetSet;
 use lab::scene::Scene;
 use oracle::engine::{self, CpuRays, CpuTime, RAYS};
 use std::time::{Duration, Instant};
-use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::gpu::{Gpu, KeptPrograms};
 use subpixel_shadows::methods::{DebugViews, MethodName, PixelClass, Prepared};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::render::{Output, Renderer};
@@ -105,7 +105,11 @@ impl Engine {
             }
             (_, Self::Gpu(gpu)) => {
                 let (camera, light, width) = (&scene.camera, &scene.light, settings.size[0]);
-                let mut renderer = Renderer::of_plan(gpu, prepared, options.method, plan, options.budget())?;
+                let mut renderer = {
+                    let task = console.task("compiling");
+                    let programs = KeptPrograms::default().telling(move |done, of| task.at(done, of));
+                    programs.within(|| Renderer::of_plan(gpu, prepared, options.method, plan, options.budget()))?
+                };
                 let of_facets = plan.extent == Extent::Facing || options.method == MethodName::FacetMasks;
                 let looked = options.looks && (classes || plan.extent == Extent::Everything);
                 let (mut facets, mut looks) = (None, looked.then(DebugViews::default));
