@@ -76,7 +76,8 @@ fn what_does_not_fit_is_refused() {
     }
 }
 
-/// No sample is wrong outside the ambiguity band, whatever is asked for; and a flipped mask or state is noticed.
+/// No sample is wrong outside the ambiguity band, whatever is asked for; and a flipped mask or state is noticed. Each scene with two of
+/// six settings, so that each setting meets two scenes or three.
 #[test]
 fn no_sample_is_wrong_against_facet_truth() {
     let mut wrong = Vec::new();
@@ -90,14 +91,15 @@ fn no_sample_is_wrong_against_facet_truth() {
         let scene = lit(name, k % 2 == 1);
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let tracer = Tracer::new(prepared.mesh()).expect("a tracer");
-        for (facets, pattern, samples, force, validity) in [
+        let asked = [
             (FacetMode::One, Pattern::LowDiscrepancy, 32, false, true),
             (FacetMode::One, Pattern::Grid, 8, true, true),
             (FacetMode::One, Pattern::Rotated, 16, false, false),
             (FacetMode::One, Pattern::LowDiscrepancy, 1, false, true),
             (FacetMode::All, Pattern::LowDiscrepancy, 128, false, true),
             (FacetMode::All, Pattern::LowDiscrepancy, 32, true, true),
-        ] {
+        ];
+        for (facets, pattern, samples, force, validity) in [asked[k % 6], asked[(k + 3) % 6]] {
             let wanted = Settings { validity, ..settings(facets, pattern, samples) };
             let plan = Plan::of(&prepared, &scene.camera, &scene.light, &wanted, force).expect("a plan");
             assert_eq!(plan.extent, Extent::Everything, "{name}");
@@ -109,14 +111,13 @@ fn no_sample_is_wrong_against_facet_truth() {
             if found.facet_wrong_outside_band > 0 {
                 wrong.push(format!("{label}: {found:?}"));
             }
+            // Few are flipped: of each sample that is wrong the band is asked for, which is dear.
             let mut corrupted = frame.clone();
-            for facet in &mut corrupted.facets {
+            for facet in corrupted.facets.iter_mut().step_by(8) {
                 facet.masks.occluded = !facet.masks.occluded;
             }
-            assert!(
-                errors(&corrupted, &tracer, &scene, &plan.settings).facet_wrong_outside_band > 100,
-                "{label}: flipped masks pass"
-            );
+            let noticed = errors(&corrupted, &tracer, &scene, &plan.settings).facet_wrong_outside_band;
+            assert!(noticed > 10, "{label}: flipped masks pass");
             if force || !validity || pattern != Pattern::LowDiscrepancy {
                 continue;
             }

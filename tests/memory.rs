@@ -16,7 +16,7 @@ fn scene(name: &str) -> Scene {
     builtin(name).expect("a built-in scene")
 }
 
-/// Of the smallest scene many requests, with both ways to refuse and both facet modes; of each other scene some of a renderer's.
+/// Of the smallest scene many requests, with both ways to refuse and both facet modes; of five others some of a renderer's.
 /// `cargo run --release --example refused_memory` refuses each of all scenes.
 #[gpu_test]
 fn a_refused_request_is_an_error_and_no_more() {
@@ -32,16 +32,16 @@ fn a_refused_request_is_an_error_and_no_more() {
     };
     let plane = scene("plane");
     for facets in [FacetMode::One, FacetMode::All] {
-        for (refusal, step) in [(Refusal::Device, 9), (Refusal::Limit, 23)] {
+        for (refusal, step) in [(Refusal::Device, 17), (Refusal::Limit, 43)] {
             take("plane", facets, refusal, refused::renderer(&gpu, &plane, facets, 1, step, refusal));
             take("plane", facets, refusal, refused::pass(&gpu, &plane, facets, 2, step, refusal));
         }
     }
-    for (k, name) in (0..).zip(["spheres", "plant", "bicycle", "windmill", "cage", "knot", "bumpy", "city"]) {
+    for (k, name) in (0..).zip(["spheres", "plant", "bicycle", "windmill", "knot"]) {
         let (facets, refusal) = (FacetMode::All, Refusal::Device);
         take(name, facets, refusal, refused::renderer(&gpu, &scene(name), facets, 7 + 9 * k, 83, refusal));
     }
-    assert!(all[0] > 120 && all[1] < all[0], "{all:?}");
+    assert!(all[0] > 60 && all[1] < all[0], "{all:?}");
 }
 
 /// Some of the requests of a pass as it is made, with pipelines of its own.

@@ -14,8 +14,8 @@ use test_support::kept_light::Walks;
 
 /// The seed of the fixed set.
 const SEED: u64 = 4;
-/// Eighteen of each kind.
-const CASES: u64 = 18 * Kind::ALL.len() as u64;
+/// Ten of each kind.
+const CASES: u64 = 10 * Kind::ALL.len() as u64;
 
 fn cases() -> impl Iterator<Item = FuzzCase> {
     (0..).map(|number| FuzzCase::of(SEED, number).expect("a case"))
@@ -34,16 +34,19 @@ fn no_sample_of_random_worlds_is_wrong() {
     assert_eq!((all.cases, told), (CASES, CASES));
     assert!(all.refused <= 3, "{:?}", summary.refusals);
     assert!(summary.kinds.len() == Kind::ALL.len() && summary.kinds.values().all(|tally| tally.figures.compared > 0));
-    assert!(all.figures.compared > 5_000_000 && all.figures.seen > 2_000_000, "{all:?}");
+    assert!(all.figures.compared > 2_500_000 && all.figures.seen > 1_000_000, "{all:?}");
     let of = |method: MethodName| summary.methods.get(method.name()).copied().unwrap_or(0);
-    assert!(of(MethodName::RayTraced) > 3 && of(MethodName::Supersampled) > 6 && summary.forced > 20, "{summary:?}");
+    assert!(of(MethodName::RayTraced) > 1 && of(MethodName::Supersampled) > 3 && summary.forced > 10, "{summary:?}");
 }
 
 /// A frame with facets that were evaluated, of the method and number of facets that are asked for.
 fn evaluated(bench: &FuzzDevice, method: MethodName, facets: FacetMode) -> (FuzzCase, Shot) {
+    // Where triangles stand twice the next one may be as near as the one that is seen.
+    let doubled = [Kind::Doubled, Kind::Duplicates, Kind::NearCopies, Kind::OnePlane, Kind::Mixed];
     let wanted = |case: &FuzzCase| {
         let how = &case.how;
-        how.method == method && how.settings.facets == facets && how.is_exact() && how.settings.samples.count() >= 8
+        let exact = how.is_exact() && how.settings.samples.count() >= 8 && !doubled.contains(&case.kind);
+        how.method == method && how.settings.facets == facets && exact
     };
     let shots = cases().filter(wanted).filter_map(|case| bench.render(&case).ok().map(|shot| (case, shot)));
     let many = |shot: &Shot| shot.facets.facets.iter().filter(|f| f.state == FacetState::Undecided as u32).count() > 20;
@@ -154,7 +157,7 @@ fn the_program_refuses_what_it_cannot_do() {
 #[gpu_test]
 fn light_maps_that_are_kept_change_nothing() {
     let (programs, mut walks) = (KeptPrograms::default(), Walks::default());
-    for case in cases().take(3 * Kind::ALL.len()) {
+    for case in cases().take(Kind::ALL.len()) {
         walks.take(gpu(), &programs, &case).expect("a walk");
     }
     assert!(walks.faults.is_empty(), "{:#?}", walks.faults);

@@ -7,7 +7,7 @@ pub mod kept_light;
 pub mod refused;
 pub mod soak;
 
-pub use device::gpu;
+pub use device::{gpu, within_programs};
 pub use folder::Folder;
 pub use frames::status_of;
 pub use gpu_test::gpu_test;

@@ -41,17 +41,16 @@ fn pass_of(settings: Settings, scene: &Scene, change: impl Fn(&mut PassConfig)) 
 
 #[gpu_test]
 fn a_moving_camera_keeps_the_light_maps() {
-    for (name, position) in
-        [("windmill", None), ("spheres", Some([6.0, 9.0, 4.0])), ("plant", None), ("cage", Some([2.0, 9.0, 1.0]))]
-    {
+    let [whole, held, thirds, halves] =
+        [(FacetMode::All, 1, false), (FacetMode::One, 1, true), (FacetMode::All, 3, false), (FacetMode::One, 2, false)];
+    for (name, position, ways) in [
+        ("windmill", None, [whole, halves]),
+        ("spheres", Some([6.0, 9.0, 4.0]), [held, thirds]),
+        ("cage", Some([2.0, 9.0, 1.0]), [whole, held]),
+    ] {
         let scene = scene(name);
         let light = position.map_or(scene.light, |position| Light::Point { position });
-        for (facets, strips, keep_last) in [
-            (FacetMode::All, 1, false),
-            (FacetMode::One, 1, true),
-            (FacetMode::All, 3, false),
-            (FacetMode::One, 2, false),
-        ] {
+        for (facets, strips, keep_last) in ways {
             let what = format!("{name}, {facets:?}, {strips} strips");
             let [mut pass, mut never] = [true, false].map(|keeps| {
                 pass_of(settings(facets), &scene, |config| {
@@ -63,8 +62,7 @@ fn a_moving_camera_keeps_the_light_maps() {
             assert!(!first.maps_kept, "{what}: {first:?}");
             complete(&mut pass, &inputs);
             let mut pictures = Vec::new();
-            for (k, (factor, angle)) in [(1.0, 0.0), (1.0, 0.4), (1.3, 1.9), (0.7, -0.8), (3.0, 2.5)].iter().enumerate()
-            {
+            for (k, (factor, angle)) in [(1.0, 0.0), (1.0, 0.4), (0.7, -0.8), (3.0, 2.5)].iter().enumerate() {
                 let camera = elsewhere(&scene.camera, *factor, *angle);
                 let inputs = Inputs::new(&camera, &light);
                 let (got, status) = complete(&mut pass, &inputs);

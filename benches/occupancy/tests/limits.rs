@@ -11,7 +11,7 @@ fn compiled(job: &Job) -> Vec<Report> {
     measure(Path::new(env!("CARGO_BIN_EXE_occupancy")), job).unwrap_or_else(|e| panic!("{e}"))
 }
 
-#[gpu_test]
+#[gpu_test(alone)]
 fn every_pipeline_keeps_to_the_limits() {
     let pipelines = made::pipelines().unwrap_or_else(|e| panic!("{e}"));
     for entry in kernels::ALL.iter().flat_map(|(_, _, entries)| *entries) {
@@ -25,7 +25,7 @@ fn every_pipeline_keeps_to_the_limits() {
 }
 
 /// The figures are the compiler's: an array that is indexed is scratch, values that no registers are left for are spilled.
-#[gpu_test]
+#[gpu_test(alone)]
 fn scratch_and_spills_are_seen() {
     let text = "
         override TURNS: u32 = 8u;
