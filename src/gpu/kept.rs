@@ -8,12 +8,13 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Key of a program: the device and what it is built for, the entry point, and the values of its constants.
+/// Key of a program: the device and what it is built for, the kernel's text, the entry point, and the values of its constants.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
     device: wgpu::Device,
     profile: Profile,
-    kernel: &'static str,
+    /// Where the text is: comparing it is dear, and the same text elsewhere is no harm.
+    source: usize,
     entry: &'static str,
     constants: Vec<(String, u64)>,
 }
@@ -127,7 +128,13 @@ impl KeptPrograms {
         let Some(store) = IN_USE.with_borrow(Clone::clone) else { return (make(), true) };
         let constants = constants.iter().map(|(name, value)| ((*name).to_owned(), value.to_bits())).collect();
         let profile = Profile::of(device);
-        let key = Key { device: device.clone(), profile, kernel: entry.kernel, entry: entry.name, constants };
+        let key = Key {
+            device: device.clone(),
+            profile,
+            source: entry.source.as_ptr() as usize,
+            entry: entry.name,
+            constants,
+        };
         let known = store.lock().programs.get(&key).cloned();
         if let Some(known) = known {
             return (known, false);
