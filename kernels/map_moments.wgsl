@@ -1,8 +1,9 @@
 // map_moments: mean and variance of the depths of ever larger squares of texels of a map (Donnelly and
-// Lauritzen 2006, whose two moments they are: kept apart, so that nothing cancels). A cell of level k is a
-// square of 2^k texels a side, cut at the map's border; a texel without a caster is as deep as `levels.far`.
-// `reduce` makes up to five levels above level FIRST, which is the texels (`nearest_keys`) or was made by a
-// run before. Writes `moments`, level after level.
+// Lauritzen 2006, whose two moments they are: kept apart, so that nothing cancels), or of exponentials of
+// them (EXPONENT: Annen et al. 2008; Lauritzen and McCool 2008). A cell of level k is a square of 2^k texels
+// a side, cut at the map's border; a texel without a caster is as deep as `levels.far`. `reduce` makes up to
+// five levels above level FIRST, which is the texels (`nearest_keys`) or was made by a run before. Writes
+// `moments`, level after level.
 
 //@import frame dispatch front_split moments
 
@@ -12,6 +13,7 @@ const HALF = 16u;
 const LEVELS = 5u;   // that it makes of them
 
 override FIRST: u32 = 0u;
+override EXPONENT: f32 = 0.0;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(2) var<storage, read> nearest_keys: array<u32>;
@@ -25,11 +27,16 @@ fn extent(level: u32, cell: u32) -> f32 {
     return select(0.0, f32(min(1u << level, frame.map_size - begin)), begin < frame.map_size);
 }
 
+// Where a level begins among the moments.
+fn start_of(level: u32) -> u32 {
+    return level_start(level) + select(0u, levels.falling, EXPONENT < 0.0);
+}
+
 fn cell_of(at: vec2<u32>) -> vec3<f32> {
     let size = extent(FIRST, at.x) * extent(FIRST, at.y);
     if size == 0.0 { return vec3(0.0); }
-    if FIRST == 0u { return vec3(texel_moments(nearest_keys[at.y * frame.map_size + at.x]), size); }
-    return vec3(moments[level_start(FIRST) + at.y * level_side(FIRST) + at.x], size);
+    if FIRST == 0u { return vec3(texel_moments(nearest_keys[at.y * frame.map_size + at.x], EXPONENT), size); }
+    return vec3(moments[start_of(FIRST) + at.y * level_side(FIRST) + at.x], size);
 }
 
 fn joined(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f32>) -> vec3<f32> {
@@ -61,7 +68,7 @@ fn reduce(
         }
         let cell = corner * side + own;
         if active_cell && level <= levels.count && all(cell < vec2(level_side(level))) {
-            moments[level_start(level) + cell.y * level_side(level) + cell.x] = made.xy;
+            moments[start_of(level) + cell.y * level_side(level) + cell.x] = made.xy;
         }
         workgroupBarrier();
         if active_cell { tile[own.y * HALF + own.x] = made; }

@@ -2,14 +2,21 @@
 // anisotropic: squares as wide as the footprint is across, along it up to MOST_PROBES of them. Of the depths
 // there at most the share variance / (variance + (t - mean)^2) lies behind a receiver of depth t behind their
 // mean (Chebyshev; Donnelly and Lauritzen 2006), which is taken as lit, less BLEEDING; t is that of the
-// receiver's plane at the very place that is looked up. Where the receiver turns less than GRAZING (sine of
-// its elevation) to the light, half of it is lit (Oliveira 2009, section 4.2.2). Writes `visibility`.
+// receiver's plane at the very place that is looked up. With QUERY_BOTH it is the less of that share of the
+// rising and falling exponentials of the depths (Lauritzen and McCool 2008), with QUERY_MEAN the mean of
+// rising ones over the receiver's own (Annen et al. 2008). Where the receiver turns less than GRAZING (sine
+// of its elevation) to the light, half of it is lit (Oliveira 2009, section 4.2.2). Writes `visibility`.
 
 //@import frame dispatch facing receiver front_split moments
 
 override BIAS_CONSTANT: f32 = 0.00005;
 override BLEEDING: f32 = 0.0;
 override GRAZING: f32 = 0.0;
+override QUERY: u32 = 0u;
+override EXPONENT: f32 = 0.0;  // of the rising exponential; 0 for the depths themselves
+const QUERY_DEPTHS = 0u;
+const QUERY_MEAN = 1u;
+const QUERY_BOTH = 2u;
 const MOST_PROBES = 16u;
 const LONGEST_STEP = 65536.0;  // texels: a plane seen edge-on has no end
 const WORKGROUP = 64u;
@@ -23,33 +30,34 @@ const WORKGROUP = 64u;
 @group(0) @binding(7) var<storage, read> moments: array<vec2<f32>>;
 @group(0) @binding(8) var<storage, read_write> visibility: array<f32>;
 
-fn cell_moments(level: u32, cell: vec2<u32>) -> vec2<f32> {
-    if level == 0u { return texel_moments(nearest_keys[cell.y * frame.map_size + cell.x]); }
-    return moments[level_start(level) + cell.y * level_side(level) + cell.x];
+fn cell_moments(level: u32, cell: vec2<u32>, exponent: f32) -> vec2<f32> {
+    if level == 0u { return texel_moments(nearest_keys[cell.y * frame.map_size + cell.x], exponent); }
+    let start = level_start(level) + select(0u, levels.falling, exponent < 0.0);
+    return moments[start + cell.y * level_side(level) + cell.x];
 }
 
 // Between the four cells of a level around a place.
-fn bilinear(level: u32, at: vec2<f32>) -> vec2<f32> {
+fn bilinear(level: u32, at: vec2<f32>, exponent: f32) -> vec2<f32> {
     let last = f32(level_side(level) - 1u);
     let place = clamp(at / f32(1u << level) - 0.5, vec2(0.0), vec2(last));
     let low = vec2<u32>(place);
     let high = min(low + 1u, vec2(level_side(level) - 1u));
     let f = place - floor(place);
-    let a = cell_moments(level, low);
-    let b = cell_moments(level, vec2(high.x, low.y));
-    let c = cell_moments(level, vec2(low.x, high.y));
-    let d = cell_moments(level, high);
+    let a = cell_moments(level, low, exponent);
+    let b = cell_moments(level, vec2(high.x, low.y), exponent);
+    let c = cell_moments(level, vec2(low.x, high.y), exponent);
+    let d = cell_moments(level, high, exponent);
     let shares = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
     return mixed(vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), shares);
 }
 
 // Of a square of 2^level texels a side around a place: between two levels.
-fn trilinear(level: f32, at: vec2<f32>) -> vec2<f32> {
+fn trilinear(level: f32, at: vec2<f32>, exponent: f32) -> vec2<f32> {
     let low = u32(level);
-    let fine = bilinear(low, at);
+    let fine = bilinear(low, at, exponent);
     let f = level - f32(low);
     if f == 0.0 { return fine; }
-    let coarse = bilinear(min(low + 1u, levels.count), at);
+    let coarse = bilinear(min(low + 1u, levels.count), at, exponent);
     return mixed(vec4(fine.x, coarse.x, fine.xx), vec4(fine.y, coarse.y, 0.0, 0.0),
         vec4(1.0 - f, f, 0.0, 0.0));
 }
@@ -61,10 +69,20 @@ fn lit_share(r: Receiver, at: vec3<f32>, wanted: vec2<f32>, level: f32) -> f32 {
     let cell = min(exp2(ceil(level)), f32(frame.map_size));
     let last = (floor(f32(frame.map_size) / cell) - 0.5) * cell;
     let place = clamp(wanted, vec2(0.5 * cell), vec2(last));
-    let found = trilinear(level, place);
-    let off = at.z + dot(r.slope, place - at.xy) - BIAS_CONSTANT - found.x;
+    let depth = at.z + dot(r.slope, place - at.xy) - BIAS_CONSTANT;
+    var share = share_of(trilinear(level, place, EXPONENT), measure(depth, EXPONENT));
+    if QUERY == QUERY_BOTH && share > 0.0 {
+        share = min(share, share_of(trilinear(level, place, -EXPONENT), measure(depth, -EXPONENT)));
+    }
+    return select(max(share - BLEEDING, 0.0) / (1.0 - BLEEDING), 1.0, share == 1.0);
+}
+
+// Of measures with these moments, the share that is not less than the receiver's `own`, as far as they tell.
+fn share_of(found: vec2<f32>, own: f32) -> f32 {
+    let off = own - found.x;
     if off <= 0.0 { return 1.0; }
-    return max(found.y / (found.y + off * off) - BLEEDING, 0.0) / (1.0 - BLEEDING);
+    if QUERY == QUERY_MEAN { return found.x / own; }
+    return found.y / (found.y + off * off);
 }
 
 // Change of the place of the receiver's point `p`, texel `at`, for a change of the ray by a pixel.

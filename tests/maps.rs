@@ -35,6 +35,8 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
         .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
     let fitted = [
         (MethodName::Variance, 1),
+        (MethodName::Exponential, 1),
+        (MethodName::ExponentialVariance, 8),
         (MethodName::Trapezoidal, 8),
         (MethodName::Lispsm, 1),
         (MethodName::ParallelSplit, 32),

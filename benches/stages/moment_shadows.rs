@@ -4,12 +4,14 @@ use crate::harness::Case;
 use crate::harness::geometry::{WithMoments, samples};
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::stages::map_moments::MomentMeasures;
 use subpixel_shadows::stages::moment_shadows::{MapWithMoments, MomentShadows, MomentShadowsOptions};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(map) = WithMoments::new(gpu, size)? else { return Ok(Vec::new()) };
     let samples = samples(gpu, 1)?;
-    let options = MomentShadowsOptions { constant: 5e-5, bleeding: 0.0, grazing: 0.0 };
+    let options =
+        MomentShadowsOptions { constant: 5e-5, bleeding: 0.0, grazing: 0.0, measures: MomentMeasures::Depths };
     let stage = MomentShadows::new(&gpu.device, options);
     let count = map.setup.id_keys.len();
     let visibility = Buffer::<f32>::storage(&gpu.device, "bench.visibility", count)?;

@@ -60,6 +60,7 @@ fn other_value(option: &str) -> &'static str {
         "focus" => "0.2",
         "bleeding" => "0.4",
         "grazing" => "20",
+        "exponent" => "8",
         _ => panic!("--{option} is new: give it a value here"),
     }
 }
@@ -389,6 +390,7 @@ mod gpu {
             "focus" => s.partition = Some(SplitPlan { focus: 0.2, ..plan }),
             "bleeding" => s.moments.bleeding = 0.4,
             "grazing" => s.moments.grazing = 20.0,
+            "exponent" => s.moments.exponent = 8.0,
             // Of the renderer's memory and of what is written.
             "memory-limit" | "list-start" | "looks" => return None,
             _ => panic!("--{option} is new: set it here"),

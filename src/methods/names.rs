@@ -19,6 +19,10 @@ pub enum MethodName {
     Smsr,
     /// `variance`: Donnelly and Lauritzen 2006.
     Variance,
+    /// `exponential`: Annen, Mertens, Seidel, Flerackers, Kautz 2008.
+    Exponential,
+    /// `exponential-variance`: Lauritzen and McCool 2008.
+    ExponentialVariance,
     /// `trapezoidal`: Martin and Tan 2004.
     Trapezoidal,
     /// `lispsm`: Wimmer, Scherzer, Purgathofer 2004.
@@ -59,6 +63,10 @@ pub enum MapQuery {
     Revectorized,
     /// The pixel's footprint with mean and variance of the depths in it.
     Moments,
+    /// The same with the mean of an exponential of them.
+    Exponentials,
+    /// The same with mean and variance of a rising and a falling exponential of them.
+    ExponentialMoments,
 }
 
 /// Description of a method.
@@ -88,7 +96,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 19] = [
+pub const METHOD_OPTIONS: [&str; 20] = [
     "facets",
     "validity",
     "masks",
@@ -107,11 +115,12 @@ pub const METHOD_OPTIONS: [&str; 19] = [
     "focus",
     "bleeding",
     "grazing",
+    "exponent",
     "looks",
 ];
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 12] = [
+pub const METHODS: [MethodRow; 14] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -203,6 +212,34 @@ pub const METHODS: [MethodRow; 12] = [
         query: TexelQuery::Map(MapQuery::Moments),
         partition: None,
         options: &["splits", "warp", "focus", "bleeding", "grazing", "looks"],
+    },
+    MethodRow {
+        method: MethodName::Exponential,
+        name: "exponential",
+        paper: "Annen, Mertens, Seidel, Flerackers, Kautz 2008: Exponential Shadow Maps",
+        section: "Scherzer 2011: 6",
+        parts: [
+            "over casters and receivers; slices, warps; a cube",
+            "mean of an exponential of depth",
+            "its ratio to the receiver's over the pixel's footprint",
+        ],
+        query: TexelQuery::Map(MapQuery::Exponentials),
+        partition: None,
+        options: &["splits", "warp", "focus", "bleeding", "grazing", "exponent", "looks"],
+    },
+    MethodRow {
+        method: MethodName::ExponentialVariance,
+        name: "exponential-variance",
+        paper: "Lauritzen, McCool 2008: Layered Variance Shadow Maps",
+        section: "exponential warps",
+        parts: [
+            "over casters and receivers; slices, warps; a cube",
+            "mean and variance of two exponentials of depth",
+            "the less of two bounds of the lit share of the pixel's footprint",
+        ],
+        query: TexelQuery::Map(MapQuery::ExponentialMoments),
+        partition: None,
+        options: &["splits", "warp", "focus", "bleeding", "grazing", "exponent", "looks"],
     },
     MethodRow {
         method: MethodName::Trapezoidal,
@@ -318,6 +355,12 @@ impl MethodName {
             TexelQuery::Map(_) => [false, true],
             TexelQuery::Rays | TexelQuery::Samples => [false, false],
         }
+    }
+
+    /// Whether it asks a map by moments of its depths.
+    pub(crate) fn filters_moments(self) -> bool {
+        use MapQuery::{ExponentialMoments, Exponentials, Moments};
+        matches!(self.row().query, TexelQuery::Map(Moments | Exponentials | ExponentialMoments))
     }
 
     /// Whether it takes an option; one that is not among [`METHOD_OPTIONS`] is of all methods.

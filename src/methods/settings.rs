@@ -5,6 +5,7 @@ use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
+use crate::stages::map_moments::MomentMeasures;
 use crate::stages::pixel_texel_pairs::PairTiles;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -202,13 +203,23 @@ impl SmsrSettings {
     }
 }
 
-/// Options of the methods that filter maps by their moments, whose bias is [`ShadowMapSettings::constant`]: `variance` and `remix`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Options of the methods that filter maps by their moments, whose bias is [`ShadowMapSettings::constant`]: `variance`, `exponential`,
+/// `exponential-variance` and `remix`.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MomentSettings {
     /// Share of light that is taken off against leaks; 0 in the papers.
     pub bleeding: f32,
     /// Degrees of elevation of the light over a surface below which half of it is taken as lit (Oliveira, section 4.2.2: 5); 0 for none.
     pub grazing: f32,
+    /// Exponent of `exponential` and `exponential-variance` over the depths from the light to beyond the farthest caster: 1 to
+    /// [`MomentMeasures::STEEPEST`].
+    pub exponent: f32,
+}
+
+impl Default for MomentSettings {
+    fn default() -> Self {
+        Self { bleeding: 0.0, grazing: 0.0, exponent: 40.0 }
+    }
 }
 
 impl MomentSettings {
@@ -217,13 +228,17 @@ impl MomentSettings {
     /// # Errors
     /// [`Error::Config`] with the numbers.
     pub fn check(&self) -> Result<()> {
-        let Self { bleeding, grazing } = *self;
+        let Self { bleeding, grazing, exponent } = *self;
         let refuse = |text: String| Err(Error::Config(text));
         if !(0.0..=0.9).contains(&bleeding) {
             return refuse(format!("{bleeding} of the light taken off against leaks; 0 to 0.9 are possible"));
         }
         if !(0.0..=90.0).contains(&grazing) {
             return refuse(format!("surfaces under {grazing} degrees half lit; 0 to 90 are possible"));
+        }
+        let steepest = MomentMeasures::STEEPEST;
+        if !(1.0..=steepest).contains(&exponent) {
+            return refuse(format!("an exponent of {exponent}; 1 to {steepest} are possible"));
         }
         Ok(())
     }
@@ -279,7 +294,7 @@ pub struct Settings {
     pub smsr: SmsrSettings,
     /// Options of the methods that compare depths.
     pub shadow_map: ShadowMapSettings,
-    /// Options of `variance` and `remix`.
+    /// Options of `variance`, `exponential`, `exponential-variance` and `remix`.
     pub moments: MomentSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,

@@ -1,10 +1,11 @@
 //! A map of nearest depths, asked four ways: by comparing every sample with its texel (`shadow-map`: Williams 1978), with a box of texels
 //! (`pcf`: Reeves, Salesin, Cook 1987), with borders drawn anew (`smsr`: Bondarev 2014), or by the moments of the depths in the pixel's
-//! footprint (`variance`: Donnelly, Lauritzen 2006).
+//! footprint (`variance`: Donnelly, Lauritzen 2006), or of exponentials of them (`exponential`: Annen et al. 2008; `exponential-variance`:
+//! Lauritzen, McCool 2008).
 //!
 //! In slices and warps of its own the first is `trapezoidal` (Martin, Tan 2004), `lispsm` (Wimmer, Scherzer, Purgathofer 2004) or
 //! `parallel-split` (Zhang et al. 2006), and the last `remix` (Oliveira 2009): see [`MethodRow::partition`](super::MethodRow::partition).
-//! Memory is fixed: 4 bytes a texel, of moments 2.7 more.
+//! Memory is fixed: 4 bytes a texel, of moments 2.7 more, of two exponentials 5.3.
 
 use super::debug_views::DebugViews;
 use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
@@ -14,7 +15,7 @@ use crate::Result;
 use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
 use crate::stages::PrimaryHits;
 use crate::stages::light_layers::{Layers, LightLayers};
-use crate::stages::map_moments::{MapLevels, MapMoments};
+use crate::stages::map_moments::{MapLevels, MapMoments, MomentMeasures};
 use crate::stages::moment_shadows::{MapWithMoments, MomentShadows, MomentShadowsOptions};
 use crate::stages::shadow_map::{ShadowMap, ShadowMapOptions};
 use crate::stages::smsr::{Smsr, SmsrOptions};
@@ -46,13 +47,20 @@ impl Ask {
                 let midpoints = shape == SmsrShape::Midpoints;
                 Self::Borders(Smsr::new(device, SmsrOptions { reach, midpoints, constant, slope }))
             }
-            MapQuery::Moments => {
-                let MomentSettings { bleeding, grazing } = settings.moments;
-                let options = MomentShadowsOptions { constant, bleeding, grazing: grazing.to_radians().sin() };
+            MapQuery::Moments | MapQuery::Exponentials | MapQuery::ExponentialMoments => {
+                let MomentSettings { bleeding, grazing, exponent } = settings.moments;
+                let measures = match query {
+                    MapQuery::Exponentials => MomentMeasures::Rising(exponent),
+                    MapQuery::ExponentialMoments => MomentMeasures::Both(exponent),
+                    _ => MomentMeasures::Depths,
+                };
+                let grazing = grazing.to_radians().sin();
+                let options = MomentShadowsOptions { constant, bleeding, grazing, measures };
+                let reduce = MapMoments::new(device, measures);
                 Self::Moments(Box::new(OfMoments {
-                    reduce: MapMoments::new(device),
                     levels: Buffer::uniform(device, "map_moments.levels", 1)?,
-                    moments: MapMoments::memory(device, settings.map)?,
+                    moments: reduce.memory(device, settings.map)?,
+                    reduce,
                     filter: MomentShadows::new(device, options),
                 }))
             }
@@ -85,7 +93,7 @@ impl ShadowMapping {
             reach: match query {
                 MapQuery::Nearest => 1.0,
                 MapQuery::Filtered => 0.5 * settings.shadow_map.kernel as f32 + 1.0,
-                MapQuery::Revectorized | MapQuery::Moments => 2.0,
+                _ => 2.0,
             },
             size: settings.map,
             layers: LightLayers::nearest_only(device),

@@ -27,10 +27,10 @@ const SMSR_STAGES: [(&str, &str); 2] = [
     ("smsr", "depth of every sample against the map, its borders drawn anew"),
 ];
 
-/// Stages of `variance` and `remix` after what the camera sees.
+/// Stages of the methods that filter moments after what the camera sees.
 const MOMENT_STAGES: [(&str, &str); 3] = [
     ("light_layers", "nearest depth at every texel centre"),
-    ("map_moments", "mean and variance of ever larger squares of texels"),
+    ("map_moments", "mean and variance of ever larger squares of texels, of depths or exponentials"),
     ("moment_shadows", "the pixel's footprint against the map's moments"),
 ];
 
@@ -78,7 +78,7 @@ impl Plan {
             TexelQuery::Triangles => &SPSM_STAGES,
             TexelQuery::Map(MapQuery::Nearest | MapQuery::Filtered) => &SHADOW_MAP_STAGES,
             TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,
-            TexelQuery::Map(MapQuery::Moments) => &MOMENT_STAGES,
+            TexelQuery::Map(_) => &MOMENT_STAGES,
             TexelQuery::Rays => &RAY_STAGES,
             TexelQuery::Samples => &BIN_STAGES,
         };
@@ -113,7 +113,7 @@ impl Plan {
             let one = (!several).then(|| "one view of the light holds all".to_owned());
             steps.insert(at, PlanStep { name, purpose, left_out: reason.clone().or(one) });
         }
-        if query == TexelQuery::Map(MapQuery::Moments) {
+        if method.filters_moments() {
             let (name, purpose) = EVERY_SAMPLE;
             let once = "one lookup in the moments of the pixel's footprint stands for all".to_owned();
             steps.push(PlanStep { name, purpose, left_out: reason.clone().or(Some(once)) });

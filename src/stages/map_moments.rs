@@ -1,12 +1,14 @@
-//! Mean and variance of the depths of ever larger squares of texels: what filtering a map of depths takes.
+//! Mean and variance of the depths of ever larger squares of texels, or of exponentials of them: what filtering a map of depths takes.
 //!
 //! - **Purpose.** Variance shadow maps (Donnelly and Lauritzen 2006), prefiltered as mip maps are (Oliveira 2009, section 3.4). Mean and
 //!   variance stand for the two moments: the same numbers, of which nothing cancels in single precision.
+//!   Of exponentials: exponential shadow maps (Annen et al. 2008) and exponential variance shadow maps (Lauritzen and McCool 2008), whose two
+//!   warps, rising and falling, have moments each.
 //! - **Reads** the nearest depths of [`light_layers`](super::light_layers).
 //! - **Writes** `moments`, level after level from the first above the texels, row by row. A cell of level `k` is the square of `2^k` texels
 //!   a side, cut at the map's border; a texel without a caster is as deep as [`MapLevels::far`].
 //! - **Guarantee.** Bit-equal from run to run.
-//! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory.
+//! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory. Twice that for both exponentials.
 
 use crate::frame::Frame;
 use crate::gpu::kernels::map_moments as kernel;
@@ -22,8 +24,10 @@ shared_struct! {
         pub far: f32,
         /// Levels above the texels.
         pub count: u32,
+        /// Where the moments of the falling exponential begin, behind those of the rising one.
+        pub falling: u32,
         /// Unused.
-        pub pad: [u32; 2],
+        pub pad: u32,
         /// Where each level begins among the moments.
         pub starts: [[u32; 4]; 4],
     }
@@ -33,7 +37,8 @@ impl MapLevels {
     /// Levels of a map of `size` texels a side, at most [`LightView::LARGEST_MAP`]; depth `far` where there is no caster.
     pub fn new(size: u32, far: f64) -> Self {
         let size = size.min(LightView::LARGEST_MAP);
-        let mut made = Self { far: far as f32, count: Self::count_of(size), ..Self::default() };
+        let falling = Self::moments_of(size) as u32;
+        let mut made = Self { far: far as f32, count: Self::count_of(size), falling, ..Self::default() };
         let mut start = 0;
         for level in 1..=made.count {
             made.starts[level as usize / 4][level as usize % 4] = start;
@@ -76,25 +81,49 @@ impl MapLevels {
     }
 }
 
+/// What moments are of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MomentMeasures {
+    /// Depths.
+    Depths,
+    /// `exp(c (d / far - 1))` of depths `d`, `c` above 0 and at most [`MomentMeasures::STEEPEST`], `far` that of [`MapLevels`].
+    Rising(f32),
+    /// That, and behind it `-exp(-c d / far)`.
+    Both(f32),
+}
+
+impl MomentMeasures {
+    /// The steepest exponential: the square of its least value is still a normal number.
+    pub const STEEPEST: f32 = 42.0;
+}
+
 /// The pipelines.
 #[derive(Debug)]
 pub struct MapMoments {
-    reduce: [kernel::ReduceProgram; 3],
+    reduce: Vec<[kernel::ReduceProgram; 3]>,
 }
 
 impl MapMoments {
-    /// Builds the pipelines.
-    pub fn new(device: &wgpu::Device) -> Self {
-        let from = |first: u32| kernel::ReduceProgram::new(device, kernel::Constants { first });
-        Self { reduce: [0, 1, 2].map(|k| from(k * kernel::LEVELS)) }
+    /// Builds the pipelines, for the measures of depth that moments are to be of.
+    pub fn new(device: &wgpu::Device, measures: MomentMeasures) -> Self {
+        let from =
+            |first: u32, exponent: f32| kernel::ReduceProgram::new(device, kernel::Constants { first, exponent });
+        let of = |exponent: f32| [0, 1, 2].map(|k| from(k * kernel::LEVELS, exponent));
+        Self {
+            reduce: match measures {
+                MomentMeasures::Depths => vec![of(0.0)],
+                MomentMeasures::Rising(exponent) => vec![of(exponent)],
+                MomentMeasures::Both(exponent) => vec![of(exponent), of(-exponent)],
+            },
+        }
     }
 
     /// Memory for the moments of a map of `size` texels a side.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn memory(device: &wgpu::Device, size: u32) -> Result<Buffer<[f32; 2]>> {
-        Buffer::storage(device, "map_moments.moments", MapLevels::moments_of(size))
+    pub fn memory(&self, device: &wgpu::Device, size: u32) -> Result<Buffer<[f32; 2]>> {
+        Buffer::storage(device, "map_moments.moments", MapLevels::moments_of(size) * self.reduce.len())
     }
 
     /// Records it, for a map of `size` texels a side.
@@ -113,10 +142,12 @@ impl MapMoments {
             nearest_keys: nearest_keys.as_read(),
             moments: moments.as_write(),
         };
-        let firsts = (0..MapLevels::count_of(size)).step_by(kernel::LEVELS as usize);
-        for (program, first) in self.reduce.iter().zip(firsts) {
-            let tiles = MapLevels::side_of(size, first).div_ceil(kernel::TILE);
-            stage.run(program, bindings, Groups::Workgroups(u64::from(tiles).pow(2)));
+        for reduce in &self.reduce {
+            let firsts = (0..MapLevels::count_of(size)).step_by(kernel::LEVELS as usize);
+            for (program, first) in reduce.iter().zip(firsts) {
+                let tiles = MapLevels::side_of(size, first).div_ceil(kernel::TILE);
+                stage.run(program, bindings, Groups::Workgroups(u64::from(tiles).pow(2)));
+            }
         }
     }
 }

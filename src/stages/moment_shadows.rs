@@ -1,4 +1,5 @@
-//! Shadows by mean and variance of the depths in a pixel's footprint (Donnelly and Lauritzen 2006).
+//! Shadows by mean and variance of the depths in a pixel's footprint (Donnelly and Lauritzen 2006), or of exponentials of them (Annen et al. 2008;
+//! Lauritzen and McCool 2008).
 //!
 //! - **Reads** the triangle at each pixel centre, triangles, projected vertices, the nearest depths of
 //!   [`light_layers`](super::light_layers) and their [moments](super::map_moments).
@@ -7,7 +8,7 @@
 //! - **Cost.** One dispatch over pixels; per pixel up to 16 lookups of eight cells.
 
 use super::PrimaryHits;
-use super::map_moments::MapLevels;
+use super::map_moments::{MapLevels, MomentMeasures};
 use crate::frame::Frame;
 use crate::gpu::kernels::moment_shadows as kernel;
 use crate::gpu::{Buffer, Groups, Stage};
@@ -21,6 +22,9 @@ pub struct MomentShadowsOptions {
     pub bleeding: f32,
     /// Sine of the elevation of the light over a receiver below which half of it is lit; 0 for none.
     pub grazing: f32,
+    /// What the moments are of, and so how they are asked: of depths, the share of light is at most variance / (variance + difference²)
+    /// (Chebyshev); of the rising exponential alone, their mean over the receiver's; of both, the less of either bound.
+    pub measures: MomentMeasures,
 }
 
 /// The pipeline.
@@ -43,8 +47,13 @@ pub struct MapWithMoments<'a> {
 impl MomentShadows {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device, options: MomentShadowsOptions) -> Self {
-        let MomentShadowsOptions { constant, bleeding, grazing } = options;
-        let constants = kernel::Constants { bias_constant: constant, bleeding, grazing };
+        let MomentShadowsOptions { constant, bleeding, grazing, measures } = options;
+        let (query, exponent) = match measures {
+            MomentMeasures::Depths => (kernel::QUERY_DEPTHS, 0.0),
+            MomentMeasures::Rising(exponent) => (kernel::QUERY_MEAN, exponent),
+            MomentMeasures::Both(exponent) => (kernel::QUERY_BOTH, exponent),
+        };
+        let constants = kernel::Constants { bias_constant: constant, bleeding, grazing, query, exponent };
         Self { filter: kernel::FilterMomentsProgram::new(device, constants) }
     }
 

@@ -1,49 +1,68 @@
 //! Mean and variance of squares of texels, cell by cell against `f64` over the texels themselves.
 
-use crate::support::shadow::{Pipelines, folding_gpu};
+use crate::support::shadow::folding_gpu;
 use crate::support::{POISON, Random, gpu, sizes_around};
 use oracle::reference::map_moments::moments;
+use oracle::reference::moment_shadows::Measure;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments};
+use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments, MomentMeasures};
 use test_support::gpu_test;
 
 const FAR: f32 = 1.25;
 
 struct Ran {
     size: u32,
+    measures: MomentMeasures,
     keys: Vec<u32>,
     moments: Vec<[f32; 2]>,
 }
 
-/// The moments of `keys`, of a map of `size` texels a side.
+/// The moments of the depths of `keys`, of a map of `size` texels a side.
 fn reduce(gpu: &Gpu, size: u32, keys: Vec<u32>) -> Ran {
-    static MADE: Pipelines<MapMoments> = Pipelines::new();
+    reduce_of(gpu, size, keys, MomentMeasures::Depths)
+}
+
+fn reduce_of(gpu: &Gpu, size: u32, keys: Vec<u32>, measures: MomentMeasures) -> Ran {
     let frame = Buffer::uniform(&gpu.device, "test.frame", 1).expect("memory");
     frame.write(&gpu.queue, &[Frame { map_size: size, ..Frame::default() }]);
     let levels = Buffer::uniform(&gpu.device, "test.levels", 1).expect("memory");
     levels.write(&gpu.queue, &[MapLevels::new(size, f64::from(FAR))]);
     let texels = Buffer::from_slice(&gpu.device, &gpu.queue, "test.keys", &keys).expect("memory");
-    let made = MapMoments::memory(&gpu.device, size).expect("memory");
+    let stage = MapMoments::new(&gpu.device, measures);
+    let made = stage.memory(&gpu.device, size).expect("memory");
     made.write(&gpu.queue, &vec![[f32::from_bits(POISON); 2]; made.len()]);
-    let stage = MADE.get(gpu, 0, || MapMoments::new(&gpu.device));
     crate::support::run(gpu, |s| stage.record(s, &frame, &levels, &texels, &made, size));
-    Ran { size, keys, moments: made.read(gpu).expect("readback") }
+    Ran { size, measures, keys, moments: made.read(gpu).expect("readback") }
 }
 
 /// Where the stage departs from its definition.
 fn fault(ran: &Ran) -> Option<String> {
-    let Ran { size, keys, moments: made } = ran;
+    let Ran { size, measures, keys, moments: made } = ran;
     let mut got = made.iter();
     let depth = |&key: &u32| f64::from(if key == 0 { FAR } else { f32::from_bits(!key) });
-    let depths: Vec<f64> = keys.iter().map(depth).collect();
-    for level in 1..=MapLevels::count_of(*size) {
-        for (cell, [mean, variance]) in moments(&depths, *size, level).into_iter().enumerate() {
-            let Some(&[m, v]) = got.next() else { return Some("too few cells".to_owned()) };
-            let right =
-                (f64::from(m) - mean).abs() <= 2e-6 && (f64::from(v) - variance).abs() <= 1e-9 + 1e-5 * variance;
-            if !right {
-                return Some(format!("level {level}, cell {cell}: {m} {v}, {mean} {variance} expected"));
+    let exponents = match *measures {
+        MomentMeasures::Depths => vec![0.0],
+        MomentMeasures::Rising(c) => vec![c],
+        MomentMeasures::Both(c) => vec![c, -c],
+    };
+    for exponent in exponents.into_iter().map(f64::from) {
+        let measure = Measure { far: f64::from(FAR), exponent };
+        let values: Vec<f64> = keys.iter().map(|key| measure.of(depth(key))).collect();
+        // Of the exponentials a driver may be wrong in the last places of e to the forty-second.
+        let share = if exponent == 0.0 { 1e-5 } else { 3e-4 };
+        for level in 1..=MapLevels::count_of(*size) {
+            for (cell, [mean, variance]) in moments(&values, *size, level).into_iter().enumerate() {
+                let Some(&[m, v]) = got.next() else { return Some("too few cells".to_owned()) };
+                let mean_off = if exponent == 0.0 { 2e-6 } else { share * mean.abs() };
+                // What rounding makes of values that are all alike.
+                let noise = if exponent == 0.0 { 1e-9 } else { (1e-5 * mean).powi(2) };
+                let right = (f64::from(m) - mean).abs() <= mean_off
+                    && (f64::from(v) - variance).abs() <= noise + 2.0 * share * variance;
+                if !right {
+                    let of = format!("exponent {exponent}, level {level}, cell {cell}");
+                    return Some(format!("{of}: {m} {v}, {mean} {variance} expected"));
+                }
             }
         }
     }
@@ -93,6 +112,39 @@ fn random_seeded() {
     for size in [100, 257, 511, 1023, 1025, 1100] {
         check(size, keys(size, &mut random));
     }
+}
+
+/// Exponentials of the depths, one and both, as steep as may be.
+#[gpu_test]
+fn exponentials() {
+    let mut random = Random::new(7);
+    for measures in [
+        MomentMeasures::Rising(40.0),
+        MomentMeasures::Rising(1.0),
+        MomentMeasures::Both(10.0),
+        MomentMeasures::Both(MomentMeasures::STEEPEST),
+    ] {
+        for size in [1, 2, 45, 64, 257] {
+            let ran = reduce_of(gpu(), size, keys(size, &mut random), measures);
+            if let Some(text) = fault(&ran) {
+                panic!("{measures:?}, a map of {size}: {text}");
+            }
+            assert_eq!(
+                ran.moments.len(),
+                reduce_of(gpu(), size, vec![0; (size * size) as usize], measures).moments.len()
+            );
+        }
+    }
+    let spoilt = |spoil: &dyn Fn(&mut Ran)| {
+        let mut ran = reduce_of(gpu(), 45, keys(45, &mut Random::new(8)), MomentMeasures::Both(10.0));
+        spoil(&mut ran);
+        fault(&ran).is_some()
+    };
+    assert!(!spoilt(&|_| {}));
+    assert!(spoilt(&|r| r.measures = MomentMeasures::Both(10.1)));
+    assert!(spoilt(&|r| r.measures = MomentMeasures::Rising(10.0)));
+    let falling = MapLevels::moments_of(45);
+    assert!(spoilt(&|r| r.moments[falling + 3][0] *= 1.002) && spoilt(&|r| r.moments[falling + 3][1] *= 1.01));
 }
 
 /// Depths that differ by little, far from 0, where two moments would cancel.

@@ -69,7 +69,8 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("kernel", &[&|s| s.shadow_map.kernel = 7]);
     vary("shape", &[&|s| s.smsr.shape = SmsrShape::Corners]);
     vary("reach", &[&|s| s.smsr.reach = SmsrSettings::LONGEST]);
-    vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0 }]);
+    vary("exponent", &[&|s| s.moments.exponent = 8.0]);
+    vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
     all
 }
 

@@ -15,7 +15,7 @@ use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
-use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments};
+use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments, MomentMeasures};
 use subpixel_shadows::stages::requested_blocks::RequestedBlocks;
 use subpixel_shadows::stages::silhouette_mask::SilhouetteMask;
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
@@ -78,8 +78,9 @@ impl WithMoments {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(None) };
         let levels = Buffer::uniform(&gpu.device, "bench.levels", 1)?;
         levels.write(&gpu.queue, &[MapLevels::new(MAP, 2.0)]);
-        let moments = MapMoments::memory(&gpu.device, MAP)?;
-        let made = Self { setup, levels, moments, reduce: MapMoments::new(&gpu.device) };
+        let reduce = MapMoments::new(&gpu.device, MomentMeasures::Depths);
+        let moments = reduce.memory(&gpu.device, MAP)?;
+        let made = Self { setup, levels, moments, reduce };
         submit(gpu, |stage| {
             made.record(stage);
             Ok(())

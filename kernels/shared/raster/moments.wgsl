@@ -5,9 +5,10 @@
 //@needs var<uniform> frame: Frame;
 
 struct MapLevels {
-    far: f32,    // depth where there is no caster: well beyond that of anything
-    count: u32,  // levels above the texels
-    pad: vec2<u32>,
+    far: f32,      // depth where there is no caster: well beyond that of anything
+    count: u32,    // levels above the texels
+    falling: u32,  // where those of the falling exponential begin, behind those of the rising one
+    pad: u32,
     starts: array<vec4<u32>, 4>,  // where each begins among the moments
 }
 
@@ -22,9 +23,17 @@ fn level_start(level: u32) -> u32 {
     return levels.starts[level >> 2u][level & 3u];
 }
 
+// What moments are of: a depth itself, or its exponential, with an exponent above 0 the rising one, at most
+// 1, below 0 the falling one, turned over, so that it grows with depth too.
+fn measure(depth: f32, exponent: f32) -> f32 {
+    let share = depth / levels.far;
+    if exponent > 0.0 { return exp(exponent * (share - 1.0)); }
+    return select(-exp(exponent * share), depth, exponent == 0.0);
+}
+
 // Of a texel by itself.
-fn texel_moments(key: u32) -> vec2<f32> {
-    return vec2(select(depth_of_key(key), levels.far, key == 0u), 0.0);
+fn texel_moments(key: u32, exponent: f32) -> vec2<f32> {
+    return vec2(measure(select(depth_of_key(key), levels.far, key == 0u), exponent), 0.0);
 }
 
 // Of four parts, whose shares add up to 1. Equal means stay what they are, to the bit.

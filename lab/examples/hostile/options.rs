@@ -72,6 +72,8 @@ fn cases() -> Vec<Case> {
     }
     add("--method remix --grazing ", &[("0", 0), ("1e-45", 0), ("90", 0), ("90.00001", 1), ("180", 1)]);
     add("--method remix --grazing ", &shares);
+    add("--method exponential --exponent ", &[("1", 0), ("42", 0), ("0.9999999", 1), ("42.00001", 1)]);
+    add("--method exponential-variance --exponent ", &shares);
     add("--camera fov=", &[("0", 1), ("1e-45", 0), ("1e-6", 0), ("179.9999", 0), ("180", 1), ("360", 1)]);
     add("--camera fov=", &[("nan", 1), ("inf", 1), ("-1", 1), ("1e39", 1), ("x", 1)]);
     let places = [("0,0,0", 0), ("1e-45,0,0", 0), ("0,1e6,0.1", 0), ("1e18,0,0", 0), ("1e38,1e38,1e38", 1)];

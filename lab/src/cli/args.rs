@@ -136,13 +136,17 @@ pub struct RenderOptions {
     /// Share of a slice's depth, nearest the eye, that gets 80 % of a trapezoid's rows (trapezoidal, --warp trapezoid)
     #[arg(long, default_value_t = 0.6, value_name = "SHARE")]
     pub focus: f32,
-    /// Share of light that variance and remix take off against leaks; 0 as in the papers, up to 0.9
+    /// Share of light that the methods of moments take off against leaks; 0 as in the papers, up to 0.9
     #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
     pub bleeding: f32,
-    /// Degrees of elevation of the light over a surface below which variance and remix take half of it as lit: 5 in the
+    /// Degrees of elevation of the light over a surface below which the methods of moments take half of it as lit: 5 in the
     /// paper of remix, 0 for none
     #[arg(long, default_value_t = 0.0, value_name = "DEGREES")]
     pub grazing: f32,
+    /// Exponent over the depths of a map (exponential, exponential-variance): 1 to 42; the steeper, the less light leaks, and the narrower are
+    /// what it filters
+    #[arg(long, default_value_t = 40.0, value_name = "C")]
+    pub exponent: f32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: MaskChoice,
@@ -413,7 +417,7 @@ impl RenderOptions {
                 ..SmsrSettings::default()
             },
             partition: self.partition(),
-            moments: MomentSettings { bleeding: self.bleeding, grazing: self.grazing },
+            moments: MomentSettings { bleeding: self.bleeding, grazing: self.grazing, exponent: self.exponent },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
             ..Settings::new(self.size, self.map, samples)

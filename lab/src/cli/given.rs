@@ -242,6 +242,7 @@ pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<
         ("focus", number(o.focus)),
         ("bleeding", number(o.bleeding)),
         ("grazing", number(o.grazing)),
+        ("exponent", number(o.exponent)),
     ];
     all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
 }

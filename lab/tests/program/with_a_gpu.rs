@@ -41,6 +41,8 @@ fn every_method_keeps_the_contract() {
         ("pcf", "shadow_map"),
         ("smsr", "smsr"),
         ("variance", "map_moments"),
+        ("exponential", "map_moments"),
+        ("exponential-variance", "moment_shadows"),
         ("trapezoidal", "shadow_map"),
         ("lispsm", "shadow_map"),
         ("parallel-split", "pixel_views"),

@@ -1,13 +1,36 @@
-//! Shadows by mean and variance of the depths in a footprint.
+//! Shadows by mean and variance of the depths in a footprint, or of exponentials of them.
 
 use super::map_moments;
 use glam::{DMat2, DVec2};
+
+/// A measure of depth, which grows with it.
+#[derive(Clone, Copy, Debug)]
+pub struct Measure {
+    /// Depth where there is no caster.
+    pub far: f64,
+    /// 0 for the depth itself; above, `exp(c (d / far - 1))`, below, `-exp(c d / far)`.
+    pub exponent: f64,
+}
+
+impl Measure {
+    /// Of a depth.
+    pub fn of(&self, depth: f64) -> f64 {
+        let (share, c) = (depth / self.far, self.exponent);
+        match c {
+            0.0 => depth,
+            _ if c > 0.0 => (c * (share - 1.0)).exp(),
+            _ => -(c * share).exp(),
+        }
+    }
+}
 
 /// Moments of a map, level by level.
 #[derive(Clone, Debug)]
 pub struct Moments {
     /// Texels a side.
     pub size: u32,
+    /// What they are of.
+    pub measure: Measure,
     /// Mean and variance of each level's cells, from the texels themselves on.
     pub levels: Vec<Vec<[f64; 2]>>,
 }
@@ -39,15 +62,17 @@ pub struct MomentQuery {
     pub bleeding: f64,
     /// Most squares along a footprint.
     pub most_probes: f64,
+    /// The share is the mean over the receiver's own measure, and else bounded by mean and variance.
+    pub by_mean: bool,
 }
 
 impl Moments {
-    /// Of a map of depths, which are `far` where there is no caster.
-    pub fn new(depths: &[Option<f64>], size: u32, far: f64) -> Self {
-        let all: Vec<f64> = depths.iter().map(|d| d.unwrap_or(far)).collect();
+    /// Of a map of depths, which are the measure's farthest where there is no caster.
+    pub fn new(depths: &[Option<f64>], size: u32, measure: Measure) -> Self {
+        let all: Vec<f64> = depths.iter().map(|d| measure.of(d.unwrap_or(measure.far))).collect();
         let last = size.max(1).next_power_of_two().trailing_zeros();
         let levels = (0..=last).map(|level| map_moments::moments(&all, size, level)).collect();
-        Self { size, levels }
+        Self { size, measure, levels }
     }
 
     /// Whether a place lies in the map.
@@ -80,21 +105,24 @@ impl Moments {
         mixed(&[(1.0 - f, self.bilinear(low, at)), (f, self.bilinear(high, at))])
     }
 
-    /// Share of light in such a square around a texel.
-    pub fn share(&self, r: &Receiver, wanted: DVec2, level: f64, ask: &MomentQuery) -> f64 {
+    /// Share of light in such a square around a texel, before any is taken off.
+    fn share(&self, r: &Receiver, wanted: DVec2, level: f64, ask: &MomentQuery) -> f64 {
         let cell = level.ceil().exp2().min(f64::from(self.size));
         let last = ((f64::from(self.size) / cell).floor() - 0.5) * cell;
         let at = wanted.clamp(DVec2::splat(0.5 * cell), DVec2::splat(last));
         let [mean, variance] = self.of_square(level, at);
-        let off = r.depth + r.rise_to(at) - ask.constant - mean;
-        if off <= 0.0 {
-            return 1.0;
+        let own = self.measure.of(r.depth + r.rise_to(at) - ask.constant);
+        let off = own - mean;
+        match ask.by_mean {
+            _ if off <= 0.0 => 1.0,
+            true => mean / own,
+            false => variance / (variance + off * off),
         }
-        (variance / (variance + off * off) - ask.bleeding).max(0.0) / (1.0 - ask.bleeding)
     }
 
-    /// Share of light in the footprint of a pixel; `steps` are the texels that a pixel to the right and one down take.
-    pub fn filtered(&self, r: &Receiver, steps: DMat2, ask: &MomentQuery) -> f64 {
+    /// Share of light in the footprint of a pixel, the least that any of several `moments` of one map tells; `steps` are the texels that a pixel to
+    /// the right and one down take.
+    pub fn filtered(moments: &[Self], r: &Receiver, steps: DMat2, ask: &MomentQuery) -> f64 {
         // A plane seen edge-on has no end.
         let steps = DMat2::from_cols_array(&steps.to_cols_array().map(|c| c.clamp(-65536.0, 65536.0)));
         // The footprint's axes, from the eigenvectors of `steps · stepsᵀ`.
@@ -106,10 +134,12 @@ impl Moments {
         let along = if a >= c { DVec2::new(0.5 * (a - c) + root, b) } else { DVec2::new(b, 0.5 * (c - a) + root) };
         let along = along.normalize_or_zero() * long;
         let probes = (long / short.max(1.0)).ceil().clamp(1.0, ask.most_probes);
-        let level = short.max(long / probes).max(1.0).log2().min((self.levels.len() - 1) as f64);
+        let levels = moments.iter().map(|m| m.levels.len()).min().unwrap_or(1);
+        let level = short.max(long / probes).max(1.0).log2().min((levels - 1) as f64);
         let probe = |k: u32| {
             let off = along * ((f64::from(k) + 0.5) / probes - 0.5);
-            self.share(r, r.at + off, level, ask)
+            let share = moments.iter().map(|m| m.share(r, r.at + off, level, ask)).fold(1.0, f64::min);
+            (share - ask.bleeding).max(0.0) / (1.0 - ask.bleeding)
         };
         (0..probes as u32).map(probe).sum::<f64>() / probes
     }

@@ -118,6 +118,14 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
             }
         }
         MethodName::Variance | MethodName::Trapezoidal | MethodName::Lispsm => add("", settings.clone()),
+        MethodName::Exponential | MethodName::ExponentialVariance => {
+            for exponent in [40.0, 20.0, 10.0] {
+                if exponent == 40.0 || more {
+                    let moments = MomentSettings { exponent, ..settings.moments };
+                    add(&format!("exponent={exponent}"), Settings { moments, ..settings.clone() });
+                }
+            }
+        }
         MethodName::ParallelSplit => add("splits=3", settings.clone()),
         MethodName::Remix => {
             let with = |splits, warp, moments| {
