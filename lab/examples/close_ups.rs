@@ -51,7 +51,8 @@ fn main() -> Result<()> {
     let measuring = Measuring { gpu: &gpu, repeats: 9, row_ms: f64::INFINITY, budget: Budget::default() };
     let measured = measuring.measure(&case, &scope.reference()?, &group)?;
     println!("{} ({}), {name}, {} x {}, 32 samples, map 512\n", gpu.adapter.name, gpu.adapter.driver, SIZE[0], SIZE[1]);
-    println!("| | error | ms |\n|---|---|---|");
+    println!("| | error | ms | over a shadow map |\n|---|---|---|---|");
+    let first = measured.first().map_or(f64::NAN, |first| first.row.time());
     for ((file, title, ..), mut measured) in SHOWN.iter().zip(measured) {
         if let Some(failed) = &measured.row.failed {
             return Err(Error::Config(format!("{title}: {failed}")));
@@ -59,7 +60,8 @@ fn main() -> Result<()> {
         let settings = &scope.reference()?.settings;
         (measured.row.matched, measured.row.converged) = case.errors(settings, &measured.visibility, None)?;
         write(&out.join(format!("close-up-{file}.png")), &measured.visibility, corner)?;
-        println!("| {title} | {} | {:.0} |", or_dash(figures::error(&measured.row), 3), measured.row.time());
+        let (error, time) = (or_dash(figures::error(&measured.row), 3), measured.row.time());
+        println!("| {title} | {error} | {time:.0} | {:.2} |", time / first);
     }
     let rays = case.converged(&scope.reference()?.settings, None)?.to_vec();
     write(&out.join("close-up-rays.png"), &rays, corner)
