@@ -3,7 +3,8 @@
 // them (EXPONENT: Annen et al. 2008; Lauritzen and McCool 2008). A cell of level k is a square of 2^k texels
 // a side, cut at the map's border; a texel without a caster is as deep as `levels.far`. `reduce` makes up to
 // five levels above level FIRST, which is the texels (`nearest_keys`) or was made by a run before. Writes
-// `moments`, level after level.
+// `moments`, level after level; with FOUR also third and fourth central moments (Peters and Klein 2015),
+// behind all of those.
 
 //@import frame dispatch front_split moments
 
@@ -14,12 +15,19 @@ const LEVELS = 5u;   // that it makes of them
 
 override FIRST: u32 = 0u;
 override EXPONENT: f32 = 0.0;
+override FOUR: u32 = 0u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(2) var<storage, read> nearest_keys: array<u32>;
 @group(0) @binding(3) var<storage, read_write> moments: array<vec2<f32>>;
 
-var<workgroup> tile: array<vec3<f32>, 256>;  // mean, variance, texels
+struct Cell {
+    low: vec2<f32>,   // mean, variance
+    high: vec2<f32>,  // with FOUR: third and fourth central moments
+    size: f32,        // texels
+}
+
+var<workgroup> tile: array<Cell, 256>;
 
 // Texels that a column or row of cells of a level takes.
 fn extent(level: u32, cell: u32) -> f32 {
@@ -29,21 +37,35 @@ fn extent(level: u32, cell: u32) -> f32 {
 
 // Where a level begins among the moments.
 fn start_of(level: u32) -> u32 {
-    return level_start(level) + select(0u, levels.falling, EXPONENT < 0.0);
+    return level_start(level) + select(0u, levels.second, EXPONENT < 0.0);
 }
 
-fn cell_of(at: vec2<u32>) -> vec3<f32> {
+fn cell_of(at: vec2<u32>) -> Cell {
     let size = extent(FIRST, at.x) * extent(FIRST, at.y);
-    if size == 0.0 { return vec3(0.0); }
-    if FIRST == 0u { return vec3(texel_moments(nearest_keys[at.y * frame.map_size + at.x], EXPONENT), size); }
-    return vec3(moments[start_of(FIRST) + at.y * level_side(FIRST) + at.x], size);
+    if size == 0.0 { return Cell(vec2(0.0), vec2(0.0), 0.0); }
+    if FIRST == 0u {
+        return Cell(texel_moments(nearest_keys[at.y * frame.map_size + at.x], EXPONENT), vec2(0.0), size);
+    }
+    let place = start_of(FIRST) + at.y * level_side(FIRST) + at.x;
+    var high = vec2(0.0);
+    if FOUR == 1u { high = moments[levels.second + place]; }
+    return Cell(moments[place], high, size);
 }
 
-fn joined(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f32>) -> vec3<f32> {
-    let sizes = vec4(a.z, b.z, c.z, d.z);
-    let size = a.z + b.z + c.z + d.z;
-    if size == 0.0 { return vec3(0.0); }
-    return vec3(mixed(vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), sizes / size), size);
+fn joined(a: Cell, b: Cell, c: Cell, d: Cell) -> Cell {
+    let sizes = vec4(a.size, b.size, c.size, d.size);
+    let size = a.size + b.size + c.size + d.size;
+    if size == 0.0 { return Cell(vec2(0.0), vec2(0.0), 0.0); }
+    let means = vec4(a.low.x, b.low.x, c.low.x, d.low.x);
+    let variances = vec4(a.low.y, b.low.y, c.low.y, d.low.y);
+    let low = mixed(means, variances, sizes / size);
+    var high = vec2(0.0);
+    if FOUR == 1u {
+        let three = vec4(a.high.x, b.high.x, c.high.x, d.high.x);
+        let four = vec4(a.high.y, b.high.y, c.high.y, d.high.y);
+        high = mixed_high(means - low.x, variances, three, four, sizes / size);
+    }
+    return Cell(low, high, size);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -68,7 +90,9 @@ fn reduce(
         }
         let cell = corner * side + own;
         if active_cell && level <= levels.count && all(cell < vec2(level_side(level))) {
-            moments[start_of(level) + cell.y * level_side(level) + cell.x] = made.xy;
+            let place = start_of(level) + cell.y * level_side(level) + cell.x;
+            moments[place] = made.low;
+            if FOUR == 1u { moments[levels.second + place] = made.high; }
         }
         workgroupBarrier();
         if active_cell { tile[own.y * HALF + own.x] = made; }

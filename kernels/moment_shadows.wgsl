@@ -6,6 +6,8 @@
 // rising and falling exponentials of the depths (Lauritzen and McCool 2008), with QUERY_MEAN the mean of
 // rising ones over the receiver's own (Annen et al. 2008). Where the receiver turns less than GRAZING (sine
 // of its elevation) to the light, half of it is lit (Oliveira 2009, section 4.2.2). Writes `visibility`.
+// QUERY_FOUR: at most the share that some depths with these four moments have behind the receiver, or at it
+// (Peters and Klein 2015).
 
 //@import frame dispatch facing receiver front_split moments
 
@@ -17,6 +19,8 @@ override EXPONENT: f32 = 0.0;  // of the rising exponential; 0 for the depths th
 const QUERY_DEPTHS = 0u;
 const QUERY_MEAN = 1u;
 const QUERY_BOTH = 2u;
+const QUERY_FOUR = 3u;
+override FLATTEST: f32 = 0.001;  // of the fourth moment, what it is above that of two depths at the least
 const MOST_PROBES = 16u;
 const LONGEST_STEP = 65536.0;  // texels: a plane seen edge-on has no end
 const WORKGROUP = 64u;
@@ -30,14 +34,27 @@ const WORKGROUP = 64u;
 @group(0) @binding(7) var<storage, read> moments: array<vec2<f32>>;
 @group(0) @binding(8) var<storage, read_write> visibility: array<f32>;
 
-fn cell_moments(level: u32, cell: vec2<u32>, exponent: f32) -> vec2<f32> {
-    if level == 0u { return texel_moments(nearest_keys[cell.y * frame.map_size + cell.x], exponent); }
-    let start = level_start(level) + select(0u, levels.falling, exponent < 0.0);
-    return moments[start + cell.y * level_side(level) + cell.x];
+// Mean, variance, and with QUERY_FOUR third and fourth central moment.
+fn cell_moments(level: u32, cell: vec2<u32>, exponent: f32) -> vec4<f32> {
+    if level == 0u {
+        return vec4(texel_moments(nearest_keys[cell.y * frame.map_size + cell.x], exponent), 0.0, 0.0);
+    }
+    let place = level_start(level) + cell.y * level_side(level) + cell.x;
+    if QUERY == QUERY_FOUR { return vec4(moments[place], moments[levels.second + place]); }
+    return vec4(moments[place + select(0u, levels.second, exponent < 0.0)], 0.0, 0.0);
+}
+
+fn joined(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, shares: vec4<f32>) -> vec4<f32> {
+    let means = vec4(a.x, b.x, c.x, d.x);
+    let variances = vec4(a.y, b.y, c.y, d.y);
+    let low = mixed(means, variances, shares);
+    if QUERY != QUERY_FOUR { return vec4(low, 0.0, 0.0); }
+    let three = vec4(a.z, b.z, c.z, d.z);
+    return vec4(low, mixed_high(means - low.x, variances, three, vec4(a.w, b.w, c.w, d.w), shares));
 }
 
 // Between the four cells of a level around a place.
-fn bilinear(level: u32, at: vec2<f32>, exponent: f32) -> vec2<f32> {
+fn bilinear(level: u32, at: vec2<f32>, exponent: f32) -> vec4<f32> {
     let last = f32(level_side(level) - 1u);
     let place = clamp(at / f32(1u << level) - 0.5, vec2(0.0), vec2(last));
     let low = vec2<u32>(place);
@@ -48,18 +65,17 @@ fn bilinear(level: u32, at: vec2<f32>, exponent: f32) -> vec2<f32> {
     let c = cell_moments(level, vec2(low.x, high.y), exponent);
     let d = cell_moments(level, high, exponent);
     let shares = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
-    return mixed(vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), shares);
+    return joined(a, b, c, d, shares);
 }
 
 // Of a square of 2^level texels a side around a place: between two levels.
-fn trilinear(level: f32, at: vec2<f32>, exponent: f32) -> vec2<f32> {
+fn trilinear(level: f32, at: vec2<f32>, exponent: f32) -> vec4<f32> {
     let low = u32(level);
     let fine = bilinear(low, at, exponent);
     let f = level - f32(low);
     if f == 0.0 { return fine; }
     let coarse = bilinear(min(low + 1u, levels.count), at, exponent);
-    return mixed(vec4(fine.x, coarse.x, fine.xx), vec4(fine.y, coarse.y, 0.0, 0.0),
-        vec4(1.0 - f, f, 0.0, 0.0));
+    return joined(fine, coarse, fine, fine, vec4(1.0 - f, f, 0.0, 0.0));
 }
 
 // Share of light in a square of 2^level texels a side around a place `wanted`, of a receiver that is at `at`
@@ -78,11 +94,37 @@ fn lit_share(r: Receiver, at: vec3<f32>, wanted: vec2<f32>, level: f32) -> f32 {
 }
 
 // Of measures with these moments, the share that is not less than the receiver's `own`, as far as they tell.
-fn share_of(found: vec2<f32>, own: f32) -> f32 {
+fn share_of(found: vec4<f32>, own: f32) -> f32 {
     let off = own - found.x;
+    // Also of four: what bounds more would shadow a slope by its own depths within the footprint.
     if off <= 0.0 { return 1.0; }
     if QUERY == QUERY_MEAN { return found.x / own; }
+    if QUERY == QUERY_FOUR { return share_of_four(found.yzw, off); }
     return found.y / (found.y + off * off);
+}
+
+// The same by variance, third and fourth central moment, `off` behind the mean. Of the three depths that have
+// these moments and of which the receiver's is one, those at it and behind it; the others are the roots of
+// the kernel polynomial, in deviations from the mean, and its inverse the share of each (Christoffel).
+fn share_of_four(m: vec3<f32>, off: f32) -> f32 {
+    if m.x < 1e-16 { return 0.0; }
+    let deviation = sqrt(m.x);
+    let z = off / deviation;
+    let skew = m.y / (m.x * deviation);
+    let flat = max(m.z / (m.x * m.x) - 1.0 - skew * skew, FLATTEST * (1.0 + skew * skew));
+    let own = z * z - skew * z - 1.0;
+    var lit = 1.0 / (1.0 + z * z + own * own / flat);
+    let a = own / flat;
+    let b = z - skew * a;
+    let c = 1.0 - a;
+    let q = -0.5 * (b + select(-1.0, 1.0, b >= 0.0) * sqrt(max(b * b - 4.0 * a * c, 0.0)));
+    let roots = vec2(select(z, q / a, abs(a) > 1e-9), select(z, c / q, abs(q) > 1e-9));
+    for (var k = 0u; k < 2u; k++) {
+        let x = roots[k];
+        let p = x * x - skew * x - 1.0;
+        if x > z { lit += 1.0 / (1.0 + x * x + p * p / flat); }
+    }
+    return min(lit, 1.0);
 }
 
 // Change of the place of the receiver's point `p`, texel `at`, for a change of the ray by a pixel.

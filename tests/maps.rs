@@ -37,6 +37,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
         (MethodName::Variance, 1),
         (MethodName::Exponential, 1),
         (MethodName::ExponentialVariance, 8),
+        (MethodName::FourMoments, 1),
         (MethodName::Trapezoidal, 8),
         (MethodName::Lispsm, 1),
         (MethodName::ParallelSplit, 32),

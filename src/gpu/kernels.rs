@@ -478,6 +478,7 @@ pub mod map_moments {
     overrides! {
         first: u32 = 0, "FIRST",
         exponent: f32 = 0.0, "EXPONENT",
+        four: u32 = 0, "FOUR",
     }
     entry_point! { "map_moments", "reduce", [256, 1, 1], SOURCE, Constants => Reduce, ReduceProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -505,8 +506,8 @@ pub mod moment_shadows {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
         NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
-        SEEN_DARK = 1, SEEN_OPEN = 2, QUERY_DEPTHS = 0, QUERY_MEAN = 1, QUERY_BOTH = 2, MOST_PROBES = 16,
-        WORKGROUP = 64,
+        SEEN_DARK = 1, SEEN_OPEN = 2, QUERY_DEPTHS = 0, QUERY_MEAN = 1, QUERY_BOTH = 2, QUERY_FOUR = 3,
+        MOST_PROBES = 16, WORKGROUP = 64,
     }
     overrides! {
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
@@ -514,6 +515,7 @@ pub mod moment_shadows {
         grazing: f32 = 0.0, "GRAZING",
         query: u32 = 0, "QUERY",
         exponent: f32 = 0.0, "EXPONENT",
+        flattest: f32 = 0.001, "FLATTEST",
     }
     entry_point! { "moment_shadows", "filter_moments", [64, 1, 1], SOURCE, Constants => FilterMoments, FilterMomentsProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,

@@ -23,6 +23,8 @@ pub enum MethodName {
     Exponential,
     /// `exponential-variance`: Lauritzen and McCool 2008.
     ExponentialVariance,
+    /// `four-moments`: Peters and Klein 2015.
+    FourMoments,
     /// `trapezoidal`: Martin and Tan 2004.
     Trapezoidal,
     /// `lispsm`: Wimmer, Scherzer, Purgathofer 2004.
@@ -67,6 +69,8 @@ pub enum MapQuery {
     Exponentials,
     /// The same with mean and variance of a rising and a falling exponential of them.
     ExponentialMoments,
+    /// The same with the first four moments of them.
+    FourMoments,
 }
 
 /// Description of a method.
@@ -120,7 +124,7 @@ pub const METHOD_OPTIONS: [&str; 20] = [
 ];
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 14] = [
+pub const METHODS: [MethodRow; 15] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -242,6 +246,20 @@ pub const METHODS: [MethodRow; 14] = [
         options: &["splits", "warp", "focus", "bleeding", "grazing", "exponent", "looks"],
     },
     MethodRow {
+        method: MethodName::FourMoments,
+        name: "four-moments",
+        paper: "Peters, Klein 2015: Moment Shadow Mapping",
+        section: "Hamburger's problem of four moments",
+        parts: [
+            "over casters and receivers; slices, warps; a cube",
+            "mean, variance, third and fourth central moment of depth",
+            "bound the lit share of the pixel's footprint",
+        ],
+        query: TexelQuery::Map(MapQuery::FourMoments),
+        partition: None,
+        options: &["splits", "warp", "focus", "bleeding", "grazing", "looks"],
+    },
+    MethodRow {
         method: MethodName::Trapezoidal,
         name: "trapezoidal",
         paper: "Martin, Tan 2004: Anti-aliasing and Continuity with Trapezoidal Shadow Maps",
@@ -359,8 +377,8 @@ impl MethodName {
 
     /// Whether it asks a map by moments of its depths.
     pub(crate) fn filters_moments(self) -> bool {
-        use MapQuery::{ExponentialMoments, Exponentials, Moments};
-        matches!(self.row().query, TexelQuery::Map(Moments | Exponentials | ExponentialMoments))
+        use MapQuery::{ExponentialMoments, Exponentials, FourMoments, Moments};
+        matches!(self.row().query, TexelQuery::Map(Moments | Exponentials | ExponentialMoments | FourMoments))
     }
 
     /// Whether it takes an option; one that is not among [`METHOD_OPTIONS`] is of all methods.

@@ -204,7 +204,7 @@ impl SmsrSettings {
 }
 
 /// Options of the methods that filter maps by their moments, whose bias is [`ShadowMapSettings::constant`]: `variance`, `exponential`,
-/// `exponential-variance` and `remix`.
+/// `exponential-variance`, `four-moments` and `remix`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MomentSettings {
     /// Share of light that is taken off against leaks; 0 in the papers.
@@ -294,7 +294,7 @@ pub struct Settings {
     pub smsr: SmsrSettings,
     /// Options of the methods that compare depths.
     pub shadow_map: ShadowMapSettings,
-    /// Options of `variance`, `exponential`, `exponential-variance` and `remix`.
+    /// Options of `variance`, `exponential`, `exponential-variance`, `four-moments` and `remix`.
     pub moments: MomentSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,

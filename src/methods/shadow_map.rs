@@ -1,11 +1,11 @@
 //! A map of nearest depths, asked four ways: by comparing every sample with its texel (`shadow-map`: Williams 1978), with a box of texels
 //! (`pcf`: Reeves, Salesin, Cook 1987), with borders drawn anew (`smsr`: Bondarev 2014), or by the moments of the depths in the pixel's
 //! footprint (`variance`: Donnelly, Lauritzen 2006), or of exponentials of them (`exponential`: Annen et al. 2008; `exponential-variance`:
-//! Lauritzen, McCool 2008).
+//! Lauritzen, McCool 2008), or by four moments (`four-moments`: Peters, Klein 2015).
 //!
 //! In slices and warps of its own the first is `trapezoidal` (Martin, Tan 2004), `lispsm` (Wimmer, Scherzer, Purgathofer 2004) or
 //! `parallel-split` (Zhang et al. 2006), and the last `remix` (Oliveira 2009): see [`MethodRow::partition`](super::MethodRow::partition).
-//! Memory is fixed: 4 bytes a texel, of moments 2.7 more, of two exponentials 5.3.
+//! Memory is fixed: 4 bytes a texel, of moments 2.7 more, of two exponentials or four moments 5.3.
 
 use super::debug_views::DebugViews;
 use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
@@ -47,11 +47,12 @@ impl Ask {
                 let midpoints = shape == SmsrShape::Midpoints;
                 Self::Borders(Smsr::new(device, SmsrOptions { reach, midpoints, constant, slope }))
             }
-            MapQuery::Moments | MapQuery::Exponentials | MapQuery::ExponentialMoments => {
+            MapQuery::Moments | MapQuery::Exponentials | MapQuery::ExponentialMoments | MapQuery::FourMoments => {
                 let MomentSettings { bleeding, grazing, exponent } = settings.moments;
                 let measures = match query {
                     MapQuery::Exponentials => MomentMeasures::Rising(exponent),
                     MapQuery::ExponentialMoments => MomentMeasures::Both(exponent),
+                    MapQuery::FourMoments => MomentMeasures::Four,
                     _ => MomentMeasures::Depths,
                 };
                 let grazing = grazing.to_radians().sin();

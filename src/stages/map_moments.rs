@@ -8,7 +8,7 @@
 //! - **Writes** `moments`, level after level from the first above the texels, row by row. A cell of level `k` is the square of `2^k` texels
 //!   a side, cut at the map's border; a texel without a caster is as deep as [`MapLevels::far`].
 //! - **Guarantee.** Bit-equal from run to run.
-//! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory. Twice that for both exponentials.
+//! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory. Twice that for both exponentials and for four moments.
 
 use crate::frame::Frame;
 use crate::gpu::kernels::map_moments as kernel;
@@ -24,8 +24,8 @@ shared_struct! {
         pub far: f32,
         /// Levels above the texels.
         pub count: u32,
-        /// Where the moments of the falling exponential begin, behind those of the rising one.
-        pub falling: u32,
+        /// Where the moments of the falling exponential begin, behind those of the rising one, or third and fourth, behind mean and variance.
+        pub second: u32,
         /// Unused.
         pub pad: u32,
         /// Where each level begins among the moments.
@@ -37,8 +37,8 @@ impl MapLevels {
     /// Levels of a map of `size` texels a side, at most [`LightView::LARGEST_MAP`]; depth `far` where there is no caster.
     pub fn new(size: u32, far: f64) -> Self {
         let size = size.min(LightView::LARGEST_MAP);
-        let falling = Self::moments_of(size) as u32;
-        let mut made = Self { far: far as f32, count: Self::count_of(size), falling, ..Self::default() };
+        let second = Self::moments_of(size) as u32;
+        let mut made = Self { far: far as f32, count: Self::count_of(size), second, ..Self::default() };
         let mut start = 0;
         for level in 1..=made.count {
             made.starts[level as usize / 4][level as usize % 4] = start;
@@ -90,31 +90,38 @@ pub enum MomentMeasures {
     Rising(f32),
     /// That, and behind it `-exp(-c d / far)`.
     Both(f32),
+    /// Depths; behind mean and variance their third and fourth central moments (Peters and Klein 2015).
+    Four,
 }
 
 impl MomentMeasures {
     /// The steepest exponential: the square of its least value is still a normal number.
     pub const STEEPEST: f32 = 42.0;
+    /// Of four moments, the fourth is above that of two depths by this share at the least, so that rounding is no shadow.
+    pub const FLATTEST: f32 = 1e-3;
 }
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct MapMoments {
     reduce: Vec<[kernel::ReduceProgram; 3]>,
+    measures: MomentMeasures,
 }
 
 impl MapMoments {
     /// Builds the pipelines, for the measures of depth that moments are to be of.
     pub fn new(device: &wgpu::Device, measures: MomentMeasures) -> Self {
+        let four = u32::from(measures == MomentMeasures::Four);
         let from =
-            |first: u32, exponent: f32| kernel::ReduceProgram::new(device, kernel::Constants { first, exponent });
+            |first: u32, exponent: f32| kernel::ReduceProgram::new(device, kernel::Constants { first, exponent, four });
         let of = |exponent: f32| [0, 1, 2].map(|k| from(k * kernel::LEVELS, exponent));
         Self {
             reduce: match measures {
-                MomentMeasures::Depths => vec![of(0.0)],
+                MomentMeasures::Depths | MomentMeasures::Four => vec![of(0.0)],
                 MomentMeasures::Rising(exponent) => vec![of(exponent)],
                 MomentMeasures::Both(exponent) => vec![of(exponent), of(-exponent)],
             },
+            measures,
         }
     }
 
@@ -123,7 +130,11 @@ impl MapMoments {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn memory(&self, device: &wgpu::Device, size: u32) -> Result<Buffer<[f32; 2]>> {
-        Buffer::storage(device, "map_moments.moments", MapLevels::moments_of(size) * self.reduce.len())
+        let sets = match self.measures {
+            MomentMeasures::Depths | MomentMeasures::Rising(_) => 1,
+            MomentMeasures::Both(_) | MomentMeasures::Four => 2,
+        };
+        Buffer::storage(device, "map_moments.moments", MapLevels::moments_of(size) * sets)
     }
 
     /// Records it, for a map of `size` texels a side.

@@ -1,5 +1,5 @@
-//! Shadows by mean and variance of the depths in a pixel's footprint (Donnelly and Lauritzen 2006), or of exponentials of them (Annen et al. 2008;
-//! Lauritzen and McCool 2008).
+//! Shadows by mean and variance of the depths in a pixel's footprint (Donnelly and Lauritzen 2006), of exponentials of them (Annen et al. 2008;
+//! Lauritzen and McCool 2008), or by four moments (Peters and Klein 2015).
 //!
 //! - **Reads** the triangle at each pixel centre, triangles, projected vertices, the nearest depths of
 //!   [`light_layers`](super::light_layers) and their [moments](super::map_moments).
@@ -23,7 +23,7 @@ pub struct MomentShadowsOptions {
     /// Sine of the elevation of the light over a receiver below which half of it is lit; 0 for none.
     pub grazing: f32,
     /// What the moments are of, and so how they are asked: of depths, the share of light is at most variance / (variance + difference²)
-    /// (Chebyshev); of the rising exponential alone, their mean over the receiver's; of both, the less of either bound.
+    /// (Chebyshev); of the rising exponential alone, their mean over the receiver's; of both, the less of either bound; of four, the bound that they have (Hamburger's problem).
     pub measures: MomentMeasures,
 }
 
@@ -52,8 +52,16 @@ impl MomentShadows {
             MomentMeasures::Depths => (kernel::QUERY_DEPTHS, 0.0),
             MomentMeasures::Rising(exponent) => (kernel::QUERY_MEAN, exponent),
             MomentMeasures::Both(exponent) => (kernel::QUERY_BOTH, exponent),
+            MomentMeasures::Four => (kernel::QUERY_FOUR, 0.0),
         };
-        let constants = kernel::Constants { bias_constant: constant, bleeding, grazing, query, exponent };
+        let constants = kernel::Constants {
+            bias_constant: constant,
+            bleeding,
+            grazing,
+            query,
+            exponent,
+            flattest: MomentMeasures::FLATTEST,
+        };
         Self { filter: kernel::FilterMomentsProgram::new(device, constants) }
     }
 

@@ -42,17 +42,19 @@ fn fault(ran: &Ran) -> Option<String> {
     let mut got = made.iter();
     let depth = |&key: &u32| f64::from(if key == 0 { FAR } else { f32::from_bits(!key) });
     let exponents = match *measures {
-        MomentMeasures::Depths => vec![0.0],
+        MomentMeasures::Depths | MomentMeasures::Four => vec![0.0],
         MomentMeasures::Rising(c) => vec![c],
         MomentMeasures::Both(c) => vec![c, -c],
     };
+    let four = *measures == MomentMeasures::Four;
+    let mut high = made[if four { MapLevels::moments_of(*size) } else { 0 }..].iter();
     for exponent in exponents.into_iter().map(f64::from) {
         let measure = Measure { far: f64::from(FAR), exponent };
         let values: Vec<f64> = keys.iter().map(|key| measure.of(depth(key))).collect();
         // Of the exponentials a driver may be wrong in the last places of e to the forty-second.
         let share = if exponent == 0.0 { 1e-5 } else { 3e-4 };
         for level in 1..=MapLevels::count_of(*size) {
-            for (cell, [mean, variance]) in moments(&values, *size, level).into_iter().enumerate() {
+            for (cell, [mean, variance, third, fourth]) in moments(&values, *size, level).into_iter().enumerate() {
                 let Some(&[m, v]) = got.next() else { return Some("too few cells".to_owned()) };
                 let mean_off = if exponent == 0.0 { 2e-6 } else { share * mean.abs() };
                 // What rounding makes of values that are all alike.
@@ -63,10 +65,21 @@ fn fault(ran: &Ran) -> Option<String> {
                     let of = format!("exponent {exponent}, level {level}, cell {cell}");
                     return Some(format!("{of}: {m} {v}, {mean} {variance} expected"));
                 }
+                if !four {
+                    continue;
+                }
+                let Some([t, f]) = high.next().map(|m| m.map(f64::from)) else {
+                    return Some("too few high".to_owned());
+                };
+                let scale = variance.sqrt();
+                if (t - third).abs() > 1e-5 * scale.powi(3) + 1e-12 || (f - fourth).abs() > 1e-5 * fourth + 1e-14 {
+                    return Some(format!("level {level}, cell {cell}: {t} {f}, {third} {fourth} expected"));
+                }
             }
         }
     }
-    got.next().map(|_| "too many cells".to_owned())
+    let more = if four { high.next() } else { got.next() };
+    more.map(|_| "too many cells".to_owned())
 }
 
 #[track_caller]
@@ -114,15 +127,16 @@ fn random_seeded() {
     }
 }
 
-/// Exponentials of the depths, one and both, as steep as may be.
+/// Exponentials of the depths, one and both, as steep as may be, and four moments.
 #[gpu_test]
-fn exponentials() {
+fn other_measures() {
     let mut random = Random::new(7);
     for measures in [
         MomentMeasures::Rising(40.0),
         MomentMeasures::Rising(1.0),
         MomentMeasures::Both(10.0),
         MomentMeasures::Both(MomentMeasures::STEEPEST),
+        MomentMeasures::Four,
     ] {
         for size in [1, 2, 45, 64, 257] {
             let ran = reduce_of(gpu(), size, keys(size, &mut random), measures);
@@ -143,8 +157,15 @@ fn exponentials() {
     assert!(!spoilt(&|_| {}));
     assert!(spoilt(&|r| r.measures = MomentMeasures::Both(10.1)));
     assert!(spoilt(&|r| r.measures = MomentMeasures::Rising(10.0)));
-    let falling = MapLevels::moments_of(45);
-    assert!(spoilt(&|r| r.moments[falling + 3][0] *= 1.002) && spoilt(&|r| r.moments[falling + 3][1] *= 1.01));
+    let second = MapLevels::moments_of(45);
+    assert!(spoilt(&|r| r.moments[second + 3][0] *= 1.002) && spoilt(&|r| r.moments[second + 3][1] *= 1.01));
+    let four = |spoil: &dyn Fn(&mut Ran)| {
+        let mut ran = reduce_of(gpu(), 45, keys(45, &mut Random::new(9)), MomentMeasures::Four);
+        spoil(&mut ran);
+        fault(&ran).is_some()
+    };
+    assert!(!four(&|_| {}) && four(&|r| r.moments[3][1] *= 1.01));
+    assert!(four(&|r| r.moments[second + 9][0] += 1e-3) && four(&|r| r.moments[second + 9][1] *= 1.001));
 }
 
 /// Depths that differ by little, far from 0, where two moments would cancel.

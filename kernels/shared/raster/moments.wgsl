@@ -7,7 +7,7 @@
 struct MapLevels {
     far: f32,      // depth where there is no caster: well beyond that of anything
     count: u32,    // levels above the texels
-    falling: u32,  // where those of the falling exponential begin, behind those of the rising one
+    second: u32,   // where the falling exponential's begin, or third and fourth moments, behind the others
     pad: u32,
     starts: array<vec4<u32>, 4>,  // where each begins among the moments
 }
@@ -34,6 +34,20 @@ fn measure(depth: f32, exponent: f32) -> f32 {
 // Of a texel by itself.
 fn texel_moments(key: u32, exponent: f32) -> vec2<f32> {
     return vec2(measure(select(depth_of_key(key), levels.far, key == 0u), exponent), 0.0);
+}
+
+// Third and fourth central moments of four parts, `offs` of their means from the mean of all.
+fn mixed_high(
+    offs: vec4<f32>,
+    two: vec4<f32>,
+    three: vec4<f32>,
+    four: vec4<f32>,
+    shares: vec4<f32>,
+) -> vec2<f32> {
+    let squares = offs * offs;
+    let third = three + offs * (3.0 * two + squares);
+    let fourth = four + 4.0 * offs * three + squares * (6.0 * two + squares);
+    return vec2(dot(third, shares), dot(fourth, shares));
 }
 
 // Of four parts, whose shares add up to 1. Equal means stay what they are, to the bit.

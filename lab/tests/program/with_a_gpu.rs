@@ -43,6 +43,7 @@ fn every_method_keeps_the_contract() {
         ("variance", "map_moments"),
         ("exponential", "map_moments"),
         ("exponential-variance", "moment_shadows"),
+        ("four-moments", "moment_shadows"),
         ("trapezoidal", "shadow_map"),
         ("lispsm", "shadow_map"),
         ("parallel-split", "pixel_views"),

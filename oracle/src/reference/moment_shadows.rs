@@ -3,6 +3,17 @@
 use super::map_moments;
 use glam::{DMat2, DVec2};
 
+/// What moments tell of the share of light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MomentBound {
+    /// Mean and variance bound it (Chebyshev).
+    Variance,
+    /// The mean over the receiver's own measure.
+    Mean,
+    /// All four bound it (Hamburger); the fourth is above that of two depths by this share at the least.
+    Four(f64),
+}
+
 /// A measure of depth, which grows with it.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
@@ -31,8 +42,8 @@ pub struct Moments {
     pub size: u32,
     /// What they are of.
     pub measure: Measure,
-    /// Mean and variance of each level's cells, from the texels themselves on.
-    pub levels: Vec<Vec<[f64; 2]>>,
+    /// Mean, variance, third and fourth central moment of each level's cells, from the texels themselves on.
+    pub levels: Vec<Vec<[f64; 4]>>,
 }
 
 /// The receiver at a place of the map.
@@ -62,8 +73,8 @@ pub struct MomentQuery {
     pub bleeding: f64,
     /// Most squares along a footprint.
     pub most_probes: f64,
-    /// The share is the mean over the receiver's own measure, and else bounded by mean and variance.
-    pub by_mean: bool,
+    /// What moments tell of the share.
+    pub by: MomentBound,
 }
 
 impl Moments {
@@ -80,7 +91,7 @@ impl Moments {
         at.cmpge(DVec2::ZERO).all() && at.max_element() < f64::from(self.size)
     }
 
-    fn bilinear(&self, level: usize, at: DVec2) -> [f64; 2] {
+    fn bilinear(&self, level: usize, at: DVec2) -> [f64; 4] {
         let side = self.size.div_ceil(1 << level);
         let last = f64::from(side - 1);
         let place = (at / f64::from(1 << level) - 0.5).clamp(DVec2::ZERO, DVec2::splat(last));
@@ -97,8 +108,8 @@ impl Moments {
         ])
     }
 
-    /// Mean and variance of a square of `2^level` texels a side around a place.
-    pub fn of_square(&self, level: f64, at: DVec2) -> [f64; 2] {
+    /// Moments of a square of `2^level` texels a side around a place.
+    pub fn of_square(&self, level: f64, at: DVec2) -> [f64; 4] {
         let low = level.floor() as usize;
         let high = (low + 1).min(self.levels.len() - 1);
         let f = level - level.floor();
@@ -110,13 +121,15 @@ impl Moments {
         let cell = level.ceil().exp2().min(f64::from(self.size));
         let last = ((f64::from(self.size) / cell).floor() - 0.5) * cell;
         let at = wanted.clamp(DVec2::splat(0.5 * cell), DVec2::splat(last));
-        let [mean, variance] = self.of_square(level, at);
+        let found = self.of_square(level, at);
+        let [mean, variance, ..] = found;
         let own = self.measure.of(r.depth + r.rise_to(at) - ask.constant);
         let off = own - mean;
-        match ask.by_mean {
+        match ask.by {
             _ if off <= 0.0 => 1.0,
-            true => mean / own,
-            false => variance / (variance + off * off),
+            MomentBound::Four(flattest) => share_of_four(found, off, flattest),
+            MomentBound::Mean => mean / own,
+            MomentBound::Variance => variance / (variance + off * off),
         }
     }
 
@@ -145,9 +158,74 @@ impl Moments {
     }
 }
 
-/// Mean and variance of parts together, by their shares.
-fn mixed(parts: &[(f64, [f64; 2])]) -> [f64; 2] {
-    let mean = parts.iter().map(|(share, [mean, _])| share * mean).sum::<f64>();
-    let variance = parts.iter().map(|(share, [m, v])| share * (v + (m - mean).powi(2))).sum();
-    [mean, variance]
+/// Greatest share that depths with these moments may have at `off` behind their mean and beyond (Peters and Klein 2015, algorithm 3, in
+/// deviations from the mean): the linear system of the paper, by its own steps.
+fn share_of_four([_, variance, third, fourth]: [f64; 4], off: f64, flattest: f64) -> f64 {
+    if variance < 1e-16 {
+        return if off <= 0.0 { 1.0 } else { 0.0 };
+    }
+    let (z, skew) = (off / variance.sqrt(), third / variance.powf(1.5));
+    let least = (1.0 + flattest) * (1.0 + skew * skew);
+    let kurtosis = (fourth / variance.powi(2)).max(least);
+    // Of [1 0 1; 0 1 s; 1 s k] c = (1, z, z²).
+    let c2 = (z * z - 1.0 - skew * z) / (kurtosis - 1.0 - skew * skew);
+    let (c1, c0) = (z - skew * c2, 1.0 - c2);
+    if c2.abs() < 1e-9 {
+        // One more depth, at -1/z.
+        return if z > 0.0 { 1.0 / (1.0 + z * z) } else { 1.0 };
+    }
+    let (p, q) = (c1 / c2, c0 / c2);
+    let root = (0.25 * p * p - q).max(0.0).sqrt();
+    let (low, high) = (-0.5 * p - root, -0.5 * p + root);
+    let dark = if z <= low {
+        0.0
+    } else if z <= high {
+        (z * high + 1.0) / ((high - low) * (z - low))
+    } else {
+        1.0 - (low * high + 1.0) / ((z - low) * (z - high))
+    };
+    (1.0 - dark).clamp(0.0, 1.0)
+}
+
+/// Moments of parts together, by their shares.
+fn mixed(parts: &[(f64, [f64; 4])]) -> [f64; 4] {
+    let of = |value: &dyn Fn(&[f64; 4]) -> f64| parts.iter().map(|(share, m)| share * value(m)).sum::<f64>();
+    let mean = of(&|m| m[0]);
+    let off = |m: &[f64; 4]| m[0] - mean;
+    [
+        mean,
+        of(&|m| m[1] + off(m).powi(2)),
+        of(&|m| m[2] + 3.0 * off(m) * m[1] + off(m).powi(3)),
+        of(&|m| m[3] + 4.0 * off(m) * m[2] + 6.0 * off(m).powi(2) * m[1] + off(m).powi(4)),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of every few depths the bound holds, and of three that the receiver is among it is reached.
+    #[test]
+    fn four_moments_bound_the_share() {
+        let mut seed = 7u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as f64 / f64::from(1u32 << 31)
+        };
+        for count in [2, 3, 3, 5, 9].repeat(200) {
+            let depths: Vec<(f64, f64)> = (0..count).map(|_| (0.05 + random(), random())).collect();
+            let all: f64 = depths.iter().map(|d| d.0).sum();
+            let parts: Vec<(f64, [f64; 4])> = depths.iter().map(|d| (d.0 / all, [d.1, 0.0, 0.0, 0.0])).collect();
+            let moments = mixed(&parts);
+            let receiver = if count == 3 { depths[1].1 } else { random() };
+            let lit: f64 = parts.iter().filter(|p| p.1[0] >= receiver).map(|p| p.0).sum();
+            let bound = share_of_four(moments, receiver - moments[0], 1e-9);
+            assert!(bound >= lit - 1e-4, "{depths:?}, {receiver}: {bound}, {lit}");
+            assert!(count != 3 || bound <= lit + 1e-4, "{depths:?}, {receiver}: {bound}, {lit}");
+            let [mean, variance, ..] = moments;
+            let off = receiver - mean;
+            let of_two = if off > 0.0 { variance / (variance + off * off) } else { 1.0 };
+            assert!(bound <= of_two + 1e-4, "{depths:?}, {receiver}: two moments bound it closer");
+        }
+    }
 }

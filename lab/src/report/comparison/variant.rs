@@ -117,7 +117,9 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("shape=corners", Settings { smsr, ..settings.clone() });
             }
         }
-        MethodName::Variance | MethodName::Trapezoidal | MethodName::Lispsm => add("", settings.clone()),
+        MethodName::Variance | MethodName::FourMoments | MethodName::Trapezoidal | MethodName::Lispsm => {
+            add("", settings.clone());
+        }
         MethodName::Exponential | MethodName::ExponentialVariance => {
             for exponent in [40.0, 20.0, 10.0] {
                 if exponent == 40.0 || more {
