@@ -123,7 +123,7 @@ impl<E: EntryPoint> Program<E> {
 #[derive(Clone, Debug)]
 pub struct Compiled(Arc<Parts>);
 
-/// What a pipeline is compiled from, and the pipeline once it is.
+/// Parts that a pipeline is compiled from, and the pipeline once it is.
 #[derive(Debug)]
 struct Parts {
     device: wgpu::Device,

@@ -30,7 +30,7 @@ const SMSR_STAGES: [(&str, &str); 2] = [
 /// Stages of the methods that filter moments after what the camera sees.
 const MOMENT_STAGES: [(&str, &str); 3] = [
     ("light_layers", "nearest depth at every texel centre"),
-    ("map_moments", "mean and variance of ever larger squares of texels, of depths or exponentials"),
+    ("map_moments", "moments of ever larger squares of texels, of depths or exponentials"),
     ("moment_shadows", "the pixel's footprint against the map's moments"),
 ];
 

@@ -1,9 +1,9 @@
-//! Mean and variance of the depths of ever larger squares of texels, or of exponentials of them: what filtering a map of depths takes.
+//! Mean and variance of the depths of ever larger squares of texels, or of exponentials of them, or their first four moments: filtering a map of depths takes these.
 //!
 //! - **Purpose.** Variance shadow maps (Donnelly and Lauritzen 2006), prefiltered as mip maps are (Oliveira 2009, section 3.4). Mean and
 //!   variance stand for the two moments: the same numbers, of which nothing cancels in single precision.
 //!   Of exponentials: exponential shadow maps (Annen et al. 2008) and exponential variance shadow maps (Lauritzen and McCool 2008), whose two
-//!   warps, rising and falling, have moments each.
+//!   warps, rising and falling, have moments each. Of four moments: moment shadow maps (Peters and Klein 2015).
 //! - **Reads** the nearest depths of [`light_layers`](super::light_layers).
 //! - **Writes** `moments`, level after level from the first above the texels, row by row. A cell of level `k` is the square of `2^k` texels
 //!   a side, cut at the map's border; a texel without a caster is as deep as [`MapLevels::far`].
@@ -81,7 +81,7 @@ impl MapLevels {
     }
 }
 
-/// What moments are of.
+/// Measure of depth that moments are of, and how many of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MomentMeasures {
     /// Depths.

@@ -22,7 +22,7 @@ pub struct MomentShadowsOptions {
     pub bleeding: f32,
     /// Sine of the elevation of the light over a receiver below which half of it is lit; 0 for none.
     pub grazing: f32,
-    /// What the moments are of, and so how they are asked: of depths, the share of light is at most variance / (variance + difference²)
+    /// Measure that the moments are of, and so how they are asked: of depths, the share of light is at most variance / (variance + difference²)
     /// (Chebyshev); of the rising exponential alone, their mean over the receiver's; of both, the less of either bound; of four, the bound that they have (Hamburger's problem).
     pub measures: MomentMeasures,
 }

@@ -57,7 +57,7 @@ fn fault(ran: &Ran) -> Option<String> {
             for (cell, [mean, variance, third, fourth]) in moments(&values, *size, level).into_iter().enumerate() {
                 let Some(&[m, v]) = got.next() else { return Some("too few cells".to_owned()) };
                 let mean_off = if exponent == 0.0 { 2e-6 } else { share * mean.abs() };
-                // What rounding makes of values that are all alike.
+                // Rounding gives values that are all alike a variance.
                 let noise = if exponent == 0.0 { 1e-9 } else { (1e-5 * mean).powi(2) };
                 let right = (f64::from(m) - mean).abs() <= mean_off
                     && (f64::from(v) - variance).abs() <= noise + 2.0 * share * variance;

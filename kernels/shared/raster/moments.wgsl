@@ -23,8 +23,8 @@ fn level_start(level: u32) -> u32 {
     return levels.starts[level >> 2u][level & 3u];
 }
 
-// What moments are of: a depth itself, or its exponential, with an exponent above 0 the rising one, at most
-// 1, below 0 the falling one, turned over, so that it grows with depth too.
+// Measure that moments are of: a depth itself, or its exponential, with an exponent above 0 the rising one,
+// at most 1, below 0 the falling one, turned over, so that it grows with depth too.
 fn measure(depth: f32, exponent: f32) -> f32 {
     let share = depth / levels.far;
     if exponent > 0.0 { return exp(exponent * (share - 1.0)); }

@@ -3,7 +3,7 @@
 use super::map_moments;
 use glam::{DMat2, DVec2};
 
-/// What moments tell of the share of light.
+/// Way from moments to the share of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MomentBound {
     /// Mean and variance bound it (Chebyshev).
@@ -40,7 +40,7 @@ impl Measure {
 pub struct Moments {
     /// Texels a side.
     pub size: u32,
-    /// What they are of.
+    /// Measure of depth that they are of.
     pub measure: Measure,
     /// Mean, variance, third and fourth central moment of each level's cells, from the texels themselves on.
     pub levels: Vec<Vec<[f64; 4]>>,
@@ -73,7 +73,7 @@ pub struct MomentQuery {
     pub bleeding: f64,
     /// Most squares along a footprint.
     pub most_probes: f64,
-    /// What moments tell of the share.
+    /// Way from moments to the share.
     pub by: MomentBound,
 }
 
