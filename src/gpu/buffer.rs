@@ -1,10 +1,10 @@
 //! Typed buffers.
 
 use super::ledger::{Held, Ledger};
+use super::scope::caught;
 use super::{Gpu, faults};
 use crate::{Error, Result};
 use bytemuck::Pod;
-use futures::executor::block_on;
 use std::marker::PhantomData;
 
 /// A buffer of `size` bytes, mapped or not: every buffer of the library is made here, and goes into the open [`Ledger`].
@@ -19,9 +19,9 @@ pub fn allocate(
     mapped_at_creation: bool,
 ) -> Result<Held> {
     faults::ask(label, size)?;
-    let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation });
-    match block_on(scope.pop()) {
+    let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation };
+    let (buffer, error) = caught(device, wgpu::ErrorFilter::OutOfMemory, || device.create_buffer(&descriptor));
+    match error {
         None => Ok(Ledger::enter(buffer, label)),
         Some(_) => Err(faults::out_of_memory(label, size)),
     }

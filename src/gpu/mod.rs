@@ -16,6 +16,7 @@ pub mod mutation;
 pub mod profile;
 pub mod program;
 pub mod recorder;
+pub(crate) mod scope;
 pub mod timer;
 pub mod uniforms;
 pub mod uploads;

@@ -4,7 +4,7 @@ use super::batch;
 use super::bindings::{EntryPoint, Overrides};
 use super::kept::KeptPrograms;
 use super::profile::Profile;
-use futures::executor::block_on;
+use super::scope::caught;
 use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
@@ -204,9 +204,8 @@ impl Compiled {
 
     /// Compiles it on a thread of its own, without an error: what fails is left to [`Compiled::pipeline`], which fails where it is heard.
     pub(super) fn try_compile(&self) {
-        let scope = self.0.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let made = self.compile();
-        if block_on(scope.pop()).is_none() {
+        let (made, error) = caught(&self.0.device, wgpu::ErrorFilter::Validation, || self.compile());
+        if error.is_none() {
             let _ = self.0.pipeline.set(made);
         }
     }

@@ -54,6 +54,7 @@ pub use lit_masks::lit_masks_wgsl;
 pub use status::{Faults, FrameStatus};
 
 pub use crate::gpu::BufferMemory;
+use crate::gpu::scope::caught;
 use crate::gpu::{BindGroups, Buffer, Gpu, KeptPrograms, Ledger, Timer};
 use crate::light_view::MapTiles;
 use crate::methods::facet_masks::Capacities;
@@ -67,7 +68,6 @@ use crate::stages::visibility_texture::LastPicture;
 use crate::{Error, Result};
 use casters::{CasterSet, checked_mesh};
 use checks::{check_limits, check_moving, settled};
-use futures::executor::block_on;
 use gbuffer_stage::GbufferStage;
 use held::HeldPicture;
 use image_strips::{ImageStrips, NewStrips, Stores, StripMaker};
@@ -202,7 +202,6 @@ impl ShadowPass {
         settings.spsm.seen_only &= !config.keep_last;
         let mesh = checked_mesh(&config.casters)?;
         check_moving(&config.casters, config.method)?;
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let programs = config.programs.cloned().unwrap_or_else(KeptPrograms::in_use);
         let make = || {
             let pipelines = MethodPipelines::new(device, config.method, &settings, config.receivers)?;
@@ -210,11 +209,10 @@ impl ShadowPass {
             Self::made(device, queue, settings, pipelines, casters, config)
         };
         let ledger = Ledger::default();
-        let made = ledger.within(|| programs.within(|| KeptPrograms::once(make)));
-        let made = made.map(|pass| Self { ledger, ..pass });
-        match block_on(scope.pop()) {
-            Some(error) => Err(Error::Gpu(error.to_string().replace('\n', " "))),
-            None => made,
+        let within = || ledger.within(|| programs.within(|| KeptPrograms::once(make)));
+        match caught(device, wgpu::ErrorFilter::Validation, within) {
+            (_, Some(error)) => Err(Error::Gpu(error.to_string().replace('\n', " "))),
+            (made, None) => made.map(|pass| Self { ledger, ..pass }),
         }
     }
 
