@@ -1,6 +1,6 @@
 //! Surroundings of the library: scenes, errors against truth, reports, random worlds. The program `subpixel-shadows` is a thin layer over it.
 //!
-//! Dependencies run one way: `cli` → `report`, `fuzz` → `scene`.
+//! Dependencies run one way: `cli` → `report`, `fuzz`, `options` → `scene`.
 
 #![cfg_attr(
     not(test),
@@ -16,5 +16,6 @@
 
 pub mod arguments;
 pub mod fuzz;
+pub mod options;
 pub mod report;
 pub mod scene;

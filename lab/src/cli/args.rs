@@ -1,23 +1,13 @@
 //! Options of the program.
 
-use super::choices::{
-    Encoding, EngineName, FacetsPerPixel, MaskChoice, PairsBy, PatternName, Projection, RayChoice, Search, Shape,
-    Switch, WarpBy,
-};
-use super::progress::Console;
 use clap::{Args, Parser, Subcommand};
+use lab::options::{RenderOptions, method_name, size};
 use lab::report::comparison::Scope;
-use lab::scene::{BUILTIN_NAMES, Scene, SceneOptions, light_from_text};
+use lab::scene::BUILTIN_NAMES;
 use std::path::PathBuf;
 use subpixel_shadows::Result;
-use subpixel_shadows::light_view::{SplitPlan, Warp};
-use subpixel_shadows::mask_table::MaskVariant;
-use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
-use subpixel_shadows::methods::{
-    MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
-    SpsmEncoding, SpsmSettings,
-};
-use subpixel_shadows::render::Budget;
+use subpixel_shadows::methods::MethodName;
+use subpixel_shadows::methods::facet_masks::Settings;
 use subpixel_shadows::samples::{Pattern, Samples};
 
 /// Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
@@ -80,129 +70,6 @@ pub enum Command {
         #[arg(long)]
         check: bool,
     },
-}
-
-/// The options of `render` and `explain`.
-#[derive(Debug, Args)]
-pub struct RenderOptions {
-    /// Shadow method
-    #[arg(long, default_value = "facet-masks", value_name = "NAME", value_parser = method_name)]
-    pub method: MethodName,
-    /// Facets per pixel of facet-masks: one, as in the paper, or one for every surface that its samples see
-    #[arg(long, value_enum, default_value_t, value_name = "HOW_MANY")]
-    pub facets: FacetsPerPixel,
-    /// Samples per pixel: 1, 8, 16, 32, 64 or 128
-    #[arg(long, default_value_t = 32, value_name = "N")]
-    pub samples: u32,
-    /// Where the samples of a pixel lie
-    #[arg(long, value_enum, default_value_t)]
-    pub pattern: PatternName,
-    /// Light-view map size, texels a side
-    #[arg(long, default_value_t = 512, value_name = "N")]
-    pub map: u32,
-    /// Image size, pixels
-    #[arg(long, default_value = "800x600", value_name = "WxH", value_parser = size)]
-    pub size: [u32; 2],
-    /// Keep the validity mask, which drops samples that see another surface than the pixel centre
-    #[arg(long, value_enum, default_value_t, value_name = "SWITCH")]
-    pub validity: Switch,
-    /// How spsm packs a triangle into a texel: the paper's code, or edge lines
-    #[arg(long, value_enum, default_value_t, value_name = "CODE")]
-    pub encoding: Encoding,
-    /// Texels that spsm searches around a sample's: near (3 x 3), wide (5 x 5), or along (3 x 3, and two more to either side
-    /// along the shadow's border)
-    #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
-    pub search: Search,
-    /// Rays of ray-traced: from all pixels, or from those that are not proved lit or shadowed
-    #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
-    pub rays: RayChoice,
-    /// Texels a side of the filter of pcf: 2, 3, 5 or 7
-    #[arg(long, default_value_t = 3, value_name = "N")]
-    pub kernel: u32,
-    /// How smsr draws the steps of a map anew: from corners, as in the paper, or through the middles of the steps
-    #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
-    pub shape: Shape,
-    /// Texels to either side that smsr follows a border, its search distance: 1 to 64
-    #[arg(long, default_value_t = 16, value_name = "N")]
-    pub reach: u32,
-    /// Slices of what the camera sees, each with a view of the light, 1 to 4: 3 of parallel-split and remix if nothing is said, of the
-    /// others one view for all, or with a warp one slice
-    #[arg(long, value_name = "N")]
-    pub splits: Option<u32>,
-    /// How the texels of a map lie over its slice: evenly, over a trapezoid by the 80 % rule, by light-space perspective, or as makes
-    /// them smallest beside pixels [default: fitted]
-    #[arg(long, value_enum, value_name = "HOW")]
-    pub warp: Option<WarpBy>,
-    /// Share of a slice's depth, nearest the eye, that gets 80 % of a trapezoid's rows (trapezoidal, --warp trapezoid)
-    #[arg(long, default_value_t = 0.6, value_name = "SHARE")]
-    pub focus: f32,
-    /// Share of light that the methods of moments take off against leaks; 0 as in the papers, up to 0.9
-    #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
-    pub bleeding: f32,
-    /// Degrees of elevation of the light over a surface below which the methods of moments take half of it as lit: 5 in the
-    /// paper of remix, 0 for none
-    #[arg(long, default_value_t = 0.0, value_name = "DEGREES")]
-    pub grazing: f32,
-    /// Exponent over the depths of a map (exponential, exponential-variance): 1 to 42; the steeper, the less light leaks, and the narrower are
-    /// what it filters
-    #[arg(long, default_value_t = 40.0, value_name = "C")]
-    pub exponent: f32,
-    /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
-    #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
-    pub masks: MaskChoice,
-    /// How facet-masks brings pairs together: by tiles of 2 x 2 texels or by texels, counted and written to their places, or by
-    /// texels sorted, as in the paper
-    #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
-    pub pairs: PairsBy,
-    /// How facet-masks turns shadows into lines of the image: planes through the eye, or the paper's two projections, which
-    /// bound no rounding
-    #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
-    pub projection: Projection,
-    /// Everything as in the frame of a frame.json: the picture is the same bit for bit. Scene and options beside it override
-    #[arg(long, value_name = "FRAME.json")]
-    pub from: Option<PathBuf>,
-    /// Where to compute; without an adapter, and if not asked for, the CPU takes over and says so [default: gpu]
-    #[arg(long, value_enum)]
-    pub engine: Option<EngineName>,
-    /// Pick an adapter whose name contains TEXT
-    #[arg(long, value_name = "TEXT")]
-    pub adapter: Option<String>,
-    /// eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES;shift=X,Y;pixel_aspect=RATIO;mirrored=true, each part optional
-    #[arg(long, value_name = "PARTS")]
-    pub camera: Option<String>,
-    /// directional=X,Y,Z (towards the light), point=X,Y,Z, or spot=X,Y,Z;target=X,Y,Z;angle=DEGREES
-    #[arg(long, value_name = "PARTS")]
-    pub light: Option<String>,
-    /// Add a ground plane under the scene
-    #[arg(long)]
-    pub ground: bool,
-    /// Also compute facet truth and scene truth, and print the error
-    #[arg(long)]
-    pub truth: bool,
-    /// With --truth, also the error against 1024 rays a pixel, in which that of the samples is included
-    #[arg(long, requires = "truth")]
-    pub converged: bool,
-    /// Also write classes.png (what was known of each pixel) and light-view.png (the map), as far as the method has them
-    #[arg(long)]
-    pub looks: bool,
-    /// Run every stage, also those the plan would leave out, and settle no pixel early
-    #[arg(long)]
-    pub force_all: bool,
-    /// Frames that are timed, after one that is not: the times are their medians. No further one begins after 5 seconds
-    #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub frames: u32,
-    /// MiB that the lists of pairs and candidates may take together; a frame that needs more is split into bands of facets
-    #[arg(long, default_value_t = 1024, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
-    pub memory_limit: u64,
-    /// Elements each list that may grow starts with [default: from the image size]
-    #[arg(long, value_name = "N")]
-    pub list_start: Option<usize>,
-    /// Folder for the files that are written
-    #[arg(long, default_value = "out", value_name = "DIR")]
-    pub out: PathBuf,
-    /// No progress, no notes
-    #[arg(long)]
-    pub quiet: bool,
 }
 
 /// The options of `report`.
@@ -323,12 +190,6 @@ impl StabilityOptions {
     }
 }
 
-fn method_name(text: &str) -> std::result::Result<MethodName, String> {
-    let names = MethodName::ALL.map(MethodName::name);
-    let found = MethodName::ALL.into_iter().find(|m| m.name() == text);
-    found.ok_or_else(|| format!("no such method; there are {}", names.join(", ")))
-}
-
 impl ReportOptions {
     /// The scenes.
     pub fn scenes(&self) -> Vec<String> {
@@ -367,96 +228,6 @@ impl ReportOptions {
         };
         scope.reference()?;
         Ok(scope)
-    }
-}
-
-/// `WxH`.
-fn size(text: &str) -> std::result::Result<[u32; 2], String> {
-    let (w, h) = text.split_once(['x', 'X']).ok_or("expected WIDTHxHEIGHT, such as 800x600")?;
-    let side = |s: &str| s.parse::<u32>().map_err(|e| format!("'{s}': {e}"));
-    Ok([side(w)?, side(h)?])
-}
-
-impl RenderOptions {
-    /// Settings that are asked for; the plan may leave out more.
-    pub fn settings(&self) -> Result<Settings> {
-        let samples = Samples::new(self.pattern.into(), self.samples)?;
-        let encoding = match self.encoding {
-            Encoding::Paper => SpsmEncoding::Paper,
-            Encoding::Lines => SpsmEncoding::Lines,
-        };
-        let [radius, stretch] = match self.search {
-            Search::Near => [1, 0],
-            Search::Wide => [2, 0],
-            Search::Along => [1, 2],
-        };
-        let settings = Settings {
-            facets: self.facets.into(),
-            validity: self.validity == Switch::On,
-            cull_back: true,
-            masks: match self.masks {
-                MaskChoice::Exact => MaskVariant::Exact,
-                MaskChoice::Table => MaskVariant::TABLE,
-            },
-            pairs: match self.pairs {
-                PairsBy::Tiled => PairVariant::Tiled,
-                PairsBy::Grouped => PairVariant::Grouped,
-                PairsBy::Sorted => PairVariant::Sorted,
-            },
-            projection: match self.projection {
-                Projection::Pencil => ProjectionVariant::Pencil,
-                Projection::TwoStep => ProjectionVariant::TwoStep,
-            },
-            spsm: SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() },
-            smsr: SmsrSettings {
-                shape: match self.shape {
-                    Shape::Corners => SmsrShape::Corners,
-                    Shape::Midpoints => SmsrShape::Midpoints,
-                },
-                reach: self.reach,
-                ..SmsrSettings::default()
-            },
-            partition: self.partition(),
-            moments: MomentSettings { bleeding: self.bleeding, grazing: self.grazing, exponent: self.exponent },
-            ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
-            shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
-            ..Settings::new(self.size, self.map, samples)
-        };
-        settings.check()?;
-        Ok(settings)
-    }
-
-    /// Slices of what the camera sees: those of the method, with what is said of them.
-    fn partition(&self) -> Option<SplitPlan> {
-        let own = self.method.row().partition;
-        let warp = self.warp.map(|warp| match warp {
-            WarpBy::Even => Warp::Box,
-            WarpBy::Trapezoid => Warp::Trapezoid,
-            WarpBy::Lispsm => Warp::LightSpace,
-            WarpBy::Fitted => Warp::Fitted,
-        });
-        (self.splits.is_some() || warp.is_some() || own.is_some()).then(|| SplitPlan {
-            splits: self.splits.or(own.map(|plan| plan.splits)).unwrap_or(1),
-            warp: warp.or(own.map(|plan| plan.warp)).unwrap_or_default(),
-            focus: f64::from(self.focus),
-        })
-    }
-
-    /// Opens the scene with what the options change of it.
-    pub fn open(&self, scene: Option<&str>, console: Console) -> Result<Scene> {
-        let options = SceneOptions {
-            ground: self.ground,
-            camera: self.camera.as_deref().map(str::parse).transpose()?,
-            light: self.light.as_deref().map(light_from_text).transpose()?,
-        };
-        let (scene, note) = Scene::open_and_note(scene.unwrap_or("windmill"), &options)?;
-        note.iter().for_each(|note| console.note(note));
-        Ok(scene)
-    }
-
-    /// Memory of the lists.
-    pub fn budget(&self) -> Budget {
-        Budget { start: self.list_start, bytes: self.memory_limit.saturating_mul(1 << 20) }
     }
 }
 

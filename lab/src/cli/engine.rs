@@ -1,12 +1,13 @@
 //! Where a frame is computed: on an adapter, or on the CPU.
 
-use super::args::RenderOptions;
-use super::choices::EngineName;
 use super::progress::Console;
 use super::repeat::timed;
+use lab::options::EngineName;
+use lab::options::RenderOptions;
 use lab::report::FacetSet;
 use lab::scene::Scene;
 use oracle::engine::{self, CpuRays, CpuTime, RAYS};
+use serde_json::{Map, Value};
 use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::{Gpu, KeptPrograms};
 use subpixel_shadows::methods::{DebugViews, MethodName, PixelClass, Prepared};
@@ -65,6 +66,11 @@ impl Engine {
             Self::Gpu(gpu) => (gpu.adapter.name.clone(), gpu.adapter.backend.clone()),
             Self::Cpu => (format!("CPU, {} threads", rayon::current_num_threads()), "none".to_owned()),
         }
+    }
+
+    /// The settings of a frame that was made here, as its frame.json records them.
+    pub fn recorded(&self, options: &RenderOptions, scene: &Scene) -> Map<String, Value> {
+        options.recorded(scene, self.name(), matches!(self, Self::Gpu(_)).then(|| self.adapter().0).into())
     }
 
     /// The adapter as the table shows it.

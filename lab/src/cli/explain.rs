@@ -1,9 +1,10 @@
 //! `explain`: the plan of a scene, and which way its pixels take.
 
-use super::args::RenderOptions;
 use super::engine::Engine;
+use super::opened;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
+use lab::options::RenderOptions;
 use subpixel_shadows::Result;
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
@@ -14,7 +15,7 @@ use subpixel_shadows::render::Counts;
 pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
-    let scene = options.open(scene, console)?;
+    let scene = opened(options, scene, console)?;
     let prepared = Prepared::new(&scene.mesh)?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let mut report = Report::default();

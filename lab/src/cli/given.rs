@@ -1,17 +1,17 @@
 //! Options of the command line, with those of a frame.json behind them.
 
-use super::args::{Cli, RenderOptions};
-use super::engine::Engine;
+use super::args::Cli;
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
-use clap::{ArgMatches, CommandFactory, Parser, ValueEnum};
+use clap::{ArgMatches, CommandFactory, Parser};
+use lab::options::{FrameArguments, RenderOptions, reason};
 use lab::report::FrameReport;
-use lab::scene::{BUILTIN_NAMES, CameraOverride, Scene, light_from_text};
-use serde_json::{Map, Value, json};
+use lab::scene::{BUILTIN_NAMES, CameraOverride, light_from_text};
+use serde_json::{Map, Value};
 use std::ffi::OsString;
 use std::path::Path;
 use subpixel_shadows::methods::{METHOD_OPTIONS, METHODS, MethodName};
-use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
+use subpixel_shadows::scene::Mesh;
 use subpixel_shadows::{Error, Result};
 
 /// Largest frame.json that is read, bytes.
@@ -19,15 +19,6 @@ const LARGEST: u64 = 1 << 26;
 
 /// Options that say where files and lines go, and nothing of a frame.
 const NOT_OF_A_FRAME: [&str; 5] = ["from", "out", "quiet", "help", "version"];
-
-/// Arguments of `render` and `explain`.
-#[derive(Debug, Parser)]
-#[command(name = "subpixel-shadows")]
-struct Given {
-    scene: Option<String>,
-    #[command(flatten)]
-    options: RenderOptions,
-}
 
 /// Scene and options of `render` or `explain`: those of `matches`, which they were parsed from, and behind them those of `--from`.
 /// An option on the command line that the method does not take ends the program with status 2.
@@ -82,7 +73,7 @@ fn with_frame(
     // Another method may be asked for, which takes less.
     let kept = found.iter().filter(|(name, _)| *name != "scene" && !on_line(matches, name) && method.takes(name));
     arguments.extend(kept.map(|(_, argument)| argument.text.clone()));
-    for argument in Given::command().get_opts() {
+    for argument in FrameArguments::command().get_opts() {
         let id = argument.get_id().as_str();
         if matches.value_source(id) != Some(ValueSource::CommandLine) {
             continue;
@@ -96,7 +87,7 @@ fn with_frame(
     }
     let of_file = found.into_iter().find(|(name, _)| *name == "scene").and_then(|(_, argument)| argument.scene);
     let fault = |e: clap::Error| Error::file(path, format!("settings: {}", reason(&e)));
-    Ok((scene.or(of_file), Given::try_parse_from(arguments).map_err(fault)?.options))
+    Ok((scene.or(of_file), FrameArguments::try_parse_from(arguments).map_err(fault)?.options))
 }
 
 /// The note that the scene of `--from` has another mesh than it had, if so: the picture is another then.
@@ -142,7 +133,7 @@ struct Setting {
 /// One setting; `None` where it says that nothing was given.
 fn of_frame(path: &Path, name: &str, value: &Value) -> Result<Option<Setting>> {
     let fault = |why: &str| Error::file(path, format!("settings: {name} is {}: {why}", short(value)));
-    let command = Given::command();
+    let command = FrameArguments::command();
     let argument = command.get_opts().find(|a| a.get_long() == Some(name) && !NOT_OF_A_FRAME.contains(&name));
     let flag = argument.is_some_and(|a| !a.get_action().takes_values());
     if argument.is_none() && name != "scene" {
@@ -164,12 +155,14 @@ fn of_frame(path: &Path, name: &str, value: &Value) -> Result<Option<Setting>> {
             return Err(fault("neither a built-in scene nor a file"));
         }
     }
-    let parsed = match Given::try_parse_from(&line) {
+    let parsed = match FrameArguments::try_parse_from(&line) {
         // It stands alone here.
-        Err(e) if e.kind() == ErrorKind::MissingRequiredArgument => Given::try_parse_from([line[0], "--truth", &text]),
+        Err(e) if e.kind() == ErrorKind::MissingRequiredArgument => {
+            FrameArguments::try_parse_from([line[0], "--truth", &text])
+        }
         parsed => parsed,
     };
-    let Given { scene, options } = parsed.map_err(|e| fault(&reason(&e)))?;
+    let FrameArguments { scene, options } = parsed.map_err(|e| fault(&reason(&e)))?;
     options.settings().map_err(|e| fault(&e.to_string()))?;
     let camera = options.camera.as_deref().map(str::parse::<CameraOverride>).transpose();
     if let Some(camera @ CameraOverride { eye: Some(_), target: Some(_), .. }) =
@@ -181,13 +174,6 @@ fn of_frame(path: &Path, name: &str, value: &Value) -> Result<Option<Setting>> {
     Ok(Some(Setting { text: text.clone().into(), options, scene }))
 }
 
-/// Reason that clap gives before it explains the usage.
-fn reason(error: &clap::Error) -> String {
-    let text = error.to_string();
-    let first = text.split("\n\n").next().unwrap_or_default();
-    first.strip_prefix("error: ").unwrap_or(first).to_owned()
-}
-
 /// A value for people.
 fn short(value: &Value) -> String {
     let text = value.to_string();
@@ -197,96 +183,20 @@ fn short(value: &Value) -> String {
     }
 }
 
-/// Settings that a frame was asked for with, by the names of the options: `--from` repeats it. Camera and light are those that were used,
-/// in numbers that read back the same; so are engine and adapter.
-pub fn settings(options: &RenderOptions, scene: &Scene, engine: &Engine) -> Map<String, Value> {
-    fn word(value: impl ValueEnum) -> Value {
-        value.to_possible_value().map_or(Value::Null, |v| json!(v.get_name()))
-    }
-    let o = options;
-    let number = |value: f32| json!(value.to_string().parse::<f64>().unwrap_or(f64::from(value)));
-    let [width, height] = o.size;
-    let own = o.method.row().partition;
-    let all = [
-        ("scene", json!(scene.name)),
-        ("method", json!(o.method.name())),
-        ("engine", json!(engine.name())),
-        ("adapter", if matches!(engine, Engine::Gpu(_)) { json!(engine.adapter().0) } else { Value::Null }),
-        ("camera", json!(camera(&scene.camera))),
-        ("light", json!(light(&scene.light))),
-        ("ground", json!(o.ground)),
-        ("samples", json!(o.samples)),
-        ("pattern", word(o.pattern)),
-        ("map", json!(o.map)),
-        ("size", json!(format!("{width}x{height}"))),
-        ("truth", json!(o.truth)),
-        ("converged", json!(o.converged)),
-        ("looks", json!(o.looks)),
-        ("frames", json!(o.frames)),
-        ("force-all", json!(o.force_all)),
-        ("memory-limit", json!(o.memory_limit)),
-        ("list-start", json!(o.list_start)),
-        ("facets", word(o.facets)),
-        ("validity", word(o.validity)),
-        ("masks", word(o.masks)),
-        ("pairs", word(o.pairs)),
-        ("projection", word(o.projection)),
-        ("encoding", word(o.encoding)),
-        ("search", word(o.search)),
-        ("rays", word(o.rays)),
-        ("kernel", json!(o.kernel)),
-        ("shape", word(o.shape)),
-        ("reach", json!(o.reach)),
-        ("splits", json!(o.splits.or(own.map(|plan| plan.splits)))),
-        ("warp", o.warp.or(own.map(|_| Default::default())).map_or(Value::Null, word)),
-        ("focus", number(o.focus)),
-        ("bleeding", number(o.bleeding)),
-        ("grazing", number(o.grazing)),
-        ("exponent", number(o.exponent)),
-    ];
-    all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
-}
-
-/// A camera as `--camera` takes it.
-fn camera(camera: &Camera) -> String {
-    let [eye, target, up] = [camera.eye, camera.target, camera.up].map(vector);
-    let mut text = format!("eye={eye};target={target};up={up};fov={}", camera.vertical_fov_degrees);
-    let Lens { shift: [x, y], pixel_aspect, mirrored } = camera.lens;
-    if camera.lens != Lens::CENTRED {
-        text += &format!(";shift={x},{y};pixel_aspect={pixel_aspect};mirrored={mirrored}");
-    }
-    text
-}
-
-/// A light as `--light` takes it.
-fn light(light: &Light) -> String {
-    match *light {
-        Light::Directional { direction } => format!("directional={}", vector(direction)),
-        Light::Point { position } => format!("point={}", vector(position)),
-        Light::Spot { position, target, angle_degrees } => {
-            format!("spot={};target={};angle={angle_degrees}", vector(position), vector(target))
-        }
-    }
-}
-
-fn vector([x, y, z]: [f32; 3]) -> String {
-    format!("{x},{y},{z}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::progress::Console;
+    use lab::scene::Scene;
     use std::collections::BTreeSet;
 
     fn options(arguments: &[&str]) -> RenderOptions {
-        Given::try_parse_from([&["subpixel-shadows"], arguments].concat()).unwrap().options
+        FrameArguments::try_parse_from([&["subpixel-shadows"], arguments].concat()).unwrap().options
     }
 
     /// Every option of the table is one of the program, and every option of the program is in some frame.json.
     #[test]
     fn every_option_is_recorded() {
-        let command = Given::command();
+        let command = FrameArguments::command();
         let names: BTreeSet<&str> = command.get_opts().filter_map(|a| a.get_long()).collect();
         assert!(METHOD_OPTIONS.iter().all(|o| names.contains(*o)));
         for argument in command.get_opts() {
@@ -295,7 +205,7 @@ mod tests {
         let scene = Scene::open("plane", &Default::default()).unwrap();
         let mut recorded = BTreeSet::new();
         for method in MethodName::ALL {
-            let found = settings(&options(&["--method", method.name()]), &scene, &Engine::Cpu);
+            let found = options(&["--method", method.name()]).recorded(&scene, "cpu", Value::Null);
             assert!(METHOD_OPTIONS.iter().all(|o| found.contains_key(*o) == method.takes(o)), "{found:?}");
             recorded.extend(found.into_iter().map(|(name, _)| name));
         }
@@ -317,20 +227,20 @@ mod tests {
             let own = options(
                 &[asked, &["--light", light, "--camera", "eye=0.1,2,3.3333333;fov=40.1;shift=0.1,-0.7"][..]].concat(),
             );
-            let scene = own.open(Some("spheres"), Console::new(true)).unwrap();
+            let scene = own.open(Some("spheres")).unwrap().0;
             let path = Path::new("f.json");
             let mut line = vec![OsString::from("subpixel-shadows")];
-            for (name, value) in settings(&own, &scene, &Engine::Cpu) {
+            for (name, value) in own.recorded(&scene, "cpu", Value::Null) {
                 let found = of_frame(path, &name, &value).unwrap();
                 line.extend(found.into_iter().filter(|f| f.scene.is_none()).map(|f| f.text));
             }
-            let again = Given::try_parse_from(line).unwrap().options;
+            let again = FrameArguments::try_parse_from(line).unwrap().options;
             assert_eq!(again.settings().unwrap(), own.settings().unwrap());
             assert_eq!(
                 (again.force_all, again.list_start, again.converged),
                 (own.force_all, own.list_start, own.converged)
             );
-            let reopened = again.open(Some("spheres"), Console::new(true)).unwrap();
+            let reopened = again.open(Some("spheres")).unwrap().0;
             assert_eq!((reopened.camera, reopened.light), (scene.camera, scene.light));
         }
     }

@@ -2,7 +2,6 @@
 
 mod adapters;
 mod args;
-mod choices;
 mod engine;
 mod explain;
 mod fuzz;
@@ -18,9 +17,11 @@ mod report;
 mod stability;
 mod table;
 
-use args::{Cli, Command, RenderOptions};
+use args::{Cli, Command};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use given::given;
+use lab::options::RenderOptions;
+use lab::scene::Scene;
 use std::io::Write;
 use std::process::ExitCode;
 use subpixel_shadows::Result;
@@ -60,6 +61,13 @@ fn finish(done: Result<ExitCode>) -> ExitCode {
             ExitCode::from(if error.is_gpu() { 3 } else { 1 })
         }
     }
+}
+
+/// The scene that was asked for, after a note on what its file holds that is not read.
+fn opened(options: &RenderOptions, scene: Option<&str>, console: progress::Console) -> Result<Scene> {
+    let (scene, note) = options.open(scene)?;
+    note.iter().for_each(|note| console.note(note));
+    Ok(scene)
 }
 
 /// Runs `command` with what was given.

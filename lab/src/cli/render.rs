@@ -1,12 +1,13 @@
 //! `render`: the main job.
 
-use super::args::RenderOptions;
 use super::engine::{Engine, Rendered};
 use super::explain::mesh_line;
-use super::given::{other_mesh, settings as settings_of};
+use super::given::other_mesh;
+use super::opened;
 use super::output::OutFolder;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
+use lab::options::RenderOptions;
 use lab::report::frame_json::{AdapterReport, ErrorReport, Sources};
 use lab::report::looks::{CLASS_COLOURS, write_classes, write_map};
 use lab::report::shaded::Shading;
@@ -28,7 +29,7 @@ pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
     OutFolder::check(&options.out)?;
-    let scene = options.open(scene, console)?;
+    let scene = opened(options, scene, console)?;
     let from = Instant::now();
     let prepared = Prepared::new(&scene.mesh)?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
@@ -39,7 +40,7 @@ pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     let compared = || compare(options, &rendered, &plan, &scene, &prepared, console);
     let truth = options.truth.then(compared).transpose()?;
     let error = truth.as_ref().map(|(error, _)| *error);
-    let ((name, backend), asked) = (engine.adapter(), settings_of(options, &scene, &engine));
+    let ((name, backend), asked) = (engine.adapter(), engine.recorded(options, &scene));
     let frame = FrameReport::new(Sources {
         adapter: AdapterReport { name: &name, backend: &backend },
         engine: engine.name(),

@@ -6,7 +6,7 @@ mod open;
 pub mod options;
 
 pub use builtin::{BUILTIN_NAMES, builtin};
-pub use load::{Loaded, load};
+pub use load::{Loaded, load, scene_file};
 pub use options::{CameraOverride, DEFAULT_LIGHT, SceneOptions, light_from_text};
 
 /// Parts of a scene.

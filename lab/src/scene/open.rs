@@ -1,7 +1,7 @@
 //! Opening a scene by name or path.
 
 use super::builtin::{BUILTIN_NAMES, builtin};
-use super::load::{EXTENSIONS, Loaded, load};
+use super::load::{EXTENSIONS, Loaded, load, parse};
 use super::options::{DEFAULT_LIGHT, SceneOptions};
 use super::{Mesh, Scene};
 use std::path::Path;
@@ -33,6 +33,18 @@ impl Scene {
             }
             None => from_file(spec)?,
         };
+        Self::of_loaded(spec, loaded, options)
+    }
+
+    /// As [`Scene::open_and_note`], of the bytes of a file of that name, which somebody else has read.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    pub fn of_bytes(name: &str, bytes: &[u8], options: &SceneOptions) -> Result<(Self, Option<String>)> {
+        Self::of_loaded(name, parse(Path::new(name), bytes)?, options)
+    }
+
+    fn of_loaded(spec: &str, loaded: Loaded, options: &SceneOptions) -> Result<(Self, Option<String>)> {
         let note = loaded.note().map(|note| format!("{}: {note}", spec.escape_debug()));
         let mut mesh = loaded.mesh;
         mesh.check(spec)?;

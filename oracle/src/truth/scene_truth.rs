@@ -15,6 +15,7 @@ use super::packet::{Lit, PACKET, Seen, see};
 use super::{AMBIGUITY, Progress, Tracer, full_mask, join_mask, split_mask};
 use glam::{DVec2, DVec4};
 use rayon::prelude::*;
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Camera, Light, PixelRays};
@@ -154,19 +155,23 @@ impl<'a> SceneTruth<'a> {
     /// Visibility of all pixels at 1024 samples each, low-discrepancy offsets of its own (the additive recurrence R2,
     /// Roberts 2018), and whether any of them sees a surface.
     pub fn converged(&self, progress: Progress) -> Vec<(f32, bool)> {
-        let place = |k: u32, step: f64| (0.5 + f64::from(k) * step).fract();
-        let offsets: Vec<DVec2> = (0..1024)
-            .map(|k| DVec2::new(place(k, 0.754_877_666_246_692_7), place(k, 0.569_840_290_998_053_2)))
-            .collect();
-        self.each_pixel(progress, |pixel| {
-            let (mut lit, mut seen) = (0, 0);
-            for part in offsets.chunks(PACKET) {
-                let answer = self.trace(pixel, part);
-                lit += answer.lit.count_ones();
-                seen += answer.seen.count_ones();
-            }
-            (share(lit, seen), seen > 0)
-        })
+        self.each_pixel(progress, |pixel| self.converged_pixel(pixel))
+    }
+
+    /// As [`SceneTruth::converged`], of one pixel.
+    pub fn converged_pixel(&self, pixel: u32) -> (f32, bool) {
+        static OFFSETS: LazyLock<Vec<DVec2>> = LazyLock::new(|| {
+            let place = |k: u32, step: f64| (0.5 + f64::from(k) * step).fract();
+            let at = |k| DVec2::new(place(k, 0.754_877_666_246_692_7), place(k, 0.569_840_290_998_053_2));
+            (0..1024).map(at).collect()
+        });
+        let (mut lit, mut seen) = (0, 0);
+        for part in OFFSETS.chunks(PACKET) {
+            let answer = self.trace(pixel, part);
+            lit += answer.lit.count_ones();
+            seen += answer.seen.count_ones();
+        }
+        (share(lit, seen), seen > 0)
     }
 
     /// The ambiguous samples of a pixel.

@@ -9,6 +9,7 @@ mod ply;
 mod text;
 mod toml;
 
+pub use self::toml::scene_file;
 use super::{Camera, Light, Mesh};
 use std::path::{Component, Path, PathBuf};
 use subpixel_shadows::{Error, Result};
@@ -43,21 +44,25 @@ type Parsed<T> = std::result::Result<T, String>;
 /// [`Error::File`], one line, if the file cannot be read, is something else than its extension says, is damaged, or
 /// holds a mesh, camera or light that cannot be used.
 pub fn load(path: &Path) -> Result<Loaded> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if !EXTENSIONS.contains(&extension.as_str()) {
-        return Err(Error::file(path, format!("has no extension that is read: {}", EXTENSIONS.join(", "))));
+    extension(path)?;
+    parse(path, &read(path)?)
+}
+
+/// As [`load`], of bytes that somebody else has read. What they name besides is read from files beside `path`.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Loaded> {
+    let extension = extension(path)?;
+    if bytes.is_empty() {
+        return Err(Error::file(path, "is empty (0 bytes)"));
     }
-    let loaded = if extension == "toml" {
-        let bytes = read(path)?;
-        toml::load(path, &bytes)
-    } else {
-        let bytes = read(path)?;
-        sniff(&bytes, &extension).and_then(|()| match extension.as_str() {
-            "obj" => obj::parse(&bytes),
-            "ply" => ply::parse(&bytes),
-            _ => gltf::parse(path, &bytes),
-        })
-    };
+    let loaded = sniff(bytes, &extension).and_then(|()| match extension.as_str() {
+        "toml" => toml::load(path, bytes),
+        "obj" => obj::parse(bytes),
+        "ply" => ply::parse(bytes),
+        _ => gltf::parse(path, bytes),
+    });
     loaded.and_then(Loaded::checked).map_err(|message| Error::file(path, one_line(&message)))
 }
 
@@ -105,11 +110,16 @@ fn read(path: &Path) -> Result<Vec<u8>> {
             format!("has {} bytes, files of at most {MAX_FILE_BYTES} are read", metadata.len()),
         ));
     }
-    let bytes = std::fs::read(path).map_err(fault)?;
-    if bytes.is_empty() {
-        return Err(Error::file(path, "is empty (0 bytes)"));
+    std::fs::read(path).map_err(fault)
+}
+
+/// The extension of a file that is read, in lower case.
+fn extension(path: &Path) -> Result<String> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if !EXTENSIONS.contains(&extension.as_str()) {
+        return Err(Error::file(path, format!("has no extension that is read: {}", EXTENSIONS.join(", "))));
     }
-    Ok(bytes)
+    Ok(extension)
 }
 
 /// Refuses a file that starts as something else than `extension` says.

@@ -19,6 +19,7 @@
 
 use super::super::builtin::{BUILTIN_NAMES, builtin};
 use super::super::options::{CameraOverride, light_from_parts};
+use super::super::{Lens, Light, Scene};
 use super::text::without_bom;
 use super::{Loaded, Parsed, inside, quoted, without_name};
 use serde::Deserialize;
@@ -47,7 +48,6 @@ struct LightTable {
 
 /// Reads the scene file at `path`.
 pub(super) fn load(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
-    super::sniff(bytes, "toml")?;
     let text =
         std::str::from_utf8(without_bom(bytes)).map_err(|e| format!("is not UTF-8 at byte {}", e.valid_up_to()))?;
     let file: SceneFile = ::toml::from_str(text).map_err(|e| {
@@ -72,6 +72,35 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
     Ok(loaded)
 }
 
+/// The text of a scene file that opens as `scene`, whose mesh is a built-in one or lies beside the file.
+pub fn scene_file(scene: &Scene) -> String {
+    let vector = |v: [f32; 3]| format!("[{:?}, {:?}, {:?}]", v[0], v[1], v[2]);
+    let name = Path::new(&scene.name).file_name().map_or(scene.name.as_str().into(), |name| name.to_string_lossy());
+    let key = if BUILTIN_NAMES.contains(&scene.name.as_str()) { "builtin" } else { "mesh" };
+    let mut text = format!("{key} = {}\n", ::toml::Value::from(name.as_ref()));
+    if scene.ground.is_some() {
+        text += "ground = true\n";
+    }
+    let camera = &scene.camera;
+    let Lens { shift: [x, y], pixel_aspect, mirrored } = camera.lens;
+    text += &format!(
+        "[camera]\neye = {}\ntarget = {}\nup = {}\nfov = {:?}\nshift = [{x:?}, {y:?}]\npixel_aspect = {pixel_aspect:?}\nmirrored = {mirrored}\n",
+        vector(camera.eye),
+        vector(camera.target),
+        vector(camera.up),
+        camera.vertical_fov_degrees,
+    );
+    text += "[light]\n";
+    text += &match scene.light {
+        Light::Directional { direction } => format!("directional = {}\n", vector(direction)),
+        Light::Point { position } => format!("point = {}\n", vector(position)),
+        Light::Spot { position, target, angle_degrees } => {
+            format!("spot = {}\ntarget = {}\nangle = {angle_degrees:?}\n", vector(position), vector(target))
+        }
+    };
+    text
+}
+
 /// Base of the scene file.
 fn base(path: &Path, file: &SceneFile) -> Parsed<Loaded> {
     match (&file.mesh, &file.builtin) {
@@ -89,5 +118,34 @@ fn base(path: &Path, file: &SceneFile) -> Parsed<Loaded> {
             Ok(Loaded { mesh: scene.mesh, camera: Some(scene.camera), light: Some(scene.light), ..Loaded::default() })
         }
         _ => Err("needs exactly one of the keys 'mesh' and 'builtin'".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scene_files_read_back() {
+        for (name, light) in [
+            ("plane", Light::Point { position: [1.0, 1e-30, -3e7] }),
+            ("spheres", Light::Spot { position: [1.0, 2.0, 0.3], target: [0.7, 0.0, 0.0], angle_degrees: 33.3 }),
+            ("knot", Light::Directional { direction: [0.1, 0.7, 0.300_000_1] }),
+        ] {
+            let mut scene = builtin(name).unwrap();
+            scene.light = light;
+            scene.camera.eye[1] += 0.1;
+            scene.camera.lens.shift = [0.25, -0.1];
+            let read = load(Path::new("s.toml"), scene_file(&scene).as_bytes()).unwrap();
+            assert_eq!((read.light, read.mesh.triangles.len()), (Some(light), scene.mesh.triangles.len()));
+            let camera = read.camera.unwrap();
+            assert_eq!(
+                (camera.eye, camera.target, camera.lens),
+                (scene.camera.eye, scene.camera.target, scene.camera.lens)
+            );
+        }
+        let mesh = Scene { name: "folder/a \"b\".obj".into(), ..builtin("plane").unwrap() };
+        let file: SceneFile = ::toml::from_str(&scene_file(&mesh)).unwrap();
+        assert_eq!(file.mesh.as_deref(), Some("a \"b\".obj"));
     }
 }

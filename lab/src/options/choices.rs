@@ -4,9 +4,12 @@ use clap::ValueEnum;
 use subpixel_shadows::methods::FacetMode;
 use subpixel_shadows::samples::Pattern;
 
+/// How `spsm` packs a triangle into a texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Encoding {
+    /// Vertices over the map, as in the paper
     Paper,
+    /// Edge lines relative to the texel
     #[default]
     Lines,
 }
@@ -14,8 +17,11 @@ pub enum Encoding {
 /// Where `spsm` searches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Search {
+    /// 3 x 3 texels
     Near,
+    /// 5 x 5 texels
     Wide,
+    /// 3 x 3 texels, and two more to either side along the shadow's border
     #[default]
     Along,
 }
@@ -23,19 +29,19 @@ pub enum Search {
 /// Samples that `ray-traced` follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum RayChoice {
-    /// All of pixels that face the light.
+    /// All of pixels that face the light
     #[default]
     All,
-    /// Those of pixels that are not proved lit or shadowed.
+    /// Those of pixels that are not proved lit or shadowed
     Silhouettes,
 }
 
 /// Where `smsr` draws lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Shape {
-    /// From the corners of dark texels to the far ends of borders.
+    /// From the corners of dark texels to the far ends of borders
     Corners,
-    /// Through the middles of the steps.
+    /// Through the middles of the steps
     #[default]
     Midpoints,
 }
@@ -43,20 +49,23 @@ pub enum Shape {
 /// How the texels of a map lie over a slice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum WarpBy {
-    /// Evenly, over the box around what is seen.
+    /// Evenly, over the box around what is seen
     Even,
-    /// Over a trapezoid around it, 80 % of whose rows go to the first part.
+    /// Over a trapezoid around it, 80 % of whose rows go to the first part
     Trapezoid,
-    /// As is best for a frustum and a light from the side.
+    /// As is best for a frustum and a light from the side
     Lispsm,
-    /// As makes texels the smallest beside pixels.
+    /// As makes texels the smallest beside pixels
     #[default]
     Fitted,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+/// Facets of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum FacetsPerPixel {
+    /// One, as in the paper
     One,
+    /// One for every surface that its samples see
     #[default]
     All,
 }
@@ -70,45 +79,65 @@ impl From<FacetsPerPixel> for FacetMode {
     }
 }
 
+/// On or off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
+    /// On
     #[default]
     On,
+    /// Off
     Off,
 }
 
+/// How half-planes become masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum MaskChoice {
+    /// Every sample is tested
     #[default]
     Exact,
+    /// Looked up in a table of 256 directions and distances
     Table,
 }
 
+/// How pairs come together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PairsBy {
+    /// By tiles of 2 x 2 texels, counted and written to their places
     #[default]
     Tiled,
+    /// By texels, counted and written to their places
     Grouped,
+    /// By texels, sorted, as in the paper
     Sorted,
 }
 
+/// How shadows become lines of the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Projection {
+    /// Planes through the eye
     #[default]
     Pencil,
+    /// The paper's two projections, which bound no rounding
     TwoStep,
 }
 
+/// Where a frame is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
+    /// On the adapter
     Gpu,
+    /// On the CPU, in 64-bit numbers
     Cpu,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+/// Where the samples of a pixel lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PatternName {
+    /// On a grid
     Grid,
+    /// On a rotated grid: no two in a row or column
     Rotated,
+    /// As a low-discrepancy sequence has them
     #[default]
     LowDiscrepancy,
 }

@@ -1,0 +1,188 @@
+//! Options as text: what a frame.json records, and the command line that repeats a frame.
+
+use super::{FrameArguments, RenderOptions};
+use crate::scene::{Camera, Lens, Light, Scene};
+use clap::error::ErrorKind;
+use clap::{Parser, ValueEnum};
+use serde_json::{Map, Value, json};
+use subpixel_shadows::{Error, Result};
+
+impl RenderOptions {
+    /// Settings that a frame was asked for with, by the names of the options: `--from` repeats it. Camera and light are those that were used,
+    /// in numbers that read back the same; so are engine and adapter.
+    pub fn recorded(&self, scene: &Scene, engine: &str, adapter: Value) -> Map<String, Value> {
+        fn word(value: impl ValueEnum) -> Value {
+            value.to_possible_value().map_or(Value::Null, |v| json!(v.get_name()))
+        }
+        let o = self;
+        let number = |value: f32| json!(value.to_string().parse::<f64>().unwrap_or(f64::from(value)));
+        let [width, height] = o.size;
+        let own = o.method.row().partition;
+        let all = [
+            ("scene", json!(scene.name)),
+            ("method", json!(o.method.name())),
+            ("engine", json!(engine)),
+            ("adapter", adapter),
+            ("camera", json!(camera_text(&scene.camera))),
+            ("light", json!(light_text(&scene.light))),
+            ("ground", json!(o.ground)),
+            ("samples", json!(o.samples)),
+            ("pattern", word(o.pattern)),
+            ("map", json!(o.map)),
+            ("size", json!(format!("{width}x{height}"))),
+            ("truth", json!(o.truth)),
+            ("converged", json!(o.converged)),
+            ("looks", json!(o.looks)),
+            ("frames", json!(o.frames)),
+            ("force-all", json!(o.force_all)),
+            ("memory-limit", json!(o.memory_limit)),
+            ("list-start", json!(o.list_start)),
+            ("facets", word(o.facets)),
+            ("validity", word(o.validity)),
+            ("masks", word(o.masks)),
+            ("pairs", word(o.pairs)),
+            ("projection", word(o.projection)),
+            ("encoding", word(o.encoding)),
+            ("search", word(o.search)),
+            ("rays", word(o.rays)),
+            ("kernel", json!(o.kernel)),
+            ("shape", word(o.shape)),
+            ("reach", json!(o.reach)),
+            ("splits", json!(o.splits.or(own.map(|plan| plan.splits)))),
+            ("warp", o.warp.or(own.map(|_| Default::default())).map_or(Value::Null, word)),
+            ("focus", number(o.focus)),
+            ("bleeding", number(o.bleeding)),
+            ("grazing", number(o.grazing)),
+            ("exponent", number(o.exponent)),
+        ];
+        all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+}
+
+/// A camera as `--camera` takes it.
+pub fn camera_text(camera: &Camera) -> String {
+    let [eye, target, up] = [camera.eye, camera.target, camera.up].map(vector);
+    let mut text = format!("eye={eye};target={target};up={up};fov={}", camera.vertical_fov_degrees);
+    let Lens { shift: [x, y], pixel_aspect, mirrored } = camera.lens;
+    if camera.lens != Lens::CENTRED {
+        text += &format!(";shift={x},{y};pixel_aspect={pixel_aspect};mirrored={mirrored}");
+    }
+    text
+}
+
+/// A light as `--light` takes it.
+pub fn light_text(light: &Light) -> String {
+    match *light {
+        Light::Directional { direction } => format!("directional={}", vector(direction)),
+        Light::Point { position } => format!("point={}", vector(position)),
+        Light::Spot { position, target, angle_degrees } => {
+            format!("spot={};target={};angle={angle_degrees}", vector(position), vector(target))
+        }
+    }
+}
+
+fn vector([x, y, z]: [f32; 3]) -> String {
+    format!("{x},{y},{z}")
+}
+
+/// Options that say nothing of the picture.
+const OF_NO_PICTURE: [&str; 8] = ["scene", "engine", "adapter", "truth", "converged", "looks", "frames", "list-start"];
+
+impl FrameArguments {
+    /// The arguments of a command line such as `render plant --samples 8`; the words before the scene and quotes as a shell has them may be
+    /// there or not.
+    ///
+    /// # Errors
+    /// [`Error::Config`], one line, if they are not those of `render`.
+    pub fn of_line(line: &str) -> Result<Self> {
+        let refuse = |why: &str| Error::Config(format!("'{}': {why}", line.escape_debug()));
+        let words = shlex::split(line).ok_or_else(|| refuse("a quote is not closed"))?;
+        let begin = words.iter().take(8).position(|word| word == "render").map_or(0, |at| at + 1);
+        let arguments = std::iter::once("subpixel-shadows").chain(words[begin..].iter().map(String::as_str));
+        Self::try_parse_from(arguments).map_err(|e| match e.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => refuse("is no frame"),
+            _ => refuse(&reason(&e)),
+        })
+    }
+}
+
+/// Reason that clap gives before it explains the usage, in one line.
+pub fn reason(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let first = text.split("\n\n").next().unwrap_or_default();
+    first.strip_prefix("error: ").unwrap_or(first).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+impl RenderOptions {
+    /// The command line that renders the same picture, after the program's name: scene, camera and light, and what is not as it is by default.
+    pub fn line(&self, scene: &Scene) -> String {
+        let words = ["render".to_owned(), scene.name.clone()].into_iter().chain(self.words(scene, &[]));
+        let quoted = words.map(|word| shlex::try_quote(&word).unwrap_or_default().into_owned());
+        quoted.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The options of [`RenderOptions::line`] but those of these names.
+    pub fn words(&self, scene: &Scene, without: &[&str]) -> Vec<String> {
+        let own = self.recorded(scene, "gpu", Value::Null);
+        let plain = FrameArguments::try_parse_from(["subpixel-shadows", "--method", self.method.name()]);
+        let plain = plain.map(|plain| plain.options.recorded(scene, "gpu", Value::Null)).unwrap_or_default();
+        let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let mut words = Vec::new();
+        for (name, value) in own.iter().filter(|(name, _)| !without.contains(&name.as_str())) {
+            let stands = matches!(name.as_str(), "camera" | "light");
+            let method = name == "method" && self.method != Default::default();
+            let set = !OF_NO_PICTURE.contains(&name.as_str()) && plain.get(name) != Some(value);
+            match value {
+                Value::Bool(true) if set => words.push(format!("--{name}")),
+                Value::Null | Value::Bool(_) => {}
+                _ if stands || method || set => words.extend([format!("--{name}"), text(value)]),
+                _ => {}
+            }
+        }
+        words
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line reads back to the same settings, camera and light.
+    #[test]
+    fn lines_read_back() {
+        for line in [
+            "render plant",
+            "cargo run --release -- render plane --method pcf --kernel 5 --light 'point=1,7.25,0.1' --size 64x48",
+            "windmill --facets one --samples 8 --map 256 --pattern grid --ground --camera 'eye=9,9,9.1;target=0,0,0;fov=31'",
+            "spheres --method remix --splits 2 --warp even --bleeding 0.25 --grazing 5",
+        ] {
+            let own = FrameArguments::of_line(line).unwrap();
+            let (scene, _) = own.options.open(own.scene.as_deref()).unwrap();
+            let written = own.options.line(&scene);
+            let again = FrameArguments::of_line(&written).unwrap();
+            let (reopened, _) = again.options.open(again.scene.as_deref()).unwrap();
+            assert_eq!(again.options.settings().unwrap(), own.options.settings().unwrap(), "{written}");
+            assert_eq!((reopened.camera, reopened.light), (scene.camera, scene.light), "{written}");
+            assert_eq!((again.options.method, again.options.ground), (own.options.method, own.options.ground));
+        }
+        let plain = FrameArguments::of_line("plane").unwrap();
+        let (scene, _) = plain.options.open(plain.scene.as_deref()).unwrap();
+        let other =
+            FrameArguments::of_line(&RenderOptions { samples: 8, ..plain.options.clone() }.line(&scene)).unwrap();
+        assert_ne!(other.options.settings().unwrap(), plain.options.settings().unwrap());
+    }
+
+    #[test]
+    fn what_is_no_line_is_refused_in_one() {
+        for (line, part) in [
+            ("render plane --samples many", "many"),
+            ("--methods pcf", "--methods"),
+            ("'plane", "not closed"),
+            ("--help", "no frame"),
+            ("--method nothing", "no such method"),
+        ] {
+            let message = FrameArguments::of_line(line).unwrap_err().to_string();
+            assert!(message.contains(part) && !message.contains('\n'), "{line}: {message}");
+        }
+    }
+}
