@@ -4,8 +4,12 @@
 set -eu
 cd "$(dirname "$0")"
 
+# Built together, so that what they share is built once.
+packages="-p subpixel-shadows -p subpixel-shadows-lab -p subpixel-shadows-oracle -p subpixel-shadows-viewer"
+program="${CARGO_TARGET_DIR:-target}/release/subpixel-shadows"
+
 has_adapter() {
-    cargo run --release --quiet -- adapters --check 2>/dev/null
+    "$program" adapters --check 2>/dev/null
 }
 
 as_root() {
@@ -20,7 +24,7 @@ as_root() {
 }
 
 # A build that fails is no missing adapter.
-cargo build --release
+cargo build --release $packages
 if ! has_adapter; then
     if ! command -v apt-get >/dev/null 2>&1; then
         echo "test.sh: no Vulkan adapter, and no apt-get to install one: install Mesa's lavapipe by hand," >&2
@@ -32,11 +36,18 @@ if ! has_adapter; then
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends mesa-vulkan-drivers libvulkan1
     if ! has_adapter; then
         echo "test.sh: lavapipe is installed, but no adapter can be opened:" >&2
-        cargo run --release --quiet -- adapters >&2 || true
+        "$program" adapters >&2 || true
         exit 1
     fi
 fi
-cargo test --release "$@"
+# The window's test has a screen of its own.
+if ! command -v xvfb-run >/dev/null 2>&1 && command -v apt-get >/dev/null 2>&1 && [ -z "${SUBPIXEL_SHADOWS_NO_WINDOW:-}" ]; then
+    echo "test.sh: no xvfb-run: installing it"
+    as_root apt-get update
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
+        xvfb xauth libxkbcommon-x11-0 libxcursor1 libxi6
+fi
+cargo test --release $packages "$@"
 # Packages of their own: what the first needs of naga is not built into the library's tests, the second calls Vulkan itself. That one needs
 # RADV, which is in the package of lavapipe, and says so where it is missing.
 [ $# -gt 0 ] || cargo test --release -p subpixel-shadows-bindings

@@ -10,4 +10,4 @@ pub mod soak;
 pub use device::{gpu, within_programs};
 pub use folder::Folder;
 pub use frames::status_of;
-pub use gpu_test::gpu_test;
+pub use gpu_test::{gpu_test, window_test};

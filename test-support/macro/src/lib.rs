@@ -24,3 +24,16 @@ pub fn gpu_test(how: TokenStream, function: TokenStream) -> TokenStream {
     }));
     test
 }
+
+/// A test that opens a window on a screen of its own: it fails where it cannot, and is listed as ignored where
+/// `SUBPIXEL_SHADOWS_NO_WINDOW=1` or `SUBPIXEL_SHADOWS_NO_GPU=1` was set at build time.
+#[proc_macro_attribute]
+pub fn window_test(_: TokenStream, function: TokenStream) -> TokenStream {
+    let variables = ["SUBPIXEL_SHADOWS_NO_WINDOW", "SUBPIXEL_SHADOWS_NO_GPU"];
+    let without = variables.iter().any(|name| std::env::var(name).is_ok_and(|v| v == "1"));
+    let ignore = if without { r#"#[ignore = "built for a machine without a screen"]"# } else { "" };
+    let [window, gpu] = variables.map(|name| format!("const _: Option<&str> = option_env!({name:?});"));
+    let mut test: TokenStream = format!("{window} {gpu} #[test] {ignore}").parse().unwrap_or_default();
+    test.extend(function);
+    test
+}

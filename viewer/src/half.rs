@@ -1,0 +1,186 @@
+//! A half of the picture: one method's pass, made in the background, and the last of its frames that was complete.
+
+use crate::job::Job;
+use crate::picture::{extent, visibility};
+use lab::options::RenderOptions;
+use lab::scene::{Camera, Light, Scene};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use subpixel_shadows::gpu::KeptPrograms;
+use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
+use subpixel_shadows::{Result, ShadowPass, wgpu};
+
+/// What frames are made from.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Pipelines that all passes share.
+    pub programs: KeptPrograms,
+}
+
+/// How many pipelines of a pass are compiled, and of how many.
+#[derive(Debug, Default)]
+struct Compiled {
+    done: AtomicUsize,
+    of: AtomicUsize,
+}
+
+enum Pass {
+    Making(Job<Result<ShadowPass>>, Arc<Compiled>),
+    Made(Box<ShadowPass>),
+    Failed,
+}
+
+/// One method's pass and its pictures.
+pub struct Half {
+    pass: Pass,
+    work: wgpu::Texture,
+    /// Visibility of the last frame that was complete.
+    pub shown: wgpu::Texture,
+    size: [u32; 2],
+    /// Status of the last frame that was complete.
+    pub status: Option<FrameStatus>,
+    /// Bytes of all buffers of the pass.
+    pub bytes: u64,
+    waits_for: Option<u64>,
+    whole: bool,
+    tries: u32,
+    /// Why there is no picture.
+    pub error: Option<String>,
+}
+
+/// Frames that are tried until one is complete.
+const TRIES: u32 = 10;
+
+impl Half {
+    /// Begins to make a pass of the options' method for pictures of `size` pixels.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Arc<Scene>,
+        options: &RenderOptions,
+        size: [u32; 2],
+        context: &egui::Context,
+    ) -> Self {
+        let options = RenderOptions { size, ..options.clone() };
+        let compiled = Arc::new(Compiled::default());
+        let (of_gpu, scene, told) = (gpu.clone(), scene.clone(), compiled.clone());
+        let made = Job::new(context, move || {
+            let programs = of_gpu.programs.clone().telling(move |done, of| {
+                told.done.store(done, Ordering::Relaxed);
+                told.of.store(of, Ordering::Relaxed);
+            });
+            {
+                let mesh = &scene.mesh;
+                let casters = Casters::Static { positions: &mesh.positions, triangles: &mesh.triangles };
+                let config = PassConfig {
+                    method: options.method,
+                    budget: options.budget(),
+                    timing: true,
+                    prove: !options.force_all,
+                    programs: Some(&programs),
+                    ..PassConfig::new(options.settings()?, casters)
+                };
+                ShadowPass::new(&of_gpu.device, &of_gpu.queue, &config)
+            }
+        });
+        let (work, shown) = (visibility(&gpu.device, size), visibility(&gpu.device, size));
+        Self {
+            pass: Pass::Making(made, compiled),
+            work,
+            shown,
+            size,
+            status: None,
+            bytes: 0,
+            waits_for: None,
+            whole: false,
+            tries: 0,
+            error: None,
+        }
+    }
+
+    /// Pipelines that are compiled, and of how many, while the pass is made.
+    pub fn progress(&self) -> Option<[usize; 2]> {
+        match &self.pass {
+            Pass::Making(_, compiled) => Some([&compiled.done, &compiled.of].map(|n| n.load(Ordering::Relaxed))),
+            _ => None,
+        }
+    }
+
+    /// Takes over the pass if it is made; whether frames can be recorded.
+    pub fn is_made(&mut self) -> bool {
+        if let Pass::Making(made, _) = &self.pass {
+            match made.take() {
+                Some(Ok(pass)) => self.pass = Pass::Made(Box::new(pass)),
+                Some(Err(error)) => self.fail(error.to_string()),
+                None => {}
+            }
+        }
+        matches!(self.pass, Pass::Made(_))
+    }
+
+    fn fail(&mut self, why: String) {
+        self.pass = Pass::Failed;
+        self.waits_for = None;
+        self.error = Some(why);
+    }
+
+    /// Records a frame and submits it.
+    pub fn begin(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) {
+        self.tries = 0;
+        self.submit(gpu, camera, light);
+    }
+
+    fn submit(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) {
+        let Pass::Made(pass) = &mut self.pass else { return };
+        self.whole = false;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        match pass.record(&mut encoder, &Inputs::new(camera, light), &Target::texture(&self.work)) {
+            Ok(frame) => {
+                gpu.queue.submit([encoder.finish()]);
+                self.waits_for = Some(frame);
+                self.error = None;
+            }
+            // Another camera or light may do.
+            Err(error) => {
+                self.waits_for = None;
+                self.error = Some(error.to_string());
+            }
+        }
+    }
+
+    /// Looks whether the frame has run, and begins it again if a list was too short. Whether there is nothing to wait for.
+    pub fn is_done(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) -> bool {
+        let Pass::Made(pass) = &mut self.pass else { return true };
+        let Some(frame) = self.waits_for else { return true };
+        while let Some(status) = pass.status() {
+            if status.frame != frame {
+                continue;
+            }
+            self.waits_for = None;
+            self.whole = status.complete;
+            if status.complete {
+                self.bytes = pass.memory().iter().map(|buffer| buffer.bytes).sum();
+                self.status = Some(status);
+                return true;
+            }
+            self.tries += 1;
+            if let Some(error) = status.error.or((self.tries > TRIES).then(|| "no frame came out whole".to_owned())) {
+                self.error = Some(error);
+                return true;
+            }
+            self.submit(gpu, camera, light);
+            return self.waits_for.is_none();
+        }
+        false
+    }
+
+    /// Shows the frame that has run, if it is whole.
+    pub fn show(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        if self.whole {
+            encoder.copy_texture_to_texture(self.work.as_image_copy(), self.shown.as_image_copy(), extent(self.size));
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The viewer: one place by any two methods, or by one and traced truth, in a window and in a web page.
+//!
+//! [`Viewer`] is an [egui](https://www.egui.rs) application on the device that draws the window: both halves are
+//! [`ShadowPass`](subpixel_shadows::ShadowPass)es, recorded as any application would record them. Passes are made beside the window; a
+//! picture is shown when its frames are complete, and the last one stays until then.
+
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::unreachable
+    )
+)]
+
+pub mod control;
+pub mod half;
+pub mod job;
+pub mod level;
+mod panel;
+pub mod picture;
+pub mod truth;
+pub mod view;
+mod viewer;
+#[cfg(target_family = "wasm")]
+pub mod web;
+
+pub use view::{View, ViewArguments};
+pub use viewer::Viewer;
+
+use egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use std::sync::Arc;
+use subpixel_shadows::{ShadowPass, wgpu};
+
+/// The device that the viewer asks for: all that the adapter allows of what passes can use.
+pub fn configuration() -> WgpuConfiguration {
+    let mut setup = WgpuSetupCreateNew::without_display_handle();
+    setup.power_preference = wgpu::PowerPreference::HighPerformance;
+    setup.device_descriptor = Arc::new(|adapter| wgpu::DeviceDescriptor {
+        label: Some("viewer"),
+        required_features: ShadowPass::required_features() | (adapter.features() & ShadowPass::optional_features()),
+        required_limits: adapter.limits(),
+        ..Default::default()
+    });
+    WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(setup), ..Default::default() }
+}
+
+/// Writes an image as a PNG file, or in a browser offers it to be kept.
+///
+/// # Errors
+/// One line, if it cannot be written.
+pub fn save_png(name: &str, image: &egui::ColorImage) -> Result<(), String> {
+    let [width, height] = image.size.map(|side| side as u32);
+    let bytes: Vec<u8> = image.pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
+    let picture = image::RgbaImage::from_raw(width, height, bytes).ok_or("the image has no pixels")?;
+    let mut png = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut png, image::ImageFormat::Png).map_err(|e| format!("{name}: {e}"))?;
+    #[cfg(target_family = "wasm")]
+    return web::offer(name, png.get_ref());
+    #[cfg(not(target_family = "wasm"))]
+    std::fs::write(name, png.get_ref()).map_err(|e| format!("{name}: {e}"))
+}

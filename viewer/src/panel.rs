@@ -1,0 +1,155 @@
+//! Widgets: options of a method, times of its stages.
+
+use clap::ValueEnum;
+use egui::{ComboBox, Slider, Ui};
+use lab::options::{FacetsPerPixel, RenderOptions, WarpBy};
+use subpixel_shadows::methods::MethodName;
+use subpixel_shadows::pass::FrameStatus;
+
+/// A list of the words of an option. Whether another was picked.
+fn words<T: ValueEnum + PartialEq>(ui: &mut Ui, label: &str, value: &mut T) -> bool {
+    let name = |value: &T| value.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+    let mut changed = false;
+    ComboBox::new((label, ui.scope_id()), label).selected_text(name(value)).show_ui(ui, |ui| {
+        for one in T::value_variants() {
+            let help = one.to_possible_value().and_then(|v| v.get_help().map(ToString::to_string));
+            let mut response = ui.selectable_value(value, one.clone(), name(one));
+            if let Some(help) = help {
+                response = response.on_hover_text(help);
+            }
+            changed |= response.changed();
+        }
+    });
+    changed
+}
+
+/// A list of numbers.
+fn numbers(ui: &mut Ui, label: &str, value: &mut u32, choices: &[u32]) -> bool {
+    let mut changed = false;
+    ComboBox::new((label, ui.scope_id()), label).selected_text(value.to_string()).show_ui(ui, |ui| {
+        for one in choices {
+            changed |= ui.selectable_value(value, *one, one.to_string()).changed();
+        }
+    });
+    changed
+}
+
+/// Numbers between two, as far as they are let go of.
+fn slider<N: egui::emath::Numeric>(
+    ui: &mut Ui,
+    label: &str,
+    value: &mut N,
+    range: std::ops::RangeInclusive<N>,
+) -> bool {
+    let response = ui.add(Slider::new(value, range).text(label));
+    response.drag_stopped() || (response.changed() && !response.dragged())
+}
+
+/// The method and the options that it takes. Whether one was changed.
+pub fn options(ui: &mut Ui, options: &mut RenderOptions) -> bool {
+    let mut changed = false;
+    ComboBox::new(("method", ui.scope_id()), "method").selected_text(options.method.name()).height(420.0).show_ui(
+        ui,
+        |ui| {
+            for method in MethodName::ALL {
+                let row = method.row();
+                let told = format!("{}, {}", row.paper, row.section);
+                changed |= ui.selectable_value(&mut options.method, method, row.name).on_hover_text(told).changed();
+            }
+        },
+    );
+    changed |= numbers(ui, "samples", &mut options.samples, &[1, 8, 16, 32, 64, 128]);
+    changed |= words(ui, "pattern", &mut options.pattern);
+    changed |= numbers(ui, "map", &mut options.map, &[64, 128, 256, 512, 1024, 2048, 4096]);
+    let method = options.method;
+    let takes = |name| method.takes(name);
+    if takes("facets") {
+        changed |= words(ui, "facets", &mut options.facets);
+        if matches!(options.facets, FacetsPerPixel::One) {
+            changed |= words(ui, "validity", &mut options.validity);
+        }
+        changed |= words(ui, "masks", &mut options.masks);
+        changed |= words(ui, "pairs", &mut options.pairs);
+        changed |= words(ui, "projection", &mut options.projection);
+    }
+    if takes("encoding") {
+        changed |= words(ui, "encoding", &mut options.encoding);
+        changed |= words(ui, "search", &mut options.search);
+    }
+    if takes("rays") {
+        changed |= words(ui, "rays", &mut options.rays);
+    }
+    if takes("kernel") {
+        changed |= numbers(ui, "kernel", &mut options.kernel, &[2, 3, 5, 7]);
+    }
+    if takes("shape") {
+        changed |= words(ui, "shape", &mut options.shape);
+        changed |= slider(ui, "reach", &mut options.reach, 1..=64);
+    }
+    if takes("splits") {
+        let own = method.row().partition.map_or(0, |plan| plan.splits);
+        let mut splits = options.splits.unwrap_or(own);
+        changed |= slider(ui, "splits", &mut splits, u32::from(own > 0)..=4);
+        options.splits = Some(splits).filter(|splits| *splits != own && *splits > 0);
+    }
+    if takes("warp") && (options.splits.is_some() || method.row().partition.is_some()) {
+        let mut warp = options.warp.unwrap_or_default();
+        changed |= words(ui, "warp", &mut warp);
+        options.warp = Some(warp).filter(|warp| *warp != Default::default() || options.warp.is_some());
+    }
+    if takes("focus") && (options.warp == Some(WarpBy::Trapezoid) || method == MethodName::Trapezoidal) {
+        changed |= slider(ui, "focus", &mut options.focus, 0.05..=0.95);
+    }
+    if takes("bleeding") {
+        changed |= slider(ui, "bleeding", &mut options.bleeding, 0.0..=0.9);
+        changed |= slider(ui, "grazing", &mut options.grazing, 0.0..=30.0);
+    }
+    if takes("exponent") {
+        changed |= slider(ui, "exponent", &mut options.exponent, 1.0..=42.0);
+    }
+    changed
+}
+
+/// Times of the stages, as bars, and what is held.
+pub fn stages(ui: &mut Ui, status: &FrameStatus, bytes: u64) {
+    let all: f64 = status.stages.iter().map(|stage| stage.gpu_ms).sum();
+    let memory = bytes as f64 / f64::from(1 << 20);
+    ui.label(format!("{all:.1} ms on the GPU, {} dispatches, {memory:.0} MiB", status.dispatches));
+    let mut most: Vec<_> = status.stages.iter().filter(|stage| stage.gpu_ms > 0.005 * all).collect();
+    most.sort_by(|a, b| b.gpu_ms.total_cmp(&a.gpu_ms));
+    for stage in most.iter().take(8) {
+        let share = (stage.gpu_ms / all.max(1e-9)) as f32;
+        let text = format!("{} {:.1}", stage.name, stage.gpu_ms);
+        ui.add(egui::ProgressBar::new(share).text(text).desired_height(14.0).corner_radius(2.0));
+    }
+    let counts = &status.counts;
+    if counts.facets > 0 {
+        ui.label(format!(
+            "{} facets, {} undecided, {} evaluations",
+            counts.facets, counts.silhouette_pixels, counts.visibility_evaluations
+        ));
+    }
+}
+
+/// Times of the last frames as a line, newest to the right, seconds.
+pub fn history(ui: &mut Ui, seconds: &[f64]) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 36.0), egui::Sense::hover());
+    let most = seconds.iter().copied().fold(1e-3, f64::max);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let step = rect.width() / 60.0;
+    let at = |(k, s): (usize, &f64)| {
+        let x = rect.right() - (seconds.len() - 1 - k) as f32 * step;
+        egui::pos2(x, rect.bottom() - 2.0 - (s / most) as f32 * (rect.height() - 4.0))
+    };
+    let points: Vec<_> = seconds.iter().enumerate().map(at).collect();
+    painter.line(points, egui::Stroke::new(1.5, ui.visuals().hyperlink_color));
+    let text = format!("{:.0} ms a frame at most", 1e3 * most);
+    painter.text(
+        rect.left_top() + egui::vec2(4.0, 2.0),
+        egui::Align2::LEFT_TOP,
+        text,
+        egui::FontId::proportional(11.0),
+        ui.visuals().weak_text_color(),
+    );
+}

@@ -1,0 +1,322 @@
+//! The picture: the mesh drawn with four samples a pixel, its shading times the visibility of either half.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3};
+use lab::scene::{Camera, Light, Mesh};
+use subpixel_shadows::Result;
+use subpixel_shadows::pass::DepthTerms;
+use subpixel_shadows::wgpu;
+use wgpu::util::DeviceExt;
+use wgpu::{BufferUsages, TextureFormat, TextureUsages};
+
+const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+const SAMPLES: u32 = 4;
+
+/// What the picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overlay {
+    /// The shaded scene.
+    #[default]
+    Shaded,
+    /// Visibility alone, white where lit.
+    Visibility,
+    /// By how much the right half is brighter (orange) or darker (blue) than the left one.
+    Difference,
+}
+
+impl Overlay {
+    /// All of them, with a name.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Shaded, "shaded"), (Self::Visibility, "visibility"), (Self::Difference, "difference")];
+}
+
+/// What a picture is drawn from, beside the mesh and the two visibilities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// The camera.
+    pub camera: Camera,
+    /// The light.
+    pub light: Light,
+    /// Where the wipe stands, 0 at the left end to 1 at the right one.
+    pub wipe: f32,
+    /// What is shown.
+    pub overlay: Overlay,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Uniform {
+    clip: [f32; 16],
+    eye: [f32; 4],
+    light: [f32; 4],
+    cone: [f32; 4],
+    size: [f32; 2],
+    wipe: f32,
+    overlay: u32,
+}
+
+impl Uniform {
+    fn new(shot: &Shot, size: [u32; 2]) -> Result<Self> {
+        let Shot { camera, light, wipe, overlay } = *shot;
+        let projection = DepthTerms::reversed_infinite(camera.near).projection(&camera, size)?;
+        let clip = Mat4::from_cols_array_2d(&projection) * Mat4::from_cols_array_2d(&camera.view());
+        let [ex, ey, ez] = camera.eye;
+        let none = [0.0, 0.0, 0.0, -2.0];
+        let (light, cone) = match light {
+            Light::Directional { direction: [x, y, z] } => ([x, y, z, 0.0], none),
+            Light::Point { position: [x, y, z] } => ([x, y, z, 1.0], none),
+            Light::Spot { position, target, angle_degrees } => {
+                let [x, y, z] = position;
+                let axis = (Vec3::from(position) - Vec3::from(target)).normalize_or_zero();
+                ([x, y, z, 1.0], axis.extend((angle_degrees.to_radians() * 0.5).cos()).to_array())
+            }
+        };
+        let [w, h] = size.map(|side| side as f32);
+        Ok(Self {
+            clip: clip.to_cols_array(),
+            eye: [ex, ey, ez, 0.0],
+            light,
+            cone,
+            size: [w, h],
+            wipe: (wipe * w).round(),
+            overlay: overlay as u32,
+        })
+    }
+}
+
+/// Pipelines that pictures of every size share.
+#[derive(Debug)]
+pub struct Shader {
+    mesh: wgpu::BindGroupLayout,
+    halves: wgpu::BindGroupLayout,
+    draw: wgpu::RenderPipeline,
+    sky: wgpu::RenderPipeline,
+}
+
+fn buffer_entry(
+    binding: u32,
+    ty: wgpu::BufferBindingType,
+    visibility: wgpu::ShaderStages,
+) -> wgpu::BindGroupLayoutEntry {
+    let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
+}
+
+impl Shader {
+    /// Compiles it.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let module = device.create_shader_module(wgpu::include_wgsl!("shade.wgsl"));
+        let (vertex, both) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::VERTEX_FRAGMENT);
+        let read = wgpu::BufferBindingType::Storage { read_only: true };
+        let mesh = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("viewer.mesh"),
+            entries: &[
+                buffer_entry(0, wgpu::BufferBindingType::Uniform, both),
+                buffer_entry(1, read, vertex),
+                buffer_entry(2, read, vertex),
+            ],
+        });
+        let texture = |binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            count: None,
+        };
+        let halves = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("viewer.halves"),
+            entries: &[texture(0), texture(1)],
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("viewer"),
+            bind_group_layouts: &[Some(&mesh), Some(&halves)],
+            immediate_size: 0,
+        });
+        let pipeline = |label, vertex, fragment, writes| {
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(label),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(vertex),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH,
+                    depth_write_enabled: Some(writes),
+                    depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(fragment),
+                    compilation_options: Default::default(),
+                    targets: &[Some(FORMAT.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        let draw = pipeline("viewer.draw", "draw", "shade", true);
+        let sky = pipeline("viewer.sky", "sky_corner", "sky", false);
+        Self { mesh, halves, draw, sky }
+    }
+}
+
+/// A mesh on the GPU, as the picture reads it.
+#[derive(Debug)]
+pub struct DrawnMesh {
+    uniform: wgpu::Buffer,
+    bindings: wgpu::BindGroup,
+    corners: u32,
+}
+
+impl DrawnMesh {
+    /// Uploads a mesh.
+    pub fn new(device: &wgpu::Device, shader: &Shader, mesh: &Mesh) -> Self {
+        // A binding is never empty.
+        fn content<T: Pod>(content: &[T]) -> &[u8] {
+            if content.is_empty() { &[0; 16] } else { bytemuck::cast_slice(content) }
+        }
+        let make = |label, contents, usage| {
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+        };
+        let bytes = [0; size_of::<Uniform>()];
+        let uniform = make("viewer.view", &bytes, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+        let positions = make("viewer.positions", content(&mesh.positions), BufferUsages::STORAGE);
+        let triangles = make("viewer.triangles", content(&mesh.triangles), BufferUsages::STORAGE);
+        let entries = [(0, &uniform), (1, &positions), (2, &triangles)]
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("viewer.mesh"),
+            layout: &shader.mesh,
+            entries: &entries,
+        });
+        Self { uniform, bindings, corners: 3 * mesh.triangles.len() as u32 }
+    }
+}
+
+/// A picture of one size.
+#[derive(Debug)]
+pub struct Picture {
+    /// Its width and height, pixels.
+    pub size: [u32; 2],
+    /// What is drawn, 8 bits a channel in sRGB.
+    pub colour: wgpu::Texture,
+    many: wgpu::TextureView,
+    depth: wgpu::TextureView,
+}
+
+impl Picture {
+    /// A picture of `size` pixels.
+    pub fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
+        let make = |label, format, sample_count, usage, view_formats: &[TextureFormat]| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: extent(size),
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats,
+            })
+        };
+        let drawn = TextureUsages::RENDER_ATTACHMENT;
+        let shown = drawn | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+        Self {
+            size,
+            colour: make("viewer.colour", FORMAT, 1, shown, &[FORMAT.remove_srgb_suffix()]),
+            many: make("viewer.colour of samples", FORMAT, SAMPLES, drawn, &[]).create_view(&Default::default()),
+            depth: make("viewer.depth", DEPTH, SAMPLES, drawn, &[]).create_view(&Default::default()),
+        }
+    }
+
+    /// The colour as egui reads it: encoded.
+    pub fn encoded(&self) -> wgpu::TextureView {
+        let format = Some(FORMAT.remove_srgb_suffix());
+        let usage = Some(TextureUsages::TEXTURE_BINDING);
+        self.colour.create_view(&wgpu::TextureViewDescriptor { format, usage, ..Default::default() })
+    }
+
+    /// Draws it and submits that.
+    ///
+    /// # Errors
+    /// For a camera that has no projection.
+    pub fn draw(
+        &self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        shader: &Shader,
+        mesh: &DrawnMesh,
+        [left, right]: [&wgpu::Texture; 2],
+        shot: &Shot,
+    ) -> Result<()> {
+        queue.write_buffer(&mesh.uniform, 0, bytemuck::bytes_of(&Uniform::new(shot, self.size)?));
+        let views = [left, right].map(|texture| texture.create_view(&Default::default()));
+        let entry = |binding: u32| wgpu::BindGroupEntry {
+            binding,
+            resource: wgpu::BindingResource::TextureView(&views[binding as usize]),
+        };
+        let halves = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("viewer.halves"),
+            layout: &shader.halves,
+            entries: &[entry(0), entry(1)],
+        });
+        let resolved = self.colour.create_view(&Default::default());
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("viewer.picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.many,
+                depth_slice: None,
+                resolve_target: Some(&resolved),
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &mesh.bindings, &[]);
+        pass.set_bind_group(1, &halves, &[]);
+        pass.set_pipeline(&shader.sky);
+        pass.draw(0..3, 0..1);
+        pass.set_pipeline(&shader.draw);
+        pass.draw(0..mesh.corners, 0..1);
+        drop(pass);
+        queue.submit([encoder.finish()]);
+        Ok(())
+    }
+}
+
+/// A texture of visibility, as a pass writes it.
+pub fn visibility(device: &wgpu::Device, size: [u32; 2]) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("viewer.visibility"),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: TextureFormat::R32Float,
+        usage: TextureUsages::STORAGE_BINDING
+            | TextureUsages::TEXTURE_BINDING
+            | TextureUsages::COPY_SRC
+            | TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// The extent of an image.
+pub fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
+}

@@ -1,0 +1,100 @@
+// The picture: the mesh with flat shading times visibility, of the left half on one side of the wipe and of the right half on the other.
+
+struct View {
+    clip: mat4x4<f32>,
+    eye: vec4<f32>,
+    // Towards the light, or its place with 1 in w.
+    light: vec4<f32>,
+    // Axis of a spot light and the cosine of half its angle; -2 there for others.
+    cone: vec4<f32>,
+    size: vec2<f32>,
+    // Pixels left of it show the left half.
+    wipe: f32,
+    overlay: u32,
+}
+
+const SHADED = 0u;
+const VISIBILITY = 1u;
+const DIFFERENCE = 2u;
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> positions: array<f32>;
+@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(1) @binding(0) var left_visibility: texture_2d<f32>;
+// Below 0: not known yet.
+@group(1) @binding(1) var right_visibility: texture_2d<f32>;
+
+struct Corner {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) place: vec3<f32>,
+    @location(1) @interpolate(flat, either) normal: vec3<f32>,
+}
+
+fn corner(i: u32) -> vec3<f32> {
+    let v = 3u * triangles[i];
+    return vec3(positions[v], positions[v + 1u], positions[v + 2u]);
+}
+
+@vertex
+fn draw(@builtin(vertex_index) i: u32) -> Corner {
+    let first = i / 3u * 3u;
+    let a = corner(first);
+    let place = corner(i);
+    return Corner(view.clip * vec4(place, 1.0), place, cross(corner(first + 1u) - a, corner(first + 2u) - a));
+}
+
+// Tells halves apart: their visibility, and by how much it differs.
+struct Halves { shown: f32, known: bool, difference: f32 }
+
+fn halves(at: vec2<f32>) -> Halves {
+    let texel = vec2<u32>(at);
+    let left = textureLoad(left_visibility, texel, 0).x;
+    let right = textureLoad(right_visibility, texel, 0).x;
+    let known = right >= 0.0;
+    let of_right = at.x >= view.wipe;
+    let shown = select(left, right, of_right && known);
+    return Halves(shown, known || !of_right, select(0.0, right - left, known));
+}
+
+fn spot(to_light: vec3<f32>) -> f32 {
+    if view.cone.w < -1.0 { return 1.0; }
+    let rim = view.cone.w;
+    let t = clamp((dot(view.cone.xyz, to_light) - rim) / max(0.1 * (1.0 - rim), 1e-9), 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+@fragment
+fn shade(at: Corner) -> @location(0) vec4<f32> {
+    let seen = halves(at.clip.xy);
+    if view.overlay == VISIBILITY {
+        return vec4(vec3(seen.shown * seen.shown), 1.0);
+    }
+    let squared = max(dot(at.normal, at.normal), 1e-30);
+    var normal = at.normal * inverseSqrt(squared);
+    if dot(normal, view.eye.xyz - at.place) < 0.0 { normal = -normal; }
+    let to_light = normalize(view.light.xyz - at.place * view.light.w);
+    let diffuse = max(dot(normal, to_light), 0.0) * spot(to_light);
+    let ambient = mix(vec3(0.16, 0.15, 0.13), vec3(0.30, 0.36, 0.45), 0.5 + 0.5 * normal.y);
+    var colour = vec3(0.70, 0.67, 0.62) * (ambient + vec3(0.95, 0.90, 0.80) * diffuse * seen.shown);
+    if view.overlay == DIFFERENCE {
+        let grey = vec3(0.15 * dot(colour, vec3(0.3, 0.6, 0.1)));
+        let more = vec3(1.0, 0.45, 0.05) * max(seen.difference, 0.0);
+        colour = grey + more + vec3(0.05, 0.5, 1.0) * max(-seen.difference, 0.0);
+    }
+    // What is not traced yet is the left half, bluish.
+    if !seen.known { colour *= vec3(0.55, 0.65, 0.85); }
+    return vec4(colour, 1.0);
+}
+
+struct Sky { @builtin(position) clip: vec4<f32> }
+
+@vertex
+fn sky_corner(@builtin(vertex_index) i: u32) -> Sky {
+    return Sky(vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0));
+}
+
+@fragment
+fn sky(at: Sky) -> @location(0) vec4<f32> {
+    let colour = mix(vec3(0.42, 0.47, 0.54), vec3(0.70, 0.73, 0.76), at.clip.y / view.size.y);
+    return vec4(colour * select(1.0, 0.15, view.overlay == DIFFERENCE), 1.0);
+}

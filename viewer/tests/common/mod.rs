@@ -1,0 +1,152 @@
+//! A window without a screen: events go in, pictures are read back.
+
+use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2};
+use egui_wgpu::{RenderState, RendererOptions, WgpuSetup};
+use futures::executor::block_on;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use subpixel_shadows::wgpu;
+use viewer::{View, Viewer, configuration};
+
+/// Side of the window, points and pixels: rows of the picture are a multiple of 256 bytes.
+pub const WIDE: u32 = 192;
+
+/// Longest wait for a picture.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// A dropped file.
+#[derive(Debug)]
+pub struct Dropped(pub std::path::PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|e| e.to_string())
+    }
+}
+
+pub struct Window {
+    context: egui::Context,
+    render: RenderState,
+    pub viewer: Viewer,
+    size: [f32; 2],
+    start: Instant,
+}
+
+impl Window {
+    /// A window without its panel.
+    pub fn new(line: &str) -> Self {
+        let configuration = configuration();
+        let WgpuSetup::CreateNew(setup) = &configuration.wgpu_setup else { unreachable!("as the viewer asks") };
+        let instance = block_on(WgpuSetup::CreateNew(setup.clone()).new_instance());
+        let render = block_on(RenderState::create(&configuration, &instance, None, RendererOptions::default()));
+        let render = render.expect("an adapter; SUBPIXEL_SHADOWS_NO_GPU=1 leaves these tests out");
+        let view = View::of_line(line).expect(line);
+        let (scene, _) = view.left.open(view.scene.as_deref()).expect(line);
+        let viewer = Viewer::new(&render, view, scene);
+        let size = [WIDE as f32, 160.0];
+        let mut window = Self { context: Default::default(), render, viewer, size, start: Instant::now() };
+        window.frame(vec![key(egui::Key::H, true), key(egui::Key::H, false)]);
+        window
+    }
+
+    /// Sets the window's size, points.
+    pub fn resize(&mut self, size: [f32; 2]) {
+        self.size = size;
+    }
+
+    fn input(&self, events: Vec<Event>) -> RawInput {
+        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, self.size.into()));
+        RawInput { screen_rect, time: Some(self.start.elapsed().as_secs_f64()), events, ..Default::default() }
+    }
+
+    /// One frame of the window.
+    pub fn frame(&mut self, events: Vec<Event>) {
+        let input = self.input(events);
+        self.run(input);
+    }
+
+    /// A frame in which a file is dropped.
+    pub fn drop_file(&mut self, path: &str) {
+        let dropped_files: Vec<egui::DroppedFileHandle> = vec![Arc::new(Dropped(path.into()))];
+        let input = RawInput { dropped_files, ..self.input(Vec::new()) };
+        self.run(input);
+    }
+
+    fn run(&mut self, input: RawInput) {
+        let _ = self.context.run_ui(input, |ui| self.viewer.show(ui));
+    }
+
+    /// Frames until nothing is computed.
+    pub fn settle(&mut self) {
+        let start = Instant::now();
+        self.frame(Vec::new());
+        // What was moved rests for a moment before it is shown as a whole.
+        std::thread::sleep(Duration::from_millis(300));
+        self.frame(Vec::new());
+        while !self.viewer.is_settled() {
+            assert!(start.elapsed() < PATIENCE, "not settled: {:?}", self.viewer.complaint());
+            std::thread::sleep(Duration::from_millis(5));
+            self.frame(Vec::new());
+        }
+    }
+
+    /// Drags from one place to another, shares of the picture.
+    pub fn drag(&mut self, button: PointerButton, from: [f32; 2], to: [f32; 2]) {
+        let image = self.viewer.image();
+        let at = |share: [f32; 2]| image.min + image.size() * egui::Vec2::from(share);
+        let press = |pos: Pos2, pressed| Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE };
+        let (first, last) = (at(from), at(to));
+        self.frame(vec![Event::PointerMoved(first)]);
+        self.frame(vec![press(first, true)]);
+        for step in 1..=4 {
+            self.frame(vec![Event::PointerMoved(first + (last - first) * (step as f32 / 4.0))]);
+        }
+        self.frame(vec![press(last, false)]);
+        self.frame(vec![Event::PointerMoved(pos2(-1.0, -1.0)), Event::PointerGone]);
+    }
+
+    /// The picture, 4 bytes a pixel.
+    pub fn colours(&self) -> Vec<[u8; 4]> {
+        bytemuck::cast_slice(&self.read(self.viewer.colours().expect("a picture"))).to_vec()
+    }
+
+    /// Visibility of a half, bits.
+    pub fn visibility(&self, half: usize) -> Vec<u32> {
+        bytemuck::pod_collect_to_vec(&self.read(self.viewer.visibility(half).expect("a half")))
+    }
+
+    /// Width and height of the picture.
+    pub fn picture(&self) -> [u32; 2] {
+        let size = self.viewer.colours().expect("a picture").size();
+        [size.width, size.height]
+    }
+
+    fn read(&self, texture: &wgpu::Texture) -> Vec<u8> {
+        let (device, size) = (&self.render.device, texture.size());
+        assert_eq!(size.width % 64, 0);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(4 * size.width * size.height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size.width), rows_per_image: None };
+        let target = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        encoder.copy_texture_to_buffer(texture.as_image_copy(), target, size);
+        self.render.queue.submit([encoder.finish()]);
+        buffer.map_async(wgpu::MapMode::Read, .., |mapped| mapped.expect("mapped"));
+        device.poll(wgpu::PollType::wait_indefinitely()).expect("polled");
+        buffer.get_mapped_range(..).expect("mapped").to_vec()
+    }
+}
+
+/// A key that is pressed or let go of.
+pub fn key(key: egui::Key, pressed: bool) -> Event {
+    Event::Key { key, physical_key: None, pressed, repeat: false, modifiers: Modifiers::NONE }
+}

@@ -1,0 +1,178 @@
+//! The viewer as its users meet it, without a screen: what is dragged, picked and dropped, against the library's own frames.
+
+mod common;
+
+use common::{WIDE, Window, key};
+use egui::{Event, Key, PointerButton};
+use oracle::truth::{SceneTruth, Tracer};
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::{MethodName, Prepared, Settings};
+use subpixel_shadows::render::{Budget, Renderer};
+use subpixel_shadows::samples::{Pattern, Samples};
+use test_support::{Folder, gpu_test};
+use viewer::view::Against;
+
+/// Visibility by the library, bits, of what the window shows by the left half's settings or the right half's.
+fn by_library(window: &Window, half: usize) -> Vec<u32> {
+    let (view, scene) = (window.viewer.view(), window.viewer.scene_now());
+    let options = match (&view.right, half) {
+        (Against::Method(options), 1) => options,
+        _ => &view.left,
+    };
+    let settings = Settings { size: window.picture(), ..options.settings().unwrap() };
+    let gpu = Gpu::open(None).unwrap();
+    let prepared = Prepared::new(&scene.mesh).unwrap();
+    let renderer = Renderer::of_method(&gpu, &prepared, options.method, &settings, Budget::default());
+    let frame = renderer.unwrap().render(&scene.camera, &scene.light).unwrap();
+    frame.visibility.iter().map(|v| v.to_bits()).collect()
+}
+
+fn differing<T: PartialEq>(a: &[T], b: &[T]) -> usize {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
+}
+
+/// Both halves are the library's, also after the camera and the light were dragged; they are two.
+#[gpu_test]
+fn halves_are_the_methods() {
+    let mut window = Window::new("spheres --method shadow-map --map 128 --samples 8 --against '--samples 8 --map 128'");
+    window.settle();
+    let [width, height] = window.picture();
+    assert!(width == WIDE && height > 100, "{width} x {height}");
+    let mut seen = Vec::new();
+    for step in 0..3 {
+        match step {
+            1 => window.drag(PointerButton::Primary, [0.3, 0.5], [0.4, 0.55]),
+            2 => window.drag(PointerButton::Middle, [0.6, 0.5], [0.45, 0.4]),
+            _ => {}
+        }
+        window.settle();
+        assert_eq!(window.viewer.complaint(), None);
+        let halves = [0, 1].map(|half| window.visibility(half));
+        for (half, shown) in halves.iter().enumerate() {
+            assert_eq!(differing(shown, &by_library(&window, half)), 0, "step {step}, half {half}");
+        }
+        let lit = halves[1].iter().filter(|v| **v == 1.0f32.to_bits()).count();
+        let dark = halves[1].iter().filter(|v| **v == 0).count();
+        assert!(lit > 1000 && dark > 500, "{lit} lit, {dark} dark");
+        assert!(differing(&halves[0], &halves[1]) > 100, "the halves are of two methods");
+        let moved = window.viewer.scene_now();
+        seen.push((halves, moved.camera, moved.light));
+    }
+    assert!(seen[0].1 != seen[1].1 && seen[0].2 == seen[1].2, "the camera alone was dragged");
+    assert!(seen[1].1 == seen[2].1 && seen[1].2 != seen[2].2, "the light alone was dragged");
+    // What was shown before is not what is shown now.
+    assert!(differing(&seen[0].0[1], &seen[1].0[1]) > 1000 && differing(&seen[1].0[1], &seen[2].0[1]) > 500);
+}
+
+/// Pixels left of the wipe are of the left half, the others of the right one.
+#[gpu_test]
+fn the_wipe_parts_the_picture() {
+    let mut window = Window::new("spheres --method shadow-map --map 64 --samples 1 --against '--samples 8 --map 64'");
+    window.settle();
+    let pictures: Vec<_> = [0.99, 0.01, 0.3]
+        .into_iter()
+        .map(|share| {
+            let at = window.viewer.view().wipe;
+            window.drag(PointerButton::Primary, [at, 0.5], [share, 0.5]);
+            window.settle();
+            assert!((window.viewer.view().wipe - share).abs() < 0.02);
+            window.colours()
+        })
+        .collect();
+    let column = |pixel: usize| pixel % WIDE as usize;
+    let of = |part: &dyn Fn(usize) -> bool, a: &[[u8; 4]], b: &[[u8; 4]]| {
+        (0..a.len()).filter(|pixel| part(column(*pixel)) && a[*pixel] != b[*pixel]).count()
+    };
+    let wipe = (window.viewer.view().wipe * WIDE as f32).round() as usize;
+    let (left, right) = (|x: usize| x < wipe && x > 3, |x: usize| x >= wipe && x < WIDE as usize - 4);
+    assert_eq!(of(&left, &pictures[2], &pictures[0]), 0);
+    assert_eq!(of(&right, &pictures[2], &pictures[1]), 0);
+    assert!(of(&left, &pictures[2], &pictures[1]) > 20, "the left half is another");
+    assert!(of(&right, &pictures[2], &pictures[0]) > 50, "the right half is another");
+}
+
+/// Truth in slices is truth.
+#[gpu_test]
+fn truth_is_the_oracles() {
+    let mut window = Window::new("plane --samples 8 --map 64 --against truth");
+    window.resize([WIDE as f32, 90.0]);
+    window.settle();
+    let scene = window.viewer.scene_now();
+    let [width, height] = window.picture();
+    let tracer = Tracer::new(&scene.mesh).unwrap();
+    let samples = Samples::new(Pattern::LowDiscrepancy, 1).unwrap();
+    let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &samples, width, height).unwrap();
+    let truth: Vec<u32> = truth.converged(None).iter().map(|(v, _)| v.to_bits()).collect();
+    assert_eq!(differing(&window.visibility(1), &truth), 0);
+    assert!(differing(&window.visibility(0), &truth) > 50, "eight samples are not 1024");
+}
+
+/// A broken file is told of by name, and the picture stays; a good one is shown.
+#[gpu_test]
+fn files_are_dropped() {
+    let folder = Folder::new("viewer-dropped");
+    let broken = folder.file("broken.obj", "v 0 0 0\nf 1 2 3\n");
+    let good = folder
+        .file("good.obj", "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv -.4 .5 -.4\nv .4 .5 -.4\nv 0 .5 .4\nf 1 3 2\nf 4 6 5\n");
+    let mut window = Window::new("spheres --samples 8 --map 64 --against truth --wipe 1");
+    window.settle();
+    let before = window.colours();
+    window.drop_file(&broken);
+    window.settle();
+    let told = window.viewer.complaint().expect("a complaint");
+    assert!(told.contains("broken.obj") && told.contains('2') && !told.contains('\n'), "{told}");
+    assert_eq!(differing(&window.colours(), &before), 0);
+    window.drop_file(&good);
+    window.settle();
+    assert_eq!((window.viewer.complaint(), window.viewer.scene_now().mesh.triangles.len()), (None, 2));
+    assert!(differing(&window.colours(), &before) > 5000);
+}
+
+/// Bad lines are told of; good ones open what they name.
+#[gpu_test]
+fn lines_are_entered() {
+    let mut window = Window::new("spheres --samples 8 --map 64 --against '--method pcf --samples 8 --map 64'");
+    window.settle();
+    let context = egui::Context::default();
+    let told = window.viewer.take_line(&context, "spheres --samples 3").unwrap_err().to_string();
+    assert!(told.contains('3') && !told.contains('\n'), "{told}");
+    assert_eq!(window.viewer.view().left.samples, 8);
+    let line = window.viewer.command_line();
+    window.viewer.take_line(&context, "plane --samples 1 --map 64 --against '--method variance --map 64'").unwrap();
+    window.settle();
+    assert_eq!((window.viewer.complaint(), window.viewer.view().left.samples), (None, 1));
+    window.viewer.take_line(&context, &line).unwrap();
+    window.settle();
+    assert_eq!(window.viewer.command_line(), line);
+    assert!(matches!(&window.viewer.view().right, Against::Method(options) if options.method == MethodName::Pcf));
+}
+
+/// No size and no number of resizes is one too many.
+#[gpu_test]
+fn windows_of_any_size() {
+    let mut window = Window::new("plane --samples 1 --map 64 --against '--method pcf --samples 1 --map 64'");
+    window.settle();
+    for step in 0..60u32 {
+        let side = |k: u32| (step * k % 23) as f32 * 9.0;
+        window.resize([side(7), side(5)]);
+        window.frame(vec![Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, 30.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: egui::Modifiers::NONE,
+        }]);
+    }
+    window.resize([0.0, 0.0]);
+    window.frame(Vec::new());
+    window.resize([WIDE as f32, 120.0]);
+    window.settle();
+    assert_eq!((window.viewer.complaint(), window.picture()[0]), (None, WIDE));
+    for pressed in [Key::Z, Key::F1, Key::T, Key::W, Key::ArrowLeft, Key::R, Key::T] {
+        window.frame(vec![key(pressed, true)]);
+        window.frame(vec![key(pressed, false)]);
+    }
+    window.settle();
+    assert_eq!(window.viewer.complaint(), None);
+}
