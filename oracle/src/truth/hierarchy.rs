@@ -8,8 +8,10 @@ use super::beam::Beam;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::builder::build_bvh2;
-use std::time::Duration;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
 
 /// Triangles a leaf may hold.
 const LEAF: u32 = 4;
@@ -41,6 +43,20 @@ pub struct Hierarchy {
     pub triangles: Vec<u32>,
 }
 
+/// As `obvhs::bvh2::builder::build_bvh2`, which takes the time as well: a browser has no clock for it.
+fn build(boxes: &[Aabb], how: BvhBuildParams) -> Bvh2 {
+    let all = (0..boxes.len() as u32).collect();
+    let (precision, threshold) = (how.sort_precision, how.search_depth_threshold);
+    let mut ploc = PlocBuilder::with_capacity(boxes.len());
+    let mut tree = ploc.build(how.ploc_search_distance, boxes, all, precision, threshold);
+    let mut optimizer = ReinsertionOptimizer::default();
+    let ratio = how.reinsertion_batch_ratio;
+    optimizer.run(&mut tree, ratio, None);
+    collapse(&mut tree, how.max_prims_per_leaf.clamp(1, 255), how.collapse_traversal_cost);
+    optimizer.run(&mut tree, ratio * how.post_collapse_reinsertion_batch_ratio_multiplier, None);
+    tree
+}
+
 impl Hierarchy {
     /// The hierarchy over `corners`, which must be finite.
     pub fn new(corners: &[[Vec3; 3]]) -> Self {
@@ -60,7 +76,7 @@ impl Hierarchy {
         let boxes = unit_boxes(corners);
         let parameters =
             BvhBuildParams { pre_split: false, max_prims_per_leaf: LEAF, ..BvhBuildParams::medium_build() };
-        let tree = build_bvh2(&boxes, parameters, &mut Duration::default());
+        let tree = build(&boxes, parameters);
         // Depth first, so that a node's children lie behind it and refitting can walk backwards.
         let mut open = vec![(0usize, 1usize, None::<(usize, usize)>)];
         while let Some((source, depth, parent)) = open.pop() {
@@ -92,7 +108,7 @@ impl Hierarchy {
         }
     }
 
-    fn fill(&mut self, tree: &obvhs::bvh2::Bvh2, first: u32, count: u32, corners: &[[Vec3; 3]]) -> (u32, u32) {
+    fn fill(&mut self, tree: &Bvh2, first: u32, count: u32, corners: &[[Vec3; 3]]) -> (u32, u32) {
         let slot = self.triangles.len() as u32;
         for &t in &tree.primitive_indices[first as usize..(first + count) as usize] {
             self.triangles.push(t);
