@@ -81,8 +81,7 @@ use views::Views;
 /// Configuration of a pass.
 #[derive(Clone, Debug)]
 pub struct PassConfig<'a> {
-    /// The method. All but `facet-masks` need the feature `baselines`, take one surface a pixel, no receivers that are no casters and one
-    /// view of the light, which therefore may not stand among the casters.
+    /// The method. All but `facet-masks` need the feature `baselines`, and take one surface a pixel and no receivers that are no casters.
     pub method: MethodName,
     /// Image size, samples, map and facets. Not read are `cull_back` (casters of closed bodies that turn away from the light are
     /// left out wherever that changes nothing) and, but that they must be possible ([`Settings::check`]), the options of other methods.
