@@ -119,7 +119,7 @@ mod tests {
         assert!((Vec3::from(back.eye) - Vec3::from(camera.eye)).length() < 1e-4 * distance(&camera));
     }
 
-    /// Whatever is dragged, the camera can be used, and so can the light.
+    /// Camera and light can be used after any drag.
     #[test]
     fn every_move_gives_a_camera_and_a_light() {
         let (mut camera, mut light, extent) = scene();

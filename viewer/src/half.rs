@@ -7,10 +7,11 @@ use lab::scene::{Camera, Light, Scene};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use subpixel_shadows::gpu::KeptPrograms;
+use subpixel_shadows::methods::Settings;
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
 use subpixel_shadows::{Result, ShadowPass, wgpu};
 
-/// What frames are made from.
+/// Device, queue and pipelines of all frames.
 #[derive(Clone, Debug)]
 pub struct Gpu {
     /// The device.
@@ -31,7 +32,7 @@ struct Compiled {
 enum Pass {
     Making(Job<Result<ShadowPass>>, Arc<Compiled>),
     Made(Box<ShadowPass>),
-    Failed,
+    Refused,
 }
 
 /// One method's pass and its pictures.
@@ -46,7 +47,6 @@ pub struct Half {
     /// Bytes of all buffers of the pass.
     pub bytes: u64,
     waits_for: Option<u64>,
-    whole: bool,
     tries: u32,
     /// Why there is no picture.
     pub error: Option<String>,
@@ -72,19 +72,18 @@ impl Half {
                 told.done.store(done, Ordering::Relaxed);
                 told.of.store(of, Ordering::Relaxed);
             });
-            {
-                let mesh = &scene.mesh;
-                let casters = Casters::Static { positions: &mesh.positions, triangles: &mesh.triangles };
-                let config = PassConfig {
-                    method: options.method,
-                    budget: options.budget(),
-                    timing: true,
-                    prove: !options.force_all,
-                    programs: Some(&programs),
-                    ..PassConfig::new(options.settings()?, casters)
-                };
-                ShadowPass::new(&of_gpu.device, &of_gpu.queue, &config)
-            }
+            let mesh = &scene.mesh;
+            let casters = Casters::Static { positions: &mesh.positions, triangles: &mesh.triangles };
+            let settings = Settings { settle: !options.force_all, ..options.settings()? };
+            let config = PassConfig {
+                method: options.method,
+                budget: options.budget(),
+                timing: true,
+                prove: !options.force_all,
+                programs: Some(&programs),
+                ..PassConfig::new(settings, casters)
+            };
+            ShadowPass::new(&of_gpu.device, &of_gpu.queue, &config)
         });
         let (work, shown) = (visibility(&gpu.device, size), visibility(&gpu.device, size));
         Self {
@@ -95,7 +94,6 @@ impl Half {
             status: None,
             bytes: 0,
             waits_for: None,
-            whole: false,
             tries: 0,
             error: None,
         }
@@ -114,17 +112,19 @@ impl Half {
         if let Pass::Making(made, _) = &self.pass {
             match made.take() {
                 Some(Ok(pass)) => self.pass = Pass::Made(Box::new(pass)),
-                Some(Err(error)) => self.fail(error.to_string()),
+                Some(Err(error)) => {
+                    self.pass = Pass::Refused;
+                    self.error = Some(error.to_string());
+                }
                 None => {}
             }
         }
         matches!(self.pass, Pass::Made(_))
     }
 
-    fn fail(&mut self, why: String) {
-        self.pass = Pass::Failed;
-        self.waits_for = None;
-        self.error = Some(why);
+    /// Whether no pass could be made.
+    pub fn is_refused(&self) -> bool {
+        matches!(self.pass, Pass::Refused)
     }
 
     /// Records a frame and submits it.
@@ -135,7 +135,6 @@ impl Half {
 
     fn submit(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) {
         let Pass::Made(pass) = &mut self.pass else { return };
-        self.whole = false;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         match pass.record(&mut encoder, &Inputs::new(camera, light), &Target::texture(&self.work)) {
             Ok(frame) => {
@@ -160,7 +159,6 @@ impl Half {
                 continue;
             }
             self.waits_for = None;
-            self.whole = status.complete;
             if status.complete {
                 self.bytes = pass.memory().iter().map(|buffer| buffer.bytes).sum();
                 self.status = Some(status);
@@ -177,10 +175,8 @@ impl Half {
         false
     }
 
-    /// Shows the frame that has run, if it is whole.
+    /// Shows the frame that has run, which must be complete.
     pub fn show(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        if self.whole {
-            encoder.copy_texture_to_texture(self.work.as_image_copy(), self.shown.as_image_copy(), extent(self.size));
-        }
+        encoder.copy_texture_to_texture(self.work.as_image_copy(), self.shown.as_image_copy(), extent(self.size));
     }
 }

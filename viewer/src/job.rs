@@ -24,7 +24,7 @@ impl<T: Send + 'static> Job<T> {
         Self(made)
     }
 
-    /// What was made, once.
+    /// The result, once.
     pub fn take(&self) -> Option<T> {
         self.0.try_recv().ok()
     }

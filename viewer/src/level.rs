@@ -9,7 +9,7 @@ use oracle::truth::Tracer;
 use std::sync::Arc;
 use subpixel_shadows::Result;
 
-/// What changes from frame to frame.
+/// Camera and light of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// The camera.
@@ -24,8 +24,10 @@ pub struct Level {
     pub halves: Vec<Half>,
     /// The picture of both.
     pub picture: Picture,
-    /// What the picture can be drawn of.
+    /// The moment of both halves' last frames that were complete.
     pub shown: Option<Moment>,
+    /// The last moment that was tried: one that failed is not tried again.
+    tried: Option<Moment>,
     /// Seconds from the submission of a moment until it was shown.
     pub seconds: Option<f64>,
     /// Traced truth, where the right half is that.
@@ -42,13 +44,19 @@ impl Level {
             halves.push(half(options));
         }
         let picture = Picture::new(&gpu.device, size);
-        Self { halves, picture, shown: None, seconds: None, tracing: None, running: None }
+        Self { halves, picture, shown: None, tried: None, seconds: None, tracing: None, running: None }
     }
 
     /// Whether the picture is of this moment, and nothing of it is still computed.
     pub fn is_of(&self, moment: &Moment) -> bool {
         let traced = self.tracing.as_ref().is_some_and(|tracing| tracing.share() == 1.0);
         self.shown == Some(*moment) && (traced || self.halves.len() > 1)
+    }
+
+    /// Whether this moment was tried and has no picture, or none can be made.
+    pub fn has_failed(&self, moment: &Moment) -> bool {
+        let failed = self.halves.iter().any(|half| half.error.is_some());
+        failed && !self.is_busy() && (self.tried == Some(*moment) || self.halves.iter().any(Half::is_refused))
     }
 
     /// Whether frames run, or passes are made.
@@ -66,15 +74,19 @@ impl Level {
                 return false;
             }
             self.running = None;
+            self.tried = Some(moment);
+            // Of a moment that failed in either half the last picture of both stays.
+            if self.halves.iter().any(|half| half.error.is_some()) {
+                return false;
+            }
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             self.halves.iter_mut().for_each(|half| half.show(&mut encoder));
             gpu.queue.submit([encoder.finish()]);
-            // Of a moment that failed the last picture stays; it is not tried again.
             self.shown = Some(moment);
             self.seconds = Some(now - since);
             return true;
         }
-        if unmade == 0 && self.shown != Some(*wanted) {
+        if unmade == 0 && self.tried != Some(*wanted) {
             self.halves.iter_mut().for_each(|half| half.begin(gpu, &wanted.camera, &wanted.light));
             self.running = Some((*wanted, now));
         }

@@ -13,7 +13,7 @@ const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
 
-/// What the picture shows.
+/// Quantity that the picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Overlay {
     /// The shaded scene.
@@ -31,7 +31,7 @@ impl Overlay {
         [(Self::Shaded, "shaded"), (Self::Visibility, "visibility"), (Self::Difference, "difference")];
 }
 
-/// What a picture is drawn from, beside the mesh and the two visibilities.
+/// Inputs of a picture beside the mesh and the two visibilities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
     /// The camera.
@@ -40,7 +40,7 @@ pub struct Shot {
     pub light: Light,
     /// Where the wipe stands, 0 at the left end to 1 at the right one.
     pub wipe: f32,
-    /// What is shown.
+    /// Quantity that is shown.
     pub overlay: Overlay,
 }
 
@@ -209,7 +209,7 @@ impl DrawnMesh {
 pub struct Picture {
     /// Its width and height, pixels.
     pub size: [u32; 2],
-    /// What is drawn, 8 bits a channel in sRGB.
+    /// Colours, 8 bits a channel in sRGB.
     pub colour: wgpu::Texture,
     many: wgpu::TextureView,
     depth: wgpu::TextureView,

@@ -81,7 +81,7 @@ fn shade(at: Corner) -> @location(0) vec4<f32> {
         let more = vec3(1.0, 0.45, 0.05) * max(seen.difference, 0.0);
         colour = grey + more + vec3(0.05, 0.5, 1.0) * max(-seen.difference, 0.0);
     }
-    // What is not traced yet is the left half, bluish.
+    // Not traced yet: the left half, bluish.
     if !seen.known { colour *= vec3(0.55, 0.65, 0.85); }
     return vec4(colour, 1.0);
 }

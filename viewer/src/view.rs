@@ -1,4 +1,4 @@
-//! What is looked at: a scene by one method, beside another or traced truth; as a command line, and back.
+//! Views: a scene by one method, beside another or traced truth; as a command line, and back.
 
 use clap::Parser;
 use lab::options::{FrameArguments, RenderOptions};
@@ -31,7 +31,7 @@ pub enum Against {
     Truth,
 }
 
-/// What is looked at.
+/// A scene by one method, and the right half beside it.
 #[derive(Clone, Debug)]
 pub struct View {
     /// The scene's name, if one was given.
@@ -44,18 +44,8 @@ pub struct View {
     pub wipe: f32,
 }
 
-/// The options that are no others than those by default.
-pub fn plain(method: MethodName) -> RenderOptions {
-    let arguments = ["viewer", "--method", method.name()];
-    // Every method is named by its own name.
-    match FrameArguments::try_parse_from(arguments) {
-        Ok(arguments) => arguments.options,
-        Err(error) => error.exit(),
-    }
-}
-
 impl View {
-    /// The view of arguments. Without any it is the one that shows most: bicycle, by a shadow map and by facet masks.
+    /// The view of arguments.
     ///
     /// # Errors
     /// [`Error::Config`], one line.
@@ -74,13 +64,22 @@ impl View {
             None => Against::Method(Box::new(RenderOptions {
                 samples: options.samples,
                 map: options.map,
-                ..plain(MethodName::FacetMasks)
+                ..RenderOptions::of_method(MethodName::FacetMasks)?
             })),
         };
         if let Against::Method(options) = &right {
             options.settings()?;
         }
         Ok(Self { scene, left: options, right, wipe })
+    }
+
+    /// The view that shows most where none is asked for: bicycle by a shadow map and by facet masks.
+    ///
+    /// # Errors
+    /// As [`RenderOptions::of_method`].
+    pub fn first() -> Result<Self> {
+        let [left, right] = [MethodName::ShadowMap, MethodName::FacetMasks].map(RenderOptions::of_method);
+        Ok(Self { scene: Some("bicycle".to_owned()), left: left?, right: Against::Method(Box::new(right?)), wipe: 0.5 })
     }
 
     /// The view of a command line; words before its arguments are passed over.
@@ -108,18 +107,6 @@ impl View {
         };
         let against = shlex::try_quote(&against).unwrap_or_default().into_owned();
         format!("{left} --against {against} --wipe {}", self.wipe)
-    }
-}
-
-impl Default for View {
-    fn default() -> Self {
-        let of = |method| RenderOptions { map: 512, ..plain(method) };
-        Self {
-            scene: Some("bicycle".to_owned()),
-            left: of(MethodName::ShadowMap),
-            right: Against::Method(Box::new(of(MethodName::FacetMasks))),
-            wipe: 0.5,
-        }
     }
 }
 

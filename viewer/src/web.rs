@@ -52,7 +52,11 @@ pub async fn start(canvas: HtmlCanvasElement, line: String) -> Result<(), JsValu
     console_error_panic_hook::set_once();
     eframe::WebLogger::init(log::LevelFilter::Warn).ok();
     let told = |error: &dyn std::fmt::Display| JsValue::from_str(&error.to_string());
-    let view = if line.trim().is_empty() { View::default() } else { View::of_line(&line).map_err(|e| told(&e))? };
+    let view = if line.trim().is_empty() {
+        View::first().map_err(|e| told(&e))?
+    } else {
+        View::of_line(&line).map_err(|e| told(&e))?
+    };
     let (scene, _) = view.left.open(view.scene.as_deref()).map_err(|e| told(&e))?;
     let options = eframe::WebOptions { wgpu_options: configuration(), ..Default::default() };
     let create = move |created: &eframe::CreationContext<'_>| {

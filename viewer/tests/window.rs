@@ -4,12 +4,14 @@ mod common;
 
 use common::{WIDE, Window, key};
 use egui::{Event, Key, PointerButton};
+use lab::scene::Light;
 use oracle::truth::{SceneTruth, Tracer};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{MethodName, Prepared, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use test_support::{Folder, gpu_test};
+use viewer::picture::Overlay;
 use viewer::view::Against;
 
 /// Visibility by the library, bits, of what the window shows by the left half's settings or the right half's.
@@ -61,7 +63,7 @@ fn halves_are_the_methods() {
     }
     assert!(seen[0].1 != seen[1].1 && seen[0].2 == seen[1].2, "the camera alone was dragged");
     assert!(seen[1].1 == seen[2].1 && seen[1].2 != seen[2].2, "the light alone was dragged");
-    // What was shown before is not what is shown now.
+    // Each picture is another than the one before it.
     assert!(differing(&seen[0].0[1], &seen[1].0[1]) > 1000 && differing(&seen[1].0[1], &seen[2].0[1]) > 500);
 }
 
@@ -90,6 +92,57 @@ fn the_wipe_parts_the_picture() {
     assert_eq!(of(&right, &pictures[2], &pictures[1]), 0);
     assert!(of(&left, &pictures[2], &pictures[1]) > 20, "the left half is another");
     assert!(of(&right, &pictures[2], &pictures[0]) > 50, "the right half is another");
+}
+
+/// With visibility shown each pixel of the ground is as bright as the half's visibility there.
+#[gpu_test]
+fn visibility_is_shown_pixel_by_pixel() {
+    let mut window = Window::new("spheres --samples 8 --map 64 --wipe 1 --against '--method pcf --samples 8 --map 64'");
+    window.settle();
+    window.viewer.set_overlay(Overlay::Visibility);
+    window.settle();
+    let (colours, visibility) = (window.colours(), window.visibility(0));
+    // Shown as its square, encoded in sRGB.
+    let wanted = |bits: u32| {
+        let v = f32::from_bits(bits).powi(2);
+        let encoded = if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+        (encoded * 255.0).round() as u8
+    };
+    let differ = |shift: usize| {
+        let pairs = colours.iter().zip(visibility.iter().cycle().skip(shift));
+        pairs.filter(|(colour, bits)| colour[0].abs_diff(wanted(**bits)) > 1).count()
+    };
+    // The sky, and pixels that show both it and a surface.
+    let most = colours.len() / 3;
+    let (same, shifted) = (differ(0), differ(3 * WIDE as usize));
+    assert!(same < most && shifted > same + 500, "{same} pixels differ, {shifted} three rows lower");
+    let ground = colours.len() * 3 / 4..colours.len() - WIDE as usize;
+    let wrong = ground.clone().filter(|p| colours[*p][0].abs_diff(wanted(visibility[*p])) > 1).count();
+    let dark = ground.clone().filter(|p| visibility[*p] == 0).count();
+    assert!(wrong == 0 && dark > 50, "{wrong} of {} pixels are wrong, {dark} dark", ground.len());
+}
+
+/// A light that no pass takes is told of; the picture of before stays as it is, and the next light that it takes is shown.
+#[gpu_test]
+fn a_moment_that_fails_leaves_the_picture() {
+    let line = "spheres --method spsm --samples 8 --map 64 --light 'point=0,40,0' --wipe 1 --against '--method pcf --samples 8 --map 64'";
+    let mut window = Window::new(line);
+    window.settle();
+    assert_eq!(window.viewer.complaint(), None);
+    let before = window.colours();
+    window.viewer.set_light(Light::Directional { direction: [0.0; 3] });
+    window.settle();
+    let told = window.viewer.complaint().expect("the light is refused");
+    assert!(told.contains("length 0") && !told.contains('\n'), "{told}");
+    assert_eq!(differing(&window.colours(), &before), 0);
+    window.drag(PointerButton::Primary, [0.3, 0.5], [0.5, 0.6]);
+    window.settle();
+    assert!(window.viewer.complaint().is_some());
+    assert_eq!(differing(&window.colours(), &before), 0, "no picture is drawn of a moment that failed");
+    window.frame(vec![key(Key::R, true)]);
+    window.frame(vec![key(Key::R, false)]);
+    window.settle();
+    assert_eq!((window.viewer.complaint(), differing(&window.colours(), &before)), (None, 0));
 }
 
 /// Truth in slices is truth.

@@ -253,7 +253,7 @@ impl RenderOptions {
         Scene::open_and_note(scene.unwrap_or("windmill"), &self.of_scene()?)
     }
 
-    /// What the options change of a scene.
+    /// Changes of a scene: ground, camera and light.
     ///
     /// # Errors
     /// [`subpixel_shadows::Error::Scene`] for a camera or light that cannot be read.

@@ -5,6 +5,7 @@ use crate::scene::{Camera, Lens, Light, Scene};
 use clap::error::ErrorKind;
 use clap::{Parser, ValueEnum};
 use serde_json::{Map, Value, json};
+use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::{Error, Result};
 
 impl RenderOptions {
@@ -114,6 +115,14 @@ pub fn reason(error: &clap::Error) -> String {
 }
 
 impl RenderOptions {
+    /// The options of a method that nothing else is said of.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if the program had an option without a default.
+    pub fn of_method(method: MethodName) -> Result<Self> {
+        FrameArguments::of_line(&format!("--method {}", method.name())).map(|plain| plain.options)
+    }
+
     /// The command line that renders the same picture, after the program's name: scene, camera and light, and what is not as it is by default.
     pub fn line(&self, scene: &Scene) -> String {
         let words = ["render".to_owned(), scene.name.clone()].into_iter().chain(self.words(scene, &[]));
@@ -124,8 +133,8 @@ impl RenderOptions {
     /// The options of [`RenderOptions::line`] but those of these names.
     pub fn words(&self, scene: &Scene, without: &[&str]) -> Vec<String> {
         let own = self.recorded(scene, "gpu", Value::Null);
-        let plain = FrameArguments::try_parse_from(["subpixel-shadows", "--method", self.method.name()]);
-        let plain = plain.map(|plain| plain.options.recorded(scene, "gpu", Value::Null)).unwrap_or_default();
+        let plain =
+            Self::of_method(self.method).map(|plain| plain.recorded(scene, "gpu", Value::Null)).unwrap_or_default();
         let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         let mut words = Vec::new();
         for (name, value) in own.iter().filter(|(name, _)| !without.contains(&name.as_str())) {

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use wasm_bindgen_cli_support::Bindgen;
 
-/// What the page is besides.
+/// Files of the page besides its code.
 const FILES: [(&str, &[u8]); 2] = [
     ("index.html", include_bytes!("../../web/index.html")),
     ("viewer.png", include_bytes!("../../../data/pictures/viewer.png")),

@@ -84,7 +84,7 @@ impl Window {
     pub fn settle(&mut self) {
         let start = Instant::now();
         self.frame(Vec::new());
-        // What was moved rests for a moment before it is shown as a whole.
+        // The whole resolution follows a move after a rest.
         std::thread::sleep(Duration::from_millis(300));
         self.frame(Vec::new());
         while !self.viewer.is_settled() {

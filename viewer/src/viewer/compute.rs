@@ -1,0 +1,96 @@
+//! Both resolutions: frames that run, and pictures that are drawn of them.
+
+use super::{HISTORY, REST, SLOW, Viewer};
+use crate::job::Job;
+use crate::level::Level;
+use crate::picture::Shot;
+use crate::truth;
+use crate::view::Against;
+use std::time::Duration;
+use subpixel_shadows::wgpu;
+
+impl Viewer {
+    /// Goes on with what is computed, and draws what has come.
+    pub(super) fn compute(&mut self, context: &egui::Context, size: [u32; 2], now: f64) {
+        // Wakes the callbacks of frames that have run.
+        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
+        if self.size_at.1 != size {
+            self.size_at = (now, size);
+        }
+        let grown = self.full.as_ref().is_none_or(|level| level.picture.size != size);
+        // A window that is being dragged is not followed step by step.
+        if grown && (self.full.is_none() || now - self.size_at.0 > REST) {
+            self.full = Some(Level::new(&self.gpu, &self.scene, &self.view, size, context));
+            self.rough = None;
+            self.of_rough = false;
+        }
+        let Some(full) = &mut self.full else { return };
+        let seconds = full.seconds.unwrap_or(0.0);
+        let moves = now - self.moved_at < REST && seconds > SLOW;
+        if moves && self.rough.is_none() {
+            let factor = (seconds / SLOW).sqrt().ceil().min(6.0) as u32;
+            let less = full.picture.size.map(|side| (side / factor).max(8));
+            self.rough = Some(Level::new(&self.gpu, &self.scene, &self.view, less, context));
+        }
+        let level = match &mut self.rough {
+            Some(rough) if moves => rough,
+            _ => full,
+        };
+        let mut new = level.advance(&self.gpu, &self.moment, now);
+        if new {
+            self.of_rough = moves && self.rough.is_some();
+            let seconds = if self.of_rough { &self.rough } else { &self.full }.as_ref().and_then(|level| level.seconds);
+            self.history.extend(seconds);
+            if self.history.len() > HISTORY {
+                self.history.pop_front();
+            }
+        }
+        new |= !self.of_rough && self.trace(context, now);
+        let level = if self.of_rough { &self.rough } else { &self.full };
+        let Some((level, shown)) = level.as_ref().and_then(|level| Some((level, level.shown?))) else { return };
+        let shot = Shot { camera: shown.camera, light: shown.light, wipe: self.view.wipe, overlay: self.overlay };
+        if !new && self.drawn == Some(shot) {
+            return;
+        }
+        if let Err(error) = level.draw(&self.gpu, &self.shader, &self.mesh, &self.view, &shot) {
+            self.message = Some(error.to_string());
+            return;
+        }
+        self.drawn = Some(shot);
+        let (view, filter) = (level.picture.encoded(), wgpu::FilterMode::Nearest);
+        let mut renderer = self.render.renderer.write();
+        match self.texture {
+            Some(id) => renderer.update_egui_texture_from_wgpu_texture(&self.gpu.device, &view, filter, id),
+            None => self.texture = Some(renderer.register_native_texture(&self.gpu.device, &view, filter)),
+        }
+    }
+
+    /// Traces some rows, where the right half is truth and nothing moves. Whether there is something new.
+    pub(super) fn trace(&mut self, context: &egui::Context, now: f64) -> bool {
+        let rests = now - self.moved_at >= REST;
+        let Some(full) = self.full.as_mut().filter(|level| rests && level.shown == Some(self.moment)) else {
+            return false;
+        };
+        if !matches!(self.view.right, Against::Truth) {
+            return false;
+        }
+        let Some(tracer) = &self.tracer else {
+            let scene = self.scene.clone();
+            let job = self.tracing.get_or_insert_with(|| Job::new(context, move || truth::tracer(&scene)));
+            if let Some(made) = job.take() {
+                self.tracing = None;
+                match made {
+                    Ok(tracer) => self.tracer = Some(tracer),
+                    Err(error) => self.message = Some(error.to_string()),
+                }
+            }
+            return false;
+        };
+        let start = web_time::Instant::now();
+        let traced = full.trace(&self.gpu, tracer, || start.elapsed() > Duration::from_millis(40));
+        traced.unwrap_or_else(|error| {
+            self.message = Some(error.to_string());
+            false
+        })
+    }
+}

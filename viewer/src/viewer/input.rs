@@ -1,0 +1,110 @@
+//! Pointer, keys and dropped files.
+
+use super::{Drag, REACH, Viewer};
+use crate::control::{fly, orbit, pan, turn_light, zoom};
+use crate::level::Moment;
+use egui::{Key, Pos2, Rect};
+use glam::Vec3;
+
+impl Viewer {
+    pub(super) fn take_pointer(&mut self, response: &egui::Response, rect: Rect, now: f64) {
+        let context = &response.ctx;
+        let wipe = rect.left() + self.view.wipe * rect.width();
+        let near_wipe = |at: Pos2| (at.x - wipe).abs() <= REACH;
+        if response.hover_pos().is_some_and(near_wipe) {
+            context.set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+        }
+        if response.drag_started() {
+            let (keys, light) = context.input(|input| (input.modifiers, input.key_down(Key::L)));
+            let began = context.input(|input| input.pointer.press_origin());
+            self.drag = Some(match () {
+                () if response.dragged_by(egui::PointerButton::Middle) || keys.ctrl || light => Drag::Light,
+                () if response.dragged_by(egui::PointerButton::Secondary) || keys.shift => Drag::Pan,
+                () if began.is_some_and(near_wipe) => Drag::Wipe,
+                () => Drag::Orbit,
+            });
+        }
+        let Moment { camera, light } = self.moment;
+        let by = response.drag_delta() / rect.height().max(1.0);
+        if let (Some(drag), true) = (self.drag, response.dragged()) {
+            match drag {
+                Drag::Orbit => self.moment.camera = orbit(&camera, self.extent, 4.0 * by.x, 4.0 * by.y),
+                Drag::Pan => self.moment.camera = pan(&camera, self.extent, -by.x, by.y),
+                Drag::Light => self.moment.light = turn_light(&light, &camera, self.extent, 3.0 * by.x, -3.0 * by.y),
+                Drag::Wipe => {
+                    let at = response.interact_pointer_pos().map_or(wipe, |at| at.x);
+                    self.view.wipe = ((at - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
+                }
+            }
+        }
+        if response.drag_stopped() {
+            self.drag = None;
+        }
+        if response.hovered() {
+            let (scroll, pinch) = context.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            if scroll != 0.0 || pinch != 1.0 {
+                self.moment.camera = zoom(&camera, self.extent, (scroll * 0.003).exp() * pinch);
+            }
+        }
+        if self.moment != (Moment { camera, light }) {
+            self.moved_at = now;
+        }
+    }
+
+    pub(super) fn take_keys(&mut self, context: &egui::Context, now: f64) {
+        let Moment { camera, light } = self.moment;
+        let step = context.input(|input| input.stable_dt).min(0.1);
+        let held = |key| f32::from(u8::from(context.input(|input| input.key_down(key))));
+        let along = |more, less| (held(more) - held(less)) * step;
+        let by = Vec3::new(along(Key::D, Key::A), along(Key::E, Key::Q), along(Key::W, Key::S)) * 0.7;
+        if by != Vec3::ZERO {
+            self.moment.camera = fly(&camera, self.extent, by);
+        }
+        let turn = [along(Key::ArrowRight, Key::ArrowLeft), along(Key::ArrowUp, Key::ArrowDown)];
+        if turn != [0.0; 2] {
+            self.moment.light = turn_light(&light, &camera, self.extent, turn[0], turn[1]);
+        }
+        if by != Vec3::ZERO || turn != [0.0; 2] {
+            context.request_repaint();
+        }
+        let pressed = |key| context.input(|input| input.key_pressed(key));
+        if pressed(Key::R) {
+            self.moment = self.home;
+        }
+        if pressed(Key::Z) {
+            self.magnified = if self.magnified.is_some() { None } else { Some(12.0) };
+        }
+        if pressed(Key::P) {
+            self.screenshot(context);
+        }
+        self.panel ^= pressed(Key::H);
+        self.help ^= pressed(Key::F1);
+        self.turns ^= pressed(Key::T);
+        if self.moment != (Moment { camera, light }) {
+            self.moved_at = now;
+        }
+    }
+
+    pub(super) fn take_dropped(&mut self, context: &egui::Context) {
+        let dropped = context.input(|input| input.raw.dropped_files.clone());
+        if dropped.len() > 1 {
+            self.message = Some(format!("{} files were dropped; the first is opened", dropped.len()));
+        }
+        #[cfg(not(target_family = "wasm"))]
+        if let Some(file) = dropped.first() {
+            let path = file.path().to_string_lossy().into_owned();
+            self.open(context, &path);
+        }
+        #[cfg(target_family = "wasm")]
+        if let Some(file) = dropped.first().cloned() {
+            crate::web::read_dropped(context, file);
+        }
+        #[cfg(target_family = "wasm")]
+        if let Some((name, bytes)) = crate::web::take_dropped() {
+            match bytes {
+                Ok(bytes) => self.open_bytes(context, &name, bytes),
+                Err(error) => self.message = Some(format!("{name}: {error}")),
+            }
+        }
+    }
+}

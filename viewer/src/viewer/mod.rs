@@ -1,0 +1,284 @@
+//! The application: panels, the picture, and what the pointer and the keys do.
+
+mod compute;
+mod input;
+mod paint;
+mod panels;
+
+use crate::control::Extent;
+use crate::half::Gpu;
+use crate::job::Job;
+use crate::level::{Level, Moment};
+use crate::picture::{DrawnMesh, Overlay, Shader, Shot};
+use crate::view::View;
+use egui::{Color32, Rect, TextureId, Ui};
+use egui_wgpu::RenderState;
+use lab::scene::{Light, Scene, SceneOptions};
+use oracle::truth::Tracer;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+use subpixel_shadows::gpu::KeptPrograms;
+use subpixel_shadows::{Result, wgpu};
+
+/// Seconds without a move after which the whole resolution is computed.
+const REST: f64 = 0.25;
+/// Seconds of a frame above which moves are shown at less resolution.
+const SLOW: f64 = 0.1;
+/// Pixels on either side of the wipe that drag it.
+const REACH: f32 = 8.0;
+/// Columns of the graph of frame times.
+const HISTORY: usize = 60;
+
+type Opened = Result<(Scene, Option<String>)>;
+
+/// Target of a drag that has begun.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Drag {
+    Orbit,
+    Pan,
+    Light,
+    Wipe,
+}
+
+/// The viewer.
+pub struct Viewer {
+    gpu: Gpu,
+    render: RenderState,
+    shader: Shader,
+    view: View,
+    scene: Arc<Scene>,
+    home: Moment,
+    extent: Extent,
+    mesh: DrawnMesh,
+    moment: Moment,
+    full: Option<Level>,
+    rough: Option<Level>,
+    of_rough: bool,
+    texture: Option<TextureId>,
+    drawn: Option<Shot>,
+    overlay: Overlay,
+    magnified: Option<f32>,
+    divisor: u32,
+    moved_at: f64,
+    size_at: (f64, [u32; 2]),
+    turns: bool,
+    light_turns: bool,
+    drag: Option<Drag>,
+    opening: Option<(String, Job<Opened>)>,
+    tracer: Option<Arc<Tracer>>,
+    tracing: Option<Job<Result<Arc<Tracer>>>>,
+    history: VecDeque<f64>,
+    message: Option<String>,
+    panel: bool,
+    help: bool,
+    line: String,
+    path: String,
+    image: Rect,
+    shots: u32,
+}
+
+impl Viewer {
+    /// A viewer of `view`, whose scene is opened already.
+    pub fn new(render: &RenderState, view: View, scene: Scene) -> Self {
+        let gpu = Gpu { device: render.device.clone(), queue: render.queue.clone(), programs: KeptPrograms::default() };
+        let shader = Shader::new(&gpu.device);
+        let mesh = DrawnMesh::new(&gpu.device, &shader, &scene.mesh);
+        let home = Moment { camera: scene.camera, light: scene.light };
+        Self {
+            extent: Extent::of(&scene.mesh),
+            gpu,
+            render: render.clone(),
+            shader,
+            view,
+            scene: Arc::new(scene),
+            home,
+            mesh,
+            moment: home,
+            full: None,
+            rough: None,
+            of_rough: false,
+            texture: None,
+            drawn: None,
+            overlay: Overlay::default(),
+            magnified: None,
+            divisor: 1,
+            moved_at: f64::NEG_INFINITY,
+            size_at: (f64::NEG_INFINITY, [0; 2]),
+            turns: false,
+            light_turns: false,
+            drag: None,
+            opening: None,
+            tracer: None,
+            tracing: None,
+            history: VecDeque::new(),
+            message: None,
+            panel: true,
+            help: false,
+            line: String::new(),
+            path: String::new(),
+            image: Rect::NOTHING,
+            shots: 0,
+        }
+    }
+
+    /// Whether nothing is computed, and the picture is of what is looked at, or there is none.
+    pub fn is_settled(&self) -> bool {
+        let settled = |level: &Level| {
+            let whole = level.is_of(&self.moment) && !level.is_busy() && !self.of_rough;
+            whole || level.has_failed(&self.moment)
+        };
+        self.opening.is_none() && self.tracing.is_none() && self.full.as_ref().is_some_and(settled)
+    }
+
+    /// The last error or note, as the window tells it.
+    pub fn complaint(&self) -> Option<String> {
+        let of_half = |level: &Level| level.halves.iter().find_map(|half| half.error.clone());
+        self.message.clone().or_else(|| self.full.as_ref().and_then(of_half))
+    }
+
+    /// The view.
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// The scene, with the camera and the light of now.
+    pub fn scene_now(&self) -> Scene {
+        Scene { camera: self.moment.camera, light: self.moment.light, ..(*self.scene).clone() }
+    }
+
+    /// The arguments that open what is looked at.
+    pub fn command_line(&self) -> String {
+        let Scene { name, ground, .. } = &*self.scene;
+        let Moment { camera, light } = self.moment;
+        let scene = Scene { name: name.clone(), mesh: Default::default(), camera, light, ground: *ground };
+        self.view.line(&scene)
+    }
+
+    /// Where the picture lies in the window, points.
+    pub fn image(&self) -> Rect {
+        self.image
+    }
+
+    /// The colours of the whole resolution, for those who read them back.
+    pub fn colours(&self) -> Option<&wgpu::Texture> {
+        self.full.as_ref().map(|level| &level.picture.colour)
+    }
+
+    /// Visibility of a half of the whole resolution: 0 the left one, 1 the right one.
+    pub fn visibility(&self, half: usize) -> Option<&wgpu::Texture> {
+        let level = self.full.as_ref()?;
+        match (&level.tracing, half) {
+            (Some(tracing), 1) => Some(&tracing.shown),
+            _ => level.halves.get(half).map(|half| &half.shown),
+        }
+    }
+
+    /// Looks under another light, of numbers; of one that no pass takes it is told why.
+    pub fn set_light(&mut self, light: Light) {
+        self.moment.light = light;
+    }
+
+    /// Shows another quantity.
+    pub fn set_overlay(&mut self, overlay: Overlay) {
+        self.overlay = overlay;
+    }
+
+    /// Opens a built-in scene or a file beside the window; what is shown stays until it is there.
+    pub fn open(&mut self, context: &egui::Context, name: &str) {
+        self.begin(context, name, Scene::open_and_note);
+    }
+
+    /// Opens a file of which the content is there.
+    pub fn open_bytes(&mut self, context: &egui::Context, name: &str, bytes: Vec<u8>) {
+        self.begin(context, name, move |name, options| Scene::of_bytes(name, &bytes, options));
+    }
+
+    fn begin(
+        &mut self,
+        context: &egui::Context,
+        name: &str,
+        open: impl FnOnce(&str, &SceneOptions) -> Opened + Send + 'static,
+    ) {
+        let options = SceneOptions { ground: self.view.left.ground, ..SceneOptions::default() };
+        let spec = name.to_owned();
+        self.opening = Some((name.to_owned(), Job::new(context, move || open(&spec, &options))));
+        self.message = None;
+    }
+
+    /// Takes another view, of the same window.
+    ///
+    /// # Errors
+    /// As [`View::of_line`]; the view is then as before.
+    pub fn take_line(&mut self, context: &egui::Context, line: &str) -> Result<()> {
+        let view = View::of_line(line)?;
+        let options = view.left.of_scene()?;
+        let spec = view.scene.clone().unwrap_or_else(|| "windmill".to_owned());
+        self.view = view;
+        self.opening = Some((spec.clone(), Job::new(context, move || Scene::open_and_note(&spec, &options))));
+        self.forget_levels();
+        Ok(())
+    }
+
+    fn take_opened(&mut self) {
+        let Some((name, job)) = &self.opening else { return };
+        let Some(opened) = job.take() else { return };
+        match opened {
+            Ok((scene, note)) => {
+                self.view.scene = Some(name.clone());
+                self.home = Moment { camera: scene.camera, light: scene.light };
+                self.moment = self.home;
+                self.extent = Extent::of(&scene.mesh);
+                self.mesh = DrawnMesh::new(&self.gpu.device, &self.shader, &scene.mesh);
+                self.scene = Arc::new(scene);
+                self.tracer = None;
+                self.tracing = None;
+                self.message = note;
+                self.forget_levels();
+            }
+            Err(error) => self.message = Some(error.to_string()),
+        }
+        self.opening = None;
+    }
+
+    fn forget_levels(&mut self) {
+        self.full = None;
+        self.rough = None;
+        self.of_rough = false;
+        self.drawn = None;
+        self.history.clear();
+    }
+
+    /// The window.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let context = ui.ctx().clone();
+        let now = context.input(|input| input.time);
+        self.take_opened();
+        self.take_dropped(&context);
+        if !context.egui_wants_keyboard_input() {
+            self.take_keys(&context, now);
+        }
+        if self.panel {
+            egui::Panel::left("options").default_size(250.0).show(ui, |ui| {
+                egui::ScrollArea::vertical().show(ui, |ui| self.options(ui));
+            });
+        }
+        egui::Panel::bottom("line").show(ui, |ui| self.bottom(ui));
+        let none = egui::Frame::NONE.fill(Color32::from_gray(20));
+        egui::CentralPanel::default().frame(none).show(ui, |ui| self.central(ui, now));
+        self.help(&context);
+        self.tell(&context);
+        let busy = |level: &Option<Level>| level.as_ref().is_some_and(Level::is_busy);
+        if self.turns || self.light_turns {
+            context.request_repaint();
+        } else if !self.is_settled() || busy(&self.rough) {
+            context.request_repaint_after(Duration::from_millis(20));
+        }
+    }
+}
+
+impl eframe::App for Viewer {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        self.show(ui);
+    }
+}
