@@ -93,7 +93,7 @@ impl Level {
         false
     }
 
-    /// Traces some rows of what is shown. Whether there is something new to draw.
+    /// Traces some pixels of what is shown. Whether there is something new to draw.
     ///
     /// # Errors
     /// As [`Tracing::advance`].

@@ -123,7 +123,8 @@ pub fn stages(ui: &mut Ui, status: &FrameStatus, bytes: u64) {
         ui.add(egui::ProgressBar::new(share).text(text).desired_height(14.0).corner_radius(2.0));
     }
     let counts = &status.counts;
-    if counts.facets > 0 {
+    // Of methods with facets.
+    if counts.visibility_evaluations > 0 {
         ui.label(format!(
             "{} facets, {} undecided, {} evaluations",
             counts.facets, counts.silhouette_pixels, counts.visibility_evaluations
@@ -144,7 +145,7 @@ pub fn history(ui: &mut Ui, seconds: &[f64]) {
     };
     let points: Vec<_> = seconds.iter().enumerate().map(at).collect();
     painter.line(points, egui::Stroke::new(1.5, ui.visuals().hyperlink_color));
-    let text = format!("{:.0} ms a frame at most", 1e3 * most);
+    let text = format!("longest frame {:.0} ms", 1e3 * most);
     painter.text(
         rect.left_top() + egui::vec2(4.0, 2.0),
         egui::Align2::LEFT_TOP,

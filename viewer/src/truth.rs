@@ -1,6 +1,6 @@
 //! Traced truth, in slices between the frames of the window.
 
-use crate::picture::visibility;
+use crate::picture::{extent, visibility};
 use lab::scene::{Camera, Light, Scene};
 use oracle::truth::{SceneTruth, Tracer};
 use rayon::prelude::*;
@@ -8,14 +8,17 @@ use std::sync::Arc;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::{Result, wgpu};
 
-/// Visibility by 1024 rays a pixel, row by row.
+/// Pixels that are traced before the clock is looked at: a page has one thread, and must stay alive.
+const RUN: u32 = 32;
+
+/// Visibility by 1024 rays a pixel, from the top.
 pub struct Tracing {
     tracer: Arc<Tracer>,
     camera: Camera,
     light: Light,
     size: [u32; 2],
-    rows: u32,
-    /// Visibility of the rows that are traced, below 0 elsewhere.
+    done: u32,
+    /// Visibility of the pixels that are traced, below 0 elsewhere.
     pub shown: wgpu::Texture,
 }
 
@@ -28,16 +31,16 @@ pub fn tracer(scene: &Scene) -> Result<Arc<Tracer>> {
 }
 
 impl Tracing {
-    /// Begins with no row.
+    /// Begins with no pixel.
     pub fn new(
         (device, queue): (&wgpu::Device, &wgpu::Queue),
         tracer: Arc<Tracer>,
         (camera, light): (Camera, Light),
         size: [u32; 2],
     ) -> Self {
-        let tracing = Self { tracer, camera, light, size, rows: 0, shown: visibility(device, size) };
+        let tracing = Self { tracer, camera, light, size, done: 0, shown: visibility(device, size) };
         let [width, height] = size;
-        tracing.write(queue, 0, &vec![-1.0; width as usize * height as usize]);
+        tracing.write(queue, [0; 2], size, &vec![-1.0; width as usize * height as usize]);
         tracing
     }
 
@@ -46,28 +49,30 @@ impl Tracing {
         self.camera == *camera && self.light == *light && self.size == size
     }
 
-    /// Share of the rows that are traced.
+    /// Share of the pixels that are traced.
     pub fn share(&self) -> f32 {
-        self.rows as f32 / self.size[1].max(1) as f32
+        let [width, height] = self.size;
+        self.done as f32 / (width * height).max(1) as f32
     }
 
-    /// Traces rows until `late` says so, at least one. Whether there were any left.
+    /// Traces pixels until `late` says so, a run of them at the least. Whether there were any left.
     ///
     /// # Errors
     /// As [`SceneTruth::new`].
     pub fn advance(&mut self, queue: &wgpu::Queue, late: impl Fn() -> bool) -> Result<bool> {
         let [width, height] = self.size;
-        if self.rows == height {
+        let all = width * height;
+        if self.done == all {
             return Ok(false);
         }
         let one = Samples::new(Pattern::LowDiscrepancy, 1)?;
         let truth = SceneTruth::new(&self.tracer, &self.camera, &self.light, &one, width, height)?;
-        while self.rows < height {
-            let first = self.rows * width;
-            let row: Vec<f32> =
-                (first..first + width).into_par_iter().map(|pixel| truth.converged_pixel(pixel).0).collect();
-            self.write(queue, self.rows, &row);
-            self.rows += 1;
+        while self.done < all {
+            let first = self.done;
+            let end = all.min(first + RUN).min((first / width + 1) * width);
+            let run: Vec<f32> = (first..end).into_par_iter().map(|pixel| truth.converged_pixel(pixel).0).collect();
+            self.write(queue, [first % width, first / width], [end - first, 1], &run);
+            self.done = end;
             if late() {
                 break;
             }
@@ -75,17 +80,13 @@ impl Tracing {
         Ok(true)
     }
 
-    fn write(&self, queue: &wgpu::Queue, first: u32, values: &[f32]) {
-        let [width, _] = self.size;
-        let rows = values.len() as u32 / width;
+    fn write(&self, queue: &wgpu::Queue, [x, y]: [u32; 2], size: [u32; 2], values: &[f32]) {
+        let origin = wgpu::Origin3d { x, y, z: 0 };
         queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                origin: wgpu::Origin3d { x: 0, y: first, z: 0 },
-                ..self.shown.as_image_copy()
-            },
+            wgpu::TexelCopyTextureInfo { origin, ..self.shown.as_image_copy() },
             bytemuck::cast_slice(values),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
-            wgpu::Extent3d { width, height: rows, depth_or_array_layers: 1 },
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: None },
+            extent(size),
         );
     }
 }

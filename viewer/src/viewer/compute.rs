@@ -65,7 +65,7 @@ impl Viewer {
         }
     }
 
-    /// Traces some rows, where the right half is truth and nothing moves. Whether there is something new.
+    /// Traces some pixels, where the right half is truth and nothing moves. Whether there is something new.
     pub(super) fn trace(&mut self, context: &egui::Context, now: f64) -> bool {
         let rests = now - self.moved_at >= REST;
         let Some(full) = self.full.as_mut().filter(|level| rests && level.shown == Some(self.moment)) else {
