@@ -4,8 +4,8 @@
 set -eu
 cd "$(dirname "$0")"
 
-# Built together, so that what they share is built once.
-packages="-p subpixel-shadows -p subpixel-shadows-lab -p subpixel-shadows-oracle -p subpixel-shadows-viewer"
+# Built together, so that what they share is built once. What makes the page is left out: it has much that is needed nowhere else.
+packages="--workspace --exclude subpixel-shadows-page"
 program="${CARGO_TARGET_DIR:-target}/release/subpixel-shadows"
 
 has_adapter() {
@@ -47,8 +47,5 @@ if ! command -v xvfb-run >/dev/null 2>&1 && command -v apt-get >/dev/null 2>&1 &
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
         xvfb xauth libxkbcommon-x11-0 libxcursor1 libxi6
 fi
+# `subpixel-shadows-occupancy` needs RADV, which is in the package of lavapipe, and says so where it is missing.
 cargo test --release $packages "$@"
-# Packages of their own: what the first needs of naga is not built into the library's tests, the second calls Vulkan itself. That one needs
-# RADV, which is in the package of lavapipe, and says so where it is missing.
-[ $# -gt 0 ] || cargo test --release -p subpixel-shadows-bindings
-[ $# -gt 0 ] || cargo test --release -p subpixel-shadows-occupancy
