@@ -30,6 +30,7 @@ pub mod light_view;
 pub mod mask_table;
 pub mod methods;
 pub mod pass;
+pub mod pixel_filter;
 pub mod plan;
 pub mod render;
 pub mod samples;

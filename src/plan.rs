@@ -12,6 +12,7 @@ use crate::light_view::Warp;
 pub use crate::methods::facet_masks::Extent;
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
+use crate::pixel_filter::PixelFilter;
 use crate::scene::{Camera, Light};
 pub(crate) use proofs::asks_for_most;
 use proofs::{all_is_lit, back_faces_add_nothing, no_shadow, nothing_seen};
@@ -39,7 +40,7 @@ pub struct Plan {
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 16] = [
+const STAGES: [(&str, &str, Extent); 17] = [
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
     ("pixel_triangles", "triangles that the samples of each pixel may see", Extent::Facing),
@@ -56,7 +57,11 @@ const STAGES: [(&str, &str, Extent); 16] = [
     ("visibility_masks", "occluded and invalid samples", Extent::Everything),
     ("visibility_refine", "the same with 46 bits, where 24 leave it open", Extent::Everything),
     ("resolve", "masks to visibility", Extent::Facing),
+    (FILTER, "visibility weighted over the samples of a pixel and its neighbours", Extent::Facing),
 ];
+
+/// The stage that weighs samples.
+const FILTER: &str = "pixel_filter";
 
 /// The stage that finds which part of the light's view the camera asks for.
 const REQUESTS: &str = "requested_blocks";
@@ -111,6 +116,7 @@ impl Plan {
             .map(|&(name, purpose, least)| {
                 let left_out = every_surface(name).or_else(|| (!needs(least)).then(|| reason.clone()));
                 let left_out = left_out.or_else(|| all_blocks.clone().filter(|_| name == REQUESTS));
+                let left_out = left_out.or_else(|| by_itself(wanted).filter(|_| name == FILTER));
                 PlanStep { name, purpose, left_out }
             })
             .collect();
@@ -196,6 +202,11 @@ fn all_blocks(prepared: &Prepared, camera: &Camera, wanted: &Settings, force_all
         let of = |bounds| asks_for_most(camera, wanted.size, bounds, prepared.mesh.triangles.len());
         prepared.tree().bounds().and_then(of)
     }
+}
+
+/// Why no samples but its own count for a pixel.
+fn by_itself(wanted: &Settings) -> Option<String> {
+    (wanted.filter == PixelFilter::Box).then(|| "a box: a pixel is the mean of its own samples".to_owned())
 }
 
 /// Why every facet is evaluated. That one is lit or shadowed is proved of its surface alone; samples of its plane that lie
@@ -333,7 +344,10 @@ mod tests {
         assert_eq!(reason(&plan(body(), sun(1.0), &warped, false), PERSPECTIVE.0), None, "a warp divides");
         assert!(one.settings.cull_back && one.settings.settle && !one.settings.validity);
         let many = of(spot, 32, true);
-        assert_eq!(many.left_out().count(), 3, "{many:?}");
+        assert_eq!(many.left_out().count(), 4, "{many:?}");
+        assert!(reason(&many, FILTER).unwrap().contains("box"));
+        let wide = Settings { filter: PixelFilter::Tent, ..settings(32, true) };
+        assert_eq!(reason(&plan(body(), spot, &wide, false), FILTER), None);
         assert!(reason(&many, HIDDEN.0).unwrap().contains("camera outside"));
         assert!(reason(&many, BACK_FACING.0).unwrap().contains("may cut a facet stay"));
         assert!(many.settings.cull_back && many.settings.settle && many.settings.validity);
@@ -402,8 +416,8 @@ mod tests {
         for mesh in [Mesh::default(), triangles(&[A, B, C]), body()] {
             let forced = plan(mesh, sun(1.0), &settings(32, true), true);
             assert_eq!(forced.extent, Extent::Everything);
-            // It finds what may be left out.
-            let needed = STAGES.iter().map(|(name, ..)| *name).filter(|name| *name != REQUESTS);
+            // What finds what may be left out, and what is not asked for.
+            let needed = STAGES.iter().map(|(name, ..)| *name).filter(|name| ![REQUESTS, FILTER].contains(name));
             assert!(needed.into_iter().all(|name| reason(&forced, name).is_none()), "{forced:?}");
             assert!(reason(&forced, REQUESTS).unwrap().contains("forced") && !forced.settings.request_blocks);
             assert!(forced.settings.validity && !forced.settings.cull_back && !forced.settings.settle);

@@ -1,5 +1,5 @@
 //! What WGSL forbids and naga lets through: kernels are held to it here, for browsers refuse them otherwise.
-//! `cargo run --release --example browser_kernels` asks a browser itself.
+//! `./web.sh --test` asks a browser itself.
 
 use naga::back::pipeline_constants::process_overrides;
 use naga::valid::{Capabilities, ValidationFlags, Validator};

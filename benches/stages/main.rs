@@ -23,6 +23,7 @@ mod harness;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;
+mod pixel_filter;
 mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;
@@ -71,7 +72,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 34] = [
+    let without_textures: [Maker; 35] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -106,6 +107,7 @@ fn run(options: &Options) -> Result<()> {
         visibility_masks::cases,
         requested_blocks::cases,
         resolve::cases,
+        pixel_filter::cases,
     ];
     let with_textures: [Maker; 4] =
         [triangle_ids::cases, gbuffer_triangles::cases, pixel_receivers::cases, visibility_texture::cases];

@@ -532,6 +532,36 @@ pub mod moment_shadows {
     }
 }
 
+/// `kernels/pixel_filter.wgsl`.
+pub mod pixel_filter {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "pixel_filter",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+    }
+    overrides! {
+        words: u32 = 1, "WORDS",
+        reach: u32 = 1, "REACH",
+    }
+    entry_point! { "pixel_filter", "pixel_filter", [64, 1, 1], SOURCE, Constants => PixelFilter, PixelFilterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 lit: Read<'a, u32>,
+        2 seen: Read<'a, u32>,
+        3 weights: Read<'a, f32>,
+        4 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        PixelFilter,
+    }
+}
+
 /// `kernels/pixel_receivers.wgsl`.
 pub mod pixel_receivers {
     use crate::entry_point;
@@ -948,8 +978,15 @@ pub mod resolve {
         5 lit: Write<'a, u32>,
         6 status: Write<'a, u32>,
     } }
+    entry_point! { "resolve", "seen_samples", [64, 1, 1], SOURCE, Constants => SeenSamples, SeenSamplesProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 facets: Read<'a, crate::stages::facet_classify::Facet>,
+        2 masks: Read<'a, u32>,
+        3 pixel_facets: Read<'a, u32>,
+        7 seen: Write<'a, u32>,
+    } }
     entries! {
-        Resolve,
+        Resolve, SeenSamples,
     }
 }
 
@@ -2229,6 +2266,7 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
     ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),
+    ("pixel_filter", pixel_filter::SOURCE, pixel_filter::ENTRIES),
     ("pixel_receivers", pixel_receivers::SOURCE, pixel_receivers::ENTRIES),
     ("pixel_texel_pairs", pixel_texel_pairs::SOURCE, pixel_texel_pairs::ENTRIES),
     ("pixel_triangles", pixel_triangles::SOURCE, pixel_triangles::ENTRIES),

@@ -58,7 +58,7 @@ impl FacetMasks {
         settings.check()?;
         if !pipelines.serve(settings) {
             return Err(Error::Config(
-                "the pipelines were made for other numbers of samples or facets, masks or pairs".to_owned(),
+                "the pipelines were made for other numbers of samples or facets, masks, pairs or filter".to_owned(),
             ));
         }
         let every_surface = match settings.facets {
@@ -284,6 +284,7 @@ impl FacetMasks {
             self.record_view(rec, casters, view, extent)?;
         }
         self.record_resolve(rec);
+        self.record_filter(rec);
         Ok(())
     }
 
@@ -291,6 +292,15 @@ impl FacetMasks {
         let m = &self.memory;
         let stage = &mut rec.stage("resolve");
         self.with.resolve.record(stage, &m.frames[0], &m.facets, &m.visibility, &m.lit, &m.status);
+    }
+
+    /// Weights samples of neighbours into the visibility, where a filter asks for that.
+    fn record_filter(&self, rec: &mut Recorder) {
+        let m = &self.memory;
+        if let (Some(with), Some(memory)) = (&self.with.filter, &m.filter) {
+            let stage = &mut rec.stage("pixel_filter");
+            with.record(stage, &m.frames[0], &m.facets, &m.lit, &m.visibility, memory);
+        }
     }
 
     /// Records the maps of one view of the light: casters set up in it, layers, silhouettes and their table.

@@ -28,6 +28,7 @@ pub mod strips;
 #[cfg(feature = "baselines")]
 pub mod supersampled;
 
+pub use crate::pixel_filter::PixelFilter;
 #[cfg(feature = "baselines")]
 pub use debug_views::{DebugMap, DebugViews, PixelClass};
 pub use facet_masks::FacetMasks;

@@ -100,12 +100,13 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 20] = [
+pub const METHOD_OPTIONS: [&str; 21] = [
     "facets",
     "validity",
     "masks",
     "pairs",
     "projection",
+    "filter",
     "memory-limit",
     "list-start",
     "encoding",
@@ -143,6 +144,7 @@ pub const METHODS: [MethodRow; 15] = [
             "masks",
             "pairs",
             "projection",
+            "filter",
             "memory-limit",
             "list-start",
             "splits",

@@ -3,6 +3,7 @@
 use super::prepared::Prepared;
 use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;
+use crate::pixel_filter::PixelFilter;
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
 use crate::stages::map_moments::MomentMeasures;
@@ -275,6 +276,9 @@ pub struct Settings {
     /// Make no blocks of the light's maps but those that the facets ask for, where the camera may see but a part of the scene, and there are
     /// many triangles beside the pixels. Maps that are kept for frames to come are made whole.
     pub request_blocks: bool,
+    /// How the samples of a pixel, and with all but a box those of the pixels around it, are weighted into its visibility. Of `facet-masks`;
+    /// its lit masks are the same with each.
+    pub filter: PixelFilter,
     /// How half-planes become masks.
     pub masks: MaskVariant,
     /// How pairs are brought together by texel.
@@ -400,6 +404,7 @@ impl Settings {
             cull_back: false,
             hide_backs: true,
             request_blocks: true,
+            filter: PixelFilter::Box,
             masks: MaskVariant::Exact,
             pairs: PairVariant::default(),
             projection: ProjectionVariant::Pencil,

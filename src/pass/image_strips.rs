@@ -68,7 +68,8 @@ pub struct NewStrips {
 impl StripMaker {
     /// An image in no more strips than it takes to begin with.
     pub fn first_strips(&self, settings: &Settings) -> Strips {
-        Strips::with_halo(settings.size, self.strips, if self.receivers { HALO } else { 0 })
+        let halo = if self.receivers { HALO } else { 0 };
+        Strips::with_halo(settings.size, self.strips, halo.max(settings.filter.reach()))
     }
 
     /// Memory for an image in about as many `strips`, or as many more as it takes; lists as long as `start` says, or as for a first

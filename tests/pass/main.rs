@@ -1,5 +1,6 @@
 //! The pass inside an application's own frame, against the renderer: the same bits, and no frame silently wrong.
 
+mod filters;
 mod kept_maps;
 mod lights;
 mod lists;

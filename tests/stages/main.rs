@@ -13,6 +13,7 @@ mod gbuffer_triangles;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;
+mod pixel_filter;
 mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;

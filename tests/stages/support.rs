@@ -5,6 +5,7 @@ pub mod geometry;
 pub mod masks;
 pub mod meshes;
 pub mod pair_lists;
+pub mod pixels;
 pub mod shadow;
 pub mod shapes;
 pub mod spsm;

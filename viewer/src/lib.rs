@@ -22,6 +22,8 @@ pub mod job;
 pub mod level;
 mod panel;
 pub mod picture;
+pub mod read;
+pub mod trouble;
 pub mod truth;
 pub mod view;
 mod viewer;
@@ -46,6 +48,17 @@ pub fn configuration() -> WgpuConfiguration {
         ..Default::default()
     });
     WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(setup), ..Default::default() }
+}
+
+/// The one typeface of the viewer: egui's others would be read over the net for nothing.
+fn fonts() -> egui::FontDefinitions {
+    let mut fonts = egui::FontDefinitions::empty();
+    let name = "Ubuntu-Light";
+    fonts.font_data.insert(name.to_owned(), Arc::new(egui::FontData::from_static(epaint_default_fonts::UBUNTU_LIGHT)));
+    for family in [egui::FontFamily::Proportional, egui::FontFamily::Monospace] {
+        fonts.families.insert(family, vec![name.to_owned()]);
+    }
+    fonts
 }
 
 /// Writes an image as a PNG file, or in a browser offers it to be kept.

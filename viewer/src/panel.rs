@@ -1,111 +1,133 @@
 //! Widgets: options of a method, times of its stages.
 
 use clap::ValueEnum;
-use egui::{ComboBox, Slider, Ui};
+use egui::{ComboBox, Id, Rect, Response, Slider, Ui};
 use lab::options::{FacetsPerPixel, RenderOptions, WarpBy};
 use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::pass::FrameStatus;
 
+fn id(name: &str) -> Id {
+    Id::unique(("place", name))
+}
+
+/// Where a widget was drawn last.
+pub fn place(context: &egui::Context, name: &str) -> Option<Rect> {
+    context.data(|data| data.get_temp(id(name)))
+}
+
+/// Keeps where a widget is drawn: `[half, label]`, and the word in an open list.
+fn keep(response: &Response, name: &[&str]) {
+    response.ctx.data_mut(|data| data.insert_temp(id(&name.join(".")), response.rect));
+}
+
 /// A list of the words of an option. Whether another was picked.
-fn words<T: ValueEnum + PartialEq>(ui: &mut Ui, label: &str, value: &mut T) -> bool {
+fn words<T: ValueEnum + PartialEq>(ui: &mut Ui, half: &str, label: &str, value: &mut T) -> bool {
     let name = |value: &T| value.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
     let mut changed = false;
-    ComboBox::new((label, ui.scope_id()), label).selected_text(name(value)).show_ui(ui, |ui| {
+    let list = ComboBox::new((label, ui.scope_id()), label).selected_text(name(value)).show_ui(ui, |ui| {
         for one in T::value_variants() {
             let help = one.to_possible_value().and_then(|v| v.get_help().map(ToString::to_string));
             let mut response = ui.selectable_value(value, one.clone(), name(one));
+            keep(&response, &[half, label, &name(one)]);
             if let Some(help) = help {
                 response = response.on_hover_text(help);
             }
             changed |= response.changed();
         }
     });
+    keep(&list.response, &[half, label]);
     changed
 }
 
 /// A list of numbers.
-fn numbers(ui: &mut Ui, label: &str, value: &mut u32, choices: &[u32]) -> bool {
+fn numbers(ui: &mut Ui, half: &str, label: &str, value: &mut u32, choices: &[u32]) -> bool {
     let mut changed = false;
-    ComboBox::new((label, ui.scope_id()), label).selected_text(value.to_string()).show_ui(ui, |ui| {
+    let list = ComboBox::new((label, ui.scope_id()), label).selected_text(value.to_string()).show_ui(ui, |ui| {
         for one in choices {
-            changed |= ui.selectable_value(value, *one, one.to_string()).changed();
+            let response = ui.selectable_value(value, *one, one.to_string());
+            keep(&response, &[half, label, &one.to_string()]);
+            changed |= response.changed();
         }
     });
+    keep(&list.response, &[half, label]);
     changed
 }
 
 /// Numbers between two, as far as they are let go of.
 fn slider<N: egui::emath::Numeric>(
     ui: &mut Ui,
+    half: &str,
     label: &str,
     value: &mut N,
     range: std::ops::RangeInclusive<N>,
 ) -> bool {
     let response = ui.add(Slider::new(value, range).text(label));
+    keep(&response, &[half, label]);
     response.drag_stopped() || (response.changed() && !response.dragged())
 }
 
 /// The method and the options that it takes. Whether one was changed.
-pub fn options(ui: &mut Ui, options: &mut RenderOptions) -> bool {
+pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     let mut changed = false;
-    ComboBox::new(("method", ui.scope_id()), "method").selected_text(options.method.name()).height(420.0).show_ui(
-        ui,
-        |ui| {
-            for method in MethodName::ALL {
-                let row = method.row();
-                let told = format!("{}, {}", row.paper, row.section);
-                changed |= ui.selectable_value(&mut options.method, method, row.name).on_hover_text(told).changed();
-            }
-        },
-    );
-    changed |= numbers(ui, "samples", &mut options.samples, &[1, 8, 16, 32, 64, 128]);
-    changed |= words(ui, "pattern", &mut options.pattern);
-    changed |= numbers(ui, "map", &mut options.map, &[64, 128, 256, 512, 1024, 2048, 4096]);
+    let list = ComboBox::new(("method", ui.scope_id()), "method").selected_text(options.method.name()).height(420.0);
+    let list = list.show_ui(ui, |ui| {
+        for method in MethodName::ALL {
+            let row = method.row();
+            let response = ui.selectable_value(&mut options.method, method, row.name);
+            keep(&response, &[half, "method", row.name]);
+            changed |= response.on_hover_text(format!("{}, {}", row.paper, row.section)).changed();
+        }
+    });
+    keep(&list.response, &[half, "method"]);
+    changed |= numbers(ui, half, "samples", &mut options.samples, &[1, 8, 16, 32, 64, 128]);
+    changed |= words(ui, half, "pattern", &mut options.pattern);
+    changed |= numbers(ui, half, "map", &mut options.map, &[64, 128, 256, 512, 1024, 2048, 4096]);
     let method = options.method;
     let takes = |name| method.takes(name);
     if takes("facets") {
-        changed |= words(ui, "facets", &mut options.facets);
+        changed |= words(ui, half, "facets", &mut options.facets);
         if matches!(options.facets, FacetsPerPixel::One) {
-            changed |= words(ui, "validity", &mut options.validity);
+            changed |= words(ui, half, "validity", &mut options.validity);
         }
-        changed |= words(ui, "masks", &mut options.masks);
-        changed |= words(ui, "pairs", &mut options.pairs);
-        changed |= words(ui, "projection", &mut options.projection);
+        changed |= words(ui, half, "masks", &mut options.masks);
+        changed |= words(ui, half, "pairs", &mut options.pairs);
+        changed |= words(ui, half, "projection", &mut options.projection);
+        changed |= words(ui, half, "filter", &mut options.filter);
     }
     if takes("encoding") {
-        changed |= words(ui, "encoding", &mut options.encoding);
-        changed |= words(ui, "search", &mut options.search);
+        changed |= words(ui, half, "encoding", &mut options.encoding);
+        changed |= words(ui, half, "search", &mut options.search);
     }
     if takes("rays") {
-        changed |= words(ui, "rays", &mut options.rays);
+        changed |= words(ui, half, "rays", &mut options.rays);
     }
     if takes("kernel") {
-        changed |= numbers(ui, "kernel", &mut options.kernel, &[2, 3, 5, 7]);
+        changed |= numbers(ui, half, "kernel", &mut options.kernel, &[2, 3, 5, 7]);
     }
     if takes("shape") {
-        changed |= words(ui, "shape", &mut options.shape);
-        changed |= slider(ui, "reach", &mut options.reach, 1..=64);
+        changed |= words(ui, half, "shape", &mut options.shape);
+        changed |= slider(ui, half, "reach", &mut options.reach, 1..=64);
     }
     if takes("splits") {
         let own = method.row().partition.map_or(0, |plan| plan.splits);
         let mut splits = options.splits.unwrap_or(own);
-        changed |= slider(ui, "splits", &mut splits, u32::from(own > 0)..=4);
+        changed |= slider(ui, half, "splits", &mut splits, u32::from(own > 0)..=4);
         options.splits = Some(splits).filter(|splits| *splits != own && *splits > 0);
     }
     if takes("warp") && (options.splits.is_some() || method.row().partition.is_some()) {
         let mut warp = options.warp.unwrap_or_default();
-        changed |= words(ui, "warp", &mut warp);
+        changed |= words(ui, half, "warp", &mut warp);
         options.warp = Some(warp).filter(|warp| *warp != Default::default() || options.warp.is_some());
     }
     if takes("focus") && (options.warp == Some(WarpBy::Trapezoid) || method == MethodName::Trapezoidal) {
-        changed |= slider(ui, "focus", &mut options.focus, 0.05..=0.95);
+        changed |= slider(ui, half, "focus", &mut options.focus, 0.05..=0.95);
     }
     if takes("bleeding") {
-        changed |= slider(ui, "bleeding", &mut options.bleeding, 0.0..=0.9);
-        changed |= slider(ui, "grazing", &mut options.grazing, 0.0..=30.0);
+        changed |= slider(ui, half, "bleeding", &mut options.bleeding, 0.0..=0.9);
+        changed |= slider(ui, half, "grazing", &mut options.grazing, 0.0..=30.0);
     }
     if takes("exponent") {
-        changed |= slider(ui, "exponent", &mut options.exponent, 1.0..=42.0);
+        changed |= slider(ui, half, "exponent", &mut options.exponent, 1.0..=42.0);
     }
     changed
 }

@@ -6,7 +6,16 @@ use wasm_bindgen::prelude::*;
 use web_sys::{Blob, HtmlAnchorElement, HtmlCanvasElement, Url};
 
 thread_local! {
+    static LISTENER: RefCell<Option<js_sys::Function>> = const { RefCell::new(None) };
     static DROPPED: RefCell<Option<(String, Result<Vec<u8>, String>)>> = const { RefCell::new(None) };
+}
+
+/// Tells the page, once, that nothing can be drawn any more.
+pub fn tell_lost(why: &str) {
+    if let Some(listener) = LISTENER.take() {
+        // Nobody is left to hear of an error of this.
+        let _ = listener.call1(&JsValue::NULL, &JsValue::from_str(why));
+    }
 }
 
 /// Reads a dropped file beside the page; [`take_dropped`] gives it.
@@ -43,25 +52,96 @@ pub fn offer(name: &str, png: &[u8]) -> Result<(), String> {
     offered().map_err(|e| format!("{name}: {e:?}"))
 }
 
-/// Opens the viewer on a canvas, with the view that a command line names (the page's address after `#`), or the one by default.
+/// The viewer on a page, for its scripts.
+#[derive(Clone)]
+#[wasm_bindgen]
+pub struct Page(eframe::WebRunner);
+
+impl Page {
+    fn viewer<T>(&self, ask: impl FnOnce(&mut Viewer) -> T) -> Result<T, JsValue> {
+        let mut viewer = self.0.app_mut::<Viewer>().ok_or("the viewer has ended")?;
+        Ok(ask(&mut viewer))
+    }
+}
+
+#[wasm_bindgen]
+impl Page {
+    /// Whether the picture is complete, or there is none.
+    ///
+    /// # Errors
+    /// The viewer has ended.
+    pub fn settled(&self) -> Result<bool, JsValue> {
+        self.viewer(|viewer| viewer.is_settled())
+    }
+
+    /// The last error or note, as the page tells it.
+    ///
+    /// # Errors
+    /// The viewer has ended.
+    pub fn complaint(&self) -> Result<Option<String>, JsValue> {
+        self.viewer(|viewer| viewer.complaint())
+    }
+
+    /// The arguments that open what is looked at.
+    ///
+    /// # Errors
+    /// The viewer has ended.
+    pub fn line(&self) -> Result<String, JsValue> {
+        self.viewer(|viewer| viewer.command_line())
+    }
+
+    /// Takes another view.
+    ///
+    /// # Errors
+    /// One line: why there is no such view; the view is then as before. The viewer has ended.
+    pub fn open(&self, line: &str) -> Result<(), JsValue> {
+        let opened = self.viewer(|viewer| viewer.take_line(line))?;
+        opened.map_err(|e| JsValue::from_str(&e.to_string()))
+    }
+
+    /// Left, top, width and height of a widget by its label ("left.samples"), or of the "picture", in points of the page; nothing where there is none.
+    ///
+    /// # Errors
+    /// The viewer has ended.
+    pub fn place(&self, name: &str) -> Result<Option<Vec<f32>>, JsValue> {
+        let rect = self.viewer(|viewer| viewer.place(name))?;
+        Ok(rect.map(|rect| vec![rect.left(), rect.top(), rect.width(), rect.height()]))
+    }
+
+    /// Width and height of the picture in pixels, then the visibility of each of them by a half (0 the left one, 1 the right one), row by row
+    /// from the top: 0 dark to 1 lit, below 0 where nothing was computed.
+    ///
+    /// # Errors
+    /// There is no such half yet; the device is lost; the viewer has ended.
+    pub async fn visibility(self, half: usize) -> Result<Vec<f32>, JsValue> {
+        let read = self.viewer(|viewer| viewer.read_visibility(half))?.ok_or("no such half, or no picture yet")?;
+        read.await.map_err(|e| JsValue::from_str(&e))
+    }
+}
+
+/// Opens the viewer on a canvas, with the view that a command line names (the page's address after `#`), or the one by default. `told` is
+/// called with one line where nothing can be drawn any more.
 ///
 /// # Errors
 /// One line: the view cannot be opened, or there is no adapter.
 #[wasm_bindgen]
-pub async fn start(canvas: HtmlCanvasElement, line: String) -> Result<(), JsValue> {
+pub async fn start(canvas: HtmlCanvasElement, line: String, told: js_sys::Function) -> Result<Page, JsValue> {
     console_error_panic_hook::set_once();
     eframe::WebLogger::init(log::LevelFilter::Warn).ok();
-    let told = |error: &dyn std::fmt::Display| JsValue::from_str(&error.to_string());
+    let said = |error: &dyn std::fmt::Display| JsValue::from_str(&error.to_string());
     let view = if line.trim().is_empty() {
-        View::first().map_err(|e| told(&e))?
+        View::first().map_err(|e| said(&e))?
     } else {
-        View::of_line(&line).map_err(|e| told(&e))?
+        View::of_line(&line).map_err(|e| said(&e))?
     };
-    let (scene, _) = view.left.open(view.scene.as_deref()).map_err(|e| told(&e))?;
+    let (scene, _) = view.left.open(view.scene.as_deref()).map_err(|e| said(&e))?;
     let options = eframe::WebOptions { wgpu_options: configuration(), ..Default::default() };
     let create = move |created: &eframe::CreationContext<'_>| {
         let render = created.wgpu_render_state.as_ref().ok_or("no device")?;
-        Ok(Box::new(Viewer::new(render, view, scene)) as Box<dyn eframe::App>)
+        LISTENER.set(Some(told));
+        Ok(Box::new(Viewer::new(&created.egui_ctx, render, view, scene)) as Box<dyn eframe::App>)
     };
-    eframe::WebRunner::new().start(canvas, options, Box::new(create)).await
+    let runner = eframe::WebRunner::new();
+    runner.start(canvas, options, Box::new(create)).await?;
+    Ok(Page(runner))
 }

@@ -2,8 +2,8 @@
 
 use clap::Parser;
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Mutex};
 use subpixel_shadows::{Error, Result};
 use viewer::{View, ViewArguments, Viewer, configuration, save_png};
 
@@ -19,6 +19,22 @@ struct Arguments {
     /// Write the window to this PNG file when its picture is complete, and end
     #[arg(long, value_name = "FILE")]
     screenshot: Option<String>,
+}
+
+/// A window that ends when the GPU is lost.
+struct Lasting {
+    viewer: Viewer,
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+impl eframe::App for Lasting {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        self.viewer.show(ui);
+        if let (Some(why), Ok(mut lost)) = (self.viewer.lost(), self.lost.lock()) {
+            *lost = Some(format!("{why}; go on with: viewer {}", self.viewer.command_line()));
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+    }
 }
 
 /// A window that ends with a picture of itself.
@@ -84,19 +100,24 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
     };
     let outcome = Arc::new(AtomicU8::new(0));
     let (file, told) = (arguments.screenshot.clone(), outcome.clone());
+    let lost = Arc::new(Mutex::new(None));
+    let of_window = lost.clone();
     let ran = eframe::run_native(
         "subpixel-shadows",
         options,
         Box::new(move |created| {
             let render = created.wgpu_render_state.as_ref().ok_or("no device")?;
-            let viewer = Viewer::new(render, view, scene);
+            let viewer = Viewer::new(&created.egui_ctx, render, view, scene);
             Ok(match file {
                 Some(file) => Box::new(Once { viewer, file, asked: false, outcome: told }),
-                None => Box::new(viewer),
+                None => Box::new(Lasting { viewer, lost: of_window }),
             })
         }),
     );
     ran.map_err(|e| Error::NoAdapter(format!("no window: {e}")))?;
+    if let Some(why) = lost.lock().ok().and_then(|mut lost| lost.take()) {
+        return Err(Error::Gpu(why));
+    }
     Ok(match (arguments.screenshot, outcome.load(Ordering::SeqCst)) {
         (None, _) | (_, 1) => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,

@@ -11,6 +11,7 @@ use subpixel_shadows::methods::{MethodName, Prepared, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use test_support::{Folder, gpu_test};
+use viewer::View;
 use viewer::picture::Overlay;
 use viewer::view::Against;
 
@@ -187,15 +188,14 @@ fn files_are_dropped() {
 fn lines_are_entered() {
     let mut window = Window::new("spheres --samples 8 --map 64 --against '--method pcf --samples 8 --map 64'");
     window.settle();
-    let context = egui::Context::default();
-    let told = window.viewer.take_line(&context, "spheres --samples 3").unwrap_err().to_string();
+    let told = window.viewer.take_line("spheres --samples 3").unwrap_err().to_string();
     assert!(told.contains('3') && !told.contains('\n'), "{told}");
     assert_eq!(window.viewer.view().left.samples, 8);
     let line = window.viewer.command_line();
-    window.viewer.take_line(&context, "plane --samples 1 --map 64 --against '--method variance --map 64'").unwrap();
+    window.viewer.take_line("plane --samples 1 --map 64 --against '--method variance --map 64'").unwrap();
     window.settle();
     assert_eq!((window.viewer.complaint(), window.viewer.view().left.samples), (None, 1));
-    window.viewer.take_line(&context, &line).unwrap();
+    window.viewer.take_line(&line).unwrap();
     window.settle();
     assert_eq!(window.viewer.command_line(), line);
     assert!(matches!(&window.viewer.view().right, Against::Method(options) if options.method == MethodName::Pcf));
@@ -228,4 +228,28 @@ fn windows_of_any_size() {
     }
     window.settle();
     assert_eq!(window.viewer.complaint(), None);
+}
+
+/// A GPU that is gone is told of, and nothing panics; what was looked at can be opened again.
+#[gpu_test]
+fn a_lost_gpu_is_told_of() {
+    let mut window = Window::new("spheres --samples 8 --map 64 --against '--method pcf --samples 8 --map 64'");
+    window.settle();
+    assert_eq!(window.viewer.lost(), None);
+    let line = window.viewer.command_line();
+    window.lose();
+    for step in 0..20 {
+        window.frame(vec![key(Key::W, step % 2 == 0)]);
+    }
+    let told = window.viewer.complaint().expect("a complaint");
+    assert!(told.contains("lost") && !told.contains('\n'), "{told}");
+    assert!(window.viewer.is_settled() && View::of_line(&line).is_ok());
+    // While passes are made, too.
+    let mut window = Window::new("spheres --samples 1 --map 64 --against '--method exponential --map 64'");
+    window.lose();
+    for _ in 0..20 {
+        window.frame(Vec::new());
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    assert!(window.viewer.lost().is_some());
 }

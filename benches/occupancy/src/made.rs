@@ -9,8 +9,8 @@ use subpixel_shadows::gpu::{Gpu, KeptPrograms, Profile, kernels, program};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::{
-    FacetMode, MethodName, MomentSettings, PairVariant, ProjectionVariant, Settings, SmsrSettings, SmsrShape,
-    SpsmEncoding, SpsmSettings,
+    FacetMode, MethodName, MomentSettings, PairVariant, PixelFilter, ProjectionVariant, Settings, SmsrSettings,
+    SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::pass::{Casters, PassConfig, ShadowPass};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -61,6 +61,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     }
     vary("masks", &[&|s| s.masks = MaskVariant::Table { angles: 64, offsets: 64 }]);
     vary("projection", &[&|s| s.projection = ProjectionVariant::TwoStep]);
+    vary("filter", &[&|s| s.filter = PixelFilter::Tent, &|s| s.filter = PixelFilter::Mitchell]);
     vary("encoding", &[&|s| s.spsm.encoding = SpsmEncoding::Paper]);
     let search = |radius, stretch| move |s: &mut Settings| s.spsm = SpsmSettings { radius, stretch, ..s.spsm };
     vary("search", &[&search(2, 0), &search(1, 2)]);

@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 use subpixel_shadows::methods::FacetMode;
+use subpixel_shadows::pixel_filter::PixelFilter;
 use subpixel_shadows::samples::Pattern;
 
 /// How `spsm` packs a triangle into a texel.
@@ -119,6 +120,31 @@ pub enum Projection {
     Pencil,
     /// The paper's two projections, which bound no rounding
     TwoStep,
+}
+
+/// How samples are weighted into a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FilterBy {
+    /// The pixel's own, all alike
+    #[default]
+    Box,
+    /// Evenly falling over one pixel to either side
+    Tent,
+    /// A Gaussian of half a pixel, over one and a half to either side
+    Gaussian,
+    /// Mitchell and Netravali's cubic, over two pixels to either side
+    Mitchell,
+}
+
+impl From<FilterBy> for PixelFilter {
+    fn from(name: FilterBy) -> Self {
+        match name {
+            FilterBy::Box => Self::Box,
+            FilterBy::Tent => Self::Tent,
+            FilterBy::Gaussian => Self::Gaussian,
+            FilterBy::Mitchell => Self::Mitchell,
+        }
+    }
 }
 
 /// Where a frame is computed.

@@ -4,8 +4,8 @@ mod choices;
 mod recorded;
 
 pub use choices::{
-    Encoding, EngineName, FacetsPerPixel, MaskChoice, PairsBy, PatternName, Projection, RayChoice, Search, Shape,
-    Switch, WarpBy,
+    Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, PairsBy, PatternName, Projection, RayChoice, Search,
+    Shape, Switch, WarpBy,
 };
 pub use recorded::{camera_text, light_text, reason};
 
@@ -110,6 +110,9 @@ pub struct RenderOptions {
     /// bound no rounding
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub projection: Projection,
+    /// How facet-masks weighs the samples around a pixel into its visibility: a box of its own, or a filter that reaches its neighbours'
+    #[arg(long, value_enum, default_value_t, value_name = "FILTER")]
+    pub filter: FilterBy,
     /// Everything as in the frame of a frame.json: the picture is the same bit for bit. Scene and options beside it override
     #[arg(long, value_name = "FRAME.json")]
     pub from: Option<PathBuf>,
@@ -210,6 +213,7 @@ impl RenderOptions {
                 Projection::Pencil => ProjectionVariant::Pencil,
                 Projection::TwoStep => ProjectionVariant::TwoStep,
             },
+            filter: self.filter.into(),
             spsm: SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() },
             smsr: SmsrSettings {
                 shape: match self.shape {

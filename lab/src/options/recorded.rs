@@ -43,6 +43,7 @@ impl RenderOptions {
             ("masks", word(o.masks)),
             ("pairs", word(o.pairs)),
             ("projection", word(o.projection)),
+            ("filter", word(o.filter)),
             ("encoding", word(o.encoding)),
             ("search", word(o.search)),
             ("rays", word(o.rays)),

@@ -21,7 +21,7 @@ pub struct TracedScene {
 }
 
 impl TracedScene {
-    /// Traces the samples of `settings` in every pixel.
+    /// Traces the samples of `settings` in every pixel, and weighs them by its filter.
     ///
     /// # Errors
     /// As [`SceneTruth::new`].
@@ -39,7 +39,7 @@ impl TracedScene {
         let full = full_mask(settings.samples.count());
         let one_plane =
             (0..width * height).into_par_iter().map(|pixel| sees_one_plane(&scene, tracer, eye, pixel, full)).collect();
-        Ok(Self { visibility: image.visibility(), image, one_plane })
+        Ok(Self { visibility: image.filtered(settings.filter, &settings.samples), image, one_plane })
     }
 
     /// Visibility of each pixel, row by row from the top.
@@ -123,7 +123,7 @@ pub struct ConvergedErrors {
 }
 
 impl ConvergedErrors {
-    /// Holds a picture of visibility against 1024 rays a pixel ([`SceneTruth::converged`]).
+    /// Holds a picture of visibility against 1024 rays a pixel, weighted by the filter of `settings` ([`SceneTruth::converged_by`]).
     ///
     /// # Errors
     /// As [`SceneTruth::new`]; [`subpixel_shadows::Error::Config`] if the sizes do not agree.
@@ -136,7 +136,8 @@ impl ConvergedErrors {
         progress: Progress,
     ) -> Result<Self> {
         let ([width, height], samples) = (settings.size, &settings.samples);
-        let truth = SceneTruth::new(tracer, camera, light, samples, width, height)?.converged(progress);
+        let truth =
+            SceneTruth::new(tracer, camera, light, samples, width, height)?.converged_by(settings.filter, progress);
         let truth: Vec<f32> = truth.into_iter().map(|(share, _)| share).collect();
         let e = SceneErrors::against(width, height, samples.count(), &truth, visibility)?;
         Ok(Self {

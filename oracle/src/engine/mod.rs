@@ -12,12 +12,14 @@ mod shadows;
 
 use crate::reference::facet_classify::FacetState;
 use crate::reference::front_layer::Margin;
-use crate::reference::resolve::{FacetBits, pixel};
-use crate::truth::{FacetTruth, Progress, Tracer, split_mask};
+use crate::reference::pixel_filter;
+use crate::reference::resolve::{FacetBits, pixel, seen as seen_samples};
+use crate::truth::{FacetTruth, Progress, Tracer, join_mask, split_mask};
 use glam::DVec3;
 use light_side::{LightSide, join};
 pub use rays::CpuRays;
 use std::time::Instant;
+use subpixel_shadows::methods::PixelFilter;
 use subpixel_shadows::methods::debug_views::{DebugMap, DebugViews, PixelClass};
 use subpixel_shadows::methods::facet_masks::Settings;
 use subpixel_shadows::methods::output::{Counts, ListUse, Output};
@@ -144,6 +146,7 @@ pub fn render(
     let mut pairs = shadows::Pairs::default();
     let [width, height] = settings.size;
     let rows = (BAND / width).max(1);
+    let mut surfaces = Vec::new();
     let mut first = 0;
     while first < height {
         let band = first..(first + rows).min(height);
@@ -175,14 +178,32 @@ pub fn render(
             }
         }
         clock.time("resolve", || {
-            seen.add_to(&mut frame, settings.samples.words() as usize, request.facets, &|k| masks[k].0);
+            let of = |k: usize| masks[k].0;
+            seen.add_to(&mut frame, settings.samples.words() as usize, request.facets, &of);
+            if settings.filter != PixelFilter::Box {
+                surfaces.extend(seen.of_pixels().map(|range| seen_samples(&range.map(of).collect::<Vec<_>>())));
+            }
         });
         first = band.end;
+    }
+    if settings.filter != PixelFilter::Box {
+        clock.time("pixel_filter", || {
+            let words = settings.samples.words() as usize;
+            let lit: Vec<u128> = frame.output.lit.chunks(words).map(join_words).collect();
+            let shares = pixel_filter::visibility(settings.filter, &settings.samples, settings.size, &lit, &surfaces);
+            frame.output.visibility = shares.into_iter().map(|share| share as f32).collect();
+        });
     }
     frame.output.lists = pairs.lists(&mut frame.output.counts);
     frame.stages = clock.0;
     frame.output.wall_ms = start.elapsed().as_secs_f64() * 1e3;
     Ok(frame)
+}
+
+fn join_words(words: &[u32]) -> u128 {
+    let mut all = [0; 4];
+    all[..words.len()].copy_from_slice(words);
+    join_mask(all)
 }
 
 /// Wall time of stages.

@@ -31,6 +31,15 @@ pub fn pixel(facets: &[FacetBits]) -> (f32, u128) {
     if seen == 0 { (1.0, u128::MAX) } else { (bright as f32 / seen as f32, lit) }
 }
 
+/// The samples that see a surface and count.
+pub fn seen(facets: &[FacetBits]) -> u128 {
+    facets.iter().fold(0, |seen, f| match f.state {
+        FacetState::Empty => seen,
+        FacetState::Undecided => seen | (f.coverage & !f.invalid),
+        _ => seen | f.coverage,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,13 +13,22 @@
 
 use super::packet::{Lit, PACKET, Seen, see};
 use super::{AMBIGUITY, Progress, Tracer, full_mask, join_mask, split_mask};
+use crate::reference::pixel_filter;
 use glam::{DVec2, DVec4};
 use rayon::prelude::*;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use subpixel_shadows::pixel_filter::PixelFilter;
 use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{Camera, Light, PixelRays};
 use subpixel_shadows::{Error, Result};
+
+/// Samples of a pixel so many that more change nothing.
+static OFFSETS: LazyLock<Vec<DVec2>> = LazyLock::new(|| {
+    let place = |k: u32, step: f64| (0.5 + f64::from(k) * step).fract();
+    let at = |k| DVec2::new(place(k, 0.754_877_666_246_692_7), place(k, 0.569_840_290_998_053_2));
+    (0..1024).map(at).collect()
+});
 
 /// The truth of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,6 +65,17 @@ impl TruthImage {
     /// Visibility of each pixel, row by row from the top.
     pub fn visibility(&self) -> Vec<f32> {
         self.pixels.iter().map(|p| p.visibility).collect()
+    }
+
+    /// Visibility of each pixel by a filter over its samples, which were `samples`, and those around it.
+    pub fn filtered(&self, filter: PixelFilter, samples: &Samples) -> Vec<f32> {
+        if filter == PixelFilter::Box {
+            return self.visibility();
+        }
+        let [lit, seen]: [Vec<u128>; 2] = [|p: &PixelTruth| p.lit, |p: &PixelTruth| p.seen]
+            .map(|mask| self.pixels.iter().map(|p| join_mask(mask(p))).collect());
+        let size = [self.width, self.height];
+        pixel_filter::visibility(filter, samples, size, &lit, &seen).into_iter().map(|share| share as f32).collect()
     }
 
     /// Whether each pixel's centre sees a surface.
@@ -158,13 +178,48 @@ impl<'a> SceneTruth<'a> {
         self.each_pixel(progress, |pixel| self.converged_pixel(pixel))
     }
 
+    /// As [`SceneTruth::converged`], weighted by a filter over the samples of a pixel and those around it.
+    pub fn converged_by(&self, filter: PixelFilter, progress: Progress) -> Vec<(f32, bool)> {
+        if filter == PixelFilter::Box {
+            return self.converged(progress);
+        }
+        let around: Vec<[i32; 2]> = filter.pixels().collect();
+        // Weights of the lit and of the seen samples of each pixel, for each of the pixels that have it around them.
+        let parts = self.each_pixel(progress, |pixel| {
+            let mut sums = vec![[0.0; 2]; around.len()];
+            let (mut lit, mut seen) = (0, 0);
+            for part in OFFSETS.chunks(PACKET) {
+                let answer = self.trace(pixel, part);
+                lit += answer.lit.count_ones();
+                seen += answer.seen.count_ones();
+                for (k, offset) in part.iter().enumerate().filter(|(k, _)| answer.seen >> k & 1 != 0) {
+                    let open = f64::from((answer.lit >> k & 1) as u8);
+                    for (sum, away) in sums.iter_mut().zip(&around) {
+                        let weight = filter.weight_at(*away, offset.to_array());
+                        *sum = [sum[0] + open * weight, sum[1] + weight];
+                    }
+                }
+            }
+            (sums, share(lit, seen), seen > 0)
+        });
+        let offsets = OFFSETS.iter().map(DVec2::to_array);
+        let all: f64 = around.iter().flat_map(|away| offsets.clone().map(|o| filter.weight_at(*away, o))).sum();
+        let [width, height] = [self.width as i32, self.height as i32];
+        let of = |pixel: i32| {
+            let places = around.iter().enumerate().filter_map(|(k, away)| {
+                let [x, y] = [pixel % width + away[0], pixel / width + away[1]];
+                ((0..width).contains(&x) && (0..height).contains(&y)).then(|| parts[(y * width + x) as usize].0[k])
+            });
+            let [open, seen] = places.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+            let (_, own, sees) = &parts[pixel as usize];
+            let hardly = seen <= pixel_filter::HARDLY * all;
+            (if hardly { *own } else { (open / seen).clamp(0.0, 1.0) as f32 }, *sees)
+        };
+        (0..width * height).map(of).collect()
+    }
+
     /// As [`SceneTruth::converged`], of one pixel.
     pub fn converged_pixel(&self, pixel: u32) -> (f32, bool) {
-        static OFFSETS: LazyLock<Vec<DVec2>> = LazyLock::new(|| {
-            let place = |k: u32, step: f64| (0.5 + f64::from(k) * step).fract();
-            let at = |k| DVec2::new(place(k, 0.754_877_666_246_692_7), place(k, 0.569_840_290_998_053_2));
-            (0..1024).map(at).collect()
-        });
         let (mut lit, mut seen) = (0, 0);
         for part in OFFSETS.chunks(PACKET) {
             let answer = self.trace(pixel, part);

@@ -9,9 +9,11 @@ use crate::mask_table::mask_table;
 use crate::methods::geometry::Geometry;
 use crate::methods::light_maps::{LightMapPipelines, LightMaps};
 use crate::methods::prepared::CasterBuffers;
+use crate::pixel_filter::PixelFilter;
 use crate::stages::candidate_pairs::tally;
 use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::stages::facet_classify::Facets;
+use crate::stages::pixel_filter::FilterMemory;
 use crate::stages::pixel_texel_pairs::PairLists;
 use crate::stages::{PrefixScan, SortedPairs, WorkOwners, prefix_scan, sorted_pairs};
 use crate::status::Status;
@@ -111,6 +113,8 @@ pub struct Memory {
     pub status: Buffer<u32>,
     pub visibility: Buffer<f32>,
     pub lit: Buffer<u32>,
+    /// With a filter other than a box.
+    pub filter: Option<FilterMemory>,
 }
 
 impl Memory {
@@ -146,6 +150,9 @@ impl Memory {
             status: words_of("status", Status::words(capacities.all_bands()))?,
             visibility: Buffer::storage(device, "resolve.visibility", pixels)?,
             lit: words_of("resolve.lit", pixels * words)?,
+            filter: (settings.filter != PixelFilter::Box)
+                .then(|| FilterMemory::new(device, queue, settings.filter, &settings.samples, pixels))
+                .transpose()?,
         })
     }
 }

@@ -6,8 +6,10 @@ use super::super::light_maps::LightMapPipelines;
 use super::super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
 use crate::gpu::KeptPrograms;
 use crate::mask_table::MaskVariant;
+use crate::pixel_filter::PixelFilter;
 use crate::stages::candidate_pairs::CandidatePairs;
 use crate::stages::facet_classify::FacetClassify;
+use crate::stages::pixel_filter::FilterMasks;
 use crate::stages::pixel_texel_pairs::PixelTexelPairs;
 use crate::stages::requested_blocks::RequestedBlocks;
 use crate::stages::resolve::Resolve;
@@ -17,7 +19,7 @@ use crate::stages::work_owners::ListWork;
 use crate::stages::{DispatchArgs, PrefixScan, SortedPairs};
 
 /// The pipelines, which may serve any number of meshes, images and settings with as many samples, facets alike and the same
-/// variants of masks, pairs and projection.
+/// variants of masks, pairs, projection and filter.
 #[derive(Debug)]
 pub struct Pipelines {
     pub(super) samples: u32,
@@ -25,6 +27,7 @@ pub struct Pipelines {
     pub(super) masks_by: MaskVariant,
     pub(super) pairs_by: PairVariant,
     pub(super) lines_by: ProjectionVariant,
+    pub(super) filter_by: PixelFilter,
     /// With a facet for every surface.
     pub(super) surfaces: Option<SurfacePipelines>,
     pub(super) geometry: GeometryPipelines,
@@ -34,6 +37,8 @@ pub struct Pipelines {
     /// `None` for frames in which nothing casts a shadow.
     pub(super) pairs: Option<PairPipelines>,
     pub(super) resolve: Resolve,
+    /// With a filter other than a box.
+    pub(super) filter: Option<FilterMasks>,
     pub(super) scan: PrefixScan,
     pub(super) work: ListWork,
     pub(super) fold: DispatchArgs,
@@ -77,6 +82,7 @@ impl Pipelines {
             masks_by: settings.masks,
             pairs_by: settings.pairs,
             lines_by: settings.projection,
+            filter_by: settings.filter,
             surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count())),
             geometry: GeometryPipelines::new(device),
             light_maps: LightMapPipelines::new(device, &scan),
@@ -96,6 +102,7 @@ impl Pipelines {
                 sorted: sorted.then(|| SortedPairs::new(device, &scan)),
             }),
             resolve: Resolve::new(device, words),
+            filter: (settings.filter != PixelFilter::Box).then(|| FilterMasks::new(device, words, settings.filter)),
             work: ListWork::new(device, &scan),
             scan,
             fold: DispatchArgs::new(device),
@@ -106,5 +113,6 @@ impl Pipelines {
     pub fn serve(&self, settings: &Settings) -> bool {
         let ours = (self.samples, self.facets, self.masks_by, self.pairs_by, self.lines_by);
         ours == (settings.samples.count(), settings.facets, settings.masks, settings.pairs, settings.projection)
+            && self.filter_by == settings.filter
     }
 }

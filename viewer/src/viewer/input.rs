@@ -77,7 +77,9 @@ impl Viewer {
         if pressed(Key::P) {
             self.screenshot(context);
         }
-        self.panel ^= pressed(Key::H);
+        if pressed(Key::H) {
+            self.panel = self.panel.map(|panel| !panel);
+        }
         self.help ^= pressed(Key::F1);
         self.turns ^= pressed(Key::T);
         if self.moment != (Moment { camera, light }) {
@@ -93,7 +95,7 @@ impl Viewer {
         #[cfg(not(target_family = "wasm"))]
         if let Some(file) = dropped.first() {
             let path = file.path().to_string_lossy().into_owned();
-            self.open(context, &path);
+            self.open(&path);
         }
         #[cfg(target_family = "wasm")]
         if let Some(file) = dropped.first().cloned() {
@@ -102,7 +104,7 @@ impl Viewer {
         #[cfg(target_family = "wasm")]
         if let Some((name, bytes)) = crate::web::take_dropped() {
             match bytes {
-                Ok(bytes) => self.open_bytes(context, &name, bytes),
+                Ok(bytes) => self.open_bytes(&name, bytes),
                 Err(error) => self.message = Some(format!("{name}: {error}")),
             }
         }

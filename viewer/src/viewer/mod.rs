@@ -10,7 +10,9 @@ use crate::half::Gpu;
 use crate::job::Job;
 use crate::level::{Level, Moment};
 use crate::picture::{DrawnMesh, Overlay, Shader, Shot};
+use crate::trouble::Trouble;
 use crate::view::View;
+use crate::{fonts, panel, read};
 use egui::{Color32, Rect, TextureId, Ui};
 use egui_wgpu::RenderState;
 use lab::scene::{Light, Scene, SceneOptions};
@@ -19,7 +21,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 use subpixel_shadows::gpu::KeptPrograms;
-use subpixel_shadows::{Result, wgpu};
+use subpixel_shadows::wgpu;
 
 /// Seconds without a move after which the whole resolution is computed.
 const REST: f64 = 0.25;
@@ -27,10 +29,12 @@ const REST: f64 = 0.25;
 const SLOW: f64 = 0.1;
 /// Pixels on either side of the wipe that drag it.
 const REACH: f32 = 8.0;
+/// Width of a window, points, below which the panel is opened by hand.
+const NARROW: f32 = 600.0;
 /// Columns of the graph of frame times.
 const HISTORY: usize = 60;
 
-type Opened = Result<(Scene, Option<String>)>;
+type Opened = subpixel_shadows::Result<(Scene, Option<String>)>;
 
 /// Target of a drag that has begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +47,8 @@ enum Drag {
 
 /// The viewer.
 pub struct Viewer {
+    context: egui::Context,
+    trouble: Trouble,
     gpu: Gpu,
     render: RenderState,
     shader: Shader,
@@ -67,10 +73,10 @@ pub struct Viewer {
     drag: Option<Drag>,
     opening: Option<(String, Job<Opened>)>,
     tracer: Option<Arc<Tracer>>,
-    tracing: Option<Job<Result<Arc<Tracer>>>>,
+    tracing: Option<Job<subpixel_shadows::Result<Arc<Tracer>>>>,
     history: VecDeque<f64>,
     message: Option<String>,
-    panel: bool,
+    panel: Option<bool>,
     help: bool,
     line: String,
     path: String,
@@ -79,13 +85,16 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// A viewer of `view`, whose scene is opened already.
-    pub fn new(render: &RenderState, view: View, scene: Scene) -> Self {
+    /// A viewer of `view`, whose scene is opened already, in a window that has drawn nothing yet.
+    pub fn new(context: &egui::Context, render: &RenderState, view: View, scene: Scene) -> Self {
+        context.set_fonts(fonts());
         let gpu = Gpu { device: render.device.clone(), queue: render.queue.clone(), programs: KeptPrograms::default() };
         let shader = Shader::new(&gpu.device);
         let mesh = DrawnMesh::new(&gpu.device, &shader, &scene.mesh);
         let home = Moment { camera: scene.camera, light: scene.light };
         Self {
+            context: context.clone(),
+            trouble: Trouble::of(&gpu.device, context),
             extent: Extent::of(&scene.mesh),
             gpu,
             render: render.clone(),
@@ -113,7 +122,7 @@ impl Viewer {
             tracing: None,
             history: VecDeque::new(),
             message: None,
-            panel: true,
+            panel: None,
             help: false,
             line: String::new(),
             path: String::new(),
@@ -128,13 +137,21 @@ impl Viewer {
             let whole = level.is_of(&self.moment) && !level.is_busy() && !self.of_rough;
             whole || level.has_failed(&self.moment)
         };
+        if self.lost().is_some() {
+            return true;
+        }
         self.opening.is_none() && self.tracing.is_none() && self.full.as_ref().is_some_and(settled)
     }
 
     /// The last error or note, as the window tells it.
     pub fn complaint(&self) -> Option<String> {
         let of_half = |level: &Level| level.halves.iter().find_map(|half| half.error.clone());
-        self.message.clone().or_else(|| self.full.as_ref().and_then(of_half))
+        self.lost().or_else(|| self.message.clone()).or_else(|| self.full.as_ref().and_then(of_half))
+    }
+
+    /// Why nothing can be drawn any more, where the device is gone.
+    pub fn lost(&self) -> Option<String> {
+        self.trouble.lost()
     }
 
     /// The view.
@@ -174,6 +191,19 @@ impl Viewer {
         }
     }
 
+    /// [`Viewer::visibility`], read back with its width and height before it, row by row from the top.
+    pub fn read_visibility(&self, half: usize) -> Option<impl Future<Output = Result<Vec<f32>, String>> + use<>> {
+        let texture = self.visibility(half)?;
+        let size = [texture.width() as f32, texture.height() as f32];
+        let read = read::texture((&self.gpu.device, &self.gpu.queue), texture);
+        Some(async move { Ok(size.into_iter().chain(bytemuck::pod_collect_to_vec(&read.await?)).collect()) })
+    }
+
+    /// Where a widget lies in the window, by its label ("left.samples"; "left.samples.8" in an open list), or the "picture"; points.
+    pub fn place(&self, name: &str) -> Option<Rect> {
+        if name == "picture" { Some(self.image) } else { panel::place(&self.context, name) }
+    }
+
     /// Looks under another light, of numbers; of one that no pass takes it is told why.
     pub fn set_light(&mut self, light: Light) {
         self.moment.light = light;
@@ -185,24 +215,19 @@ impl Viewer {
     }
 
     /// Opens a built-in scene or a file beside the window; what is shown stays until it is there.
-    pub fn open(&mut self, context: &egui::Context, name: &str) {
-        self.begin(context, name, Scene::open_and_note);
+    pub fn open(&mut self, name: &str) {
+        self.begin(name, Scene::open_and_note);
     }
 
     /// Opens a file of which the content is there.
-    pub fn open_bytes(&mut self, context: &egui::Context, name: &str, bytes: Vec<u8>) {
-        self.begin(context, name, move |name, options| Scene::of_bytes(name, &bytes, options));
+    pub fn open_bytes(&mut self, name: &str, bytes: Vec<u8>) {
+        self.begin(name, move |name, options| Scene::of_bytes(name, &bytes, options));
     }
 
-    fn begin(
-        &mut self,
-        context: &egui::Context,
-        name: &str,
-        open: impl FnOnce(&str, &SceneOptions) -> Opened + Send + 'static,
-    ) {
+    fn begin(&mut self, name: &str, open: impl FnOnce(&str, &SceneOptions) -> Opened + Send + 'static) {
         let options = SceneOptions { ground: self.view.left.ground, ..SceneOptions::default() };
         let spec = name.to_owned();
-        self.opening = Some((name.to_owned(), Job::new(context, move || open(&spec, &options))));
+        self.opening = Some((name.to_owned(), Job::new(&self.context, move || open(&spec, &options))));
         self.message = None;
     }
 
@@ -210,12 +235,14 @@ impl Viewer {
     ///
     /// # Errors
     /// As [`View::of_line`]; the view is then as before.
-    pub fn take_line(&mut self, context: &egui::Context, line: &str) -> Result<()> {
+    pub fn take_line(&mut self, line: &str) -> subpixel_shadows::Result<()> {
         let view = View::of_line(line)?;
         let options = view.left.of_scene()?;
         let spec = view.scene.clone().unwrap_or_else(|| "windmill".to_owned());
         self.view = view;
-        self.opening = Some((spec.clone(), Job::new(context, move || Scene::open_and_note(&spec, &options))));
+        let name = spec.clone();
+        self.opening = Some((name, Job::new(&self.context, move || Scene::open_and_note(&spec, &options))));
+        self.message = None;
         self.forget_levels();
         Ok(())
     }
@@ -253,12 +280,17 @@ impl Viewer {
     pub fn show(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         let now = context.input(|input| input.time);
+        if let Some(error) = self.trouble.take_error() {
+            self.message = Some(error);
+        }
         self.take_opened();
         self.take_dropped(&context);
         if !context.egui_wants_keyboard_input() {
             self.take_keys(&context, now);
         }
-        if self.panel {
+        // A phone shows the picture first.
+        let panel = *self.panel.get_or_insert_with(|| context.content_rect().width() >= NARROW);
+        if panel {
             egui::Panel::left("options").default_size(250.0).show(ui, |ui| {
                 egui::ScrollArea::vertical().show(ui, |ui| self.options(ui));
             });

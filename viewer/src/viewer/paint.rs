@@ -29,7 +29,13 @@ impl Viewer {
         if size[0] < 8 || size[1] < 8 {
             return;
         }
-        self.compute(&context, size, now);
+        match self.lost() {
+            None => self.compute(&context, size, now),
+            Some(_lost) => {
+                #[cfg(target_family = "wasm")]
+                crate::web::tell_lost(&_lost);
+            }
+        }
         if let Some(texture) = self.texture {
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
             ui.painter_at(rect).image(texture, rect, whole, Color32::WHITE);

@@ -30,21 +30,21 @@ impl Viewer {
                 let entered = ui.add(field).lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 if entered && !self.path.is_empty() {
                     let path = self.path.clone();
-                    self.open(&context, &path);
+                    self.open(&path);
                 }
             });
         }
         if let Some(name) = picked {
-            self.open(&context, name);
+            self.open(name);
         }
         if ui.checkbox(&mut self.view.left.ground, "ground plane").changed() {
             let name = self.scene.name.clone();
-            self.open(&context, &name);
+            self.open(&name);
         }
         let mut changed = false;
         ui.separator();
         ui.strong("left half");
-        changed |= ui.push_id("left", |ui| panel::options(ui, &mut self.view.left)).inner;
+        changed |= ui.push_id("left", |ui| panel::options(ui, "left", &mut self.view.left)).inner;
         ui.separator();
         ui.strong("right half");
         changed |= self.right_half(ui);
@@ -115,7 +115,9 @@ impl Viewer {
         }
         match &mut self.view.right {
             Against::Truth => switched,
-            Against::Method(options) => ui.push_id("right", |ui| panel::options(ui, options)).inner || switched,
+            Against::Method(options) => {
+                ui.push_id("right", |ui| panel::options(ui, "right", options)).inner || switched
+            }
         }
     }
 
@@ -123,6 +125,9 @@ impl Viewer {
     pub(super) fn bottom(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         ui.horizontal(|ui| {
+            if ui.button("options").on_hover_text("the panel of options (H)").clicked() {
+                self.panel = self.panel.map(|panel| !panel);
+            }
             if ui.button("copy").on_hover_text("the command line of this view").clicked() {
                 context.copy_text(self.command_line());
             }
@@ -133,7 +138,7 @@ impl Viewer {
             let response = ui.add(field);
             if response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
                 let line = self.line.clone();
-                if let Err(error) = self.take_line(&context, &line) {
+                if let Err(error) = self.take_line(&line) {
                     self.message = Some(error.to_string());
                 }
             } else if !response.has_focus() {
@@ -155,7 +160,7 @@ impl Viewer {
 
     /// The message, over the picture, which keeps its size.
     pub(super) fn tell(&mut self, context: &egui::Context) {
-        let Some(message) = &self.message else { return };
+        let Some(message) = self.lost().or_else(|| self.message.clone()) else { return };
         let at = self.image.left_top() + vec2(12.0, 36.0);
         let mut read = false;
         egui::Area::new(egui::Id::unique("message")).fixed_pos(at).show(context, |ui| {

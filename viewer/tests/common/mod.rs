@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use subpixel_shadows::wgpu;
 use viewer::{View, Viewer, configuration};
 
-/// Side of the window, points and pixels: rows of the picture are a multiple of 256 bytes.
+/// Width of the window, points and pixels.
 pub const WIDE: u32 = 192;
 
 /// Longest wait for a picture.
@@ -46,9 +46,10 @@ impl Window {
         let render = render.expect("an adapter; SUBPIXEL_SHADOWS_NO_GPU=1 leaves these tests out");
         let view = View::of_line(line).expect(line);
         let (scene, _) = view.left.open(view.scene.as_deref()).expect(line);
-        let viewer = Viewer::new(&render, view, scene);
+        let context = egui::Context::default();
+        let viewer = Viewer::new(&context, &render, view, scene);
         let size = [WIDE as f32, 160.0];
-        let mut window = Self { context: Default::default(), render, viewer, size, start: Instant::now() };
+        let mut window = Self { context, render, viewer, size, start: Instant::now() };
         window.frame(vec![key(egui::Key::H, true), key(egui::Key::H, false)]);
         window
     }
@@ -126,23 +127,15 @@ impl Window {
     }
 
     fn read(&self, texture: &wgpu::Texture) -> Vec<u8> {
-        let (device, size) = (&self.render.device, texture.size());
-        assert_eq!(size.width % 64, 0);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(4 * size.width * size.height),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size.width), rows_per_image: None };
-        let target = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-        encoder.copy_texture_to_buffer(texture.as_image_copy(), target, size);
-        self.render.queue.submit([encoder.finish()]);
-        buffer.map_async(wgpu::MapMode::Read, .., |mapped| mapped.expect("mapped"));
-        device.poll(wgpu::PollType::wait_indefinitely()).expect("polled");
-        buffer.get_mapped_range(..).expect("mapped").to_vec()
+        let read = viewer::read::texture((&self.render.device, &self.render.queue), texture);
+        self.render.device.poll(wgpu::PollType::wait_indefinitely()).expect("polled");
+        block_on(read).expect("read")
+    }
+
+    /// Loses the GPU.
+    pub fn lose(&self) {
+        self.render.device.destroy();
+        let _ = self.render.device.poll(wgpu::PollType::Poll);
     }
 }
 
