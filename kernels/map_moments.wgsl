@@ -1,7 +1,8 @@
 // map_moments: mean and variance of the depths of ever larger squares of texels of a map (Donnelly and
 // Lauritzen 2006, whose two moments they are: kept apart, so that nothing cancels), or of exponentials of
-// them (EXPONENT: Annen et al. 2008; Lauritzen and McCool 2008). A cell of level k is a square of 2^k texels
-// a side, cut at the map's border; a texel without a caster is as deep as `levels.far`. `reduce` makes up to
+// them (WARP: Annen et al. 2008; Lauritzen and McCool 2008), or of one of LAYERS of them (WARP: its number;
+// Lauritzen and McCool 2008). A cell of level k is a square of 2^k texels a side, cut at the map's border; a
+// texel without a caster is as deep as `levels.far`. `reduce` makes up to
 // five levels above level FIRST, which is the texels (`nearest_keys`) or was made by a run before. Writes
 // `moments`, level after level; with FOUR also third and fourth central moments (Peters and Klein 2015),
 // behind all of those.
@@ -14,7 +15,8 @@ const HALF = 16u;
 const LEVELS = 5u;   // that it makes of them
 
 override FIRST: u32 = 0u;
-override EXPONENT: f32 = 0.0;
+override WARP: f32 = 0.0;
+override LAYERS: u32 = 0u;
 override FOUR: u32 = 0u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -37,14 +39,14 @@ fn extent(level: u32, cell: u32) -> f32 {
 
 // Where a level begins among the moments.
 fn start_of(level: u32) -> u32 {
-    return level_start(level) + select(0u, levels.second, EXPONENT < 0.0);
+    return level_start(level) + set_of(WARP) * levels.second;
 }
 
 fn cell_of(at: vec2<u32>) -> Cell {
     let size = extent(FIRST, at.x) * extent(FIRST, at.y);
     if size == 0.0 { return Cell(vec2(0.0), vec2(0.0), 0.0); }
     if FIRST == 0u {
-        return Cell(texel_moments(nearest_keys[at.y * frame.map_size + at.x], EXPONENT), vec2(0.0), size);
+        return Cell(texel_moments(nearest_keys[at.y * frame.map_size + at.x], WARP), vec2(0.0), size);
     }
     let place = start_of(FIRST) + at.y * level_side(FIRST) + at.x;
     var high = vec2(0.0);

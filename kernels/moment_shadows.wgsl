@@ -6,6 +6,7 @@
 // rising and falling exponentials of the depths (Lauritzen and McCool 2008), with QUERY_MEAN the mean of
 // rising ones over the receiver's own (Annen et al. 2008). Where the receiver turns less than GRAZING (sine
 // of its elevation) to the light, half of it is lit (Oliveira 2009, section 4.2.2). Writes `visibility`.
+// QUERY_LAYERS: of the layer of depths that the receiver is in (Lauritzen and McCool 2008, section 4).
 // QUERY_FOUR: at most the share that some depths with these four moments have behind the receiver, or at it
 // (Peters and Klein 2015).
 
@@ -20,6 +21,8 @@ const QUERY_DEPTHS = 0u;
 const QUERY_MEAN = 1u;
 const QUERY_BOTH = 2u;
 const QUERY_FOUR = 3u;
+const QUERY_LAYERS = 4u;
+override LAYERS: u32 = 0u;
 override FLATTEST: f32 = 0.001;  // of the fourth moment, what it is above that of two depths at the least
 const MOST_PROBES = 16u;
 const LONGEST_STEP = 65536.0;  // texels: a plane seen edge-on has no end
@@ -35,13 +38,13 @@ const WORKGROUP = 64u;
 @group(0) @binding(8) var<storage, read_write> visibility: array<f32>;
 
 // Mean, variance, and with QUERY_FOUR third and fourth central moment.
-fn cell_moments(level: u32, cell: vec2<u32>, exponent: f32) -> vec4<f32> {
+fn cell_moments(level: u32, cell: vec2<u32>, warp: f32) -> vec4<f32> {
     if level == 0u {
-        return vec4(texel_moments(nearest_keys[cell.y * frame.map_size + cell.x], exponent), 0.0, 0.0);
+        return vec4(texel_moments(nearest_keys[cell.y * frame.map_size + cell.x], warp), 0.0, 0.0);
     }
     let place = level_start(level) + cell.y * level_side(level) + cell.x;
     if QUERY == QUERY_FOUR { return vec4(moments[place], moments[levels.second + place]); }
-    return vec4(moments[place + select(0u, levels.second, exponent < 0.0)], 0.0, 0.0);
+    return vec4(moments[place + set_of(warp) * levels.second], 0.0, 0.0);
 }
 
 fn joined(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, shares: vec4<f32>) -> vec4<f32> {
@@ -54,27 +57,27 @@ fn joined(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, shares: vec4<f
 }
 
 // Between the four cells of a level around a place.
-fn bilinear(level: u32, at: vec2<f32>, exponent: f32) -> vec4<f32> {
+fn bilinear(level: u32, at: vec2<f32>, warp: f32) -> vec4<f32> {
     let last = f32(level_side(level) - 1u);
     let place = clamp(at / f32(1u << level) - 0.5, vec2(0.0), vec2(last));
     let low = vec2<u32>(place);
     let high = min(low + 1u, vec2(level_side(level) - 1u));
     let f = place - floor(place);
-    let a = cell_moments(level, low, exponent);
-    let b = cell_moments(level, vec2(high.x, low.y), exponent);
-    let c = cell_moments(level, vec2(low.x, high.y), exponent);
-    let d = cell_moments(level, high, exponent);
+    let a = cell_moments(level, low, warp);
+    let b = cell_moments(level, vec2(high.x, low.y), warp);
+    let c = cell_moments(level, vec2(low.x, high.y), warp);
+    let d = cell_moments(level, high, warp);
     let shares = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
     return joined(a, b, c, d, shares);
 }
 
 // Of a square of 2^level texels a side around a place: between two levels.
-fn trilinear(level: f32, at: vec2<f32>, exponent: f32) -> vec4<f32> {
+fn trilinear(level: f32, at: vec2<f32>, warp: f32) -> vec4<f32> {
     let low = u32(level);
-    let fine = bilinear(low, at, exponent);
+    let fine = bilinear(low, at, warp);
     let f = level - f32(low);
     if f == 0.0 { return fine; }
-    let coarse = bilinear(min(low + 1u, levels.count), at, exponent);
+    let coarse = bilinear(min(low + 1u, levels.count), at, warp);
     return joined(fine, coarse, fine, fine, vec4(1.0 - f, f, 0.0, 0.0));
 }
 
@@ -86,9 +89,23 @@ fn lit_share(r: Receiver, at: vec3<f32>, wanted: vec2<f32>, level: f32) -> f32 {
     let last = (floor(f32(frame.map_size) / cell) - 0.5) * cell;
     let place = clamp(wanted, vec2(0.5 * cell), vec2(last));
     let depth = at.z + dot(r.slope, place - at.xy) - BIAS_CONSTANT;
-    var share = share_of(trilinear(level, place, EXPONENT), measure(depth, EXPONENT));
-    if QUERY == QUERY_BOTH && share > 0.0 {
-        share = min(share, share_of(trilinear(level, place, -EXPONENT), measure(depth, -EXPONENT)));
+    var warp = EXPONENT;
+    var other = -EXPONENT;
+    var weight = 0.0;
+    if QUERY == QUERY_LAYERS {
+        // The layer that the receiver is in, and near its end the next, half of each at the end itself.
+        let deep = depth * f32(LAYERS);
+        let last = f32(LAYERS) - 1.0;
+        warp = clamp(floor(deep), 0.0, last);
+        let inside = deep - warp;
+        other = clamp(warp + select(-1.0, 1.0, inside > 0.5), 0.0, last);
+        weight = clamp(0.5 - min(abs(inside), abs(1.0 - inside)) * (0.5 / LAP), 0.0, 0.5);
+        if inside < 0.0 || inside > 1.0 { weight = 0.0; }
+    }
+    var share = share_of(trilinear(level, place, warp), measure(depth, warp));
+    if (QUERY == QUERY_BOTH && share > 0.0) || weight > 0.0 {
+        let second = share_of(trilinear(level, place, other), measure(depth, other));
+        share = select(min(share, second), mix(share, second, weight), QUERY == QUERY_LAYERS);
     }
     return select(max(share - BLEEDING, 0.0) / (1.0 - BLEEDING), 1.0, share == 1.0);
 }

@@ -35,6 +35,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
         .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
     let fitted = [
         (MethodName::Variance, 1),
+        (MethodName::LayeredVariance, 8),
         (MethodName::Exponential, 1),
         (MethodName::ExponentialVariance, 8),
         (MethodName::FourMoments, 1),

@@ -244,20 +244,22 @@ fn mean_difference(a: &[f32], b: &[f32]) -> f32 {
 
 /// Methods that ask one view a pixel and have no slices of their own, but `exponential`: what leaks beneath casters that are near outweighs all else
 /// (`tests/stages/moment_shadows.rs` holds it in slices against its definition).
-const ASK_ONE: [MethodName; 7] = [
+const ASK_ONE: [MethodName; 8] = [
     MethodName::ShadowMap,
     MethodName::Pcf,
     MethodName::Smsr,
     MethodName::Spsm,
     MethodName::Variance,
+    MethodName::LayeredVariance,
     MethodName::ExponentialVariance,
     MethodName::FourMoments,
 ];
 
 /// By how much more a picture is off that tells nothing but moments.
 fn blur(method: MethodName) -> f32 {
-    let of_moments = [MethodName::Variance, MethodName::ExponentialVariance, MethodName::FourMoments];
-    if of_moments.contains(&method) { 2.0 } else { 1.0 }
+    use MethodName::{ExponentialVariance, FourMoments, LayeredVariance, Variance};
+    let of_moments = matches!(method, Variance | LayeredVariance | ExponentialVariance | FourMoments);
+    if of_moments { 2.0 } else { 1.0 }
 }
 
 /// Those of the other methods whose answer is exact tell what `facet-masks` does of a light among its casters, to the bit; those with a map

@@ -476,8 +476,9 @@ pub mod map_moments {
         NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 256, TILE = 32, HALF = 16, LEVELS = 5,
     }
     overrides! {
+        layers: u32 = 0, "LAYERS",
         first: u32 = 0, "FIRST",
-        exponent: f32 = 0.0, "EXPONENT",
+        warp: f32 = 0.0, "WARP",
         four: u32 = 0, "FOUR",
     }
     entry_point! { "map_moments", "reduce", [256, 1, 1], SOURCE, Constants => Reduce, ReduceProgram {
@@ -507,9 +508,10 @@ pub mod moment_shadows {
         FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
         NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
         SEEN_DARK = 1, SEEN_OPEN = 2, QUERY_DEPTHS = 0, QUERY_MEAN = 1, QUERY_BOTH = 2, QUERY_FOUR = 3,
-        MOST_PROBES = 16, WORKGROUP = 64,
+        QUERY_LAYERS = 4, MOST_PROBES = 16, WORKGROUP = 64,
     }
     overrides! {
+        layers: u32 = 0, "LAYERS",
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
         bleeding: f32 = 0.0, "BLEEDING",
         grazing: f32 = 0.0, "GRAZING",

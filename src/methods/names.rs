@@ -19,6 +19,8 @@ pub enum MethodName {
     Smsr,
     /// `variance`: Donnelly and Lauritzen 2006.
     Variance,
+    /// `layered-variance`: Lauritzen and McCool 2008.
+    LayeredVariance,
     /// `exponential`: Annen, Mertens, Seidel, Flerackers, Kautz 2008.
     Exponential,
     /// `exponential-variance`: Lauritzen and McCool 2008.
@@ -65,6 +67,8 @@ pub enum MapQuery {
     Revectorized,
     /// The pixel's footprint with mean and variance of the depths in it.
     Moments,
+    /// The same in layers of depth.
+    LayeredMoments,
     /// The same with the mean of an exponential of them.
     Exponentials,
     /// The same with mean and variance of a rising and a falling exponential of them.
@@ -100,7 +104,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 21] = [
+pub const METHOD_OPTIONS: [&str; 22] = [
     "facets",
     "validity",
     "masks",
@@ -121,11 +125,12 @@ pub const METHOD_OPTIONS: [&str; 21] = [
     "bleeding",
     "grazing",
     "exponent",
+    "layers",
     "looks",
 ];
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 15] = [
+pub const METHODS: [MethodRow; 16] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -218,6 +223,20 @@ pub const METHODS: [MethodRow; 15] = [
         query: TexelQuery::Map(MapQuery::Moments),
         partition: None,
         options: &["splits", "warp", "focus", "bleeding", "grazing", "looks"],
+    },
+    MethodRow {
+        method: MethodName::LayeredVariance,
+        name: "layered-variance",
+        paper: "Lauritzen, McCool 2008: Layered Variance Shadow Maps",
+        section: "4; Scherzer 2011: 6",
+        parts: [
+            "over casters and receivers; slices, warps; a cube",
+            "mean and variance of depth in layers of it",
+            "bound the lit share of the pixel's footprint in the receiver's layer",
+        ],
+        query: TexelQuery::Map(MapQuery::LayeredMoments),
+        partition: None,
+        options: &["splits", "warp", "focus", "bleeding", "grazing", "layers", "looks"],
     },
     MethodRow {
         method: MethodName::Exponential,
@@ -379,8 +398,8 @@ impl MethodName {
 
     /// Whether it asks a map by moments of its depths.
     pub(crate) fn filters_moments(self) -> bool {
-        use MapQuery::{ExponentialMoments, Exponentials, FourMoments, Moments};
-        matches!(self.row().query, TexelQuery::Map(Moments | Exponentials | ExponentialMoments | FourMoments))
+        use MapQuery::{Filtered, Nearest, Revectorized};
+        matches!(self.row().query, TexelQuery::Map(query) if !matches!(query, Nearest | Filtered | Revectorized))
     }
 
     /// Whether it takes an option; one that is not among [`METHOD_OPTIONS`] is of all methods.

@@ -204,8 +204,8 @@ impl SmsrSettings {
     }
 }
 
-/// Options of the methods that filter maps by their moments, whose bias is [`ShadowMapSettings::constant`]: `variance`, `exponential`,
-/// `exponential-variance`, `four-moments` and `remix`.
+/// Options of the methods that filter maps by their moments, whose bias is [`ShadowMapSettings::constant`]: `variance`, `layered-variance`,
+/// `exponential`, `exponential-variance`, `four-moments` and `remix`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MomentSettings {
     /// Share of light that is taken off against leaks; 0 in the papers.
@@ -215,11 +215,13 @@ pub struct MomentSettings {
     /// Exponent of `exponential` and `exponential-variance` over the depths from the light to beyond the farthest caster: 1 to
     /// [`MomentMeasures::STEEPEST`].
     pub exponent: f32,
+    /// Layers of depth of `layered-variance`: 2 to [`MomentMeasures::LAYERS`].
+    pub layers: u32,
 }
 
 impl Default for MomentSettings {
     fn default() -> Self {
-        Self { bleeding: 0.0, grazing: 0.0, exponent: 40.0 }
+        Self { bleeding: 0.0, grazing: 0.0, exponent: 40.0, layers: 4 }
     }
 }
 
@@ -229,7 +231,7 @@ impl MomentSettings {
     /// # Errors
     /// [`Error::Config`] with the numbers.
     pub fn check(&self) -> Result<()> {
-        let Self { bleeding, grazing, exponent } = *self;
+        let Self { bleeding, grazing, exponent, layers } = *self;
         let refuse = |text: String| Err(Error::Config(text));
         if !(0.0..=0.9).contains(&bleeding) {
             return refuse(format!("{bleeding} of the light taken off against leaks; 0 to 0.9 are possible"));
@@ -240,6 +242,10 @@ impl MomentSettings {
         let steepest = MomentMeasures::STEEPEST;
         if !(1.0..=steepest).contains(&exponent) {
             return refuse(format!("an exponent of {exponent}; 1 to {steepest} are possible"));
+        }
+        let most = MomentMeasures::LAYERS;
+        if !(2..=most).contains(&layers) {
+            return refuse(format!("{layers} layers of depth; 2 to {most} are possible"));
         }
         Ok(())
     }
@@ -298,7 +304,7 @@ pub struct Settings {
     pub smsr: SmsrSettings,
     /// Options of the methods that compare depths.
     pub shadow_map: ShadowMapSettings,
-    /// Options of `variance`, `exponential`, `exponential-variance`, `four-moments` and `remix`.
+    /// Options of the methods that filter maps by their moments.
     pub moments: MomentSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,

@@ -47,12 +47,13 @@ impl Ask {
                 let midpoints = shape == SmsrShape::Midpoints;
                 Self::Borders(Smsr::new(device, SmsrOptions { reach, midpoints, constant, slope }))
             }
-            MapQuery::Moments | MapQuery::Exponentials | MapQuery::ExponentialMoments | MapQuery::FourMoments => {
-                let MomentSettings { bleeding, grazing, exponent } = settings.moments;
+            _ => {
+                let MomentSettings { bleeding, grazing, exponent, layers } = settings.moments;
                 let measures = match query {
                     MapQuery::Exponentials => MomentMeasures::Rising(exponent),
                     MapQuery::ExponentialMoments => MomentMeasures::Both(exponent),
                     MapQuery::FourMoments => MomentMeasures::Four,
+                    MapQuery::LayeredMoments => MomentMeasures::Layers(layers),
                     _ => MomentMeasures::Depths,
                 };
                 let grazing = grazing.to_radians().sin();

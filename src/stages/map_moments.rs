@@ -8,7 +8,7 @@
 //! - **Writes** `moments`, level after level from the first above the texels, row by row. A cell of level `k` is the square of `2^k` texels
 //!   a side, cut at the map's border; a texel without a caster is as deep as [`MapLevels::far`].
 //! - **Guarantee.** Bit-equal from run to run.
-//! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory. Twice that for both exponentials and for four moments.
+//! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory. Twice that for both exponentials and for four moments, as many times as there are layers.
 
 use crate::frame::Frame;
 use crate::gpu::kernels::map_moments as kernel;
@@ -24,7 +24,7 @@ shared_struct! {
         pub far: f32,
         /// Levels above the texels.
         pub count: u32,
-        /// Where the moments of the falling exponential begin, behind those of the rising one, or third and fourth, behind mean and variance.
+        /// Moments of a set: mean and variance of a warp or layer; third and fourth moments are a set behind these.
         pub second: u32,
         /// Unused.
         pub pad: u32,
@@ -92,11 +92,15 @@ pub enum MomentMeasures {
     Both(f32),
     /// Depths; behind mean and variance their third and fourth central moments (Peters and Klein 2015).
     Four,
+    /// Depths in so many layers, even parts of those of casters: in each as far as it reaches (Lauritzen and McCool 2008, section 4).
+    Layers(u32),
 }
 
 impl MomentMeasures {
     /// The steepest exponential: the square of its least value is still a normal number.
     pub const STEEPEST: f32 = 42.0;
+    /// Most layers.
+    pub const LAYERS: u32 = 8;
     /// Of four moments, the fourth is above that of two depths by this share at the least, so that rounding is no shadow.
     pub const FLATTEST: f32 = 1e-3;
 }
@@ -112,14 +116,16 @@ impl MapMoments {
     /// Builds the pipelines, for the measures of depth that moments are to be of.
     pub fn new(device: &wgpu::Device, measures: MomentMeasures) -> Self {
         let four = u32::from(measures == MomentMeasures::Four);
+        let layers = if let MomentMeasures::Layers(layers) = measures { layers } else { 0 };
         let from =
-            |first: u32, exponent: f32| kernel::ReduceProgram::new(device, kernel::Constants { first, exponent, four });
-        let of = |exponent: f32| [0, 1, 2].map(|k| from(k * kernel::LEVELS, exponent));
+            |first: u32, warp: f32| kernel::ReduceProgram::new(device, kernel::Constants { first, warp, layers, four });
+        let of = |warp: f32| [0, 1, 2].map(|k| from(k * kernel::LEVELS, warp));
         Self {
             reduce: match measures {
                 MomentMeasures::Depths | MomentMeasures::Four => vec![of(0.0)],
                 MomentMeasures::Rising(exponent) => vec![of(exponent)],
                 MomentMeasures::Both(exponent) => vec![of(exponent), of(-exponent)],
+                MomentMeasures::Layers(layers) => (0..layers).map(|layer| of(layer as f32)).collect(),
             },
             measures,
         }
@@ -133,6 +139,7 @@ impl MapMoments {
         let sets = match self.measures {
             MomentMeasures::Depths | MomentMeasures::Rising(_) => 1,
             MomentMeasures::Both(_) | MomentMeasures::Four => 2,
+            MomentMeasures::Layers(layers) => layers as usize,
         };
         Buffer::storage(device, "map_moments.moments", MapLevels::moments_of(size) * sets)
     }

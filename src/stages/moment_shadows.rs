@@ -53,6 +53,7 @@ impl MomentShadows {
             MomentMeasures::Rising(exponent) => (kernel::QUERY_MEAN, exponent),
             MomentMeasures::Both(exponent) => (kernel::QUERY_BOTH, exponent),
             MomentMeasures::Four => (kernel::QUERY_FOUR, 0.0),
+            MomentMeasures::Layers(_) => (kernel::QUERY_LAYERS, 0.0),
         };
         let constants = kernel::Constants {
             bias_constant: constant,
@@ -60,6 +61,7 @@ impl MomentShadows {
             grazing,
             query,
             exponent,
+            layers: if let MomentMeasures::Layers(layers) = measures { layers } else { 0 },
             flattest: MomentMeasures::FLATTEST,
         };
         Self { filter: kernel::FilterMomentsProgram::new(device, constants) }

@@ -42,14 +42,16 @@ fn fault(ran: &Ran) -> Option<String> {
     let mut got = made.iter();
     let depth = |&key: &u32| f64::from(if key == 0 { FAR } else { f32::from_bits(!key) });
     let exponents = match *measures {
-        MomentMeasures::Depths | MomentMeasures::Four => vec![0.0],
-        MomentMeasures::Rising(c) => vec![c],
-        MomentMeasures::Both(c) => vec![c, -c],
+        MomentMeasures::Depths | MomentMeasures::Four => vec![(0.0, None)],
+        MomentMeasures::Rising(c) => vec![(c, None)],
+        MomentMeasures::Both(c) => vec![(c, None), (-c, None)],
+        MomentMeasures::Layers(count) => (0..count).map(|k| (0.0, Some([k, count]))).collect(),
     };
     let four = *measures == MomentMeasures::Four;
     let mut high = made[if four { MapLevels::moments_of(*size) } else { 0 }..].iter();
-    for exponent in exponents.into_iter().map(f64::from) {
-        let measure = Measure { far: f64::from(FAR), exponent };
+    for (exponent, layer) in exponents {
+        let exponent = f64::from(exponent);
+        let measure = Measure { far: f64::from(FAR), exponent, layer };
         let values: Vec<f64> = keys.iter().map(|key| measure.of(depth(key))).collect();
         // Of the exponentials a driver may be wrong in the last places of e to the forty-second.
         let share = if exponent == 0.0 { 1e-5 } else { 3e-4 };
@@ -137,6 +139,8 @@ fn other_measures() {
         MomentMeasures::Both(10.0),
         MomentMeasures::Both(MomentMeasures::STEEPEST),
         MomentMeasures::Four,
+        MomentMeasures::Layers(2),
+        MomentMeasures::Layers(7),
     ] {
         for size in [1, 2, 45, 64, 257] {
             let ran = reduce_of(gpu(), size, keys(size, &mut random), measures);
@@ -157,7 +161,14 @@ fn other_measures() {
     assert!(!spoilt(&|_| {}));
     assert!(spoilt(&|r| r.measures = MomentMeasures::Both(10.1)));
     assert!(spoilt(&|r| r.measures = MomentMeasures::Rising(10.0)));
+    let layers = |spoil: &dyn Fn(&mut Ran)| {
+        let mut ran = reduce_of(gpu(), 45, keys(45, &mut Random::new(8)), MomentMeasures::Layers(4));
+        spoil(&mut ran);
+        fault(&ran).is_some()
+    };
+    assert!(!layers(&|_| {}) && layers(&|r| r.measures = MomentMeasures::Layers(3)));
     let second = MapLevels::moments_of(45);
+    assert!(layers(&|r| r.moments[2 * second + 3][0] += 1e-2));
     assert!(spoilt(&|r| r.moments[second + 3][0] *= 1.002) && spoilt(&|r| r.moments[second + 3][1] *= 1.01));
     let four = |spoil: &dyn Fn(&mut Ran)| {
         let mut ran = reduce_of(gpu(), 45, keys(45, &mut Random::new(9)), MomentMeasures::Four);

@@ -27,6 +27,7 @@ const EXPONENTIALS: [MomentShadowsOptions; 4] = [
     MomentShadowsOptions { measures: MomentMeasures::Rising(1.0), ..REDUCED },
 ];
 const FOUR: MomentShadowsOptions = MomentShadowsOptions { measures: MomentMeasures::Four, ..PLAIN };
+const LAYERED: MomentShadowsOptions = MomentShadowsOptions { measures: MomentMeasures::Layers(4), ..PLAIN };
 const WARPS: [Warp; 5] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted];
 
 struct Ran {
@@ -81,6 +82,7 @@ fn wanted(world: &World, ran: &Ran, moments: &[Moments], pixel: u32, t: u32) -> 
         most_probes: f64::from(kernels::moment_shadows::MOST_PROBES),
         by: match measures {
             MomentMeasures::Rising(_) => MomentBound::Mean,
+            MomentMeasures::Layers(_) => MomentBound::Layers,
             MomentMeasures::Four => MomentBound::Four(f64::from(MomentMeasures::FLATTEST)),
             _ => MomentBound::Variance,
         },
@@ -106,12 +108,13 @@ fn wanted(world: &World, ran: &Ran, moments: &[Moments], pixel: u32, t: u32) -> 
 /// Where the stage departs from its definition; how many pixels were compared and how many of them closely.
 fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
     let exponents = match ran.options.measures {
-        MomentMeasures::Depths | MomentMeasures::Four => vec![0.0],
-        MomentMeasures::Rising(c) => vec![c],
-        MomentMeasures::Both(c) => vec![c, -c],
+        MomentMeasures::Depths | MomentMeasures::Four => vec![(0.0, None)],
+        MomentMeasures::Rising(c) => vec![(c, None)],
+        MomentMeasures::Both(c) => vec![(c, None), (-c, None)],
+        MomentMeasures::Layers(count) => (0..count).map(|k| (0.0, Some([k, count]))).collect(),
     };
-    let of = |c: f32| {
-        let measure = Measure { far: f64::from(ran.far), exponent: f64::from(c) };
+    let of = |(c, layer): (f32, Option<[u32; 2]>)| {
+        let measure = Measure { far: f64::from(ran.far), exponent: f64::from(c), layer };
         Moments::new(&ran.on.depths, world.view.map.map_size, measure)
     };
     let moments: Vec<Moments> = exponents.into_iter().map(of).collect();
@@ -183,7 +186,8 @@ fn random_seeded() {
 fn other_measures() {
     let mut random = Random::new(53);
     let four = [FOUR, MomentShadowsOptions { measures: MomentMeasures::Four, ..REDUCED }];
-    for (k, options) in EXPONENTIALS.into_iter().chain(four).enumerate() {
+    let layered = [LAYERED, MomentShadowsOptions { measures: MomentMeasures::Layers(7), ..REDUCED }];
+    for (k, options) in EXPONENTIALS.into_iter().chain(four).chain(layered).enumerate() {
         for (kind, warp) in [(1, WARPS[k % 5]), (2, WARPS[(k + 1) % 5]), (3, WARPS[0])] {
             let mesh = random_scene(kind, &mut random);
             let light = random_light(kind % 2 == 0, &mut random);
@@ -221,7 +225,7 @@ fn degenerate() {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let mesh = sheet(6, 1.5, |_, _| 0.0, |p| DVec3::new(p.x * cos, p.x * sin, p.z));
         for (warp, map) in WARPS.into_iter().flat_map(|w| [64, 512].map(|m| (w, m))) {
-            for options in [PLAIN, EXPONENTIALS[0], EXPONENTIALS[1], FOUR] {
+            for options in [PLAIN, EXPONENTIALS[0], EXPONENTIALS[1], FOUR, LAYERED] {
                 let dark = dark(&mesh, [60, 45], map, warp, options);
                 // The falling exponential bends over the large texels of a trapezoid's far side; on a slope of 88 degrees a texel's depths are far
                 // apart, and four moments bound them closely.
@@ -292,7 +296,8 @@ fn detects_corruption() {
     }
     let [mean, both, ..] = EXPONENTIALS;
     let flatter = MomentShadowsOptions { measures: MomentMeasures::Both(20.0), ..both };
-    for (one, other) in [(mean, both), (both, flatter), (FOUR, PLAIN)] {
+    let fewer = MomentShadowsOptions { measures: MomentMeasures::Layers(3), ..LAYERED };
+    for (one, other) in [(mean, both), (both, flatter), (FOUR, PLAIN), (LAYERED, fewer)] {
         check(&world, one);
         assert!(fault(&world, &Ran { options: other, ..ask(&world, one) }).is_err(), "{one:?} as {other:?}");
     }

@@ -126,6 +126,9 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         changed |= slider(ui, half, "bleeding", &mut options.bleeding, 0.0..=0.9);
         changed |= slider(ui, half, "grazing", &mut options.grazing, 0.0..=30.0);
     }
+    if takes("layers") {
+        changed |= slider(ui, half, "layers", &mut options.layers, 2..=8);
+    }
     if takes("exponent") {
         changed |= slider(ui, half, "exponent", &mut options.exponent, 1.0..=42.0);
     }

@@ -113,9 +113,12 @@ impl Page {
     ///
     /// # Errors
     /// There is no such half yet; the device is lost; the viewer has ended.
-    pub async fn visibility(self, half: usize) -> Result<Vec<f32>, JsValue> {
+    pub fn visibility(&self, half: usize) -> Result<js_sys::Promise, JsValue> {
         let read = self.viewer(|viewer| viewer.read_visibility(half))?.ok_or("no such half, or no picture yet")?;
-        read.await.map_err(|e| JsValue::from_str(&e))
+        Ok(wasm_bindgen_futures::future_to_promise(async move {
+            let numbers = read.await.map_err(|e| JsValue::from_str(&e))?;
+            Ok(js_sys::Float32Array::from(numbers.as_slice()).into())
+        }))
     }
 }
 

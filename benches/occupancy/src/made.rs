@@ -71,6 +71,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("shape", &[&|s| s.smsr.shape = SmsrShape::Corners]);
     vary("reach", &[&|s| s.smsr.reach = SmsrSettings::LONGEST]);
     vary("exponent", &[&|s| s.moments.exponent = 8.0]);
+    vary("layers", &[&|s| s.moments.layers = 7]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
     all
 }

@@ -3,11 +3,14 @@
 
 //@import frame front_split
 //@needs var<uniform> frame: Frame;
+//@needs override LAYERS: u32;
+
+const LAP = 0.25;
 
 struct MapLevels {
     far: f32,      // depth where there is no caster: well beyond that of anything
     count: u32,    // levels above the texels
-    second: u32,   // where the falling exponential's begin, or third and fourth moments, behind the others
+    second: u32,   // moments of a set: mean and variance of a warp or layer, or third and fourth moments
     pad: u32,
     starts: array<vec4<u32>, 4>,  // where each begins among the moments
 }
@@ -23,17 +26,29 @@ fn level_start(level: u32) -> u32 {
     return levels.starts[level >> 2u][level & 3u];
 }
 
-// Measure that moments are of: a depth itself, or its exponential, with an exponent above 0 the rising one,
-// at most 1, below 0 the falling one, turned over, so that it grows with depth too.
-fn measure(depth: f32, exponent: f32) -> f32 {
+// Measure that moments are of: a depth itself, or its exponential, with a warp above 0 the rising one, at
+// most 1, below 0 the falling one, turned over, so that it grows with depth too. With LAYERS the place of
+// the depth between the ends of a layer, of which `warp` is the number: even parts of the depths of
+// casters, which reach LAP of their thickness into the next; the first and the last have no end.
+fn measure(depth: f32, warp: f32) -> f32 {
+    if LAYERS > 0u {
+        let place = depth * f32(LAYERS) - warp;
+        let low = select(-LAP, -1e30, warp == 0.0);
+        return clamp(place, low, select(1.0 + LAP, 1e30, warp == f32(LAYERS) - 1.0));
+    }
     let share = depth / levels.far;
-    if exponent > 0.0 { return exp(exponent * (share - 1.0)); }
-    return select(-exp(exponent * share), depth, exponent == 0.0);
+    if warp > 0.0 { return exp(warp * (share - 1.0)); }
+    return select(-exp(warp * share), depth, warp == 0.0);
 }
 
 // Of a texel by itself.
-fn texel_moments(key: u32, exponent: f32) -> vec2<f32> {
-    return vec2(measure(select(depth_of_key(key), levels.far, key == 0u), exponent), 0.0);
+fn texel_moments(key: u32, warp: f32) -> vec2<f32> {
+    return vec2(measure(select(depth_of_key(key), levels.far, key == 0u), warp), 0.0);
+}
+
+// The set of moments of a warp, behind the first.
+fn set_of(warp: f32) -> u32 {
+    return select(select(0u, 1u, warp < 0.0), u32(warp), LAYERS > 0u);
 }
 
 // Third and fourth central moments of four parts, `offs` of their means from the mean of all.

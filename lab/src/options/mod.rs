@@ -99,6 +99,9 @@ pub struct RenderOptions {
     /// what it filters
     #[arg(long, default_value_t = 40.0, value_name = "C")]
     pub exponent: f32,
+    /// Layers of depth of layered-variance: 2 to 8; the more, the less light leaks
+    #[arg(long, default_value_t = 4, value_name = "N")]
+    pub layers: u32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: MaskChoice,
@@ -224,7 +227,12 @@ impl RenderOptions {
                 ..SmsrSettings::default()
             },
             partition: self.partition(),
-            moments: MomentSettings { bleeding: self.bleeding, grazing: self.grazing, exponent: self.exponent },
+            moments: MomentSettings {
+                bleeding: self.bleeding,
+                grazing: self.grazing,
+                exponent: self.exponent,
+                layers: self.layers,
+            },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
             ..Settings::new(self.size, self.map, samples)

@@ -56,6 +56,7 @@ impl RenderOptions {
             ("bleeding", number(o.bleeding)),
             ("grazing", number(o.grazing)),
             ("exponent", number(o.exponent)),
+            ("layers", json!(o.layers)),
         ];
         all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
     }

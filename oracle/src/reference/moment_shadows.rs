@@ -10,6 +10,8 @@ pub enum MomentBound {
     Variance,
     /// The mean over the receiver's own measure.
     Mean,
+    /// As by [`MomentBound::Variance`], in the layer that the receiver is in, and near the layer's end in the next beside.
+    Layers,
     /// All four bound it (Hamburger); the fourth is above that of two depths by this share at the least.
     Four(f64),
 }
@@ -21,11 +23,21 @@ pub struct Measure {
     pub far: f64,
     /// 0 for the depth itself; above, `exp(c (d / far - 1))`, below, `-exp(c d / far)`.
     pub exponent: f64,
+    /// A layer of depth, and of how many: the depth in it, as far as it reaches, [`LAP`] of its thickness into the next.
+    pub layer: Option<[u32; 2]>,
 }
+
+/// Part of its thickness by which a layer reaches into the next.
+pub const LAP: f64 = 0.25;
 
 impl Measure {
     /// Of a depth.
     pub fn of(&self, depth: f64) -> f64 {
+        if let Some([layer, of]) = self.layer {
+            let place = depth * f64::from(of) - f64::from(layer);
+            let low = if layer == 0 { f64::NEG_INFINITY } else { -LAP };
+            return place.clamp(low, if layer + 1 == of { f64::INFINITY } else { 1.0 + LAP });
+        }
         let (share, c) = (depth / self.far, self.exponent);
         match c {
             0.0 => depth,
@@ -116,11 +128,16 @@ impl Moments {
         mixed(&[(1.0 - f, self.bilinear(low, at)), (f, self.bilinear(high, at))])
     }
 
-    /// Share of light in such a square around a texel, before any is taken off.
-    fn share(&self, r: &Receiver, wanted: DVec2, level: f64, ask: &MomentQuery) -> f64 {
+    /// The place nearest to one that is wanted where cells of the level above are whole all around.
+    fn place(&self, wanted: DVec2, level: f64) -> DVec2 {
         let cell = level.ceil().exp2().min(f64::from(self.size));
         let last = ((f64::from(self.size) / cell).floor() - 0.5) * cell;
-        let at = wanted.clamp(DVec2::splat(0.5 * cell), DVec2::splat(last));
+        wanted.clamp(DVec2::splat(0.5 * cell), DVec2::splat(last))
+    }
+
+    /// Share of light in such a square around a texel, before any is taken off.
+    fn share(&self, r: &Receiver, wanted: DVec2, level: f64, ask: &MomentQuery) -> f64 {
+        let at = self.place(wanted, level);
         let found = self.of_square(level, at);
         let [mean, variance, ..] = found;
         let own = self.measure.of(r.depth + r.rise_to(at) - ask.constant);
@@ -129,7 +146,7 @@ impl Moments {
             _ if off <= 0.0 => 1.0,
             MomentBound::Four(flattest) => share_of_four(found, off, flattest),
             MomentBound::Mean => mean / own,
-            MomentBound::Variance => variance / (variance + off * off),
+            MomentBound::Variance | MomentBound::Layers => variance / (variance + off * off),
         }
     }
 
@@ -151,7 +168,26 @@ impl Moments {
         let level = short.max(long / probes).max(1.0).log2().min((levels - 1) as f64);
         let probe = |k: u32| {
             let off = along * ((f64::from(k) + 0.5) / probes - 0.5);
-            let share = moments.iter().map(|m| m.share(r, r.at + off, level, ask)).fold(1.0, f64::min);
+            let of = |m: &Self| m.share(r, r.at + off, level, ask);
+            let share = match ask.by {
+                MomentBound::Layers => {
+                    let count = moments.len();
+                    let deep = (r.depth + r.rise_to(moments[0].place(r.at + off, level)) - ask.constant) * count as f64;
+                    let own = (deep.floor().max(0.0) as usize).min(count - 1);
+                    // In steps from the layer's beginning, and from its end.
+                    let [from, to] = [deep - own as f64, own as f64 + 1.0 - deep];
+                    let beside = |other: usize, near: f64| {
+                        let weight = (0.5 - 0.5 * near / LAP).max(0.0);
+                        (1.0 - weight) * of(&moments[own]) + weight * of(&moments[other])
+                    };
+                    match () {
+                        () if from >= 0.0 && from < to && own > 0 => beside(own - 1, from),
+                        () if to >= 0.0 && to <= from && own + 1 < count => beside(own + 1, to),
+                        () => of(&moments[own]),
+                    }
+                }
+                _ => moments.iter().map(of).fold(1.0, f64::min),
+            };
             (share - ask.bleeding).max(0.0) / (1.0 - ask.bleeding)
         };
         (0..probes as u32).map(probe).sum::<f64>() / probes

@@ -75,16 +75,21 @@ impl Chromium {
             }
         });
         let mut browser = Self { child, to, from, next: 0, session: None, heard: Vec::new(), _folder: folder };
-        let made = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
-        let attach = json!({ "targetId": made["targetId"], "flatten": true });
-        let session = browser.call("Target.attachToTarget", attach)["sessionId"].clone();
-        browser.session = session.as_str().map(ToOwned::to_owned);
+        let known = browser.call("Target.getTargets", json!({}));
+        let tab = known["targetInfos"].as_array().and_then(|all| all.iter().find(|t| t["type"] == "page").cloned());
+        browser.session = browser.attach(&tab.expect("a tab")["targetId"]);
         for domain in ["Runtime.enable", "Page.enable", "Log.enable"] {
             browser.call(domain, json!({}));
         }
         let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
         browser.call("Emulation.setDeviceMetricsOverride", metrics);
         browser
+    }
+
+    /// The session of a tab.
+    fn attach(&mut self, target: &Value) -> Option<String> {
+        let attached = self.call("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
+        attached["sessionId"].as_str().map(ToOwned::to_owned)
     }
 
     /// Calls a method of the protocol.
@@ -152,6 +157,8 @@ impl Chromium {
     pub fn until(&mut self, what: &str, expression: &str) {
         let start = Instant::now();
         while self.try_value(expression) != Ok(json!(true)) {
+            let panicked = self.heard.iter().find(|line| line.contains("panicked"));
+            assert!(panicked.is_none(), "{what}: {panicked:?}");
             assert!(start.elapsed() < PATIENCE, "not so after {PATIENCE:?}: {what}; {:?}", self.heard);
             std::thread::sleep(Duration::from_millis(50));
         }
@@ -181,10 +188,11 @@ impl Chromium {
     pub fn lose_gpu(&mut self) {
         let session = self.session.take();
         let made = self.call("Target.createTarget", json!({ "url": "about:blank" }));
-        let attach = json!({ "targetId": made["targetId"], "flatten": true });
-        self.session = self.call("Target.attachToTarget", attach)["sessionId"].as_str().map(ToOwned::to_owned);
+        self.session = self.attach(&made["targetId"]);
         self.call("Page.navigate", json!({ "url": "chrome://gpucrash" }));
+        // A tab that is hidden draws nothing.
         self.session = session;
+        self.call("Page.bringToFront", json!({}));
     }
 
     fn mouse(&mut self, event: Value) {

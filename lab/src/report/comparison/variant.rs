@@ -120,6 +120,14 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
         MethodName::Variance | MethodName::FourMoments | MethodName::Trapezoidal | MethodName::Lispsm => {
             add("", settings.clone());
         }
+        MethodName::LayeredVariance => {
+            for layers in [4, 2, 8] {
+                if layers == 4 || more {
+                    let moments = MomentSettings { layers, ..settings.moments };
+                    add(&format!("layers={layers}"), Settings { moments, ..settings.clone() });
+                }
+            }
+        }
         MethodName::Exponential | MethodName::ExponentialVariance => {
             for exponent in [40.0, 20.0, 10.0] {
                 if exponent == 40.0 || more {
