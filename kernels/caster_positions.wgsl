@@ -5,7 +5,7 @@
 // Counts into `faults` the places that lie outside the box or are no number, which are moved into it, and the
 // vertices that are not where the vertex of their place is.
 
-//@import dispatch finite
+//@import dispatch finite within_box
 
 const WORKGROUP = 64u;
 const NO_PLACE = 0xffffffffu;
@@ -38,12 +38,6 @@ fn word(at: u32) -> u32 {
 fn taken(v: u32) -> vec3<u32> {
     let at = params.offset + v * params.stride;
     return vec3(word(at), word(at + 1u), word(at + 2u));
-}
-
-fn within(bits: u32, low: f32, high: f32) -> f32 {
-    let x = bitcast<f32>(bits);
-    if !is_finite(x) || x < low { return low; }
-    return select(x, high, x > high);
 }
 
 @compute @workgroup_size(WORKGROUP)

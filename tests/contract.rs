@@ -13,9 +13,9 @@ use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
-    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, map_moments, pixel_receivers,
-    pixel_views, prefix_scan, radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids,
-    visibility_texture, work_owners,
+    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, instance_positions, map_moments,
+    pixel_receivers, pixel_views, prefix_scan, radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group,
+    triangle_ids, visibility_texture, work_owners,
 };
 use subpixel_shadows::status::{Need, StatusBand, StatusHead};
 
@@ -89,6 +89,7 @@ fn registry() -> Vec<Registered> {
         of::<StatusHead>(),
         of::<StatusBand>(),
         of::<caster_positions::CasterPositionsParams>(),
+        of::<instance_positions::InstancePositionsParams>(),
         of::<compact::CompactParams>(),
         of::<dispatch_args::ArgsRequest>(),
         of::<facet_classify::Facet>(),

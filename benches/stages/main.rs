@@ -20,6 +20,7 @@ mod facet_classify;
 mod front_layer;
 mod gbuffer_triangles;
 mod harness;
+mod instance_positions;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;
@@ -72,7 +73,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 35] = [
+    let without_textures: [Maker; 36] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -108,6 +109,7 @@ fn run(options: &Options) -> Result<()> {
         requested_blocks::cases,
         resolve::cases,
         pixel_filter::cases,
+        instance_positions::cases,
     ];
     let with_textures: [Maker; 4] =
         [triangle_ids::cases, gbuffer_triangles::cases, pixel_receivers::cases, visibility_texture::cases];

@@ -124,7 +124,7 @@ pub mod caster_positions {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/dispatch", "shared/math/finite", "caster_positions",
+        "shared/frame/dispatch", "shared/math/finite", "shared/math/within_box", "caster_positions",
     }
     constants! {
         WORKGROUP = 64, NO_PLACE = 4294967295, FAULT_OUTSIDE = 0, FAULT_PARTED = 1,
@@ -393,6 +393,30 @@ pub mod gbuffer_triangles {
     } }
     entries! {
         CountLayers, CountSamples, EmitLayers, EmitSamples, FillLayers, FillSamples,
+    }
+}
+
+/// `kernels/instance_positions.wgsl`.
+pub mod instance_positions {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/dispatch", "shared/math/finite", "shared/math/within_box", "instance_positions",
+    }
+    constants! {
+        WORKGROUP = 64, FAULT_OUTSIDE = 0,
+    }
+    entry_point! { "instance_positions", "transform", [64, 1, 1], SOURCE, () => Transform, TransformProgram {
+        0 params: Uniform<'a, crate::stages::instance_positions::InstancePositionsParams>,
+        1 sources: Read<'a, [u32; 2]>,
+        2 vertices: Read<'a, [f32; 4]>,
+        3 transforms: Read<'a, u32>,
+        4 positions: Write<'a, [f32; 4]>,
+        5 faults: Write<'a, u32>,
+    } }
+    entries! {
+        Transform,
     }
 }
 
@@ -2265,6 +2289,7 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("facet_classify", facet_classify::SOURCE, facet_classify::ENTRIES),
     ("front_layer", front_layer::SOURCE, front_layer::ENTRIES),
     ("gbuffer_triangles", gbuffer_triangles::SOURCE, gbuffer_triangles::ENTRIES),
+    ("instance_positions", instance_positions::SOURCE, instance_positions::ENTRIES),
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
     ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),

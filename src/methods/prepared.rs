@@ -79,6 +79,21 @@ impl Prepared {
         Ok(Self { mesh, given, edges, closed, bodies, surfaces, tree: OnceLock::new(), known: KnownFacts::default() })
     }
 
+    /// Of prepared parts, of which nothing is known together: triangles that were given, edges.
+    pub(crate) fn of_parts(mesh: Mesh, given: Vec<u32>, edges: Vec<Edge>) -> Self {
+        let triangles = mesh.triangles.len();
+        Self {
+            mesh,
+            given,
+            edges,
+            closed: false,
+            bodies: vec![false; triangles],
+            surfaces: (0..triangles as u32).collect(),
+            tree: OnceLock::new(),
+            known: KnownFacts::default(),
+        }
+    }
+
     /// The same without the lists that only an upload asks for.
     pub(crate) fn geometry(&self) -> Self {
         let Self { mesh, closed, bodies, tree, known, .. } = self;

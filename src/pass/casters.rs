@@ -1,46 +1,70 @@
 //! The casters of a pass on the GPU.
 
 use super::Casters;
-use crate::Result;
-use crate::gpu::Buffer;
-use crate::methods::prepared::{CasterBuffers, MeshBuffers, Prepared};
+use super::inputs::{CasterMesh, Inputs};
+use crate::gpu::{Buffer, Recorder};
+use crate::methods::prepared::{CasterBuffers, MeshBuffers, Prepared, padded};
 use crate::scene::Mesh;
+use crate::scene::adjacency::{Edge, NO_TRIANGLE};
 use crate::scene::weld::{UNUSED, weld};
+use crate::stages::caster_positions::CasterPositions;
+use crate::stages::instance_positions::InstancePositions;
+use crate::{Error, Result};
+
+/// What brings casters to their places in a frame.
+pub enum Moves {
+    /// Vertices of the application: place and source of each.
+    Vertices(Buffer<[u32; 2]>),
+    /// Transforms of so many instances: vertex and instance of each place, the vertices of the meshes, and the stage.
+    Transforms { instances: usize, sources: Buffer<[u32; 2]>, vertices: Buffer<[f32; 4]>, stage: InstancePositions },
+}
 
 /// The casters on the GPU.
 pub struct CasterSet {
-    /// The mesh in canonical order, of moving casters the pose at rest, and which triangles are of closed bodies: of moving casters
-    /// none, for which way they will be turned is not known. The lists that are on the GPU are empty here.
+    /// The mesh in canonical order, of moving casters the pose at rest, of instances untransformed; and which triangles are of closed bodies:
+    /// of casters that move none, for which way they will be turned is not known. The lists that are on the GPU are empty here.
     pub prepared: Prepared,
     pub buffers: CasterBuffers,
     /// The number here of each triangle that was given.
     pub numbers: Buffer<u32>,
-    /// Place and source of each vertex of moving casters.
-    pub places: Option<Buffer<[u32; 2]>>,
+    /// What moves them; `None` of casters that stand.
+    pub moves: Option<Moves>,
 }
 
 impl CasterSet {
-    /// Prepares and uploads them.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, given: Mesh) -> Result<Self> {
-        let mut prepared = Prepared::new(&given)?;
-        let moving = matches!(casters, Casters::Moving { .. });
-        if !moving {
+    /// Checks, prepares and uploads them.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters) -> Result<Self> {
+        let slice = |label: &str, data: &[[u32; 2]]| Buffer::from_slice(device, queue, label, data);
+        let (mut prepared, moves) = match *casters {
+            Casters::Static { positions, triangles } => (Prepared::new(&checked(positions, triangles)?)?, None),
+            Casters::Moving { rest, triangles } => {
+                let given = checked(rest, triangles)?;
+                let moves = Moves::Vertices(slice("casters.places", &places(&given))?);
+                (Prepared::new(&given)?, Some(moves))
+            }
+            Casters::Instanced { meshes, instances } => {
+                let Instances { prepared, sources, vertices } = Instances::new(meshes, instances)?;
+                let moves = Moves::Transforms {
+                    instances: instances.len(),
+                    sources: slice("casters.sources", &sources)?,
+                    vertices: Buffer::from_slice(device, queue, "casters.vertices", &padded(&vertices))?,
+                    stage: InstancePositions::new(device),
+                };
+                (prepared, Some(moves))
+            }
+        };
+        if moves.is_none() {
             prepared.tree(); // now, and not in the first frame
-        }
-        if moving {
+        } else {
             prepared.bodies.fill(false);
         }
         let mut buffers = prepared.upload(device, queue)?;
-        if moving {
+        if moves.is_some() {
             buffers.surfaces = None; // what lies in one plane at rest may not in motion
         }
-        let places = match casters {
-            Casters::Static { .. } => None,
-            Casters::Moving { .. } => Some(Buffer::from_slice(device, queue, "casters.places", &places(&given))?),
-        };
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
         (prepared.given, prepared.edges, prepared.surfaces) = Default::default();
-        Ok(Self { prepared, buffers, numbers, places })
+        Ok(Self { prepared, buffers, numbers, moves })
     }
 
     /// Uploads casters that stand and are prepared.
@@ -48,7 +72,30 @@ impl CasterSet {
         prepared.tree(); // of the original, so that all who use it have it
         let buffers = prepared.upload(device, queue)?;
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
-        Ok(Self { prepared: prepared.geometry(), buffers, numbers, places: None })
+        Ok(Self { prepared: prepared.geometry(), buffers, numbers, moves: None })
+    }
+
+    /// Brings those that move to their places.
+    pub fn record_moves(
+        &self,
+        rec: &mut Recorder,
+        gather: &CasterPositions,
+        inputs: &Inputs,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        let positions = &self.buffers.positions;
+        match (&self.moves, &inputs.moved, &inputs.placed) {
+            (Some(Moves::Vertices(places)), Some(moved), _) => {
+                let stage = &mut rec.stage("caster_positions");
+                gather.record(stage, moved.vertices, places, moved.bounds, positions, faults)
+            }
+            (Some(Moves::Transforms { instances, sources, vertices, stage: with }), _, Some(placed)) => {
+                let stage = &mut rec.stage("instance_positions");
+                let transforms = (placed.transforms, *instances);
+                with.record(stage, transforms, sources, vertices, placed.bounds, positions, faults)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Uses other memory for positions and triangles from now on.
@@ -81,9 +128,58 @@ fn places(mesh: &Mesh) -> Vec<[u32; 2]> {
     welded.place.iter().map(of).collect()
 }
 
-pub fn checked_mesh(casters: &Casters) -> Result<Mesh> {
-    let (positions, triangles) = casters.parts();
+fn checked(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Mesh> {
     let mesh = Mesh { positions: positions.to_vec(), triangles: triangles.to_vec() };
     mesh.check("casters")?;
     Ok(mesh)
+}
+
+/// Meshes that are prepared, one copy after the other.
+struct Instances {
+    prepared: Prepared,
+    /// Vertex of the meshes and instance of each place.
+    sources: Vec<[u32; 2]>,
+    vertices: Vec<[f32; 3]>,
+}
+
+impl Instances {
+    fn new(meshes: &[CasterMesh], instances: &[u32]) -> Result<Self> {
+        let of_mesh = |(k, mesh): (usize, &CasterMesh)| {
+            let mesh = Mesh { positions: mesh.positions.to_vec(), triangles: mesh.triangles.to_vec() };
+            mesh.check(&format!("mesh {k} of the casters"))?;
+            Prepared::new(&mesh)
+        };
+        let meshes = meshes.iter().enumerate().map(of_mesh).collect::<Result<Vec<_>>>()?;
+        let vertices: Vec<[f32; 3]> = meshes.iter().flat_map(|m| m.mesh().positions.iter().copied()).collect();
+        let firsts: Vec<u32> = meshes
+            .iter()
+            .scan(0, |next, m| Some(std::mem::replace(next, *next + m.mesh().positions.len() as u32)))
+            .collect();
+        let refuse = |message| Err(Error::Mesh { name: "casters".to_owned(), message });
+        let mut all = Mesh::default();
+        let (mut sources, mut given, mut edges) = (Vec::new(), Vec::new(), Vec::new());
+        for (instance, &of) in (0..).zip(instances) {
+            let Some((mesh, first)) = meshes.get(of as usize).zip(firsts.get(of as usize)) else {
+                let have = meshes.len();
+                return refuse(format!("instance {instance} is of mesh {of}, there are {have}"));
+            };
+            let (vertex, triangle) = (all.positions.len() as u32, all.triangles.len() as u32);
+            let positions = &mesh.mesh().positions;
+            if all.triangles.len() + mesh.mesh().triangles.len() > Mesh::MAX_TRIANGLES {
+                let most = Mesh::MAX_TRIANGLES;
+                return refuse(format!("up to instance {instance} more than {most} triangles"));
+            }
+            all.positions.extend_from_slice(positions);
+            all.triangles.extend(mesh.mesh().triangles.iter().map(|t| t.map(|v| v + vertex)));
+            sources.extend((0..positions.len() as u32).map(|v| [first + v, instance]));
+            given.extend(mesh.given.iter().map(|t| t + triangle));
+            edges.extend(mesh.edges.iter().map(|e| Edge {
+                v0: e.v0 + vertex,
+                v1: e.v1 + vertex,
+                t0: e.t0 + triangle,
+                t1: if e.t1 == NO_TRIANGLE { NO_TRIANGLE } else { e.t1 + triangle },
+            }));
+        }
+        Ok(Self { prepared: Prepared::of_parts(all, given, edges), sources, vertices })
+    }
 }

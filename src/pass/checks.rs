@@ -1,7 +1,8 @@
 //! Checks of settings, device and a frame's inputs.
 
+use super::casters::Moves;
 use super::textures::ImagePart;
-use super::{Casters, GBuffer, Inputs, Moved, ShadowPass, Target};
+use super::{Casters, GBuffer, Inputs, ShadowPass, Target};
 use crate::methods::{FacetMode, MethodName, Settings};
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
@@ -13,7 +14,7 @@ impl ShadowPass {
         inputs.light.check()?;
         target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
         self.check_gbuffer(inputs)?;
-        self.check_moved(inputs.moved.as_ref())
+        self.bounds_of(inputs)
     }
 
     fn check_gbuffer(&self, &Inputs { gbuffer, camera, origin, .. }: &Inputs) -> Result<()> {
@@ -37,20 +38,33 @@ impl ShadowPass {
     }
 
     /// The box of the casters.
-    fn check_moved(&self, moved: Option<&Moved>) -> Result<(DVec3, DVec3)> {
-        match (&self.casters.places, moved) {
-            (None, None) => Ok(self.casters.prepared.tree().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE))),
-            (Some(places), Some(moved)) => {
-                let [low, high] = moved.bounds;
-                if !(0..3).all(|k| low[k].is_finite() && high[k].is_finite() && low[k] <= high[k]) {
-                    return Err(Error::Config(format!("moved casters: no box from {low:?} to {high:?}")));
-                }
-                moved.vertices.check(places.len(), &self.maker.device.limits())?;
-                Ok((Vec3::from(low).as_dvec3(), Vec3::from(high).as_dvec3()))
+    fn bounds_of(&self, inputs: &Inputs) -> Result<(DVec3, DVec3)> {
+        let limits = self.maker.device.limits();
+        let refuse = |text: &str| Err(Error::Config(text.to_owned()));
+        let [low, high] = match (&self.casters.moves, &inputs.moved, &inputs.placed) {
+            (None, None, None) => {
+                return Ok(self.casters.prepared.tree().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE)));
             }
-            (None, Some(_)) => Err(Error::Config("static casters: they are not moved by a vertex buffer".to_owned())),
-            (Some(_), None) => Err(Error::Config("moving casters: the frame has no vertex buffer".to_owned())),
+            (Some(Moves::Vertices(places)), Some(moved), None) => {
+                moved.vertices.check(places.len(), &limits)?;
+                moved.bounds
+            }
+            (Some(Moves::Transforms { instances, .. }), None, Some(placed)) => {
+                placed.transforms.check(*instances, &limits)?;
+                placed.bounds
+            }
+            (None, ..) => return refuse("static casters: nothing moves them"),
+            (Some(Moves::Vertices(_)), ..) => {
+                return refuse("moving casters: a frame takes a vertex buffer, and it alone");
+            }
+            (Some(Moves::Transforms { .. }), ..) => {
+                return refuse("instances: a frame takes transforms, and them alone");
+            }
+        };
+        if !(0..3).all(|k| low[k].is_finite() && high[k].is_finite() && low[k] <= high[k]) {
+            return Err(Error::Config(format!("moved casters: no box from {low:?} to {high:?}")));
         }
+        Ok((Vec3::from(low).as_dvec3(), Vec3::from(high).as_dvec3()))
     }
 }
 
@@ -70,7 +84,7 @@ pub fn settled(wanted: &Settings, method: MethodName) -> Settings {
 pub fn check_moving(casters: &Casters, method: MethodName) -> Result<()> {
     let by_tree = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
     match casters {
-        Casters::Moving { .. } if by_tree => {
+        Casters::Moving { .. } | Casters::Instanced { .. } if by_tree => {
             Err(Error::Config(format!("{}: its tree of casters is made once, they cannot move", method.name())))
         }
         _ => Ok(()),

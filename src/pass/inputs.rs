@@ -4,6 +4,7 @@ use super::GBuffer;
 use super::textures::{ImagePart, check_sampled};
 use crate::scene::{Camera, Light};
 use crate::stages::caster_positions::Vertices;
+use crate::stages::instance_positions::Transforms;
 use crate::stages::visibility_texture::Packing;
 use crate::{Error, Result};
 
@@ -25,15 +26,32 @@ pub enum Casters<'a> {
         /// Vertex indices of each triangle.
         triangles: &'a [[u32; 3]],
     },
+    /// Meshes in as many places as there are instances, each by a transform that the application may rewrite: each frame brings them as
+    /// [`Placed`]. Triangles are numbered instance by instance, as those of its mesh.
+    Instanced {
+        /// The meshes.
+        meshes: &'a [CasterMesh<'a>],
+        /// The mesh of each instance.
+        instances: &'a [u32],
+    },
 }
 
-impl<'a> Casters<'a> {
-    pub(super) fn parts(&self) -> (&'a [[f32; 3]], &'a [[u32; 3]]) {
-        match *self {
-            Self::Static { positions, triangles } => (positions, triangles),
-            Self::Moving { rest, triangles } => (rest, triangles),
-        }
-    }
+/// A mesh of instances.
+#[derive(Clone, Copy, Debug)]
+pub struct CasterMesh<'a> {
+    /// Positions before any transform.
+    pub positions: &'a [[f32; 3]],
+    /// Vertex indices of each triangle.
+    pub triangles: &'a [[u32; 3]],
+}
+
+/// Places of instances in a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<'a> {
+    /// The transform of each instance.
+    pub transforms: Transforms<'a>,
+    /// Lowest and highest corner of a box that holds all of them, world units; as [`Moved::bounds`].
+    pub bounds: [[f32; 3]; 2],
 }
 
 /// Where moving casters are in a frame.
@@ -54,8 +72,10 @@ pub struct Inputs<'a> {
     pub camera: &'a Camera,
     /// The light, which may be another every frame: its views are then fitted anew, which takes no walk over all casters.
     pub light: &'a Light,
-    /// Where moving casters are; `None` for static ones.
+    /// Where moving casters are; `None` for others.
     pub moved: Option<Moved<'a>>,
+    /// Where instances are; `None` for other casters.
+    pub placed: Option<Placed<'a>>,
     /// State of the surfaces seen.
     pub gbuffer: GBuffer<'a>,
     /// Texel of the G-buffer's textures that the image's top left pixel is: the corner of a viewport. `None`: the image is all of them, to the
@@ -66,7 +86,7 @@ pub struct Inputs<'a> {
 impl<'a> Inputs<'a> {
     /// A frame of static casters without a G-buffer.
     pub fn new(camera: &'a Camera, light: &'a Light) -> Self {
-        Self { camera, light, moved: None, gbuffer: GBuffer::None, origin: None }
+        Self { camera, light, moved: None, placed: None, gbuffer: GBuffer::None, origin: None }
     }
 }
 

@@ -48,8 +48,9 @@ mod textures;
 mod views;
 
 pub use crate::stages::caster_positions::Vertices;
+pub use crate::stages::instance_positions::Transforms;
 pub use gbuffer::{DepthTerms, GBuffer, ImageTerms, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
-pub use inputs::{Casters, Inputs, Moved, Target, TargetTexture};
+pub use inputs::{CasterMesh, Casters, Inputs, Moved, Placed, Target, TargetTexture};
 pub use lit_masks::lit_masks_wgsl;
 pub use status::{Faults, FrameStatus};
 
@@ -66,7 +67,7 @@ use crate::methods::{MethodName, Prepared, Settings};
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::visibility_texture::LastPicture;
 use crate::{Error, Result};
-use casters::{CasterSet, checked_mesh};
+use casters::CasterSet;
 use checks::{check_limits, check_moving, settled};
 use gbuffer_stage::GbufferStage;
 use held::HeldPicture;
@@ -199,12 +200,11 @@ impl ShadowPass {
         settings.check()?;
         // Whether a texel was missed is not known before the frame is shown.
         settings.spsm.seen_only &= !config.keep_last;
-        let mesh = checked_mesh(&config.casters)?;
         check_moving(&config.casters, config.method)?;
         let programs = config.programs.cloned().unwrap_or_else(KeptPrograms::in_use);
         let make = || {
             let pipelines = MethodPipelines::new(device, config.method, &settings, config.receivers)?;
-            let casters = CasterSet::new(device, queue, &config.casters, mesh)?;
+            let casters = CasterSet::new(device, queue, &config.casters)?;
             Self::made(device, queue, settings, pipelines, casters, config)
         };
         let ledger = Ledger::default();
@@ -323,7 +323,7 @@ impl ShadowPass {
 
     fn caster_set(&self, casters: &Casters) -> Result<CasterSet> {
         check_moving(casters, self.maker.pipelines.method())?;
-        CasterSet::new(&self.maker.device, &self.maker.queue, casters, checked_mesh(casters)?)
+        CasterSet::new(&self.maker.device, &self.maker.queue, casters)
     }
 
     fn rebuild(&mut self, settings: Settings, casters: Option<CasterSet>) -> Result<()> {

@@ -39,7 +39,7 @@ impl ShadowPass {
     /// How much of a frame has to run, as far as that is proved: of casters that stand.
     pub(super) fn extent(&self, inputs: &Inputs) -> Extent {
         let known = matches!(inputs.gbuffer, GBuffer::None | GBuffer::TriangleIds(_) | GBuffer::SampleIds(_));
-        if !self.proves || !known || self.casters.places.is_some() || self.image.method.is_fixed() {
+        if !self.proves || !known || self.casters.moves.is_some() || self.image.method.is_fixed() {
             return Extent::Everything;
         }
         match extent_of(&self.casters.prepared, inputs.camera, inputs.light, &self.settings).0 {
@@ -89,7 +89,7 @@ impl ShadowPass {
         self.image.method.keep_found(&self.maker.device, surfaces == Surfaces::Shared)?;
         self.make_room_for(views.len() as u32)?;
         let part = self.image.strips.part(strip);
-        let stands = self.casters.places.is_none();
+        let stands = self.casters.moves.is_none();
         // Of several lights each would find the maps of the one before.
         let keeps_maps = self.keeps_maps && stands && surfaces == Surfaces::Own;
         let mut maps = match (views.as_slice(), extent) {
@@ -186,9 +186,8 @@ impl ShadowPass {
         for ((k, &(strip, rows)), staged) in (0..).zip(part).zip(&staged) {
             let (first, further) = staged.split_at(1);
             first.iter().for_each(|uploads| uploads.record(rec));
-            if let (0, false, Some(moved), Some(places)) = (strip, kept, &inputs.moved, &casters.places) {
-                let stage = &mut rec.stage("caster_positions");
-                self.gather.record(stage, moved.vertices, places, moved.bounds, &casters.buffers.positions, faults)?;
+            if strip == 0 && !kept {
+                casters.record_moves(rec, &self.gather, inputs, faults)?;
             }
             let maps = maps.source_of(strip);
             let offsets = self.settings.samples.offsets();

@@ -23,7 +23,7 @@ impl Views {
         bounds: (DVec3, DVec3),
     ) -> Result<Vec<LightView>> {
         let (light, map, prepared) = (inputs.light, settings.map, &casters.prepared);
-        if inputs.moved.is_some() {
+        if casters.moves.is_some() {
             let view = LightView::around(bounds, light, map)?;
             return if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) };
         }

@@ -5,6 +5,7 @@ mod site;
 
 use chromium::Chromium;
 use lab::scene::BUILTIN_NAMES;
+use occupancy::Pipeline;
 use serde_json::{Value, json};
 use std::process::Command;
 use std::sync::LazyLock;
@@ -164,13 +165,17 @@ fn every_kernel_is_accepted() {
             assert_eq!(take(stem, text, json!([])).len(), 1, "{stem}");
             continue;
         }
-        let entries: Vec<_> = pipelines.iter().filter(|p| p.0 == *stem).map(|p| json!([p.1, p.2])).collect();
+        let all: Vec<_> = pipelines.iter().filter(|p| p.0 == *stem).collect();
+        let of_entry = |p: &Pipeline| all.iter().filter(|other| other.1 == p.1).position(|other| other.2 == p.2);
+        // Each takes the browser a second. Of those of one entry point, which differ by constants alone, the first, and some of the others.
+        let some = all.iter().filter(|p| of_entry(p).is_some_and(|k| k % 7 == 0));
+        let entries: Vec<_> = some.map(|p| json!([p.1, p.2])).collect();
         made += entries.len();
         assert_eq!(take(stem, &Profile::Gpu.text(text), json!(entries)), Vec::<String>::new());
         assert_eq!(take(stem, &Profile::Software.text(text), json!([])), Vec::<String>::new());
     }
     println!("{made} pipelines");
-    assert!(made > 200, "{made} pipelines");
+    assert!(made > 100, "{made} pipelines");
     // What is wrong is told of.
     let (stem, text, _) = kernels::ALL[0];
     assert!(!take(stem, &text.replacen("u32", "f32", 3), json!([])).is_empty());

@@ -1,0 +1,133 @@
+//! Positions of instances, from those of their meshes and a transform each.
+//!
+//! - **Reads** the vertices of the meshes, for each place its vertex and its instance, and the transforms ([`Transforms`]).
+//! - **Writes** `positions`, 16 bytes a place: three `f32`, and a word that is left alone; counts into `faults` the places outside the box or
+//!   without a number ([`FAULT_OUTSIDE`]), which are moved into the box.
+//! - **Guarantee.** A vertex of one mesh and transform comes out at the same bits wherever it is used; as near to the exact place as four
+//!   products and their sum in single precision are, in an order of the device's own.
+//! - **Cost.** One dispatch; 24 bytes read and 12 written a place, and 48 an instance.
+
+use crate::gpu::bindings::Read;
+use crate::gpu::kernels::instance_positions as kernel;
+pub use crate::gpu::kernels::instance_positions::FAULT_OUTSIDE;
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
+use crate::shared_struct;
+use crate::{Error, Result};
+
+shared_struct! {
+    /// Parameters of the kernel.
+    "instance_positions" => pub struct InstancePositionsParams {
+        /// Lowest corner of the box that holds all positions.
+        pub box_low: [f32; 3],
+        /// Places.
+        pub count: u32,
+        /// Its highest corner.
+        pub box_high: [f32; 3],
+        /// Word of the first transform.
+        pub offset: u32,
+    }
+}
+
+/// Transforms of instances in a buffer: 48 bytes each, three rows of four `f32`, of which the last is added to the product of the other three
+/// with a position (the layout of instances in acceleration structures).
+#[derive(Clone, Copy, Debug)]
+pub struct Transforms<'a> {
+    /// A buffer of usage `STORAGE`.
+    pub buffer: &'a wgpu::Buffer,
+    /// Byte of the first transform, a multiple of 4.
+    pub offset: u64,
+}
+
+impl Transforms<'_> {
+    /// Bytes of a transform.
+    pub const BYTES: u64 = 48;
+
+    /// Checks that `count` transforms can be read on a device with `limits`.
+    ///
+    /// # Errors
+    /// [`Error::Config`] for a wrong usage, offset or size, with the numbers; [`Error::Memory`] if what holds the transforms is above the limit
+    /// of one binding.
+    pub fn check(&self, count: usize, limits: &wgpu::Limits) -> Result<()> {
+        let Self { buffer, offset } = *self;
+        let (usage, size) = (buffer.usage(), buffer.size());
+        if !usage.contains(wgpu::BufferUsages::STORAGE) {
+            return Err(Error::Config(format!("transforms: the usage {usage:?} of the buffer lacks STORAGE")));
+        }
+        if !offset.is_multiple_of(4) {
+            return Err(Error::Config(format!("transforms: offset {offset}; multiples of 4 are possible")));
+        }
+        if (count as u64).checked_mul(Self::BYTES).and_then(|n| n.checked_add(offset)).is_none_or(|end| end > size) {
+            return Err(Error::Config(format!(
+                "transforms: {size} bytes do not hold {count} of 48 bytes from offset {offset}"
+            )));
+        }
+        let (needed, limit) = (size - self.first_bound(limits).min(size), limits.max_storage_buffer_binding_size);
+        if needed > limit {
+            return Err(Error::Memory { what: "transforms, from the first".to_owned(), needed, limit });
+        }
+        Ok(())
+    }
+
+    /// The byte from which the buffer is bound.
+    fn first_bound(&self, limits: &wgpu::Limits) -> u64 {
+        let step = u64::from(limits.min_storage_buffer_offset_alignment.max(4));
+        self.offset / step * step
+    }
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub struct InstancePositions {
+    transform: kernel::TransformProgram,
+    uniforms: Uniforms,
+}
+
+impl InstancePositions {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { transform: kernel::TransformProgram::new(device, ()), uniforms: Uniforms::default() }
+    }
+
+    /// Records the places of all vertices of `instances` instances. `sources` has the vertex and the instance of each place; `bounds` are the
+    /// lowest and the highest corner of a box that holds them.
+    ///
+    /// # Errors
+    /// As [`Transforms::check`]; [`Error::Config`] if `faults` or `positions` is too short.
+    #[expect(clippy::too_many_arguments, reason = "one argument a thing it depends on")]
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        (transforms, instances): (Transforms, usize),
+        sources: &Buffer<[u32; 2]>,
+        vertices: &Buffer<[f32; 4]>,
+        bounds: [[f32; 3]; 2],
+        positions: &Buffer<[f32; 4]>,
+        faults: &Buffer<u32>,
+    ) -> Result<()> {
+        super::holds("instance_positions", "faults", faults.len(), 1)?;
+        super::holds("instance_positions", "positions", positions.len(), sources.len())?;
+        let limits = stage.device.limits();
+        transforms.check(instances, &limits)?;
+        if sources.is_empty() {
+            return Ok(());
+        }
+        let first = transforms.first_bound(&limits);
+        let params = InstancePositionsParams {
+            box_low: bounds[0],
+            count: sources.len() as u32,
+            box_high: bounds[1],
+            offset: ((transforms.offset - first) / 4) as u32,
+        };
+        let params = self.uniforms.get(stage.device, &params)?;
+        let bindings = kernel::Transform {
+            params: params.as_uniform(),
+            sources: sources.as_read(),
+            vertices: vertices.as_read(),
+            transforms: Read::from(transforms.buffer, first),
+            positions: positions.as_write(),
+            faults: faults.as_write(),
+        };
+        stage.run(&self.transform, bindings, Groups::Items(sources.len() as u64));
+        Ok(())
+    }
+}
