@@ -95,7 +95,7 @@ fn lit_share(r: Receiver, at: vec3<f32>, wanted: vec2<f32>, level: f32) -> f32 {
     if QUERY == QUERY_LAYERS {
         // The layer that the receiver is in, and near its end the next, half of each at the end itself.
         let deep = depth * f32(LAYERS);
-        let last = f32(LAYERS) - 1.0;
+        let last = max(f32(LAYERS), 1.0) - 1.0;
         warp = clamp(floor(deep), 0.0, last);
         let inside = deep - warp;
         other = clamp(warp + select(-1.0, 1.0, inside > 0.5), 0.0, last);

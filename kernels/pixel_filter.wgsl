@@ -22,6 +22,15 @@ const HARDLY = 0.125;
 @group(0) @binding(3) var<storage, read> weights: array<f32>;
 @group(0) @binding(4) var<storage, read_write> visibility: array<f32>;
 
+fn offset_of(k: u32) -> vec2<i32> {
+    return vec2(i32(k % (2u * REACH + 1u)), i32(k / (2u * REACH + 1u))) - i32(REACH);
+}
+
+/// The samples that a word of a mask has.
+fn samples_of(word: u32) -> u32 {
+    return 0xffffffffu >> (32u - min(frame.sample_count - 32u * word, 32u));
+}
+
 /// Weight of a word's samples: `all` are those there are.
 fn weight_of(bits: u32, all: u32, first: u32, sum: u32) -> f32 {
     if bits == all { return weights[sum]; }
@@ -42,29 +51,44 @@ fn pixel_filter(
     let size = vec2<i32>(frame.image_size);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let at = vec2(i32(pixel % frame.image_size.x), i32(pixel / frame.image_size.x));
-    let reach = i32(REACH);
+    let around = (2u * REACH + 1u) * (2u * REACH + 1u);
+    // What is lit all around, or dark, needs no weights.
+    var all_lit = true;
+    var none_lit = true;
+    for (var k = 0u; k < around; k++) {
+        let other = at + offset_of(k);
+        if all(other >= vec2(0)) && all(other < size) {
+            let base = WORDS * u32(other.y * size.x + other.x);
+            for (var w = 0u; w < WORDS; w++) {
+                let there = samples_of(w);
+                let surface = seen[base + w] & there;
+                let bright = lit[base + w] & surface;
+                all_lit = all_lit && bright == there;
+                none_lit = none_lit && bright == 0u && surface == there;
+            }
+        }
+    }
     var open = 0.0;
     var total = 0.0;
-    var around = 0u;
-    for (var y = -reach; y <= reach; y++) {
-        for (var x = -reach; x <= reach; x++) {
-            let other = at + vec2(x, y);
-            if all(other >= vec2(0)) && all(other < size) {
-                let base = WORDS * u32(other.y * size.x + other.x);
-                for (var w = 0u; w < WORDS; w++) {
-                    let there = 0xffffffffu >> (32u - min(frame.sample_count - 32u * w, 32u));
-                    let surface = seen[base + w] & there;
-                    let first = 33u * WORDS * around + 32u * w;
-                    let sum = 33u * WORDS * around + 32u * WORDS + w;
-                    total += weight_of(surface, there, first, sum);
-                    open += weight_of(lit[base + w] & surface, there, first, sum);
-                }
+    let turns = select(around, 0u, all_lit || none_lit);
+    for (var k = 0u; k < turns; k++) {
+        let other = at + offset_of(k);
+        if all(other >= vec2(0)) && all(other < size) {
+            let base = WORDS * u32(other.y * size.x + other.x);
+            for (var w = 0u; w < WORDS; w++) {
+                let there = samples_of(w);
+                let surface = seen[base + w] & there;
+                let first = 33u * WORDS * k + 32u * w;
+                let sum = 33u * WORDS * k + 32u * WORDS + w;
+                total += weight_of(surface, there, first, sum);
+                open += weight_of(lit[base + w] & surface, there, first, sum);
             }
-            around += 1u;
         }
     }
     var share = open / total;
-    if total <= HARDLY {
+    if turns == 0u {
+        share = select(0.0, 1.0, all_lit);
+    } else if total <= HARDLY {
         var own = 0u;
         var bright = 0u;
         for (var w = 0u; w < WORDS; w++) {

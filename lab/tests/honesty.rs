@@ -61,6 +61,8 @@ fn other_value(option: &str) -> &'static str {
         "bleeding" => "0.4",
         "grazing" => "20",
         "exponent" => "8",
+        "filter" => "tent",
+        "layers" => "2",
         _ => panic!("--{option} is new: give it a value here"),
     }
 }
@@ -369,7 +371,7 @@ mod gpu {
     fn with(method: MethodName, option: &str, s: &Settings) -> Option<Settings> {
         use subpixel_shadows::light_view::{SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
-        use subpixel_shadows::methods::{PairVariant, ProjectionVariant, SmsrShape, SpsmEncoding};
+        use subpixel_shadows::methods::{PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding};
         let mut s = s.clone();
         let one = SplitPlan { splits: 1, warp: Warp::Fitted, focus: SplitPlan::FOCUS };
         let plan = s.partition.or(method.row().partition).unwrap_or(one);
@@ -391,6 +393,8 @@ mod gpu {
             "bleeding" => s.moments.bleeding = 0.4,
             "grazing" => s.moments.grazing = 20.0,
             "exponent" => s.moments.exponent = 8.0,
+            "filter" => s.filter = PixelFilter::Mitchell,
+            "layers" => s.moments.layers = 2,
             // Of the renderer's memory and of what is written.
             "memory-limit" | "list-start" | "looks" => return None,
             _ => panic!("--{option} is new: set it here"),

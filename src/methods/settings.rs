@@ -282,8 +282,8 @@ pub struct Settings {
     /// Make no blocks of the light's maps but those that the facets ask for, where the camera may see but a part of the scene, and there are
     /// many triangles beside the pixels. Maps that are kept for frames to come are made whole.
     pub request_blocks: bool,
-    /// How the samples of a pixel, and with all but a box those of the pixels around it, are weighted into its visibility. Of `facet-masks`;
-    /// its lit masks are the same with each.
+    /// How the samples of a pixel, and with all but a box those of the pixels around it, are weighted into its visibility. Of `facet-masks`,
+    /// whose lit masks are the same with each; others take a box.
     pub filter: PixelFilter,
     /// How half-planes become masks.
     pub masks: MaskVariant,

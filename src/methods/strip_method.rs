@@ -10,7 +10,6 @@ use crate::frame::Frame;
 use crate::gpu::KeptPrograms;
 use crate::gpu::{Buffer, Recorder, StagedUploads, Uploads};
 use crate::light_view::{LightView, Margins};
-use crate::pixel_filter::PixelFilter;
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::Facets;
 use crate::{Error, Result};
@@ -31,7 +30,7 @@ impl MethodPipelines {
     /// Those of a method; `receivers`: for frames with surfaces that are no casters, too.
     ///
     /// # Errors
-    /// [`Error::Config`] for a method that this build lacks, and for receivers or a filter with one that knows none.
+    /// [`Error::Config`] for a method that this build lacks, and for receivers with one that knows none.
     pub fn new(device: &wgpu::Device, method: MethodName, settings: &Settings, receivers: bool) -> Result<Self> {
         if method == MethodName::FacetMasks {
             let build = if receivers { Pipelines::with_receivers } else { Pipelines::new };
@@ -40,9 +39,6 @@ impl MethodPipelines {
         let name = method.name();
         if receivers {
             return Err(Error::Config(format!("{name}: no receivers that are no casters; facet-masks has them")));
-        }
-        if settings.filter != PixelFilter::Box {
-            return Err(Error::Config(format!("{name}: no filter but a box of the pixel; facet-masks has others")));
         }
         #[cfg(feature = "baselines")]
         return Ok(Self::Fixed(method, KeptPrograms::in_use().silent()));

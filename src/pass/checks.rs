@@ -53,13 +53,13 @@ impl ShadowPass {
                 placed.transforms.check(*instances, &limits)?;
                 placed.bounds
             }
-            (None, ..) => return refuse("static casters: nothing moves them"),
-            (Some(Moves::Vertices(_)), ..) => {
-                return refuse("moving casters: a frame takes a vertex buffer, and it alone");
+            (None, Some(_), _) => return refuse("static casters: they are not moved by a vertex buffer"),
+            (Some(Moves::Transforms { .. }), Some(_), _) => {
+                return refuse("instances: they are not moved by a vertex buffer");
             }
-            (Some(Moves::Transforms { .. }), ..) => {
-                return refuse("instances: a frame takes transforms, and them alone");
-            }
+            (Some(Moves::Transforms { .. }), None, None) => return refuse("instances: the frame has no transforms"),
+            (Some(Moves::Vertices(_)), None, None) => return refuse("moving casters: the frame has no vertex buffer"),
+            (_, _, Some(_)) => return refuse("casters of one mesh: they are not placed by transforms"),
         };
         if !(0..3).all(|k| low[k].is_finite() && high[k].is_finite() && low[k] <= high[k]) {
             return Err(Error::Config(format!("moved casters: no box from {low:?} to {high:?}")));

@@ -151,14 +151,16 @@ fn instances_that_do_not_fit_are_refused() {
     let plain = Inputs::new(&camera, &light);
     let bounds = [[-9.0; 3], [9.0; 3]];
     let of = |offset, bounds| Some(Placed { transforms: Transforms { buffer: &buffer, offset }, bounds });
-    for (placed, part) in
-        [(None, "transforms"), (of(0, bounds), "48 bytes do not hold 2"), (of(0, [[1.0; 3], [0.0; 3]]), "do not hold")]
-    {
+    for (placed, part) in [
+        (None, "no transforms"),
+        (of(0, bounds), "48 bytes do not hold 2"),
+        (of(0, [[1.0; 3], [0.0; 3]]), "do not hold"),
+    ] {
         let told = pass.record(&mut gpu().encoder(), &Inputs { placed, ..plain }, &Target::default());
         let told = told.expect_err("refused").to_string();
         assert!(told.contains(part) && !told.contains('\n'), "{told}");
     }
     let mut still = self::pass(settings(FacetMode::One), self::casters(&meshes[0]));
     let told = still.record(&mut gpu().encoder(), &Inputs { placed: of(0, bounds), ..plain }, &Target::default());
-    assert!(told.expect_err("refused").to_string().contains("static casters"));
+    assert!(told.expect_err("refused").to_string().contains("not placed by transforms"));
 }

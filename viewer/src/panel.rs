@@ -16,7 +16,7 @@ pub fn place(context: &egui::Context, name: &str) -> Option<Rect> {
 }
 
 /// Keeps where a widget is drawn: `[half, label]`, and the word in an open list.
-fn keep(response: &Response, name: &[&str]) {
+pub fn keep(response: &Response, name: &[&str]) {
     response.ctx.data_mut(|data| data.insert_temp(id(&name.join(".")), response.rect));
 }
 

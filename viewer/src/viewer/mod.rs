@@ -4,6 +4,7 @@ mod compute;
 mod input;
 mod paint;
 mod panels;
+mod plans;
 
 use crate::control::Extent;
 use crate::half::Gpu;
@@ -17,6 +18,7 @@ use egui::{Color32, Rect, TextureId, Ui};
 use egui_wgpu::RenderState;
 use lab::scene::{Light, Scene, SceneOptions};
 use oracle::truth::Tracer;
+use plans::PlannedScene;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -74,6 +76,7 @@ pub struct Viewer {
     opening: Option<(String, Job<Opened>)>,
     tracer: Option<Arc<Tracer>>,
     tracing: Option<Job<subpixel_shadows::Result<Arc<Tracer>>>>,
+    planned: PlannedScene,
     history: VecDeque<f64>,
     message: Option<String>,
     panel: Option<bool>,
@@ -120,6 +123,7 @@ impl Viewer {
             opening: None,
             tracer: None,
             tracing: None,
+            planned: PlannedScene::default(),
             history: VecDeque::new(),
             message: None,
             panel: None,
@@ -260,6 +264,7 @@ impl Viewer {
                 self.scene = Arc::new(scene);
                 self.tracer = None;
                 self.tracing = None;
+                self.planned = PlannedScene::default();
                 self.message = note;
                 self.forget_levels();
             }

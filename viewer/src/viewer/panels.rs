@@ -87,6 +87,7 @@ impl Viewer {
             }
         });
         ui.separator();
+        self.plans(ui);
         let seconds: Vec<f64> = self.history.iter().copied().collect();
         if !seconds.is_empty() {
             panel::history(ui, &seconds);

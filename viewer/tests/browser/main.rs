@@ -243,7 +243,8 @@ fn it_is_used_by_hand() {
     assert_ne!(camera(&page.line()), camera(&wiped), "the camera was turned");
     page.drag("left.splits", [0.5, 0.5], [0.05, 0.5]);
     assert!(page.line().contains("--splits 1"), "{}", page.line());
-    page.drag("left.focus", [0.5, 0.5], [0.9, 0.5]);
+    page.drag("left.bleeding", [0.02, 0.5], [0.3, 0.5]);
+    assert!(page.line().contains("--bleeding 0."), "{}", page.line());
     page.pick("left.samples", "16");
     page.pick("left.method", "pcf");
     let line = page.line();

@@ -34,6 +34,16 @@ pub struct Window {
     pub viewer: Viewer,
     size: [f32; 2],
     start: Instant,
+    /// What the last frame wrote.
+    pub texts: Vec<String>,
+}
+
+fn texts_of(shape: &egui::Shape, texts: &mut Vec<String>) {
+    match shape {
+        egui::Shape::Text(text) => texts.push(text.galley.text().to_owned()),
+        egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| texts_of(shape, texts)),
+        _ => {}
+    }
 }
 
 impl Window {
@@ -49,7 +59,7 @@ impl Window {
         let context = egui::Context::default();
         let viewer = Viewer::new(&context, &render, view, scene);
         let size = [WIDE as f32, 160.0];
-        let mut window = Self { context, render, viewer, size, start: Instant::now() };
+        let mut window = Self { context, render, viewer, size, start: Instant::now(), texts: Vec::new() };
         window.frame(vec![key(egui::Key::H, true), key(egui::Key::H, false)]);
         window
     }
@@ -78,7 +88,22 @@ impl Window {
     }
 
     fn run(&mut self, input: RawInput) {
-        let _ = self.context.run_ui(input, |ui| self.viewer.show(ui));
+        let mut output = self.context.run_ui(input, |ui| self.viewer.show(ui));
+        // Nobody paints.
+        output.textures_delta.clear();
+        self.texts.clear();
+        output.shapes.iter().for_each(|shape| texts_of(&shape.shape, &mut self.texts));
+    }
+
+    /// Clicks on the middle of a widget.
+    pub fn click(&mut self, name: &str) {
+        let pos = self.viewer.place(name).unwrap_or_else(|| panic!("no {name}")).center();
+        let press =
+            |pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE };
+        self.frame(vec![Event::PointerMoved(pos)]);
+        self.frame(vec![press(true)]);
+        self.frame(vec![press(false)]);
+        self.frame(Vec::new());
     }
 
     /// Frames until nothing is computed.
