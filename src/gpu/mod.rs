@@ -6,6 +6,7 @@ pub mod bindings;
 pub mod buffer;
 pub mod device;
 pub mod faults;
+pub(crate) mod given;
 #[rustfmt::skip]
 pub mod kernels;
 pub mod kept;

@@ -8,12 +8,13 @@
 //! - **Guarantee.** Bits are copied (−0 as +0); no place outside the box is ever written.
 //! - **Cost.** One dispatch; two positions read and one written a vertex.
 
+use crate::Result;
 use crate::gpu::bindings::Read;
+use crate::gpu::given::GivenElements;
 use crate::gpu::kernels::caster_positions as kernel;
 pub use crate::gpu::kernels::caster_positions::{FAULT_OUTSIDE, FAULT_PARTED, NO_PLACE};
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::shared_struct;
-use crate::{Error, Result};
 
 shared_struct! {
     /// Parameters of the kernel.
@@ -60,36 +61,12 @@ impl<'a> Vertices<'a> {
     /// [`Error::Config`] for a wrong usage, stride, offset or size, with the numbers; [`Error::Memory`] if what holds the
     /// positions is above the limit of one binding.
     pub fn check(&self, count: usize, limits: &wgpu::Limits) -> Result<()> {
-        let Self { buffer, offset, stride } = *self;
-        let usage = buffer.usage();
-        if !usage.contains(wgpu::BufferUsages::STORAGE) {
-            return Err(Error::Config(format!("vertex buffer: its usage {usage:?} lacks STORAGE")));
-        }
-        if !stride.is_multiple_of(4) || stride < 12 || !offset.is_multiple_of(4) {
-            return Err(Error::Config(format!(
-                "vertex buffer: stride {stride} and offset {offset}; multiples of 4 are possible, strides of at least 12"
-            )));
-        }
-        let size = buffer.size();
-        let end =
-            (count as u64).saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(offset)?.checked_add(12));
-        if count > 0 && end.is_none_or(|end| end > size) {
-            return Err(Error::Config(format!(
-                "vertex buffer: {size} bytes do not hold {count} positions of stride {stride} from offset {offset}"
-            )));
-        }
-        let needed = size - self.first_bound(limits).min(size);
-        let limit = limits.max_storage_buffer_binding_size;
-        if needed > limit {
-            return Err(Error::Memory { what: "vertex buffer, from its first position".to_owned(), needed, limit });
-        }
-        Ok(())
+        self.elements().check(count, limits)
     }
 
-    /// The byte from which the buffer is bound.
-    fn first_bound(&self, limits: &wgpu::Limits) -> u64 {
-        let step = u64::from(limits.min_storage_buffer_offset_alignment.max(4));
-        self.offset / step * step
+    fn elements(&self) -> GivenElements<'a> {
+        let Self { buffer, offset, stride } = *self;
+        GivenElements { what: ["vertex buffer", "positions"], buffer, offset, stride, each: 12 }
     }
 }
 
@@ -126,7 +103,7 @@ impl CasterPositions {
         if places.is_empty() {
             return Ok(());
         }
-        let first = vertices.first_bound(&limits);
+        let first = vertices.elements().first_bound(&limits);
         let params = CasterPositionsParams {
             box_low: bounds[0],
             count: places.len() as u32,

@@ -7,12 +7,13 @@
 //!   products and their sum in single precision are, in an order of the device's own.
 //! - **Cost.** One dispatch; 24 bytes read and 12 written a place, and 48 an instance.
 
+use crate::Result;
 use crate::gpu::bindings::Read;
+use crate::gpu::given::GivenElements;
 use crate::gpu::kernels::instance_positions as kernel;
 pub use crate::gpu::kernels::instance_positions::FAULT_OUTSIDE;
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::shared_struct;
-use crate::{Error, Result};
 
 shared_struct! {
     /// Parameters of the kernel.
@@ -38,7 +39,7 @@ pub struct Transforms<'a> {
     pub offset: u64,
 }
 
-impl Transforms<'_> {
+impl<'a> Transforms<'a> {
     /// Bytes of a transform.
     pub const BYTES: u64 = 48;
 
@@ -48,30 +49,12 @@ impl Transforms<'_> {
     /// [`Error::Config`] for a wrong usage, offset or size, with the numbers; [`Error::Memory`] if what holds the transforms is above the limit
     /// of one binding.
     pub fn check(&self, count: usize, limits: &wgpu::Limits) -> Result<()> {
-        let Self { buffer, offset } = *self;
-        let (usage, size) = (buffer.usage(), buffer.size());
-        if !usage.contains(wgpu::BufferUsages::STORAGE) {
-            return Err(Error::Config(format!("transforms: the usage {usage:?} of the buffer lacks STORAGE")));
-        }
-        if !offset.is_multiple_of(4) {
-            return Err(Error::Config(format!("transforms: offset {offset}; multiples of 4 are possible")));
-        }
-        if (count as u64).checked_mul(Self::BYTES).and_then(|n| n.checked_add(offset)).is_none_or(|end| end > size) {
-            return Err(Error::Config(format!(
-                "transforms: {size} bytes do not hold {count} of 48 bytes from offset {offset}"
-            )));
-        }
-        let (needed, limit) = (size - self.first_bound(limits).min(size), limits.max_storage_buffer_binding_size);
-        if needed > limit {
-            return Err(Error::Memory { what: "transforms, from the first".to_owned(), needed, limit });
-        }
-        Ok(())
+        self.elements().check(count, limits)
     }
 
-    /// The byte from which the buffer is bound.
-    fn first_bound(&self, limits: &wgpu::Limits) -> u64 {
-        let step = u64::from(limits.min_storage_buffer_offset_alignment.max(4));
-        self.offset / step * step
+    fn elements(&self) -> GivenElements<'a> {
+        let (buffer, offset, bytes) = (self.buffer, self.offset, Self::BYTES);
+        GivenElements { what: ["transform buffer", "transforms"], buffer, offset, stride: bytes, each: bytes }
     }
 }
 
@@ -111,7 +94,7 @@ impl InstancePositions {
         if sources.is_empty() {
             return Ok(());
         }
-        let first = transforms.first_bound(&limits);
+        let first = transforms.elements().first_bound(&limits);
         let params = InstancePositionsParams {
             box_low: bounds[0],
             count: sources.len() as u32,

@@ -131,7 +131,39 @@ fn instances_turn() {
     assert!(!status.complete && status.faults.outside > 0, "{status:?}");
 }
 
-/// What does not fit together is refused in one line.
+/// Mirrored instances, one squeezed flat, one shrunk to a point, and one of a mesh without triangles; and no instance at all.
+#[gpu_test]
+fn odd_instances_are_the_mesh_of_all_of_them() {
+    let [body, floor] = meshes();
+    let none = Mesh::default();
+    let meshes = [body, floor, none];
+    let given = meshes.each_ref().map(|m| CasterMesh { positions: &m.positions, triangles: &m.triangles });
+    let instances = [1, 0, 0, 0, 2];
+    let diagonal = |[x, y, z]: [f32; 3], at: f32| [[x, 0.0, 0.0, at], [0.0, y, 0.0, 0.5], [0.0, 0.0, z, 0.25]];
+    let transforms =
+        [SAME, diagonal([-2.0, 1.0, 2.0], -2.0), diagonal([2.0, 0.0, 2.0], 1.0), diagonal([0.0; 3], 3.0), SAME];
+    let all = expanded(&meshes, &instances, &transforms);
+    let light = Light::Directional { direction: [0.5, 1.0, 0.2] };
+    let camera = camera();
+    for facets in [FacetMode::One, FacetMode::All] {
+        let settings = settings(facets);
+        let (want, _) = rendered(&all, &camera, &light, &settings);
+        let config = PassConfig::new(settings, Casters::Instanced { meshes: &given, instances: &instances });
+        let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+        let buffer = uploaded(&transforms, 0);
+        let placed = Placed { transforms: Transforms { buffer: &buffer, offset: 0 }, bounds: bounds(&all) };
+        let inputs = Inputs { placed: Some(placed), ..Inputs::new(&camera, &light) };
+        let got = complete_within(6, &mut pass, &inputs).0;
+        let differ = got.0.iter().zip(&want.visibility).filter(|(a, b)| **a != b.to_bits()).count();
+        assert_eq!(differ, 0, "{facets:?}");
+        assert!(want.visibility.iter().filter(|v| **v == 0.0).count() > 20, "{facets:?}: something is dark");
+        pass.set_casters(&Casters::Instanced { meshes: &given, instances: &[] }).expect("none");
+        let got = complete_within(6, &mut pass, &inputs).0;
+        assert!(got.0[..want.visibility.len()].iter().all(|v| *v == 1.0f32.to_bits()), "{facets:?}: nothing is seen");
+    }
+}
+
+/// Meshes, instances and transforms that do not fit together are refused in one line.
 #[gpu_test]
 fn instances_that_do_not_fit_are_refused() {
     let meshes = meshes();

@@ -66,7 +66,7 @@ impl Case {
     }
 }
 
-/// What is off by more than rounding. A place within rounding of the box's sides may count as inside or outside.
+/// Places that are off by more than rounding, told of. A place within rounding of the box's sides may count as inside or outside.
 fn fault(case: &Case, (positions, outside): &(Vec<[f32; 3]>, u32)) -> Option<String> {
     let want = case.wanted();
     let off = |k: usize| (0..3).any(|c| (f64::from(positions[k][c]) - want.positions[k][c]).abs() > 1e-5);
@@ -113,7 +113,7 @@ fn random_seeded() {
     }
 }
 
-/// What is no number goes to the low corner, and −0 is +0.
+/// A place without a number goes to the low corner, and −0 is +0.
 #[gpu_test]
 fn degenerate() {
     let same = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
