@@ -13,6 +13,7 @@
 override WORDS: u32 = 1u;
 override REACH: u32 = 1u;
 const WORKGROUP = 64u;
+const NOWHERE = 0xffffffffu;
 /// Share of all weight below which what is seen weighs hardly anything.
 const HARDLY = 0.125;
 
@@ -22,8 +23,13 @@ const HARDLY = 0.125;
 @group(0) @binding(3) var<storage, read> weights: array<f32>;
 @group(0) @binding(4) var<storage, read_write> visibility: array<f32>;
 
-fn offset_of(k: u32) -> vec2<i32> {
-    return vec2(i32(k % (2u * REACH + 1u)), i32(k / (2u * REACH + 1u))) - i32(REACH);
+/// First mask word of pixel `k` of those around `at`, NOWHERE outside the image.
+fn words_of(at: vec2<i32>, k: u32) -> u32 {
+    let side = 2u * REACH + 1u;
+    let other = at + vec2(i32(k % side), i32(k / side)) - i32(REACH);
+    let size = vec2<i32>(frame.image_size);
+    let inside = all(other >= vec2(0)) && all(other < size);
+    return select(NOWHERE, WORDS * u32(other.y * size.x + other.x), inside);
 }
 
 /// The samples that a word of a mask has.
@@ -48,17 +54,15 @@ fn pixel_filter(
     @builtin(local_invocation_index) local: u32,
 ) {
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
-    let size = vec2<i32>(frame.image_size);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     let at = vec2(i32(pixel % frame.image_size.x), i32(pixel / frame.image_size.x));
     let around = (2u * REACH + 1u) * (2u * REACH + 1u);
-    // What is lit all around, or dark, needs no weights.
+    // A pixel that is lit or dark all around needs no weights.
     var all_lit = true;
     var none_lit = true;
     for (var k = 0u; k < around; k++) {
-        let other = at + offset_of(k);
-        if all(other >= vec2(0)) && all(other < size) {
-            let base = WORDS * u32(other.y * size.x + other.x);
+        let base = words_of(at, k);
+        if base != NOWHERE {
             for (var w = 0u; w < WORDS; w++) {
                 let there = samples_of(w);
                 let surface = seen[base + w] & there;
@@ -72,9 +76,8 @@ fn pixel_filter(
     var total = 0.0;
     let turns = select(around, 0u, all_lit || none_lit);
     for (var k = 0u; k < turns; k++) {
-        let other = at + offset_of(k);
-        if all(other >= vec2(0)) && all(other < size) {
-            let base = WORDS * u32(other.y * size.x + other.x);
+        let base = words_of(at, k);
+        if base != NOWHERE {
             for (var w = 0u; w < WORDS; w++) {
                 let there = samples_of(w);
                 let surface = seen[base + w] & there;

@@ -69,7 +69,7 @@ impl PixelFilter {
         (-reach..=reach).flat_map(move |y| (-reach..=reach).map(move |x| [x, y]))
     }
 
-    /// What the stage `pixel_filter` reads: for each of [`PixelFilter::pixels`] the weights of 32 samples a mask word, 0 beyond the last
+    /// Table that the stage `pixel_filter` reads: for each of [`PixelFilter::pixels`] the weights of 32 samples a mask word, 0 beyond the last
     /// sample, and then the sum of each word's. All together are 1.
     pub fn weights(self, samples: &Samples) -> Vec<f32> {
         let words = samples.words() as usize;

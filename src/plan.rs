@@ -416,7 +416,7 @@ mod tests {
         for mesh in [Mesh::default(), triangles(&[A, B, C]), body()] {
             let forced = plan(mesh, sun(1.0), &settings(32, true), true);
             assert_eq!(forced.extent, Extent::Everything);
-            // What finds what may be left out, and what is not asked for.
+            // The search for blocks that may be left out, and a filter that is not asked for.
             let needed = STAGES.iter().map(|(name, ..)| *name).filter(|name| ![REQUESTS, FILTER].contains(name));
             assert!(needed.into_iter().all(|name| reason(&forced, name).is_none()), "{forced:?}");
             assert!(reason(&forced, REQUESTS).unwrap().contains("forced") && !forced.settings.request_blocks);

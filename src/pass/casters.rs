@@ -11,7 +11,7 @@ use crate::stages::caster_positions::CasterPositions;
 use crate::stages::instance_positions::InstancePositions;
 use crate::{Error, Result};
 
-/// What brings casters to their places in a frame.
+/// Source of the places of casters in a frame.
 pub enum Moves {
     /// Vertices of the application: place and source of each.
     Vertices(Buffer<[u32; 2]>),
@@ -27,7 +27,7 @@ pub struct CasterSet {
     pub buffers: CasterBuffers,
     /// The number here of each triangle that was given.
     pub numbers: Buffer<u32>,
-    /// What moves them; `None` of casters that stand.
+    /// Source of their places; `None` of casters that stand.
     pub moves: Option<Moves>,
 }
 

@@ -14,7 +14,7 @@ use subpixel_shadows::stages::pixel_filter::{FilterMasks, FilterMemory};
 use test_support::gpu_test;
 
 const FILTERS: [PixelFilter; 3] = [PixelFilter::Tent, PixelFilter::Gaussian, PixelFilter::Mitchell];
-/// What visibility holds before.
+/// Visibility before the stage runs.
 const BEFORE: f32 = -7.0;
 
 fn samples(count: u32) -> Samples {

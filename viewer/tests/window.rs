@@ -238,7 +238,7 @@ fn a_lost_gpu_is_told_of() {
     assert_eq!(window.viewer.lost(), None);
     let line = window.viewer.command_line();
     window.lose();
-    // What was submitted runs to its end first.
+    // Submitted work runs to its end first.
     for step in 0..1000 {
         window.frame(vec![key(Key::W, step % 2 == 0)]);
         if step > 20 && window.viewer.lost().is_some() {

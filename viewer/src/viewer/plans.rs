@@ -1,4 +1,4 @@
-//! What is left out of each half's frame, and why.
+//! Stages that the plan leaves out of each half's frame, with the reasons.
 
 use super::Viewer;
 use crate::job::Job;

@@ -176,7 +176,7 @@ fn every_kernel_is_accepted() {
     }
     println!("{made} pipelines");
     assert!(made > 100, "{made} pipelines");
-    // What is wrong is told of.
+    // A wrong type and an entry point that is not there are told of.
     let (stem, text, _) = kernels::ALL[0];
     assert!(!take(stem, &text.replacen("u32", "f32", 3), json!([])).is_empty());
     assert_eq!(take(stem, text, json!([["nothing", {}]])).len(), 1);
@@ -229,7 +229,7 @@ fn methods_are_the_native_ones() {
     }
 }
 
-/// What is dragged, picked and typed changes the view as in the window.
+/// Drags, picks and lines change the view as in the window.
 #[test]
 #[ignore = "in a browser: ./web.sh --test"]
 fn it_is_used_by_hand() {

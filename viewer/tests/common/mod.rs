@@ -34,7 +34,7 @@ pub struct Window {
     pub viewer: Viewer,
     size: [f32; 2],
     start: Instant,
-    /// What the last frame wrote.
+    /// Texts of the last frame.
     pub texts: Vec<String>,
 }
 
