@@ -58,7 +58,7 @@ impl<'a> Vertices<'a> {
     /// Checks that `count` positions can be read on a device with `limits`.
     ///
     /// # Errors
-    /// [`Error::Config`] for a wrong usage, stride, offset or size, with the numbers; [`Error::Memory`] if what holds the
+    /// [`crate::Error::Config`] for a wrong usage, stride, offset or size, with the numbers; [`crate::Error::Memory`] if what holds the
     /// positions is above the limit of one binding.
     pub fn check(&self, count: usize, limits: &wgpu::Limits) -> Result<()> {
         self.elements().check(count, limits)
@@ -87,7 +87,7 @@ impl CasterPositions {
     /// the highest corner of a box that holds them.
     ///
     /// # Errors
-    /// As [`Vertices::check`]; [`Error::Config`] if `faults` is too short.
+    /// As [`Vertices::check`]; [`crate::Error::Config`] if `faults` is too short.
     pub fn record(
         &self,
         stage: &mut Stage,

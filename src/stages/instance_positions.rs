@@ -46,7 +46,7 @@ impl<'a> Transforms<'a> {
     /// Checks that `count` transforms can be read on a device with `limits`.
     ///
     /// # Errors
-    /// [`Error::Config`] for a wrong usage, offset or size, with the numbers; [`Error::Memory`] if what holds the transforms is above the limit
+    /// [`crate::Error::Config`] for a wrong usage, offset or size, with the numbers; [`crate::Error::Memory`] if what holds the transforms is above the limit
     /// of one binding.
     pub fn check(&self, count: usize, limits: &wgpu::Limits) -> Result<()> {
         self.elements().check(count, limits)
@@ -75,7 +75,7 @@ impl InstancePositions {
     /// lowest and the highest corner of a box that holds them.
     ///
     /// # Errors
-    /// As [`Transforms::check`]; [`Error::Config`] if `faults` or `positions` is too short.
+    /// As [`Transforms::check`]; [`crate::Error::Config`] if `faults` or `positions` is too short.
     #[expect(clippy::too_many_arguments, reason = "one argument a thing it depends on")]
     pub fn record(
         &self,
