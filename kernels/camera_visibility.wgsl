@@ -10,14 +10,14 @@
 // bits of the view depth; 0 where nothing is seen) and the complement of the triangle as `id_keys`. Both must
 // be 0 before, and so must the counts in `doubts`.
 
-//@import frame dispatch pass pixel_ray facing double_float vertex facing_46 eye_order_46 camera_raster
+//@import frame dispatch pass pixel_ray facing double_float vertex facing_46 eye_order_46 camera_raster alpha
 
 const WORKGROUP = 64u;
 const SETTLED = 0x80000000u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
-@group(0) @binding(2) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(2) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> camera_rects: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
@@ -60,7 +60,7 @@ fn raster(
         for (var x = cells.x; x <= cells.y; x++) {
             let pixel = y * frame.image_size.x + x;
             let at = centre_at(x, y);
-            if !covers_centre(seen, at) { continue; }
+            if !covers_centre(seen, at) || is_hole(seen, at) { continue; }
             let key = keys_at(seen, at);
             if key.x == 0u || atomicLoad(&keys[2u * pixel + 1u]) > key.x { continue; }
             if step.index == 0u {
@@ -79,13 +79,22 @@ fn raster(
     }
 }
 
+// Whether an alpha-tested triangle has a hole at a pixel's centre.
+fn is_hole(seen: Seen, at: vec3<f32>) -> bool {
+    if ALPHA == 0u { return false; }
+    let i = triangles[seen.t];
+    if !is_tested(i.w) { return false; }
+    let ray = frame.ray_corner.xyz + at.y * frame.ray_x.xyz + at.z * frame.ray_y.xyz;
+    return !is_solid(i.w, points[i.x].xyz, points[i.y].xyz, points[i.z].xyz, vec3(0.0), ray);
+}
+
 // Takes a triangle in at a pixel that it covers and that is in doubt.
 fn settle_at(seen: Seen, at: vec2<u32>) {
     let pixel = at.y * frame.image_size.x + at.x;
     let key = keys_at(seen, centre_at(at.x, at.y));
     let least = atomicLoad(&keys[2u * pixel + 1u]);
     if key.x == 0u || least > key.x { return; }
-    let i = triangles[seen.t];
+    let i = triangles[seen.t].xyz;
     let ray = pixel_ray(pixel);
     if key.z == 1u && !is_beyond_near_46(i, ray) { return; }
     if step.index == 0u {
@@ -137,7 +146,8 @@ fn settle_all(
         let cells = pixels_of_row(seen, y);
         for (var x = cells.x; x <= cells.y; x++) {
             let doubted = atomicLoad(&id_keys[y * frame.image_size.x + x]) != 0u;
-            if doubted && covers_centre(seen, centre_at(x, y)) { settle_at(seen, vec2(x, y)); }
+            let at = centre_at(x, y);
+            if doubted && covers_centre(seen, at) && !is_hole(seen, at) { settle_at(seen, vec2(x, y)); }
         }
     }
 }

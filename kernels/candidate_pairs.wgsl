@@ -22,7 +22,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(2) var<storage, read> pairs: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> triangle_offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> pair_triangles: array<u32>;
-@group(0) @binding(5) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 for one of a closed body
+@group(0) @binding(5) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 of a closed body, more: tested
 @group(0) @binding(6) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> candidates: Candidates;
 @group(0) @binding(8) var<storage, read_write> masks: array<atomic<u32>>;

@@ -34,7 +34,7 @@ const UNSURE_GROUPS = 64u;     // workgroups that go through the list of unsure 
 // Two offsets from the pixel centre each
 @group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 for one of a closed body
+@group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 of a closed body, more: tested
 @group(0) @binding(4) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(5) var<storage, read> sat: array<u32>;
 @group(0) @binding(6) var<storage, read> splits: array<f32>;

@@ -2,7 +2,8 @@
 // crosses. `check` marks in `mask` every texel that a caster touches (conservatively) without a layer at its
 // centre, or with two at the nearest depth, or touches at a depth interval that holds the texel's split
 // depth: of the others no sheet leads from the front group to the back one. Triangles that are no casters
-// (FLAG_CULL_BACK) are left out, as in light_layers. `settle` turns layers and mask into `splits` (see
+// (FLAG_CULL_BACK) are left out, as in light_layers; of an alpha-tested one, which is in no layer, only the
+// split depth counts behind which it lies whole. `settle` turns layers and mask into `splits` (see
 // front_split), after silhouette_mask has marked the edges. Together: a texel left unmarked has no silhouette
 // edge before its split depth, one layer there at its centre, and no triangle across the split, so one sheet
 // covers all of it.
@@ -37,6 +38,8 @@ fn check(
     let block = block_of(light_rects[t], item - work_offsets[t]);
     let i = triangles[t];
     if is_culled(frame.flags, i.w, facing[t]) { return; }
+    // What has holes is no sheet behind which all is in shadow.
+    let tested = is_tested(i.w);
     let shape = cover_triangle(map_points[i.x], map_points[i.y], map_points[i.z]);
     let corner = block.low & vec2(~7u);
     var left = cover_cells(shape, block, 0xffu);
@@ -51,7 +54,7 @@ fn check(
         let second = second_keys[texel];
         let split = split_depth(first, second);
         let range = depth_range(shape, centre);
-        let parted = (range.x > split) | (range.y < split);
+        let parted = (range.x > split) | ((range.y < split) & !tested);
         if (first == 0u) | (first == second) | shape.cut | !parted { add_texel(&marks, place); }
     }
     mark_rows(corner, marks);

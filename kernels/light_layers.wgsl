@@ -4,12 +4,13 @@
 // whatever order they come. Where two casters are equally near, both hold the same key. Marks in `mask` every
 // texel of which an edge passes within CENTRE_GUARD of the centre. Triangles that are no casters
 // (FLAG_CULL_BACK) are left out, and those that are not wholly in front of the light, of which
-// `raster_nearest` takes the part that is: there marks need not make up for them. Writes `nearest_keys`,
-// `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit a texel, rows
-// padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
+// `raster_nearest` takes the part that is: there marks need not make up for them. Alpha-tested ones, behind
+// which not all is in shadow, it takes where they are solid at a centre; for two layers they are none. Writes
+// `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit
+// a texel, rows padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
 //@bindings Blocks: raster, raster_nearest
 
-//@import frame dispatch rect work_items front_split span block_bits facing undivided
+//@import frame dispatch rect work_items front_split span block_bits facing undivided alpha
 
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
@@ -33,8 +34,27 @@ fn mark(x: u32, y: u32) {
     atomicOr(&mask[word], 1u << (x % 32u));
 }
 
-// Puts the depths of a triangle into the texels of a block; `guarded`: texels by which its edges may be off.
-fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32) {
+// A point of the map from a place there, times its divisor, and that.
+fn from_place(p: vec4<f32>, at: vec2<f32>) -> vec3<f32> {
+    if p.w > 0.0 { return vec3((p.xy - at) * p.w, p.w); }
+    let q = undivided(p, frame.light_low.w);
+    return vec3(q.xy - at * q.w, q.w);
+}
+
+// Whether an alpha-tested triangle has a hole at a place of the map.
+fn is_hole(given: vec4<u32>, at: vec2<f32>) -> bool {
+    if ALPHA == 0u || !is_tested(given.w) { return false; }
+    let a = from_place(map_points[given.x], at);
+    let b = from_place(map_points[given.y], at);
+    let c = from_place(map_points[given.z], at);
+    let shares = vec3(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
+    let all = shares.x + shares.y + shares.z;
+    return all != 0.0 && !is_solid_by(given.w, shares.yz / all);
+}
+
+// Puts the depths of a triangle into the texels of a block; `guarded`: texels by which its edges may be off;
+// `given`: the whole triangle, of which it may be a part.
+fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, given: vec4<u32>) {
     let ab = b.xy - a.xy;
     let bc = c.xy - b.xy;
     let ac = c.xy - a.xy;
@@ -65,7 +85,7 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32) {
         let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);
         if any(v < -guard) { continue; }
         if BOTH != 0u && any(v <= guard) { mark(cell.x, cell.y); }
-        if any(v < vec3(0.0)) { continue; }
+        if any(v < vec3(0.0)) || is_hole(given, at) { continue; }
         var depth = a.z;
         if area != 0.0 {
             depth = clamp(a.z + ((b.z - a.z) * v.z + (c.z - a.z) * v.x) / abs(area), nearest, farthest);
@@ -81,6 +101,7 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32) {
 // A block of a caster; none: `some` is false.
 struct Task {
     some: bool,
+    given: vec4<u32>,
     block: Rect,
     a: vec4<f32>,
     b: vec4<f32>,
@@ -92,14 +113,14 @@ fn task_of(item: u32) -> Task {
     if item >= work_offsets[frame.triangle_count] { return task; }
     let t = owner_of(item, frame.triangle_count);
     let given = triangles[t];
-    if is_culled(frame.flags, given.w, facing[t]) { return task; }
+    if is_culled(frame.flags, given.w, facing[t]) || (BOTH != 0u && is_tested(given.w)) { return task; }
     // Vertices in order of index, so that an edge has one value in both of its triangles.
     var i = given.xyz;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
     let block = block_of(light_rects[t], item - work_offsets[t]);
-    return Task(true, block, map_points[i.x], map_points[i.y], map_points[i.z]);
+    return Task(true, given, block, map_points[i.x], map_points[i.y], map_points[i.z]);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -112,7 +133,7 @@ fn raster(
     let task = task_of(flat_invocation(group, groups, WORKGROUP, local));
     // Of one that is not wholly in front front_layer marks every texel.
     if !task.some || min(task.a.w, min(task.b.w, task.c.w)) <= 0.0 { return; }
-    cover(task.a, task.b, task.c, task.block, CENTRE_GUARD);
+    cover(task.a, task.b, task.c, task.block, CENTRE_GUARD, task.given);
 }
 
 // Where the edge from a point in front to one that is not comes to the nearest distance.
@@ -178,7 +199,7 @@ fn raster_nearest(
         guarded = max(CENTRE_GUARD, 4e-7 * extent);
     }
     for (var k = 0u; k < parts; k++) {
-        cover(middle, side_a, side_b, task.block, guarded);
+        cover(middle, side_a, side_b, task.block, guarded, task.given);
         side_a = side_b;
         side_b = last;
     }

@@ -17,7 +17,7 @@ const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> step: Pass;
-@group(0) @binding(2) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(2) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> camera_rects: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> work_offsets: array<u32>;
@@ -91,7 +91,8 @@ fn cover(
     @builtin(local_invocation_index) local: u32,
 ) {
     let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
-    if item.triangle == NO_TRIANGLE { return; }
+    // What has holes covers no pixel.
+    if item.triangle == NO_TRIANGLE || is_tested(triangles[item.triangle].w) { return; }
     let s = seen_triangle(item.triangle);
     if s.turn == 0.0 { return; }
     for (var y = item.block.low.y; y <= item.block.high.y; y++) {

@@ -16,7 +16,7 @@ const REACH = 0.505;           // half a pixel, and more than any part of one re
 const MOST_WORDS = 1024u;      // words that one facet writes; one that asks for more asks for all
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
-@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 for one of a closed body
+@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 of a closed body, more: tested
 @group(0) @binding(2) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(3) var<storage, read> splits: array<f32>;
 @group(0) @binding(4) var<storage, read_write> facets: array<Facet>;

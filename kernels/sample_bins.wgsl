@@ -30,7 +30,7 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> step: Pass;
 @group(0) @binding(3) var<storage, read> undecided: array<Undecided>;
-@group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(4) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(5) var<storage, read> positions: array<vec3<f32>>;
 // Coverage, occluded, in doubt: WORDS words each
 @group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
@@ -190,7 +190,9 @@ fn refine(
     let f = facet_of(index);
     let k = index % frame.sample_count;
     if is_set(f, 1u, k) { return; }
-    if blocks_46(ground_of(f), offset_of(k), doubt.y) == BLOCKED { mark(f, 1u, k); }
+    let g = ground_of(f);
+    if blocks_46(g, offset_of(k), doubt.y) != BLOCKED { return; }
+    if !lets_through(ray_of_sample(g, k), doubt.y) { mark(f, 1u, k); }
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -28,7 +28,7 @@ override ROUND_LENGTH: u32 = 512u;
 @group(0) @binding(0) var<uniform> frame_given: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<uniform> step: SurfaceStep;
-@group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> pixel_offsets: array<u32>;
 @group(0) @binding(6) var<storage, read> pixel_list: array<u32>;

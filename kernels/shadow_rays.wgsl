@@ -23,9 +23,9 @@ const WORK_HEAD = 4u;
 @group(0) @binding(4) var<storage, read> listed: array<u32>;
 @group(0) @binding(5) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read> nodes: array<vec4<u32>>;
-// A vertex, two edges from it; w: bits of the indices
+// A vertex, two edges from it; w: bits of the indices, see leaf_caster
 @group(0) @binding(7) var<storage, read> casters: array<vec4<f32>>;
-@group(0) @binding(8) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(8) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
 // Coverage, occluded, invalid: WORDS words each
 @group(0) @binding(10) var<storage, read_write> masks: array<atomic<u32>>;
@@ -65,6 +65,7 @@ fn follow(g: Ground, r: Ray, sample: u32, exact: bool) -> u32 {
             let k = met.z + firstLeadingBit(kept);
             var what = blocks(g, r, k);
             if exact && what == DOUBTFUL { what = blocks_46(g, r.offset, k); }
+            if what == BLOCKED && lets_through(r, k) { what = FREE; }
             if what == BLOCKED { return BLOCKED; }
             if what == DOUBTFUL && !note(sample, k) { found = DOUBTFUL; }
             steps++;
@@ -130,7 +131,8 @@ fn refine(
     if (atomicLoad(&masks[at]) & bit) != 0u { return; }
     let g = ground_of(f);
     let k = atomicLoad(&work[room.x + 2u * n + 1u]);
-    if blocks_46(g, offset_of(sample & 127u), k) == BLOCKED { atomicOr(&masks[at], bit); }
+    if blocks_46(g, offset_of(sample & 127u), k) != BLOCKED { return; }
+    if !lets_through(ray_of_sample(g, sample & 127u), k) { atomicOr(&masks[at], bit); }
 }
 
 @compute @workgroup_size(WORKGROUP)

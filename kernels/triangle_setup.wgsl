@@ -14,7 +14,7 @@
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
-@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 for one of a closed body
+@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;  // w: 1 of a closed body, more: tested
 @group(0) @binding(2) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> map_points: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> facing: array<u32>;
@@ -122,7 +122,7 @@ fn setup_camera(
     var rect = EMPTY_RECT;
     if !corners.none { rect = camera_rect(a.xyz, b.xyz, c.xyz); }
     let eye = vec4(0.0, 0.0, 0.0, 1.0);
-    let may_hide = (frame.flags & FLAG_BACKS_HIDDEN) != 0u && i.w != 0u;
+    let may_hide = (frame.flags & FLAG_BACKS_HIDDEN) != 0u && i.w == 1u;
     if may_hide && facing_of(a.xyz, b.xyz, c.xyz, eye) == BACK { rect = EMPTY_RECT; }
     camera_rects[t] = rect;
     camera_items[t] = block_count(rect);

@@ -27,7 +27,7 @@ const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 @group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;
 @group(0) @binding(2) var<storage, read> undecided: array<Undecided>;
 @group(0) @binding(3) var<storage, read_write> candidates: Candidates;
-@group(0) @binding(4) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(4) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(5) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(8) var<storage, read> table: array<u32>;
 @group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
@@ -36,10 +36,11 @@ const CUT_GROUPS = 256u;     // workgroups that go through what may cut
 
 //@import frame_copy
 
-//@import shadow_lines shadow_lines_46 sample_masks two_step facet_masks
+//@import shadow_lines shadow_lines_46 sample_masks two_step facet_masks alpha solid_samples
 
 fn project(f: u32, t: u32) {
-    let i = rising(triangles[t]);
+    let given = triangles[t];
+    let i = rising(given.xyz);
     let g = ground_of(f);
     let a = point_of(i.x);
     let b = point_of(i.y);
@@ -48,13 +49,14 @@ fn project(f: u32, t: u32) {
     h = select(h, vec3(0.0), owned_by(i, g.own));
     if all(h <= vec3(0.0)) { return; }
     let l = two_step_lines(g, a, b, c, h);
-    add(f, 1u, inside(l));
+    add(f, 1u, solid_samples(f, g, given, inside(l)));
     cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }
 
 // False if single precision cannot tell. `k`: the candidate.
 fn settle(k: u32, f: u32, t: u32) -> bool {
-    let i = rising(triangles[t]);
+    let given = triangles[t];
+    let i = rising(given.xyz);
     let a = point_of(i.x);
     let b = point_of(i.y);
     let c = point_of(i.z);
@@ -100,7 +102,7 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
         if t.open { return false; }
         m = t.mask;
     }
-    add(f, 1u, m);
+    add(f, 1u, solid_samples(f, g, given, m));
     if may_cut(vec3(l.centre.w, l.right.w, l.down.w), h) {
         cuts[atomicAdd(&candidates.tally[TALLY_CUTS], 1u)] = k;
     }
@@ -120,7 +122,7 @@ fn cut_facets(
     for (var n = flat_invocation(group, groups, WORKGROUP, local); n < count; n += stride) {
         let pair = candidates.list[cuts[n]];
         if is_dark(pair.x) { continue; }
-        let i = rising(triangles[pair.y]);
+        let i = rising(triangles[pair.y].xyz);
         let g = ground_of(pair.x);
         let a = point_of(i.x);
         let b = point_of(i.y);
@@ -167,7 +169,8 @@ fn refine(
     if k >= atomicLoad(&candidates.tally[TALLY_DOUBTS]) { return; }
     let pair = candidates.list[doubts[k]];
     if is_dark(pair.x) { return; }
-    let i = rising(triangles[pair.y]);
+    let given = triangles[pair.y];
+    let i = rising(given.xyz);
     let g = ground_of(pair.x);
     let n = full_normal(g.own);
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
@@ -195,6 +198,6 @@ fn refine(
         turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y),
         turn * vec4(ab.z, bc.z, -ac.z, own.z));
     l.centre = centre_of(l, beside, owned);
-    add(pair.x, 1u, inside(l));
+    add(pair.x, 1u, solid_samples(pair.x, g, given, inside(l)));
     cut(pair.x, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }

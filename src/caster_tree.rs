@@ -6,7 +6,8 @@
 //! place of a scene; each is padded by 2^-20 of the cube, far above what building and compression round. The same mesh gives
 //! the same tree.
 
-use crate::scene::Mesh;
+use crate::gpu::kernels::shadow_rays::TESTED;
+use crate::scene::{AlphaTested, Mesh};
 use crate::stages::shadow_rays::TreePlace;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3, Vec3A};
@@ -32,7 +33,7 @@ pub struct CasterTree {
     /// Nodes, five vectors each, as [`obvhs::cwbvh::node::CwBvhNode`] lays them out.
     pub nodes: Vec<[[u32; 4]; 5]>,
     /// Triangles in the order of the leaves: a vertex, the two edges from it (world units), and in the fourth words the bits
-    /// of the three vertex indices.
+    /// of the three vertex indices; of an alpha-tested one, in place of the first, its number and the highest bit.
     pub triangles: Vec<[[f32; 4]; 3]>,
     /// Lowest corner of the cube, world units.
     low: DVec3,
@@ -44,19 +45,33 @@ impl CasterTree {
     /// Levels of a tree at most, which bounds a walk's stack.
     pub const DEPTH: usize = 24;
 
-    /// The tree over the triangles of `mesh`. Those that are no triangles (an index out of range, a vertex that is not
+    /// The tree over the triangles of `mesh`, none of which has holes. Those that are no triangles (an index out of range, a vertex that is not
     /// finite) are left out.
     ///
     /// # Errors
     /// [`Error::Limit`] if the tree is deeper than [`CasterTree::DEPTH`].
     pub fn new(mesh: &Mesh) -> Result<Self> {
+        Self::with_alpha(mesh, &AlphaTested::default())
+    }
+
+    /// As [`CasterTree::new`], where some triangles are alpha-tested.
+    ///
+    /// # Errors
+    /// As [`CasterTree::new`].
+    pub fn with_alpha(mesh: &Mesh, alpha: &AlphaTested) -> Result<Self> {
+        let mut named = mesh.triangles.clone();
+        for of in &alpha.triangles {
+            if let Some(corners) = named.get_mut(of.triangle as usize) {
+                corners[0] = of.triangle | TESTED;
+            }
+        }
         let corners = |t: &[u32; 3]| -> Option<[Vec3; 3]> {
             let found = t.map(|v| mesh.positions.get(v as usize).map(|p| Vec3::from(*p)));
             let [Some(a), Some(b), Some(c)] = found else { return None };
             [a, b, c].iter().all(|p| p.is_finite()).then_some([a, b, c])
         };
         let casters: Vec<([u32; 3], [Vec3; 3])> =
-            mesh.triangles.iter().filter_map(|t| corners(t).map(|c| (*t, c))).collect();
+            mesh.triangles.iter().zip(named).filter_map(|(t, named)| corners(t).map(|c| (named, c))).collect();
         if casters.is_empty() {
             return Ok(Self { scale: 1.0, ..Self::default() });
         }

@@ -120,7 +120,7 @@ impl Plan {
                 PlanStep { name, purpose, left_out }
             })
             .collect();
-        let mut settings = wanted.clone();
+        let mut settings = Settings { alpha_tested: !prepared.alpha().is_empty(), ..wanted.clone() };
         settings.request_blocks = all_blocks.is_none();
         let mut part = |(name, purpose): (&'static str, &'static str), left_out: Option<String>| {
             let left_out = if needs(Extent::Everything) { left_out } else { Some(reason.clone()) };

@@ -60,6 +60,7 @@ impl<'a> Renderer<'a> {
     ) -> Result<Self> {
         KeptPrograms::once(|| {
             settings.check()?;
+            let settings = &Settings { alpha_tested: !prepared.alpha().is_empty(), ..settings.clone() };
             let pipelines = MethodPipelines::new(&gpu.device, method, settings, false)?;
             Self::with(gpu, prepared, settings, budget, pipelines, 1)
         })
@@ -86,7 +87,8 @@ impl<'a> Renderer<'a> {
     pub fn facing(gpu: &'a Gpu, prepared: &Prepared, settings: &Settings) -> Result<Self> {
         settings.check()?;
         // No caster is tested: neither map nor lists are asked.
-        let settings = Settings { map: 1, facets: crate::methods::FacetMode::One, ..settings.clone() };
+        let alpha_tested = !prepared.alpha().is_empty();
+        let settings = Settings { map: 1, facets: crate::methods::FacetMode::One, alpha_tested, ..settings.clone() };
         let budget = Budget { start: Some(1), ..Budget::default() };
         let pipelines = Pipelines::facing(&gpu.device, &settings);
         let made = Self::with_pipelines(gpu, prepared, &settings, budget, Arc::new(pipelines))?;

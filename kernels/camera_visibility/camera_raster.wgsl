@@ -4,7 +4,7 @@
 
 //@import frame facing rect work_items span
 //@needs var<uniform> frame: Frame;
-//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> triangles: array<vec4<u32>>;
 //@needs var<storage, read> points: array<vec4<f32>>;
 //@needs var<storage, read> camera_rects: array<vec2<u32>>;
 //@needs var<storage, read> work_offsets: array<u32>;
@@ -39,7 +39,7 @@ fn seen_of(t: u32, block: Rect) -> Seen {
     var s: Seen;
     s.t = t;
     s.block = block;
-    let i = triangles[s.t];
+    let i = triangles[s.t].xyz;
     s.edges = array(edge(i.x, i.y), edge(i.y, i.z), edge(i.z, i.x));
     let a = points[i.x].xyz;
     let b = points[i.y].xyz;

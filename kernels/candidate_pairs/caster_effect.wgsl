@@ -51,7 +51,7 @@ fn share_edge(i: vec3<u32>, j: vec3<u32>) -> bool {
 
 // Effect that a triangle may have on a facet: none, some, or it covers the whole facet. Of two triangles at
 // an edge that face the light alike neither casts on the other. What is no caster (FLAG_CULL_BACK) may still
-// cut a facet whose plane it reaches.
+// cut a facet whose plane it reaches. What has holes covers none.
 fn effect(
     t: u32,
     own: Own,
@@ -91,9 +91,9 @@ fn effect(
     let known = abs(area) > (2.0 * frame.map_margin + 4e-6 * (reach + size)) * size;
     if ALONE != 0u { beside = share_edge(own.i, i.xyz) & (turn * own.turn > 0.0) & known; }
     let above = all(over > vec3(noise)) & (noise < 1e30);
-    let spare = (i.w != 0u) & (turn * own.back > 0.0) & above & known;
+    let spare = (i.w == 1u) & (turn * own.back > 0.0) & above & known;
     let outside = (min(e0.y, min(e1.y, e2.y)) < 0.0) & !thin;
-    let covers = (min(e0.x, min(e1.x, e2.x)) > 0.0) & !thin & above;
+    let covers = (min(e0.x, min(e1.x, e2.x)) > 0.0) & !thin & above & (i.w < 2u);
     let in_front = min(a.w, min(b.w, c.w)) > 0.0;
     let e = select(select(MATTERS, COVERS, covers), NOTHING,
         apart | beyond | below | outside | beside | spare);

@@ -69,7 +69,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     let away = turns.x * select(1.0, -1.0, is_reversed(shape.given.xyz, shape.i)) < 0.0;
     if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) { return STATE_DARK; }
     // Of what is no caster the splits know nothing.
-    let hidden = away & (shape.given.w != 0u) & ((frame.flags & FLAG_CULL_BACK) != 0u);
+    let hidden = away & (shape.given.w == 1u) & ((frame.flags & FLAG_CULL_BACK) != 0u);
     let pixel = facets[f].pixel;
     var span = vec2(0u);
     if is_clamped() { span = span_of_samples(f); }

@@ -2,7 +2,7 @@
 
 //@import frame facing eye_edges
 //@needs var<uniform> frame: Frame;
-//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> triangles: array<vec4<u32>>;
 //@needs var<storage, read> points: array<vec4<f32>>;
 
 const MARGIN = 1.00001;
@@ -31,7 +31,7 @@ fn middle() -> vec2<f32> {
 
 fn seen_triangle(t: u32) -> Seen {
     var s: Seen;
-    let i = triangles[t];
+    let i = triangles[t].xyz;
     let ray = frame.ray_corner.xyz + middle().x * frame.ray_x.xyz + middle().y * frame.ray_y.xyz;
     let a = points[i.x].xyz;
     let b = points[i.y].xyz;

@@ -39,8 +39,10 @@ fn test(index: u32, t: u32, exact: bool) {
     let k = index % frame.sample_count;
     if is_set(f, 1u, k) || (exact && !is_set(f, 2u, k)) { return; }
     let g = ground_of(f);
-    var what = blocks(g, ray_of_sample(g, k), t);
+    let r = ray_of_sample(g, k);
+    var what = blocks(g, r, t);
     if exact && what == DOUBTFUL { what = blocks_46(g, offset_of(k), t); }
+    if what == BLOCKED && lets_through(r, t) { what = FREE; }
     if what == BLOCKED { mark(f, 1u, k); }
     if what != DOUBTFUL { return; }
     let room = doubts();

@@ -2,13 +2,13 @@
 // compared by bounds of linear functions; what those leave open is computed from the corners. Where two
 // surfaces almost touch, the other one is kept as a rival; where more may, the sample is crowded.
 
-//@import frame pixel_ray eye_edges eye_view surface_step word_offsets
+//@import frame pixel_ray facing eye_edges eye_view surface_step word_offsets alpha
 //@needs override WORDS: u32;
 //@needs override SAMPLES: u32;
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples: array<vec4<f32>, 64>;
 //@needs var<uniform> step: SurfaceStep;
-//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> triangles: array<vec4<u32>>;
 //@needs var<storage, read> pixel_list: array<u32>;
 //@needs var<storage, read_write> sample_keys: array<u32>;
 //@needs var<storage, read_write> rivals_found: array<u32>;
@@ -25,13 +25,21 @@ var<private> crowded: u32;
 // The triangle that is tested, and the samples for which bounds do not tell; those of the triangles of a
 // batch.
 var<private> view: View;
+var<private> whole: bool;  // it has no holes
 var<private> open: u32;
 var<private> opens: array<u32, BATCH>;
 
 const BATCH = 8u;
 
 fn corners_of(t: u32) -> vec3<u32> {
-    return triangles[t];
+    return triangles[t].xyz;
+}
+
+// Whether an alpha-tested triangle has a hole where a ray from the eye meets it.
+fn is_hole(t: u32, u: Corners, ray: vec3<f32>) -> bool {
+    if ALPHA == 0u { return false; }
+    let word = triangles[t].w;
+    return is_tested(word) && !is_solid(word, u.a, u.b, u.c, vec3(0.0), ray);
 }
 
 fn sample_offset(k: u32) -> vec2<f32> {
@@ -76,7 +84,7 @@ fn look(k: u32, offset: vec2<f32>, t: u32) {
     let high = min(view.high + slope, view.highest);
     let low = max(view.low + slope, view.lowest);
     let matters = !(any(ahead) & any(behind)) & (high >= best_low[k]);
-    let sure = (all(ahead) | all(behind)) & (low > best_high[k]) & (high * frame.forward.w < 0.99999);
+    let sure = (all(ahead) | all(behind)) & (low > best_high[k]) & (high * frame.forward.w < 0.99999) & whole;
     open |= select(0u, 1u << k, matters & !sure);
     let takes = matters & sure;
     best_keys[k] = select(best_keys[k], ~t, takes);
@@ -96,7 +104,7 @@ fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
     let ray = ray_at(pixel, sample_offset(32u * step.word + k));
     let u = corners_at(corners_of(t));
     let depth = eye_depth(u, ray);
-    if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w { return; }
+    if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w || is_hole(t, u, ray) { return; }
     if is_near_open(depth) {
         // It may lie nearer than the near distance: as one of a crowd it is tested with 46 bits.
         crowded |= 1u << k;
@@ -131,6 +139,7 @@ fn decide(k: u32, t: u32, slot: u32, pixel: u32) {
 fn look_at(t: u32, count: u32, centre: vec3<f32>) {
     view = view_of(corners_at(corners_of(t)), centre);
     open = 0u;
+    whole = ALPHA == 0u || !is_tested(triangles[t].w);
     look_twice(0u, t);
     look_twice(1u, t);
     look_twice(2u, t);

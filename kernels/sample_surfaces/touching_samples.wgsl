@@ -36,8 +36,8 @@ fn settle_rivals_of(slot: u32) {
 }
 
 // Whether a triangle covers a ray beyond the near distance. `depth`: of its plane, with its doubt.
-fn is_there(u: Corners, ray: vec3<f32>, depth: vec2<f32>) -> bool {
-    if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w { return false; }
+fn is_there(t: u32, u: Corners, ray: vec3<f32>, depth: vec2<f32>) -> bool {
+    if !covers_ray(u, ray) || depth.x + depth.y < frame.forward.w || is_hole(t, u, ray) { return false; }
     if is_near_open(depth) { return is_beyond_near_46(u.i, ray); }
     return depth.x >= frame.forward.w;
 }
@@ -52,9 +52,10 @@ fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
         bound = depth.x + depth.y;
     }
     for (var n = first; n < end; n++) {
-        let u = corners_at(corners_of(pixel_list[n]));
+        let t = pixel_list[n];
+        let u = corners_at(corners_of(t));
         let depth = eye_depth(u, ray);
-        if depth.x + depth.y < bound && is_there(u, ray, depth) { bound = depth.x + depth.y; }
+        if depth.x + depth.y < bound && is_there(t, u, ray, depth) { bound = depth.x + depth.y; }
     }
     var best = known;
     var best_key = 0u;
@@ -63,7 +64,7 @@ fn nearest_of_crowd(ray: vec3<f32>, known: u32, first: u32, end: u32) -> u32 {
         let t = pixel_list[n];
         let u = corners_at(corners_of(t));
         let depth = eye_depth(u, ray);
-        if t == known || depth.x - depth.y > bound * (1.0 + 2.0 * TOUCHING) || !is_there(u, ray, depth) {
+        if t == known || depth.x - depth.y > bound * (1.0 + 2.0 * TOUCHING) || !is_there(t, u, ray, depth) {
             continue;
         }
         let key = key_46(u.i, ray, bound);

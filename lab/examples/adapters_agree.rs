@@ -131,8 +131,8 @@ fn main() -> Result<ExitCode> {
     for name in &arguments.scenes {
         let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
         let scene = Scene::open(name, &options)?;
-        let prepared = Prepared::new(&scene.mesh)?;
-        let tracer = Tracer::new(prepared.mesh())?;
+        let prepared = scene.prepared()?;
+        let tracer = Tracer::of(&prepared)?;
         for (count, facets, label) in
             counts.iter().flat_map(|&n| [(n, FacetMode::One, "one"), (n, FacetMode::All, "all")])
         {

@@ -9,7 +9,7 @@ use lab::scene::{Scene, SceneOptions};
 use oracle::truth::{SceneTruth, Tracer};
 use std::path::PathBuf;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::{PixelFilter, Prepared, Settings};
+use subpixel_shadows::methods::{PixelFilter, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::{Error, Result};
@@ -35,7 +35,7 @@ fn main() -> Result<()> {
     let corner = [x.min(SIZE[0] - SIDE), y.min(SIZE[1] - SIDE)];
     let gpu = Gpu::open(None)?;
     let scene = Scene::open(name, &SceneOptions::default())?;
-    let prepared = Prepared::new(&scene.mesh)?;
+    let prepared = scene.prepared()?;
     let tracer = Tracer::new(&scene.mesh)?;
     let samples = Samples::new(Pattern::LowDiscrepancy, 32)?;
     let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &samples, SIZE[0], SIZE[1])?;

@@ -36,8 +36,8 @@ fn main() -> Result<()> {
 
 fn table(gpu: &Gpu, scene: &Scene, size: [u32; 2], map: u32) -> Result<()> {
     let samples = Samples::new(Pattern::LowDiscrepancy, 32)?;
-    let prepared = Prepared::new(&scene.mesh)?;
-    let tracer = Tracer::new(prepared.mesh())?;
+    let prepared = scene.prepared()?;
+    let tracer = Tracer::of(&prepared)?;
     let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &samples, size[0], size[1])?.image(None);
     let settings = |facets| Settings { facets, ..Settings::new(size, map, samples.clone()) };
     let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };

@@ -79,7 +79,7 @@ fn main() -> Result<()> {
     }
     let settings =
         Settings { facets: FacetMode::All, ..Settings::new([640, 480], 1024, Samples::new(Pattern::default(), 8)?) };
-    let given = meshes.each_ref().map(|m| CasterMesh { positions: &m.positions, triangles: &m.triangles });
+    let given = meshes.each_ref().map(|m| CasterMesh::new(&m.positions, &m.triangles));
     let started = Instant::now();
     let by_transforms = Casters::Instanced { meshes: &given, instances: &instances };
     let mut by_transforms = ShadowPass::new(

@@ -45,7 +45,7 @@ fn run(words: &[String]) -> Result<()> {
     for name in names {
         let ground = !name.ends_with(".toml");
         let scene = Scene::open(name, &SceneOptions { ground, ..SceneOptions::default() })?;
-        let prepared = Prepared::new(&scene.mesh)?;
+        let prepared = scene.prepared()?;
         let start = Instant::now();
         let rays = CpuRays::new(&prepared)?;
         let triangles = prepared.mesh().triangles.len();

@@ -11,7 +11,7 @@ use lab::scene::{Scene, SceneOptions};
 use median::median;
 use std::collections::BTreeMap;
 use subpixel_shadows::gpu::{Gpu, StageTime};
-use subpixel_shadows::methods::{MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{MethodName, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::{Error, Result};
@@ -78,7 +78,7 @@ fn main() -> Result<()> {
     );
     for name in &scenes {
         let scene = Scene::open(name, &SceneOptions::default())?;
-        let prepared = Prepared::new(&scene.mesh)?;
+        let prepared = scene.prepared()?;
         println!("| {name}, map | method | stages, ms | map and query, ms | ratio | frame, ms | ratio |");
         println!("|---|---|---|---|---|---|---|");
         for &map in &maps {

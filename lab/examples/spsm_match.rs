@@ -12,7 +12,7 @@ use lab::scene::{Scene, SceneOptions};
 use oracle::truth::{SceneTruth, Tracer};
 use std::path::Path;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::{MethodName, Prepared, Settings, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::methods::{MethodName, Settings, SpsmEncoding, SpsmSettings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::{Error, Result};
@@ -100,9 +100,9 @@ fn main() -> Result<()> {
     println!("|---|---|---|---|---|---|---|---|---|---|{}", more[1]);
     for name in &scenes {
         let scene = Scene::open(name, &SceneOptions { ground, ..SceneOptions::default() })?;
-        let prepared = Prepared::new(&scene.mesh)?;
+        let prepared = scene.prepared()?;
         let samples = Samples::new(Pattern::default(), samples)?;
-        let tracer = Tracer::new(prepared.mesh())?;
+        let tracer = Tracer::of(&prepared)?;
         let truth = SceneTruth::new(&tracer, &scene.camera, &scene.light, &samples, SIZE[0], SIZE[1])?.image(None);
         let wanted = truth.visibility();
         for &map in &maps {

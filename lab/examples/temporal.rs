@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use subpixel_shadows::glam::{DQuat, DVec3, Vec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light};
@@ -120,8 +120,8 @@ fn main() -> Result<()> {
     let start = Instant::now();
     for name in &arguments.scenes {
         let scene = Scene::open(name, &SceneOptions { ground: arguments.ground, ..SceneOptions::default() })?;
-        let prepared = Prepared::new(&scene.mesh)?;
-        let tracer = Tracer::new(prepared.mesh())?;
+        let prepared = scene.prepared()?;
+        let tracer = Tracer::of(&prepared)?;
         let mut series = Vec::new();
         for moved in ["light", "camera"] {
             let mut renderers = Vec::new();

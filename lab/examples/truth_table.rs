@@ -12,7 +12,7 @@ use std::time::Instant;
 use subpixel_shadows::Result;
 use subpixel_shadows::glam::{DQuat, DVec3, Vec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -71,8 +71,8 @@ fn main() -> Result<()> {
     for name in &arguments.scenes {
         let options = SceneOptions { ground: arguments.ground, ..SceneOptions::default() };
         let scene = Scene::open(name, &options)?;
-        let prepared = Prepared::new(&scene.mesh)?;
-        let tracer = Tracer::new(prepared.mesh())?;
+        let prepared = scene.prepared()?;
+        let tracer = Tracer::of(&prepared)?;
         let bounds = prepared.mesh().bounds().unwrap_or_default();
         for (view, camera) in [("own", scene.camera), ("other side", other_side(&scene.camera))] {
             for (kind, light) in [("own", scene.light), ("spot", spot(&scene.light, bounds))] {

@@ -99,7 +99,7 @@ fn main() -> Result<()> {
         prepared.mesh().triangles.len()
     );
     let settings = Settings::new(size, arguments.map, samples);
-    let tracer = Tracer::new(prepared.mesh())?;
+    let tracer = Tracer::of(&prepared)?;
     let traced = TracedScene::new(&tracer, &CAMERA, &LIGHT, &settings, None)?;
     let modes = [FacetMode::One, FacetMode::All];
     let mut renderers = Vec::new();

@@ -9,7 +9,7 @@ mod row;
 use axes::{Axis, Sizes, axes};
 use row::{COLUMNS, Figure, Row, slope};
 use subpixel_shadows::gpu::KeptPrograms;
-use subpixel_shadows::methods::{MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{MethodName, Settings};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -20,7 +20,7 @@ fn counted(axis: &Axis) -> Vec<Row> {
     let programs = KeptPrograms::default();
     let count = |point: &axes::Point| {
         let scene = point.scene().expect("a scene");
-        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let prepared = scene.prepared().expect("a sound mesh");
         let samples = Samples::new(Pattern::LowDiscrepancy, point.samples).expect("a pattern");
         let wanted = Settings { cull_back: true, ..Settings::new(point.size, point.map, samples) };
         let method = MethodName::FacetMasks;

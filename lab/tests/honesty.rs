@@ -243,7 +243,7 @@ mod gpu {
     use super::*;
     use lab::scene::{Scene, SceneOptions};
     use subpixel_shadows::gpu::Gpu;
-    use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
+    use subpixel_shadows::methods::{FacetMode, Settings};
     use subpixel_shadows::render::{Budget, Output, Renderer};
     use subpixel_shadows::samples::{Pattern, Samples};
     use subpixel_shadows::scene::Light;
@@ -350,7 +350,7 @@ mod gpu {
     fn unshadowed_frames_are_as_fresh_ones() {
         let gpu = Gpu::open(None).expect("a GPU");
         let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
-        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let prepared = scene.prepared().expect("a sound mesh");
         let settings = Settings::new([48, 36], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
         let mut aside = scene.camera;
         aside.target = [scene.camera.target[0] + 3.0, scene.camera.target[1] + 1.0, scene.camera.target[2]];
@@ -409,7 +409,7 @@ mod gpu {
         // Of a light at a point slices have no warp.
         let sun = Light::Directional { direction: [0.4, 1.0, 0.3] };
         let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
-        let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+        let prepared = scene.prepared().expect("a sound mesh");
         let default = Settings::new([64, 48], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
         for method in MethodName::ALL {
             let of = |settings: &Settings, light: &Light| {

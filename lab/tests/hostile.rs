@@ -9,7 +9,7 @@ use oracle::engine::{self, CpuRequest};
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
-use subpixel_shadows::methods::{Prepared, Settings};
+use subpixel_shadows::methods::Settings;
 use subpixel_shadows::samples::{Pattern, Samples};
 use test_support::gpu_test;
 
@@ -21,13 +21,8 @@ fn settings() -> Settings {
 fn render(path: &Path) -> Result<usize, String> {
     let run = || {
         let scene = Scene::open(path.to_str().expect("UTF-8"), &SceneOptions::default())?;
-        let frame = engine::render(
-            &Prepared::new(&scene.mesh)?,
-            &settings(),
-            &scene.camera,
-            &scene.light,
-            CpuRequest::default(),
-        )?;
+        let frame =
+            engine::render(&scene.prepared()?, &settings(), &scene.camera, &scene.light, CpuRequest::default())?;
         assert!(frame.output.visibility.iter().all(|v| (0.0..=1.0).contains(v)), "{}", path.display());
         Ok(scene.mesh.triangles.len())
     };

@@ -153,6 +153,15 @@ impl<T: Pod> Buffer<T> {
         }
     }
 
+    /// Writes `data` into the room behind the elements that count ([`Buffer::with_room`]), the first as element `first`; nothing where it does
+    /// not hold all of it.
+    pub(crate) fn write_behind(&self, queue: &wgpu::Queue, first: usize, data: &[T]) {
+        let size = size_of::<T>() as u64;
+        if first >= self.len && (first + data.len()) as u64 * size <= self.bytes() {
+            queue.write_buffer(&self.raw, first as u64 * size, bytemuck::cast_slice(data));
+        }
+    }
+
     /// Reads all elements back, waiting for the GPU.
     ///
     /// # Errors

@@ -9,16 +9,21 @@ pub mod camera_visibility {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
         "shared/frame/pixel_ray", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
         "shared/frame/facing_46", "shared/facet/eye_order_46", "shared/raster/rect", "shared/raster/work_items",
-        "shared/raster/span", "camera_visibility/camera_raster", "shared/frame/frame_copy", "camera_visibility",
+        "shared/raster/span", "camera_visibility/camera_raster", "shared/alpha", "shared/frame/frame_copy",
+        "camera_visibility",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
         NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8,
-        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64, SETTLED = 2147483648,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3,
+        WORKGROUP = 64, SETTLED = 2147483648,
     }
-    entry_point! { "camera_visibility", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
+    overrides! {
+        alpha: u32 = 0, "ALPHA",
+    }
+    entry_point! { "camera_visibility", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
         2 triangles: Read<'a, [u32; 4]>,
@@ -29,12 +34,12 @@ pub mod camera_visibility {
         7 id_keys: Write<'a, u32>,
         8 doubts: Write<'a, u32>,
     } }
-    entry_point! { "camera_visibility", "ask", [1, 1, 1], SOURCE, () => Ask, AskProgram {
+    entry_point! { "camera_visibility", "ask", [1, 1, 1], SOURCE, Constants => Ask, AskProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         5 work_offsets: Read<'a, u32>,
         8 doubts: Write<'a, u32>,
     } }
-    entry_point! { "camera_visibility", "settle", [64, 1, 1], SOURCE, () => Settle, SettleProgram {
+    entry_point! { "camera_visibility", "settle", [64, 1, 1], SOURCE, Constants => Settle, SettleProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
         2 triangles: Read<'a, [u32; 4]>,
@@ -44,7 +49,7 @@ pub mod camera_visibility {
         8 doubts: Write<'a, u32>,
         9 positions: Read<'a, [f32; 4]>,
     } }
-    entry_point! { "camera_visibility", "settle_all", [64, 1, 1], SOURCE, () => SettleAll, SettleAllProgram {
+    entry_point! { "camera_visibility", "settle_all", [64, 1, 1], SOURCE, Constants => SettleAll, SettleAllProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
         2 triangles: Read<'a, [u32; 4]>,
@@ -56,7 +61,7 @@ pub mod camera_visibility {
         8 doubts: Write<'a, u32>,
         9 positions: Read<'a, [f32; 4]>,
     } }
-    entry_point! { "camera_visibility", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
+    entry_point! { "camera_visibility", "take", [64, 1, 1], SOURCE, Constants => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         6 keys: Write<'a, u32>,
         7 id_keys: Write<'a, u32>,
@@ -428,16 +433,17 @@ pub mod light_layers {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span", "shared/raster/block_bits",
-        "shared/frame/facing", "shared/raster/undivided", "shared/frame/frame_copy", "light_layers",
+        "shared/frame/facing", "shared/raster/undivided", "shared/alpha", "shared/frame/frame_copy", "light_layers",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
         FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
         NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0,
-        BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
     }
     overrides! {
+        alpha: u32 = 0, "ALPHA",
         both: u32 = 1, "BOTH",
     }
     entry_point! { "light_layers", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
@@ -464,8 +470,8 @@ pub mod light_layers {
     } }
     group! { Blocks {
         work_offsets: Read<'a, u32>,
-        frame: Uniform<'a, crate::frame::Frame>,
         triangles: Read<'a, [u32; 4]>,
+        frame: Uniform<'a, crate::frame::Frame>,
         map_points: Read<'a, [f32; 4]>,
         light_rects: Read<'a, [u32; 2]>,
         nearest_keys: Write<'a, u32>,
@@ -474,9 +480,9 @@ pub mod light_layers {
         facing: Read<'a, u32>,
     } }
     subset! { Raster => RasterNearest { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
-    subset! { Raster => Blocks { work_offsets, frame, triangles, map_points, light_rects, nearest_keys, second_keys, mask, facing } }
+    subset! { Raster => Blocks { work_offsets, triangles, frame, map_points, light_rects, nearest_keys, second_keys, mask, facing } }
     subset! { RasterNearest => Raster { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
-    subset! { RasterNearest => Blocks { work_offsets, frame, triangles, map_points, light_rects, nearest_keys, second_keys, mask, facing } }
+    subset! { RasterNearest => Blocks { work_offsets, triangles, frame, map_points, light_rects, nearest_keys, second_keys, mask, facing } }
     subset! { Blocks => Raster { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
     subset! { Blocks => RasterNearest { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
     entries! {
@@ -1026,7 +1032,7 @@ pub mod sample_bins {
         "shared/raster/rect", "shared/raster/work_items", "shared/raster/undivided", "shared/raster/conservative",
         "shared/raster/span", "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing",
         "shared/math/double_float", "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/map_ends",
-        "shared/frame/frame_copy", "shared/lines/shadow_lines", "shared/lines/shadow_lines_46",
+        "shared/frame/frame_copy", "shared/lines/shadow_lines", "shared/lines/shadow_lines_46", "shared/alpha",
         "shared/lines/shadow_ray", "sample_bins/mesh_caster", "sample_bins/bin_tests", "sample_bins",
     }
     constants! {
@@ -1036,10 +1042,12 @@ pub mod sample_bins {
         NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3,
         FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
         STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
-        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, FREE = 0, BLOCKED = 1, DOUBTFUL = 2,
-        CROWD = 2048, WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
+        ALPHA_WRAP_Y = 3, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, CROWD = 2048, WORKGROUP = 64, LANES = 8,
+        MOST_SAMPLES = 2097152,
     }
     overrides! {
+        alpha: u32 = 0, "ALPHA",
         words: u32 = 1, "WORDS",
     }
     entry_point! { "sample_bins", "bin", [64, 1, 1], SOURCE, Constants => Bin, BinProgram {
@@ -1172,9 +1180,9 @@ pub mod sample_surfaces {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
         "shared/frame/facing_46", "shared/facet/eye_edges", "sample_surfaces/eye_view",
-        "sample_surfaces/surface_step", "sample_surfaces/word_offsets", "sample_surfaces/nearest_sample",
-        "shared/facet/eye_order_46", "shared/frame/frame_copy", "sample_surfaces/surface_groups",
-        "sample_surfaces/touching_samples", "sample_surfaces",
+        "sample_surfaces/surface_step", "sample_surfaces/word_offsets", "shared/alpha",
+        "sample_surfaces/nearest_sample", "shared/facet/eye_order_46", "shared/frame/frame_copy",
+        "sample_surfaces/surface_groups", "sample_surfaces/touching_samples", "sample_surfaces",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1182,11 +1190,12 @@ pub mod sample_surfaces {
         FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
         NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
         STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
-        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BATCH = 8,
-        WORKGROUP = 64, SEVERAL = 2147483648,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
+        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, BATCH = 8, WORKGROUP = 64, SEVERAL = 2147483648,
     }
     overrides! {
         words: u32 = 1, "WORDS",
+        alpha: u32 = 0, "ALPHA",
         samples: u32 = 32, "SAMPLES",
         round_length: u32 = 512, "ROUND_LENGTH",
         merge: u32 = 0, "MERGE",
@@ -1404,7 +1413,7 @@ pub mod shadow_rays {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
         "shared/frame/facing_46", "shadow_rays/caster_tree", "shared/frame/frame_copy", "shared/lines/shadow_lines",
-        "shared/lines/shadow_lines_46", "shared/lines/shadow_ray", "shadow_rays/leaf_caster",
+        "shared/lines/shadow_lines_46", "shared/alpha", "shared/lines/shadow_ray", "shadow_rays/leaf_caster",
         "shadow_rays/ray_doubts", "shadow_rays/facet_cut", "shadow_rays",
     }
     constants! {
@@ -1414,9 +1423,11 @@ pub mod shadow_rays {
         NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
         STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
         WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, STACK = 24,
-        MOST_STEPS = 60000, INNER = 4278190080, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, WORK_HEAD = 4, WORKGROUP = 64,
+        MOST_STEPS = 60000, INNER = 4278190080, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, FREE = 0,
+        BLOCKED = 1, DOUBTFUL = 2, TESTED = 2147483648, WORK_HEAD = 4, WORKGROUP = 64,
     }
     overrides! {
+        alpha: u32 = 0, "ALPHA",
         words: u32 = 1, "WORDS",
     }
     entry_point! { "shadow_rays", "trace", [64, 1, 1], SOURCE, Constants => Trace, TraceProgram {
@@ -2144,7 +2155,7 @@ pub mod visibility_masks {
         "shared/frame/facing_46", "shared/raster/candidates", "shared/frame/frame_copy",
         "shared/lines/shadow_lines", "shared/lines/shadow_lines_46", "shared/frame/sample_copy",
         "visibility_masks/sample_masks", "visibility_masks/two_step", "visibility_masks/facet_masks",
-        "visibility_masks",
+        "shared/alpha", "visibility_masks/solid_samples", "visibility_masks",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2154,7 +2165,7 @@ pub mod visibility_masks {
         STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
         WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536,
         TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5,
-        WORKGROUP = 64, CUT_GROUPS = 256,
+        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64, CUT_GROUPS = 256,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",
@@ -2162,6 +2173,7 @@ pub mod visibility_masks {
         angles: u32 = 0, "ANGLES",
         offsets: u32 = 0, "OFFSETS",
         cuts: u32 = 1, "CUTS",
+        alpha: u32 = 0, "ALPHA",
         two_step: u32 = 0, "TWO_STEP",
     }
     entry_point! { "visibility_masks", "cut_facets", [64, 1, 1], SOURCE, Constants => CutFacets, CutFacetsProgram {

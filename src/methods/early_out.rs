@@ -64,7 +64,7 @@ impl EarlyOut {
     pub fn new(parts: MethodParts, scan: &PrefixScan, settle: bool) -> Result<Self> {
         let MethodParts { device, queue, prepared, settings, .. } = parts;
         settings.check()?;
-        let tree = CasterTree::new(&prepared.mesh)?;
+        let tree = CasterTree::with_alpha(&prepared.mesh, prepared.alpha())?;
         let (pixels, words) = (settings.pixels(), settings.samples.words());
         Ok(Self {
             frame: Buffer::uniform(device, "settled.frame", 1)?,

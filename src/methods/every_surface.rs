@@ -37,12 +37,12 @@ pub struct SurfacePipelines {
 }
 
 impl SurfacePipelines {
-    /// Builds them for so many samples a pixel.
-    pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
+    /// Builds them for so many samples a pixel; `alpha`: triangles may be alpha-tested.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32, alpha: bool) -> Self {
         Self {
             triangles: PixelTriangles::new(device, scan),
             compact: Compact::new(device, scan),
-            surfaces: SampleSurfaces::for_any(device, scan, samples),
+            surfaces: SampleSurfaces::for_any(device, scan, samples, alpha),
             fold: DispatchArgs::new(device),
         }
     }

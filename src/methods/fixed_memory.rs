@@ -216,7 +216,7 @@ impl FixedMemory {
             TexelQuery::Samples => Box::new(Supersampled::new(parts)?),
         };
         Ok(Self {
-            with: GeometryPipelines::new(device),
+            with: GeometryPipelines::new(device, settings.alpha_tested),
             geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.map as usize)?,
             settings,
             frame: Buffer::uniform(device, "frame", 1)?,

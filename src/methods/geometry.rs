@@ -24,12 +24,12 @@ pub struct GeometryPipelines {
 }
 
 impl GeometryPipelines {
-    /// Builds the pipelines.
-    pub fn new(device: &wgpu::Device) -> Self {
+    /// Builds the pipelines; `alpha`: triangles may be alpha-tested.
+    pub fn new(device: &wgpu::Device, alpha: bool) -> Self {
         Self {
             project: VertexProject::new(device),
             setup: TriangleSetup::new(device),
-            visibility: CameraVisibility::new(device),
+            visibility: CameraVisibility::specialised(device, alpha),
             work: ListWork::new(device, &PrefixScan::new(device)),
         }
     }

@@ -5,13 +5,13 @@ use crate::gpu::Buffer;
 use crate::light_view::MeshAndTree;
 use crate::scene::adjacency::{Adjacency, Edge};
 use crate::scene::mesh_tree::MeshTree;
-use crate::scene::{Camera, Light, Mesh};
+use crate::scene::{AlphaTested, Camera, Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::OnceLock;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
+use std::sync::{Arc, OnceLock};
 
 /// A mesh in canonical order with its edges.
 #[derive(Clone, Debug)]
@@ -27,6 +27,8 @@ pub struct Prepared {
     pub bodies: Vec<bool>,
     /// Lowest triangle of each triangle's surface: the edge-connected ones that lie in one plane, exactly.
     pub surfaces: Vec<u32>,
+    /// Its triangles that are alpha-tested.
+    pub(crate) alpha: Arc<AlphaTested>,
     tree: OnceLock<MeshTree>,
     pub(crate) known: KnownFacts,
 }
@@ -73,14 +75,40 @@ impl Prepared {
     /// # Errors
     /// As [`Mesh::check`].
     pub fn new(mesh: &Mesh) -> Result<Self> {
-        mesh.check("mesh")?;
-        let (mesh, given) = mesh.canonical();
-        let Adjacency { edges, closed, bodies, surfaces, .. } = Adjacency::of(&mesh);
-        Ok(Self { mesh, given, edges, closed, bodies, surfaces, tree: OnceLock::new(), known: KnownFacts::default() })
+        Self::with_alpha(mesh, &AlphaTested::default())
     }
 
-    /// Of prepared parts, of which nothing is known together: triangles that were given, edges.
-    pub(crate) fn of_parts(mesh: Mesh, given: Vec<u32>, edges: Vec<Edge>) -> Self {
+    /// As [`Prepared::new`], where some of the triangles have holes.
+    ///
+    /// # Errors
+    /// As [`Mesh::check`] and [`AlphaTested::check`].
+    pub fn with_alpha(mesh: &Mesh, alpha: &AlphaTested) -> Result<Self> {
+        mesh.check("mesh")?;
+        alpha.check(mesh)?;
+        let (canonical, given) = mesh.canonical();
+        let alpha = if alpha.is_empty() { alpha.clone() } else { alpha.renumbered(mesh, &canonical, &given) };
+        let alone: Vec<u32> = alpha.triangles.iter().map(|of| of.triangle).collect();
+        let Adjacency { edges, closed, bodies, surfaces, .. } = Adjacency::but_for(&canonical, &alone);
+        Ok(Self {
+            mesh: canonical,
+            given,
+            edges,
+            closed,
+            bodies,
+            surfaces,
+            alpha: Arc::new(alpha),
+            tree: OnceLock::new(),
+            known: KnownFacts::default(),
+        })
+    }
+
+    /// Its triangles that are alpha-tested, by their numbers here.
+    pub fn alpha(&self) -> &AlphaTested {
+        &self.alpha
+    }
+
+    /// Of prepared parts, of which nothing is known together: triangles that were given, edges, and which are alpha-tested.
+    pub(crate) fn of_parts(mesh: Mesh, given: Vec<u32>, edges: Vec<Edge>, alpha: AlphaTested) -> Self {
         let triangles = mesh.triangles.len();
         Self {
             mesh,
@@ -89,6 +117,7 @@ impl Prepared {
             closed: false,
             bodies: vec![false; triangles],
             surfaces: (0..triangles as u32).collect(),
+            alpha: Arc::new(alpha),
             tree: OnceLock::new(),
             known: KnownFacts::default(),
         }
@@ -96,7 +125,7 @@ impl Prepared {
 
     /// The same without the lists that only an upload asks for.
     pub(crate) fn geometry(&self) -> Self {
-        let Self { mesh, closed, bodies, tree, known, .. } = self;
+        let Self { mesh, closed, bodies, alpha, tree, known, .. } = self;
         Self {
             mesh: mesh.clone(),
             given: Vec::new(),
@@ -104,6 +133,7 @@ impl Prepared {
             closed: *closed,
             bodies: bodies.clone(),
             surfaces: Vec::new(),
+            alpha: alpha.clone(),
             tree: tree.clone(),
             known: known.clone(),
         }
@@ -163,7 +193,7 @@ impl Prepared {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<CasterBuffers> {
-        let (positions, triangles) = surfaces(device, queue, &self.mesh, &self.bodies, 0)?;
+        let (positions, triangles) = surfaces(device, queue, self, 0)?;
         Ok(CasterBuffers {
             positions,
             triangles,
@@ -194,27 +224,32 @@ pub fn padded<T: Copy + Default>(elements: &[[T; 3]]) -> Vec<[T; 4]> {
     elements.iter().map(|&[x, y, z]| [x, y, z, T::default()]).collect()
 }
 
-/// Triangles as kernels read them; the fourth word is 1 where `bodies` says that the triangle is of a closed body.
-pub fn marked_triangles(triangles: &[[u32; 3]], bodies: &[bool]) -> Vec<[u32; 4]> {
-    let of_body = bodies.iter().copied().chain(std::iter::repeat(false));
-    triangles.iter().zip(of_body).map(|(&[a, b, c], body)| [a, b, c, u32::from(body)]).collect()
+/// Triangles as kernels read them; the fourth word is 1 for one of a closed body, one more than the number of the element where an
+/// alpha-tested one is told of, of which `first` is the first, and 0 for others.
+pub fn marked_triangles(prepared: &Prepared, first: usize) -> Vec<[u32; 4]> {
+    let of_body = prepared.bodies.iter().copied().chain(std::iter::repeat(false));
+    let marked = prepared.mesh.triangles.iter().zip(of_body).map(|(&[a, b, c], body)| [a, b, c, u32::from(body)]);
+    let mut marked: Vec<[u32; 4]> = marked.collect();
+    for (k, of) in prepared.alpha.triangles.iter().enumerate() {
+        marked[of.triangle as usize][3] = (first + 2 * k + 1) as u32;
+    }
+    marked
 }
 
-/// Uploads positions and triangles, of which `bodies` tells those of closed bodies, with room behind them for `room` triangles
-/// with vertices of their own.
+/// Uploads positions and triangles, with room behind them for `room` triangles with vertices of their own, and behind that what kernels know
+/// of alpha-tested triangles.
 ///
 /// # Errors
 /// As [`Buffer::storage`].
-pub fn surfaces(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    mesh: &Mesh,
-    bodies: &[bool],
-    room: usize,
-) -> Result<MeshBuffers> {
-    let (positions, triangles) = (padded(&mesh.positions), marked_triangles(&mesh.triangles, bodies));
+pub fn surfaces(device: &wgpu::Device, queue: &wgpu::Queue, prepared: &Prepared, room: usize) -> Result<MeshBuffers> {
+    let Prepared { mesh, alpha, .. } = prepared;
+    let first = mesh.triangles.len() + room;
+    let (positions, marked) = (padded(&mesh.positions), marked_triangles(prepared, first));
     let positions = Buffer::with_room(device, queue, "casters.positions", &positions, 3 * room)?;
-    let triangles = Buffer::with_room(device, queue, "casters.triangles", &triangles, room)?;
+    let triangles = Buffer::with_room(device, queue, "casters.triangles", &marked, room + alpha.elements())?;
+    if !alpha.is_empty() {
+        triangles.write_behind(queue, first, &alpha.packed(first as u32));
+    }
     Ok((positions, triangles))
 }
 
@@ -223,7 +258,8 @@ pub fn surfaces(
 pub struct CasterBuffers {
     /// Positions, world units, and 0.
     pub positions: Buffer<[f32; 4]>,
-    /// Vertex indices of each triangle, and 1 where it is of a closed body ([`Prepared::bodies`]), else 0.
+    /// Vertex indices of each triangle, and 1 where it is of a closed body ([`Prepared::bodies`]), else 0; or where among the elements behind
+    /// the last triangle an alpha-tested one is told of.
     pub triangles: Buffer<[u32; 4]>,
     /// Edges with their two triangles.
     pub edges: Buffer<Edge>,

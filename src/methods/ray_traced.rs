@@ -34,7 +34,7 @@ impl RayTraced {
         let settle = settings.ray_traced.silhouettes && settings.settle;
         Ok(Self {
             settled: EarlyOut::new(parts, &scan, settle)?,
-            rays: ShadowRays::new(device, &scan, settings.samples.words()),
+            rays: ShadowRays::specialised(device, &scan, settings.samples.words(), settings.alpha_tested),
             work: RayLists::new(device, queue, settings.pixels(), settings.samples.count())?,
         })
     }

@@ -282,6 +282,9 @@ pub struct Settings {
     /// Make no blocks of the light's maps but those that the facets ask for, where the camera may see but a part of the scene, and there are
     /// many triangles beside the pixels. Maps that are kept for frames to come are made whole.
     pub request_blocks: bool,
+    /// Triangles may be [alpha-tested](crate::scene::AlphaTested); of all methods but `spsm`. A pass of casters of which some are has it set, and so has a
+    /// renderer; a pass that shall take such casters later needs it from the beginning.
+    pub alpha_tested: bool,
     /// How the samples of a pixel, and with all but a box those of the pixels around it, are weighted into its visibility. Of `facet-masks`,
     /// whose lit masks are the same with each; others take a box.
     pub filter: PixelFilter,
@@ -410,6 +413,7 @@ impl Settings {
             cull_back: false,
             hide_backs: true,
             request_blocks: true,
+            alpha_tested: false,
             filter: PixelFilter::Box,
             masks: MaskVariant::Exact,
             pairs: PairVariant::default(),

@@ -98,7 +98,7 @@ impl ShadowMapping {
                 _ => 2.0,
             },
             size: settings.map,
-            layers: LightLayers::nearest_only(device),
+            layers: LightLayers::nearest_only(device, settings.alpha_tested),
             map: Layers::nearest_only(device, settings.map as usize)?,
             ask: Ask::new(device, settings, query)?,
             visibility: Buffer::storage(device, "shadow_map.visibility", settings.pixels())?,

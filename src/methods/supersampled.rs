@@ -35,9 +35,9 @@ impl Supersampled {
         let scan = PrefixScan::new(device);
         Ok(Self {
             settled: EarlyOut::new(parts, &scan, false)?,
-            test: SampleBins::new(device, &scan, settings.samples.words()),
+            test: SampleBins::specialised(device, &scan, settings.samples.words(), settings.alpha_tested),
             bins: Bins::new(device, queue, settings.map as usize, pixels, count)?,
-            cut: ShadowRays::new(device, &scan, settings.samples.words()),
+            cut: ShadowRays::specialised(device, &scan, settings.samples.words(), settings.alpha_tested),
             cut_work: RayLists::with_doubts(device, queue, pixels, count, 0)?,
         })
     }

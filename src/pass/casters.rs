@@ -4,9 +4,9 @@ use super::Casters;
 use super::inputs::{CasterMesh, Inputs};
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::prepared::{CasterBuffers, MeshBuffers, Prepared, padded};
-use crate::scene::Mesh;
 use crate::scene::adjacency::{Edge, NO_TRIANGLE};
 use crate::scene::weld::{UNUSED, weld};
+use crate::scene::{AlphaTested, Mesh, TestedTriangle};
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::instance_positions::InstancePositions;
 use crate::{Error, Result};
@@ -35,12 +35,27 @@ impl CasterSet {
     /// Checks, prepares and uploads them.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters) -> Result<Self> {
         let slice = |label: &str, data: &[[u32; 2]]| Buffer::from_slice(device, queue, label, data);
+        let whole = AlphaTested::default();
+        let (casters, tested) = match *casters {
+            Casters::AlphaTested { casters, tested } => (casters, tested),
+            _ => (casters, &whole),
+        };
         let (mut prepared, moves) = match *casters {
-            Casters::Static { positions, triangles } => (Prepared::new(&checked(positions, triangles)?)?, None),
+            Casters::AlphaTested { .. } => {
+                return Err(Error::Config("casters: alpha-tested ones among alpha-tested ones".to_owned()));
+            }
+            Casters::Instanced { .. } if !tested.is_empty() => {
+                return Err(Error::Config(
+                    "instances: which triangles are alpha-tested is said by their meshes".to_owned(),
+                ));
+            }
+            Casters::Static { positions, triangles } => {
+                (Prepared::with_alpha(&checked(positions, triangles)?, tested)?, None)
+            }
             Casters::Moving { rest, triangles } => {
                 let given = checked(rest, triangles)?;
                 let moves = Moves::Vertices(slice("casters.places", &places(&given))?);
-                (Prepared::new(&given)?, Some(moves))
+                (Prepared::with_alpha(&given, tested)?, Some(moves))
             }
             Casters::Instanced { meshes, instances } => {
                 let Instances { prepared, sources, vertices } = Instances::new(meshes, instances)?;
@@ -144,10 +159,10 @@ struct Instances {
 
 impl Instances {
     fn new(meshes: &[CasterMesh], instances: &[u32]) -> Result<Self> {
-        let of_mesh = |(k, mesh): (usize, &CasterMesh)| {
-            let mesh = Mesh { positions: mesh.positions.to_vec(), triangles: mesh.triangles.to_vec() };
+        let of_mesh = |(k, given): (usize, &CasterMesh)| {
+            let mesh = Mesh { positions: given.positions.to_vec(), triangles: given.triangles.to_vec() };
             mesh.check(&format!("mesh {k} of the casters"))?;
-            Prepared::new(&mesh)
+            Prepared::with_alpha(&mesh, given.alpha.unwrap_or(&AlphaTested::default()))
         };
         let meshes = meshes.iter().enumerate().map(of_mesh).collect::<Result<Vec<_>>>()?;
         let vertices: Vec<[f32; 3]> = meshes.iter().flat_map(|m| m.mesh().positions.iter().copied()).collect();
@@ -155,11 +170,19 @@ impl Instances {
             .iter()
             .scan(0, |next, m| Some(std::mem::replace(next, *next + m.mesh().positions.len() as u32)))
             .collect();
+        let mut alpha = AlphaTested::default();
+        let mut maps = Vec::with_capacity(meshes.len());
+        for mesh in &meshes {
+            maps.push(alpha.maps.len() as u32);
+            alpha.maps.extend_from_slice(&mesh.alpha().maps);
+        }
         let refuse = |message| Err(Error::Mesh { name: "casters".to_owned(), message });
         let mut all = Mesh::default();
         let (mut sources, mut given, mut edges) = (Vec::new(), Vec::new(), Vec::new());
         for (instance, &of) in (0..).zip(instances) {
-            let Some((mesh, first)) = meshes.get(of as usize).zip(firsts.get(of as usize)) else {
+            let Some(((mesh, first), map)) =
+                meshes.get(of as usize).zip(firsts.get(of as usize)).zip(maps.get(of as usize))
+            else {
                 let have = meshes.len();
                 return refuse(format!("instance {instance} is of mesh {of}, there are {have}"));
             };
@@ -172,6 +195,11 @@ impl Instances {
             all.positions.extend_from_slice(positions);
             all.triangles.extend(mesh.mesh().triangles.iter().map(|t| t.map(|v| v + vertex)));
             sources.extend((0..positions.len() as u32).map(|v| [first + v, instance]));
+            alpha.triangles.extend(mesh.alpha().triangles.iter().map(|of| TestedTriangle {
+                triangle: of.triangle + triangle,
+                map: of.map + map,
+                ..*of
+            }));
             given.extend(mesh.given.iter().map(|t| t + triangle));
             edges.extend(mesh.edges.iter().map(|e| Edge {
                 v0: e.v0 + vertex,
@@ -180,6 +208,6 @@ impl Instances {
                 t1: if e.t1 == NO_TRIANGLE { NO_TRIANGLE } else { e.t1 + triangle },
             }));
         }
-        Ok(Self { prepared: Prepared::of_parts(all, given, edges), sources, vertices })
+        Ok(Self { prepared: Prepared::of_parts(all, given, edges, alpha), sources, vertices })
     }
 }

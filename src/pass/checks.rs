@@ -3,6 +3,7 @@
 use super::casters::Moves;
 use super::textures::ImagePart;
 use super::{Casters, GBuffer, Inputs, ShadowPass, Target};
+use crate::methods::names::TexelQuery;
 use crate::methods::{FacetMode, MethodName, Settings};
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
@@ -84,10 +85,26 @@ pub fn settled(wanted: &Settings, method: MethodName) -> Settings {
 pub fn check_moving(casters: &Casters, method: MethodName) -> Result<()> {
     let by_tree = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
     match casters {
+        Casters::AlphaTested { casters, .. } => check_moving(casters, method),
         Casters::Moving { .. } | Casters::Instanced { .. } if by_tree => {
             Err(Error::Config(format!("{}: its tree of casters is made once, they cannot move", method.name())))
         }
         _ => Ok(()),
+    }
+}
+
+/// Refuses alpha-tested casters for what does not ask for their holes.
+pub fn check_tested(tested: bool, settings: &Settings, method: MethodName) -> Result<()> {
+    let name = method.name();
+    match method.row().query {
+        _ if !tested => Ok(()),
+        TexelQuery::Triangles => {
+            Err(Error::Config(format!("{name}: casters are alpha-tested, which all other methods take")))
+        }
+        _ if settings.alpha_tested => Ok(()),
+        _ => Err(Error::Config(
+            "alpha-tested casters in a pass that was made without (settings: alpha_tested)".to_owned(),
+        )),
     }
 }
 

@@ -122,7 +122,7 @@ impl StripMaker {
         let first = list_sizing::within(&device.limits(), &of_strip, self.budget, first);
         let mesh = (&casters.prepared, &casters.buffers);
         let method = StripMethod::new(device, queue, &self.pipelines, mesh, &of_strip, first)?;
-        let room = |_| surfaces(device, queue, &casters.prepared.mesh, &casters.prepared.bodies, pixels);
+        let room = |_| surfaces(device, queue, &casters.prepared, pixels);
         Ok(NewStrips {
             image: ImageStrips { strips, method, whole: None, packed: None },
             surfaces: self.receivers.then_some(()).map(room).transpose()?,

@@ -2,7 +2,7 @@
 
 use super::GBuffer;
 use super::textures::{ImagePart, check_sampled};
-use crate::scene::{Camera, Light};
+use crate::scene::{AlphaTested, Camera, Light};
 use crate::stages::caster_positions::Vertices;
 use crate::stages::instance_positions::Transforms;
 use crate::stages::visibility_texture::Packing;
@@ -34,6 +34,24 @@ pub enum Casters<'a> {
         /// The mesh of each instance.
         instances: &'a [u32],
     },
+    /// Casters of one mesh, of which some triangles are alpha-tested.
+    AlphaTested {
+        /// The casters: those that stand or move by a vertex buffer. Of instances the [meshes](CasterMesh::alpha) say it.
+        casters: &'a Casters<'a>,
+        /// Which of their triangles have holes, and where. Texture coordinates do not change.
+        tested: &'a AlphaTested,
+    },
+}
+
+impl Casters<'_> {
+    /// Whether some triangles are alpha-tested.
+    pub fn are_tested(&self) -> bool {
+        match self {
+            Casters::Static { .. } | Casters::Moving { .. } => false,
+            Casters::Instanced { meshes, .. } => meshes.iter().any(|m| m.alpha.is_some_and(|alpha| !alpha.is_empty())),
+            Casters::AlphaTested { tested, .. } => !tested.is_empty(),
+        }
+    }
 }
 
 /// A mesh of instances.
@@ -43,6 +61,15 @@ pub struct CasterMesh<'a> {
     pub positions: &'a [[f32; 3]],
     /// Vertex indices of each triangle.
     pub triangles: &'a [[u32; 3]],
+    /// Its triangles that are alpha-tested.
+    pub alpha: Option<&'a AlphaTested>,
+}
+
+impl<'a> CasterMesh<'a> {
+    /// A mesh without holes.
+    pub fn new(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
+        Self { positions, triangles, alpha: None }
+    }
 }
 
 /// Places of instances in a frame.

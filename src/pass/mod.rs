@@ -68,7 +68,7 @@ use crate::stages::caster_positions::CasterPositions;
 use crate::stages::visibility_texture::LastPicture;
 use crate::{Error, Result};
 use casters::CasterSet;
-use checks::{check_limits, check_moving, settled};
+use checks::{check_limits, check_moving, check_tested, settled};
 use gbuffer_stage::GbufferStage;
 use held::HeldPicture;
 use image_strips::{ImageStrips, NewStrips, Stores, StripMaker};
@@ -201,6 +201,7 @@ impl ShadowPass {
         // Whether a texel was missed is not known before the frame is shown.
         settings.spsm.seen_only &= !config.keep_last;
         check_moving(&config.casters, config.method)?;
+        settings.alpha_tested |= config.casters.are_tested();
         let programs = config.programs.cloned().unwrap_or_else(KeptPrograms::in_use);
         let make = || {
             let pipelines = MethodPipelines::new(device, config.method, &settings, config.receivers)?;
@@ -254,6 +255,7 @@ impl ShadowPass {
         mut casters: CasterSet,
         config: &PassConfig,
     ) -> Result<Self> {
+        check_tested(!casters.prepared.alpha().is_empty(), &settings, pipelines.method())?;
         let limits = device.limits();
         let parts = match pipelines.is_fixed() {
             true => MapTiles::new(settings.map, NonZeroU32::MIN),
@@ -322,7 +324,9 @@ impl ShadowPass {
     }
 
     fn caster_set(&self, casters: &Casters) -> Result<CasterSet> {
-        check_moving(casters, self.maker.pipelines.method())?;
+        let method = self.maker.pipelines.method();
+        check_moving(casters, method)?;
+        check_tested(casters.are_tested(), &self.settings, method)?;
         CasterSet::new(&self.maker.device, &self.maker.queue, casters)
     }
 

@@ -79,12 +79,23 @@ impl Adjacency {
     /// # Panics
     /// If an index is out of range ([`Mesh::check`]).
     pub fn of(mesh: &Mesh) -> Self {
+        Self::but_for(mesh, &[])
+    }
+
+    /// As [`Adjacency::of`], where some triangles, which are told by their numbers, hang together with nothing and have no edges.
+    ///
+    /// # Panics
+    /// If a number or an index is out of range.
+    pub fn but_for(mesh: &Mesh, alone: &[u32]) -> Self {
         let welded = weld(&mesh.positions, &mesh.triangles);
         let mut adjacency = Self::default();
-        let (starts, mut sides) = sides(mesh, &welded.place, welded.positions.len(), &mut adjacency.collapsed);
+        let mut left_out = vec![false; mesh.triangles.len()];
+        alone.iter().for_each(|&t| left_out[t as usize] = true);
+        let (starts, mut sides) =
+            sides(mesh, &welded.place, welded.positions.len(), &left_out, &mut adjacency.collapsed);
         adjacency.edges.reserve_exact(sides.len() / 2);
         let mut joining = Joining::new(mesh);
-        let mut torn = vec![false; mesh.triangles.len()];
+        let mut torn = left_out.clone();
         for bucket in starts.windows(2) {
             let bucket = &mut sides[bucket[0] as usize..bucket[1] as usize];
             bucket.sort_unstable();
@@ -97,8 +108,8 @@ impl Adjacency {
         }
         adjacency.surfaces = joining.surfaces();
         adjacency.bodies = bodies(mesh, &adjacency.edges, &torn);
-        for (body, corners) in adjacency.bodies.iter_mut().zip(&mesh.triangles) {
-            *body |= is_line(corners.map(|v| welded.place[v as usize]));
+        for ((body, corners), alone) in adjacency.bodies.iter_mut().zip(&mesh.triangles).zip(&left_out) {
+            *body |= is_line(corners.map(|v| welded.place[v as usize])) && !alone;
         }
         adjacency.closed = !adjacency.edges.is_empty() && adjacency.bodies.iter().all(|body| *body);
         adjacency
@@ -139,15 +150,15 @@ fn is_line(w: [u32; 3]) -> bool {
     w[0] == w[1] || w[1] == w[2] || w[2] == w[0]
 }
 
-/// All sides of all triangles, grouped by their lower end: where each group starts, and the sides.
-fn sides(mesh: &Mesh, place: &[u32], places: usize, collapsed: &mut u32) -> (Vec<u32>, Vec<Side>) {
+/// All sides of all triangles but those that are left out, grouped by their lower end: where each group starts, and the sides.
+fn sides(mesh: &Mesh, place: &[u32], places: usize, left_out: &[bool], collapsed: &mut u32) -> (Vec<u32>, Vec<Side>) {
     let welded = |tri: &[u32; 3]| tri.map(|v| place[v as usize]);
     let lows = |w: [u32; 3]| [w[0].min(w[1]), w[1].min(w[2]), w[2].min(w[0])];
 
     // starts[low + 2] first counts; after the scan starts[low + 1] is where the next side of `low` goes, and once all
     // are placed, where the next group starts.
     let mut starts = vec![0u32; places + 2];
-    for w in mesh.triangles.iter().map(welded) {
+    for (w, _) in mesh.triangles.iter().map(welded).zip(left_out).filter(|(_, out)| !**out) {
         if is_line(w) {
             *collapsed += 1;
         } else {
@@ -159,7 +170,7 @@ fn sides(mesh: &Mesh, place: &[u32], places: usize, collapsed: &mut u32) -> (Vec
     }
     let total = starts.last().map_or(0, |&n| n as usize);
     let mut sides = vec![Side { high: 0, code: 0 }; total];
-    for (t, w) in mesh.triangles.iter().map(welded).enumerate().filter(|(_, w)| !is_line(*w)) {
+    for (t, w) in mesh.triangles.iter().map(welded).enumerate().filter(|(t, w)| !is_line(*w) && !left_out[*t]) {
         for corner in 0..3 {
             let (from, to) = (w[corner], w[(corner + 1) % 3]);
             let next = &mut starts[from.min(to) as usize + 1];
@@ -376,6 +387,20 @@ mod tests {
             }
         }
         assert!(kinds.iter().all(|&k| k > 100), "{kinds:?}");
+    }
+
+    /// A cube one of whose triangles is left out is as one without it, but that the numbers stay.
+    #[test]
+    fn triangles_that_are_left_out_hang_together_with_nothing() {
+        let mesh = cube();
+        let adjacency = Adjacency::but_for(&mesh, &[11]);
+        let mut open = cube();
+        open.triangles.pop();
+        assert_eq!(adjacency.edges, Adjacency::of(&open).edges);
+        assert_eq!(adjacency.bodies, [false; 12]);
+        assert_eq!(adjacency.surfaces[11], 11, "it lies in a plane with triangle 10");
+        assert_eq!(Adjacency::of(&mesh).surfaces[11], 10);
+        assert!(adjacency.edges.iter().all(|e| e.t0 != 11 && e.t1 != 11));
     }
 
     #[test]

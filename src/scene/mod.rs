@@ -1,6 +1,7 @@
 //! Mesh, camera and light, and how a mesh hangs together.
 
 pub mod adjacency;
+pub mod alpha;
 pub mod camera;
 mod coplanar;
 pub mod light;
@@ -10,6 +11,7 @@ pub mod projection;
 pub(crate) mod weld;
 
 pub use adjacency::{Adjacency, Edge, NO_TRIANGLE};
+pub use alpha::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, TestedTriangle};
 pub use camera::{Camera, Lens, PixelRays};
 pub use light::Light;
 pub use mesh::{Ground, Mesh};

@@ -87,14 +87,20 @@ pub struct Blocks<'a> {
 }
 
 impl CameraVisibility {
-    /// Builds the pipelines.
+    /// Builds the pipelines, for triangles without holes.
     pub fn new(device: &wgpu::Device) -> Self {
+        Self::specialised(device, false)
+    }
+
+    /// As [`CameraVisibility::new`]; triangles may be alpha-tested if `alpha` says so.
+    pub fn specialised(device: &wgpu::Device, alpha: bool) -> Self {
+        let constants = kernel::Constants { alpha: u32::from(alpha) };
         Self {
-            raster: kernel::RasterProgram::new(device, ()),
-            ask: kernel::AskProgram::new(device, ()),
-            settle: kernel::SettleProgram::new(device, ()),
-            settle_all: kernel::SettleAllProgram::new(device, ()),
-            take: kernel::TakeProgram::new(device, ()),
+            raster: kernel::RasterProgram::new(device, constants),
+            ask: kernel::AskProgram::new(device, constants),
+            settle: kernel::SettleProgram::new(device, constants),
+            settle_all: kernel::SettleAllProgram::new(device, constants),
+            take: kernel::TakeProgram::new(device, constants),
             fold: DispatchArgs::new(device),
             uniforms: Uniforms::default(),
         }

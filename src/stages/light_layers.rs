@@ -3,6 +3,7 @@
 //! - **Reads** triangles, light-view vertices, their texel rectangles and the scan of the rectangles' 8 × 8 blocks.
 //! - **Writes** `nearest_keys`, `second_keys` (complement of the bits of depth, 0 where there is none), and marks in `mask` every texel
 //!   of which an edge passes the centre too near for its layers to be certain. All must be 0 before.
+//!   Alpha-tested triangles are in no layer: `front_layer` marks what they touch.
 //!   With [`Frame::CULL_BACK`](crate::frame::Frame::CULL_BACK) what surely turns away of closed bodies is left out.
 //! - **Guarantee.** Bit-equal from run to run: the two are the largest keys that come, in whatever order. A texel left unmarked has
 //!   one caster at its nearest depth or the same key twice, and every edge passes its centre at a distance far above rounding.
@@ -70,13 +71,14 @@ impl Layers {
 impl LightLayers {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { raster: Raster::Both(kernel::RasterProgram::new(device, kernel::Constants { both: 1 })) }
+        Self { raster: Raster::Both(kernel::RasterProgram::new(device, kernel::Constants { both: 1, alpha: 0 })) }
     }
 
     /// As [`LightLayers::new`], for `nearest_keys` alone: a shadow map. Of triangles that reach behind the light's nearest distance it holds
-    /// the part before it, too.
-    pub fn nearest_only(device: &wgpu::Device) -> Self {
-        Self { raster: Raster::Nearest(kernel::RasterNearestProgram::new(device, kernel::Constants { both: 0 })) }
+    /// the part before it, too; if `alpha` says that some may be alpha-tested, of these what is solid at a texel's centre.
+    pub fn nearest_only(device: &wgpu::Device, alpha: bool) -> Self {
+        let constants = kernel::Constants { both: 0, alpha: u32::from(alpha) };
+        Self { raster: Raster::Nearest(kernel::RasterNearestProgram::new(device, constants)) }
     }
 
     /// Records it.

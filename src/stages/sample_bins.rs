@@ -141,9 +141,14 @@ pub struct BinInputs<'a> {
 }
 
 impl SampleBins {
-    /// Builds the pipelines for masks of `words` words; `scan` is shared.
+    /// Builds the pipelines for masks of `words` words and casters without holes; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
-        let constants = kernel::Constants { words };
+        Self::specialised(device, scan, words, false)
+    }
+
+    /// As [`SampleBins::new`]; casters may be alpha-tested if `alpha` says so.
+    pub fn specialised(device: &wgpu::Device, scan: &PrefixScan, words: u32, alpha: bool) -> Self {
+        let constants = kernel::Constants { words, alpha: u32::from(alpha) };
         Self {
             bin: kernel::BinProgram::new(device, constants),
             occlude: kernel::OccludeProgram::new(device, constants),

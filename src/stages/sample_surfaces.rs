@@ -124,23 +124,24 @@ pub type Fill<'a> = &'a dyn Fn(&mut Stage, [u32; 2], &Buffer<u32>, Groups) -> Re
 impl SampleSurfaces {
     /// Builds the pipelines for `samples` samples a pixel; `scan` is shared. Every triangle is a surface of its own.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
-        Self::with(device, scan, samples, Merging::Never)
+        Self::with(device, scan, samples, Merging::Never, false)
     }
 
     /// As [`SampleSurfaces::new`]; triangles of one surface ([`SurfaceInputs::surfaces`]) make one facet.
     pub fn merging(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
-        Self::with(device, scan, samples, Merging::Always)
+        Self::with(device, scan, samples, Merging::Always, false)
     }
 
-    /// As [`SampleSurfaces::merging`] where surfaces are given, else as [`SampleSurfaces::new`].
-    pub fn for_any(device: &wgpu::Device, scan: &PrefixScan, samples: u32) -> Self {
-        Self::with(device, scan, samples, Merging::WhereGiven)
+    /// As [`SampleSurfaces::merging`] where surfaces are given, else as [`SampleSurfaces::new`]; `alpha`: triangles may be alpha-tested.
+    pub fn for_any(device: &wgpu::Device, scan: &PrefixScan, samples: u32, alpha: bool) -> Self {
+        Self::with(device, scan, samples, Merging::WhereGiven, alpha)
     }
 
-    fn with(device: &wgpu::Device, scan: &PrefixScan, samples: u32, merge: Merging) -> Self {
+    fn with(device: &wgpu::Device, scan: &PrefixScan, samples: u32, merge: Merging, alpha: bool) -> Self {
         let words = samples.div_ceil(32);
         let round_length = Profile::of(device).turns(512);
-        let of = |merge: u32| kernel::Constants { words, merge, samples: samples.min(32), round_length };
+        let (samples, alpha) = (samples.min(32), u32::from(alpha));
+        let of = |merge: u32| kernel::Constants { words, merge, samples, alpha, round_length };
         let constants = of(0);
         let emit = |with: bool, merge| with.then(|| kernel::EmitProgram::new(device, of(merge)));
         Self {

@@ -160,7 +160,7 @@ pub struct RayInputs<'a> {
     pub samples: &'a Buffer<[f32; 4]>,
     /// The tree.
     pub tree: &'a TreeBuffers,
-    /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
+    /// Vertex indices, 16 bytes a triangle: three, and a word that tells of holes.
     pub triangles: &'a Buffer<[u32; 4]>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
     pub positions: &'a Buffer<[f32; 4]>,
@@ -178,9 +178,14 @@ pub enum RayStep {
 }
 
 impl ShadowRays {
-    /// Builds the pipelines for masks of `words` words; `scan` is shared.
+    /// Builds the pipelines for masks of `words` words and casters without holes; `scan` is shared.
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, words: u32) -> Self {
-        let constants = kernel::Constants { words };
+        Self::specialised(device, scan, words, false)
+    }
+
+    /// As [`ShadowRays::new`]; casters may be alpha-tested if `alpha` says so.
+    pub fn specialised(device: &wgpu::Device, scan: &PrefixScan, words: u32, alpha: bool) -> Self {
+        let constants = kernel::Constants { words, alpha: u32::from(alpha) };
         Self {
             trace: kernel::TraceProgram::new(device, constants),
             refine: kernel::RefineProgram::new(device, constants),

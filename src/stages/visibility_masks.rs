@@ -23,6 +23,17 @@ pub struct VisibilityMasks {
     refine: kernel::RefineProgram,
 }
 
+/// How casters are evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Casting {
+    /// By the two projections of the paper.
+    pub two_step: bool,
+    /// Frames may set [`Frame::VALIDITY`](crate::frame::Frame::VALIDITY).
+    pub cuts: bool,
+    /// Casters may be alpha-tested: they are asked at each sample's own point whether they have a hole there.
+    pub alpha: bool,
+}
+
 /// Inputs of evaluation besides facets and lists.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluationInputs<'a> {
@@ -30,7 +41,7 @@ pub struct EvaluationInputs<'a> {
     pub samples: &'a Buffer<[f32; 4]>,
     /// Lookup table of masks; not read if its size is 0.
     pub table: &'a Buffer<u32>,
-    /// Vertex indices, 16 bytes a triangle: three, and a word that this stage does not read.
+    /// Vertex indices, 16 bytes a triangle: three, and a word that tells of holes.
     pub triangles: &'a Buffer<[u32; 4]>,
     /// Positions, world units, 16 bytes a vertex: three `f32`, and a word that is not read.
     pub positions: &'a Buffer<[f32; 4]>,
@@ -40,31 +51,26 @@ impl VisibilityMasks {
     /// Builds the pipelines for `samples` samples a pixel, with a lookup table of `angles` by `offsets` masks or, if both are
     /// 0, without.
     pub fn new(device: &wgpu::Device, samples: u32, table: [u32; 2]) -> Self {
-        Self::specialised(device, samples, table, false, true)
+        Self::specialised(device, samples, table, Casting { cuts: true, ..Casting::default() })
     }
 
     /// As [`VisibilityMasks::new`], by the two projections of the paper: from the light onto the facet's plane, then onto the
     /// screen, in single precision. The guarantee is void: no rounding is bounded and nothing is left to refinement. For
     /// comparison.
     pub fn two_step(device: &wgpu::Device, samples: u32, table: [u32; 2]) -> Self {
-        Self::specialised(device, samples, table, true, true)
+        Self::specialised(device, samples, table, Casting { two_step: true, cuts: true, ..Casting::default() })
     }
 
-    /// As [`VisibilityMasks::new`] or [`VisibilityMasks::two_step`], for frames that set
-    /// [`Frame::VALIDITY`](crate::frame::Frame::VALIDITY) only with `cuts`: less code to run without.
-    pub fn specialised(
-        device: &wgpu::Device,
-        samples: u32,
-        [angles, offsets]: [u32; 2],
-        two_step: bool,
-        cuts: bool,
-    ) -> Self {
+    /// As [`VisibilityMasks::new`] or [`VisibilityMasks::two_step`], with no more code than some casters need.
+    pub fn specialised(device: &wgpu::Device, samples: u32, [angles, offsets]: [u32; 2], casting: Casting) -> Self {
+        let Casting { two_step, cuts, alpha } = casting;
         let constants = kernel::Constants {
             samples,
             words: samples.div_ceil(32),
             angles,
             offsets,
             cuts: u32::from(cuts),
+            alpha: u32::from(alpha),
             ..Default::default()
         };
         let evaluate = kernel::Constants { two_step: u32::from(two_step), ..constants };

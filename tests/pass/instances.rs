@@ -3,10 +3,10 @@
 use super::*;
 use subpixel_shadows::pass::{CasterMesh, Placed, Transforms};
 
-type Transform = [[f32; 4]; 3];
+pub type Transform = [[f32; 4]; 3];
 
 /// A scale by a power of two, a turn by quarters around the up direction, and a place on a grid: exact in single precision.
-fn exact(k: u32) -> Transform {
+pub fn exact(k: u32) -> Transform {
     let scale = [1.0, 2.0, 0.5][k as usize % 3];
     let [c, s] = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][k as usize % 4];
     let [x, z] = [(k % 4) as f32 * 2.5 - 4.0, (k / 4) as f32 * 2.5 - 4.0];
@@ -23,10 +23,10 @@ fn meshes() -> [Mesh; 2] {
     [body, Mesh { positions, triangles: vec![[0, 2, 1], [0, 3, 2]] }]
 }
 
-const SAME: Transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+pub const SAME: Transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// The same as one mesh.
-fn expanded(meshes: &[Mesh], instances: &[u32], transforms: &[Transform]) -> Mesh {
+pub fn expanded(meshes: &[Mesh], instances: &[u32], transforms: &[Transform]) -> Mesh {
     let mut all = Mesh::default();
     for (&of, transform) in instances.iter().zip(transforms) {
         let (mesh, first) = (&meshes[of as usize], all.positions.len() as u32);
@@ -37,7 +37,7 @@ fn expanded(meshes: &[Mesh], instances: &[u32], transforms: &[Transform]) -> Mes
     all
 }
 
-fn uploaded(transforms: &[Transform], before: usize) -> wgpu::Buffer {
+pub fn uploaded(transforms: &[Transform], before: usize) -> wgpu::Buffer {
     let mut words = vec![f32::NAN; before];
     words.extend(transforms.iter().flatten().flatten());
     let buffer = buffer(words.len() as u64 * 4, BufferUsages::STORAGE | BufferUsages::COPY_DST);
@@ -45,7 +45,7 @@ fn uploaded(transforms: &[Transform], before: usize) -> wgpu::Buffer {
     buffer
 }
 
-fn camera() -> Camera {
+pub fn camera() -> Camera {
     Camera { eye: [6.0, 6.0, 8.0], target: [0.0, 0.0, 0.0], ..scene("spheres").camera }
 }
 
@@ -54,7 +54,7 @@ fn camera() -> Camera {
 #[gpu_test]
 fn instances_are_the_mesh_of_all_of_them() {
     let meshes = meshes();
-    let given = meshes.each_ref().map(|m| CasterMesh { positions: &m.positions, triangles: &m.triangles });
+    let given = meshes.each_ref().map(|m| CasterMesh::new(&m.positions, &m.triangles));
     let instances: Vec<u32> = (0..14).map(|k| u32::from(k == 5)).collect();
     let casters = Casters::Instanced { meshes: &given, instances: &instances };
     let sun = Light::Directional { direction: [0.5, 1.0, 0.2] };
@@ -91,7 +91,7 @@ fn instances_are_the_mesh_of_all_of_them() {
 #[gpu_test]
 fn instances_turn() {
     let meshes = meshes();
-    let given = meshes.each_ref().map(|m| CasterMesh { positions: &m.positions, triangles: &m.triangles });
+    let given = meshes.each_ref().map(|m| CasterMesh::new(&m.positions, &m.triangles));
     let instances = [1, 0, 0, 0, 0];
     let transforms: Vec<Transform> = (0..5)
         .map(|k| {
@@ -137,7 +137,7 @@ fn odd_instances_are_the_mesh_of_all_of_them() {
     let [body, floor] = meshes();
     let none = Mesh::default();
     let meshes = [body, floor, none];
-    let given = meshes.each_ref().map(|m| CasterMesh { positions: &m.positions, triangles: &m.triangles });
+    let given = meshes.each_ref().map(|m| CasterMesh::new(&m.positions, &m.triangles));
     let instances = [1, 0, 0, 0, 2];
     let diagonal = |[x, y, z]: [f32; 3], at: f32| [[x, 0.0, 0.0, at], [0.0, y, 0.0, 0.5], [0.0, 0.0, z, 0.25]];
     let transforms =
@@ -167,13 +167,13 @@ fn odd_instances_are_the_mesh_of_all_of_them() {
 #[gpu_test]
 fn instances_that_do_not_fit_are_refused() {
     let meshes = meshes();
-    let given = meshes.each_ref().map(|m| CasterMesh { positions: &m.positions, triangles: &m.triangles });
+    let given = meshes.each_ref().map(|m| CasterMesh::new(&m.positions, &m.triangles));
     let of = |meshes, instances| PassConfig::new(settings(FacetMode::One), Casters::Instanced { meshes, instances });
     let refused =
         |config: &PassConfig| ShadowPass::new(&gpu().device, &gpu().queue, config).err().expect("refused").to_string();
     let told = refused(&of(&given, &[0, 2]));
     assert!(told.contains("instance 1 is of mesh 2, there are 2"), "{told}");
-    let broken = [CasterMesh { positions: &[[f32::NAN; 3]; 3], triangles: &[[0, 1, 2]] }];
+    let broken = [CasterMesh::new(&[[f32::NAN; 3]; 3], &[[0, 1, 2]])];
     let told = refused(&of(&broken, &[0]));
     assert!(told.contains("mesh 0 of the casters"), "{told}");
     let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &of(&given, &[0, 1])).expect("a pass");

@@ -1,5 +1,6 @@
 //! The pass inside an application's own frame, against the renderer: the same bits, and no frame silently wrong.
 
+mod alpha;
 mod filters;
 mod instances;
 mod kept_maps;

@@ -2,13 +2,16 @@
 //! marked; at all others both depths agree.
 
 use crate::support::depth_map::OnMap;
-use crate::support::geometry::{Case, MESHES, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away};
+use crate::support::geometry::{
+    Case, MESHES, Ran, Wanted, add, fan, holes, light, mesh, run_all, with_what_turns_away,
+};
 use crate::support::shadow::{World, add_triangle, camera, random_scene, samples, vector};
 use crate::support::{Random, gpu, sizes_around, small_gpu};
-use oracle::reference::light_layers::depth_in_front;
+use oracle::reference::light_layers::{depth_in_front, shares_at};
 use oracle::reference::triangle_setup::Reach;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::scene::{Light, Mesh};
 use test_support::gpu_test;
 
@@ -96,6 +99,79 @@ fn one() {
     for (k, map) in [1, 2, 3, 8, 64].into_iter().enumerate() {
         check(gpu(), &Case::new(&mesh, light(k as u64), [1, 1], map));
     }
+}
+
+/// Alpha-tested triangles are in no layer, and mark nothing.
+#[gpu_test]
+fn what_has_holes_is_no_layer() {
+    let mut others = 0;
+    for (k, name) in MESHES.iter().enumerate() {
+        let whole = Case::new(&mesh(name, 3), light(k as u64), [1, 1], 64);
+        let tested = whole.clone().with_holes();
+        let ran = check(gpu(), &tested);
+        others += usize::from(fault(&whole, &ran).is_some());
+    }
+    assert!(others > MESHES.len() / 2, "a case that takes them for whole is noticed: {others}");
+}
+
+/// Alone, the nearest depths hold of alpha-tested triangles what is solid at the centres, also of such that reach behind the light.
+#[gpu_test]
+fn nearest_alone_has_holes() {
+    let mut random = Random::new(31);
+    let [mut compared, mut through] = [0; 2];
+    for seed in 0..6 {
+        let mut mesh = random_scene(seed, &mut random);
+        for _ in 0..4 {
+            let [a, b, c] = [vector(&mut random), vector(&mut random), vector(&mut random)];
+            let up = DVec3::new(0.0, 9.0, 0.0);
+            let corners = [a * 2.0 - up * 0.3, b * 2.0 + up * f64::from(seed % 2 + 1), c * 6.0 - up * 0.1];
+            add_triangle(&mut mesh, corners.map(|p| p.as_vec3().into()));
+        }
+        let light = match seed % 2 {
+            0 => Light::Point { position: [0.3, 4.0 + seed as f32, 0.2] },
+            _ => Light::Directional { direction: [0.3, 1.0, -0.2] },
+        };
+        let camera = camera(DVec3::new(-3.0, 4.0, 1.0), DVec3::ZERO, 40.0);
+        let prepared = Prepared::with_alpha(&mesh, &holes(&mesh)).expect("a sound mesh");
+        let world = World::of(gpu(), prepared, (camera, light), [4, 3], 64, samples(1), None);
+        let on = OnMap::of(&world, |_, _, _, _, _| {});
+        let side = world.view.map.map_size as usize;
+        for (texel, got) in on.depths.iter().enumerate() {
+            let at = DVec2::new((texel % side) as f64 + 0.5, (texel / side) as f64 + 0.5);
+            let (mut nearest, mut whole, mut open) = (f64::INFINITY, f64::INFINITY, false);
+            for triangle in &world.triangles {
+                let Some(corners) = triangle.corners else { continue };
+                let Some((depth, inside)) = depth_in_front(&world.view, corners, at) else { continue };
+                open |= inside.abs() < 0.05;
+                if inside <= 0.0 {
+                    continue;
+                }
+                whole = whole.min(depth);
+                let solid = |x: f64, y: f64| {
+                    let shares = shares_at(&world.view, corners, at + DVec2::new(x, y));
+                    triangle.tested.is_none_or(|place| world.prepared.alpha().is_solid(place, shares))
+                };
+                let here = solid(0.0, 0.0);
+                open |=
+                    [(-0.05, 0.0), (0.05, 0.0), (0.0, -0.05), (0.0, 0.05)].iter().any(|&(x, y)| solid(x, y) != here);
+                if here {
+                    nearest = nearest.min(depth);
+                }
+            }
+            if open {
+                continue;
+            }
+            compared += 1;
+            through += u32::from(nearest > whole);
+            let off = match *got {
+                None if nearest == f64::INFINITY => 0.0,
+                Some(got) => (got - nearest.max(0.0)).abs(),
+                None => f64::INFINITY,
+            };
+            assert!(off < 2e-3, "seed {seed}, texel {at}: {got:?}, {nearest} expected, {whole} without holes");
+        }
+    }
+    assert!(compared > 5000 && through > 500, "{compared} texels compared, {through} through holes");
 }
 
 #[gpu_test]

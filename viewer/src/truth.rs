@@ -27,7 +27,7 @@ pub struct Tracing {
 /// # Errors
 /// As [`Tracer::new`].
 pub fn tracer(scene: &Scene) -> Result<Arc<Tracer>> {
-    Tracer::new(&scene.mesh).map(Arc::new)
+    Tracer::with_alpha(&scene.mesh, &scene.alpha).map(Arc::new)
 }
 
 impl Tracing {

@@ -7,7 +7,7 @@ use egui::{Event, Key, PointerButton};
 use lab::scene::Light;
 use oracle::truth::{SceneTruth, Tracer};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::{MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{MethodName, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use test_support::{Folder, gpu_test};
@@ -24,7 +24,7 @@ fn by_library(window: &Window, half: usize) -> Vec<u32> {
     };
     let settings = Settings { size: window.picture(), ..options.settings().unwrap() };
     let gpu = Gpu::open(None).unwrap();
-    let prepared = Prepared::new(&scene.mesh).unwrap();
+    let prepared = scene.prepared().unwrap();
     let renderer = Renderer::of_method(&gpu, &prepared, options.method, &settings, Budget::default());
     let frame = renderer.unwrap().render(&scene.camera, &scene.light).unwrap();
     frame.visibility.iter().map(|v| v.to_bits()).collect()

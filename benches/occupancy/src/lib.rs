@@ -19,9 +19,10 @@ use std::collections::BTreeMap;
 pub struct Pipeline(pub String, pub String, pub BTreeMap<String, f64>);
 
 impl Pipeline {
-    /// Kernel and entry point.
+    /// Kernel and entry point, and whether it is made for triangles with holes.
     pub fn name(&self) -> String {
-        format!("{}.{}", self.0, self.1)
+        let holes = if self.2.get("ALPHA").is_some_and(|on| *on != 0.0) { " with holes" } else { "" };
+        format!("{}.{}{holes}", self.0, self.1)
     }
 
     /// Its constants, in a line.

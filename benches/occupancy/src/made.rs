@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use subpixel_shadows::gpu::{Gpu, KeptPrograms, Profile, kernels, program};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::Pipelines;
+use subpixel_shadows::methods::names::TexelQuery;
 use subpixel_shadows::methods::{
     FacetMode, MethodName, MomentSettings, PairVariant, PixelFilter, ProjectionVariant, Settings, SmsrSettings,
     SmsrShape, SpsmEncoding, SpsmSettings,
@@ -73,6 +74,13 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("exponent", &[&|s| s.moments.exponent = 8.0]);
     vary("layers", &[&|s| s.moments.layers = 7]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
+    let tested = Settings { alpha_tested: true, ..plain.clone() };
+    if method == MethodName::FacetMasks {
+        all.push(Settings { facets: FacetMode::One, ..tested.clone() });
+    }
+    if method.row().query != TexelQuery::Triangles {
+        all.push(tested);
+    }
     all
 }
 

@@ -41,8 +41,11 @@ fn is_reversed(given: vec3<u32>, rising: vec3<u32>) -> bool {
     return !(all(given == rising) || all(given == rising.yzx) || all(given == rising.zxy));
 }
 
+// Whether a triangle's fourth word tells of holes in it.
+fn is_tested(word: u32) -> bool { return word > 1u; }
+
 // Whether a triangle is no caster: it turns away from the light, and is one of a closed body where such are
 // left out by the frame's flags.
 fn is_culled(flags: u32, of_body: u32, side: u32) -> bool {
-    return ((flags & FLAG_CULL_BACK) != 0u) & (of_body != 0u) & (side == BACK);
+    return ((flags & FLAG_CULL_BACK) != 0u) & (of_body == 1u) & (side == BACK);
 }

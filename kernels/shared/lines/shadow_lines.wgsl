@@ -12,7 +12,7 @@
 //@import frame facet facing pixel_ray
 //@needs var<uniform> frame: Frame;
 //@needs var<storage, read> undecided: array<Undecided>;
-//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> triangles: array<vec4<u32>>;
 
 struct Ground {
     normal: vec3<f32>,
@@ -39,7 +39,7 @@ const OPEN = -3.0e38;
 fn ground_of(k: u32) -> Ground {
     let f = undecided[k];
     var g: Ground;
-    g.own = rising(triangles[f.triangle]);
+    g.own = rising(triangles[f.triangle].xyz);
     g.pixel = f.pixel;
     g.origin = f.origin;
     g.normal = f.plane.xyz;

@@ -1,7 +1,7 @@
 // The segment from a sample's point on a facet to the light against one triangle: Moeller and Trumbore (1997)
 // with a bound for what rounding may do, and with 46 bits where that leaves it open.
 
-//@import frame pixel_ray facing facing_46 shadow_lines shadow_lines_46
+//@import frame pixel_ray facing facing_46 shadow_lines shadow_lines_46 alpha
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples: array<vec4<f32>, 64>;
 //@needs fn caster_of(k: u32) -> Caster;
@@ -26,6 +26,7 @@ struct Caster {
     ab: vec3<f32>,      // edges from there
     ac: vec3<f32>,
     vertices: vec3<u32>,
+    word: u32,          // tells of holes
 }
 
 // Heights of its vertices over the facet.
@@ -127,6 +128,13 @@ fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
     if all(h > vec3(0.0)) { return BLOCKED; }
     if turn * up < -up_doubt { return FREE; }
     return select(DOUBTFUL, BLOCKED, turn * up > up_doubt);
+}
+
+// Whether what blocks a ray has a hole there.
+fn lets_through(r: Ray, k: u32) -> bool {
+    if ALPHA == 0u { return false; }
+    let c = caster_of(k);
+    return is_tested(c.word) && !is_solid(c.word, c.at, c.at + c.ab, c.at + c.ac, r.at, r.light);
 }
 
 fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {

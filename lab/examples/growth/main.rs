@@ -20,7 +20,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::{MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{MethodName, Settings};
 use subpixel_shadows::plan::{Extent, Plan};
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -122,7 +122,7 @@ fn measure(gpu: &Gpu, axis: &Axis, point: &Point) -> Result<Row> {
     let scene = point.scene()?;
     let (camera, light) = (&scene.camera, &scene.light);
     let start = Instant::now();
-    let prepared = Prepared::new(&scene.mesh)?;
+    let prepared = scene.prepared()?;
     let prepare_ms = start.elapsed().as_secs_f64() * 1e3;
     let samples = Samples::new(Pattern::LowDiscrepancy, point.samples)?;
     let wanted = Settings { cull_back: true, ..Settings::new(point.size, point.map, samples) };

@@ -13,7 +13,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
-use subpixel_shadows::methods::{Prepared, Settings};
+use subpixel_shadows::methods::Settings;
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::{Error, Result};
 
@@ -58,7 +58,7 @@ fn look(path: &Path) -> Outcome {
         let samples = Samples::new(Pattern::LowDiscrepancy, 8)?;
         let settings = Settings { cull_back: true, ..Settings::new([12, 9], 12, samples) };
         let scene = Scene::open(&path.to_string_lossy(), &SceneOptions::default())?;
-        let prepared = Prepared::new(&scene.mesh)?;
+        let prepared = scene.prepared()?;
         let frame = engine::render(&prepared, &settings, &scene.camera, &scene.light, CpuRequest::default())?;
         Ok(frame.output.visibility.iter().all(|v| (0.0..=1.0).contains(v)))
     };

@@ -16,7 +16,7 @@ pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     let console = Console::new(options.quiet);
     let settings = options.settings()?;
     let scene = opened(options, scene, console)?;
-    let prepared = Prepared::new(&scene.mesh)?;
+    let prepared = scene.prepared()?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let mut report = Report::default();
     report.line("scene", &scene.name);

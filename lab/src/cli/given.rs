@@ -6,7 +6,7 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, Parser};
 use lab::options::{FrameArguments, RenderOptions, reason};
 use lab::report::FrameReport;
-use lab::scene::{BUILTIN_NAMES, CameraOverride, light_from_text};
+use lab::scene::{CameraOverride, light_from_text, names};
 use serde_json::{Map, Value};
 use std::ffi::OsString;
 use std::path::Path;
@@ -151,7 +151,7 @@ fn of_frame(path: &Path, name: &str, value: &Value) -> Result<Option<Setting>> {
     let mut line = vec!["subpixel-shadows", if name == "scene" { "--" } else { &text }];
     if name == "scene" {
         line.push(&text);
-        if !BUILTIN_NAMES.contains(&text.as_str()) && !Path::new(&text).exists() {
+        if !names().any(|name| name == text) && !Path::new(&text).exists() {
             return Err(fault("neither a built-in scene nor a file"));
         }
     }

@@ -31,7 +31,7 @@ pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     OutFolder::check(&options.out)?;
     let scene = opened(options, scene, console)?;
     let from = Instant::now();
-    let prepared = Prepared::new(&scene.mesh)?;
+    let prepared = scene.prepared()?;
     let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
     let engine = Engine::open(options, console)?;
     let before = from.elapsed();
@@ -92,8 +92,8 @@ fn compare(
     prepared: &Prepared,
     console: Console,
 ) -> Result<(ErrorReport, TruthImage)> {
-    let (mesh, settings) = (prepared.mesh(), &plan.settings);
-    let tracer = Tracer::new(mesh)?;
+    let settings = &plan.settings;
+    let tracer = Tracer::of(prepared)?;
     let facet = match &rendered.facets {
         Some(set) => {
             let task = console.task("facet truth");

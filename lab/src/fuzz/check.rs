@@ -58,7 +58,7 @@ impl<'a> FuzzDevice<'a> {
     fn render_with(&self, case: &FuzzCase) -> Result<Shot> {
         let how = &case.how;
         let scene = case.world.scene()?;
-        let prepared = Prepared::new(&scene.mesh)?;
+        let prepared = scene.prepared()?;
         let planned = |force| Plan::of_method(how.method, &prepared, &scene.camera, &scene.light, &how.settings, force);
         let plan = planned(how.force_all)?;
         let (output, facets) = self.frame(how, &plan, &scene, &prepared)?;

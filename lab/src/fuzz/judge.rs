@@ -179,7 +179,7 @@ pub fn judge(case: &FuzzCase, shot: &Shot) -> Result<Verdict> {
     let Shot { scene, prepared, plan, output, facets, forced } = shot;
     let (settings, camera, light) = (&plan.settings, &scene.camera, &scene.light);
     let [width, height] = settings.size;
-    let tracer = Tracer::new(prepared.mesh())?;
+    let tracer = Tracer::of(prepared)?;
     let mut verdict = Verdict::default();
     let allowed = match case.how.is_exact() {
         true => 0,

@@ -26,7 +26,7 @@ pub use worlds::Kind;
 use crate::scene::{CameraOverride, Scene};
 use random::Random;
 use subpixel_shadows::Result;
-use subpixel_shadows::methods::{MethodName, Prepared};
+use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::scene::{Light, Mesh};
 
 /// Mesh, camera and light.
@@ -58,7 +58,7 @@ impl World {
             mesh.add_ground(ground);
             mesh.check(name)?;
         }
-        Ok(Scene { name: name.into(), mesh, camera, light: self.light, ground })
+        Ok(Scene { name: name.into(), mesh, alpha: Default::default(), camera, light: self.light, ground })
     }
 }
 
@@ -108,7 +108,7 @@ impl FuzzCase {
 fn in_one_view(world: &World, how: &How) -> bool {
     let view = || {
         let scene = world.scene()?;
-        let prepared = Prepared::new(&scene.mesh)?;
+        let prepared = scene.prepared()?;
         let one = subpixel_shadows::methods::Settings {
             facets: subpixel_shadows::methods::FacetMode::One,
             ..how.settings.clone()
@@ -171,7 +171,7 @@ mod tests {
             let file = folder.join("scene.toml");
             let read = Scene::open(&file.to_string_lossy(), &SceneOptions::default()).unwrap();
             assert_eq!((read.camera, read.light), (made.camera, made.light), "{number}");
-            let canonical = |scene: &Scene| Prepared::new(&scene.mesh).unwrap().mesh().clone();
+            let canonical = |scene: &Scene| scene.prepared().unwrap().mesh().clone();
             assert_eq!(canonical(&read), canonical(&made), "{number}");
         }
         std::fs::remove_dir_all(folder).unwrap();

@@ -5,12 +5,14 @@ pub mod load;
 mod open;
 pub mod options;
 
-pub use builtin::{BUILTIN_NAMES, builtin};
+pub use builtin::{ALPHA_NAMES, BUILTIN_NAMES, builtin, names};
 pub use load::{Loaded, load, scene_file};
 pub use options::{CameraOverride, DEFAULT_LIGHT, SceneOptions, light_from_text};
 
+use subpixel_shadows::Result;
+use subpixel_shadows::methods::Prepared;
 /// Parts of a scene.
-pub use subpixel_shadows::scene::{Camera, Ground, Lens, Light, Mesh};
+pub use subpixel_shadows::scene::{AlphaTested, Camera, Ground, Lens, Light, Mesh};
 
 /// A scene: one mesh, one camera, one light.
 #[derive(Clone, Debug)]
@@ -19,10 +21,22 @@ pub struct Scene {
     pub name: String,
     /// All casters and receivers, the ground included (its two triangles are the last) where there is one.
     pub mesh: Mesh,
+    /// Its triangles that are alpha-tested.
+    pub alpha: AlphaTested,
     /// The camera.
     pub camera: Camera,
     /// The light.
     pub light: Light,
     /// The ground plane that was added, if one was.
     pub ground: Option<Ground>,
+}
+
+impl Scene {
+    /// The mesh with its holes, prepared.
+    ///
+    /// # Errors
+    /// As [`Prepared::with_alpha`].
+    pub fn prepared(&self) -> Result<Prepared> {
+        Prepared::with_alpha(&self.mesh, &self.alpha)
+    }
 }

@@ -1,9 +1,9 @@
 //! Opening a scene by name or path.
 
-use super::builtin::{BUILTIN_NAMES, builtin};
+use super::builtin::{builtin, names};
 use super::load::{EXTENSIONS, Loaded, load, parse};
 use super::options::{DEFAULT_LIGHT, SceneOptions};
-use super::{Mesh, Scene};
+use super::{AlphaTested, Mesh, Scene};
 use std::path::Path;
 use subpixel_shadows::{Error, Result};
 
@@ -29,7 +29,7 @@ impl Scene {
         let loaded = match builtin(spec) {
             Some(scene) => {
                 let (camera, light) = (Some(scene.camera), Some(scene.light));
-                Loaded { mesh: scene.mesh, camera, light, ..Loaded::default() }
+                Loaded { mesh: scene.mesh, alpha: scene.alpha, camera, light, ..Loaded::default() }
             }
             None => from_file(spec)?,
         };
@@ -56,7 +56,9 @@ impl Scene {
             mesh.add_ground(ground);
             mesh.check(spec)?;
         }
-        Ok((Self { name: spec.into(), mesh, camera, light, ground }, note))
+        let alpha = loaded.alpha;
+        alpha.check(&mesh)?;
+        Ok((Self { name: spec.into(), mesh, alpha, camera, light, ground }, note))
     }
 
     /// A scene of one mesh with the camera that frames it and the [`DEFAULT_LIGHT`].
@@ -66,7 +68,8 @@ impl Scene {
     pub fn of_mesh(name: &str, mesh: Mesh) -> Result<Self> {
         mesh.check(name)?;
         let camera = super::CameraOverride::default().apply(None, &mesh).map_err(|e| named(name, e))?;
-        Ok(Self { name: name.into(), mesh, camera, light: DEFAULT_LIGHT, ground: None })
+        let alpha = AlphaTested::default();
+        Ok(Self { name: name.into(), mesh, alpha, camera, light: DEFAULT_LIGHT, ground: None })
     }
 }
 
@@ -85,7 +88,7 @@ fn from_file(spec: &str) -> Result<Loaded> {
         return Err(Error::Scene(format!(
             "no scene '{}'; built in are {}; files are read with the extensions {}",
             spec.escape_debug(),
-            BUILTIN_NAMES.join(", "),
+            names().collect::<Vec<_>>().join(", "),
             EXTENSIONS.join(", ")
         )));
     }

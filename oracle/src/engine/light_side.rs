@@ -4,7 +4,7 @@ use super::shadows::{Known, Pairs};
 use super::{Clock, CpuRequest, MARGIN};
 use crate::reference::facet_classify::{FacetState, MapAround, Part, classify_parts, marks_table};
 use crate::reference::resolve::FacetBits;
-use crate::reference::triangle_setup::{Triangle, setup};
+use crate::reference::triangle_setup::{Triangle, mark_tested, setup};
 use crate::reference::vertex_project::project;
 use crate::reference::view::{MapEnds, View};
 use crate::truth::{FacetTruth, Progress, join_mask};
@@ -38,7 +38,8 @@ impl LightSide {
         let view = View::new(camera, light, map, bounds, settings.size, settings.leaves_backs_out() && map.outside);
         let (vertices, triangles) = clock.time("triangle_setup", || {
             let vertices = project(&view, &mesh.positions);
-            let triangles = setup(&view, &vertices, &mesh.triangles, &prepared.bodies);
+            let mut triangles = setup(&view, &vertices, &mesh.triangles, &prepared.bodies);
+            mark_tested(&mut triangles, prepared.alpha());
             (vertices, triangles)
         });
         let known = if request.unshadowed {

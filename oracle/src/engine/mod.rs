@@ -127,7 +127,7 @@ pub fn render(
         return Err(Error::Scene("the light has no view".to_owned()));
     };
     let first_side = side(&mut clock, map);
-    let tracer = Tracer::new(mesh)?;
+    let tracer = Tracer::of(prepared)?;
     let truth = FacetTruth::new(&tracer, camera, light, &settings.samples, settings.size[0], settings.size[1])?;
     let validity = settings.keeps_validity();
     let truth = if validity { truth } else { truth.without_validity() };
@@ -150,7 +150,13 @@ pub fn render(
     let mut first = 0;
     while first < height {
         let band = first..(first + rows).min(height);
-        let seen = primary_hits::Seen::new(&mut clock, &first_side.view, &first_side.triangles, settings, band.clone());
+        let seen = primary_hits::Seen::new(
+            &mut clock,
+            &first_side.view,
+            (&first_side.triangles, prepared.alpha()),
+            settings,
+            band.clone(),
+        );
         let (done, of_band) = ((first * width) as usize, (band.end - first) as usize * width as usize);
         let mut masks: Vec<(FacetBits, bool)> = Vec::new();
         for k in 0..maps.len() {

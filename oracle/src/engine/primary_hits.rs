@@ -10,6 +10,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
+use subpixel_shadows::scene::AlphaTested;
 
 /// The facets of a band of rows, pixel by pixel.
 pub(super) struct Seen {
@@ -26,11 +27,18 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    pub fn new(clock: &mut Clock, view: &View, triangles: &[Triangle], settings: &Settings, rows: Range<u32>) -> Self {
+    /// Of the triangles, some of which may be alpha-tested.
+    pub fn new(
+        clock: &mut Clock,
+        view: &View,
+        (triangles, alpha): (&[Triangle], &AlphaTested),
+        settings: &Settings,
+        rows: Range<u32>,
+    ) -> Self {
         let first_pixel = rows.start * view.image[0];
         match settings.facets {
             FacetMode::One => clock.time("camera_visibility", || {
-                let centres = nearest(view, triangles, &[DVec2::splat(0.5)], rows);
+                let centres = nearest(view, triangles, alpha, &[DVec2::splat(0.5)], rows);
                 let part = |(pixel, &triangle)| Part { pixel, triangle, seen_by: None };
                 let parts: Vec<Part> = (first_pixel..).zip(&centres).map(part).collect();
                 let starts = (0..=parts.len() as u32).collect();
@@ -40,7 +48,7 @@ impl Seen {
                 let samples = settings.samples.offsets();
                 let offsets: Vec<DVec2> =
                     samples.iter().map(|o| DVec2::new(f64::from(o[0]), f64::from(o[1]))).collect();
-                let seen = nearest(view, triangles, &offsets, rows);
+                let seen = nearest(view, triangles, alpha, &offsets, rows);
                 let of: Vec<_> = seen.par_chunks(samples.len()).map(surfaces).collect();
                 // The first sample is the pixel centre.
                 let centres = seen.iter().step_by(samples.len()).copied().collect();

@@ -4,6 +4,7 @@ use super::sample_surfaces::see;
 use super::triangle_setup::Triangle;
 use super::view::View;
 use glam::{DVec2, DVec3};
+use subpixel_shadows::scene::AlphaTested;
 
 /// Surface at a pixel centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +89,16 @@ impl Shape {
         }
         let depth = (self.distance / self.normal.dot(ray)).clamp(lo, hi);
         (depth >= view.near).then_some(depth)
+    }
+
+    /// Whether it is there, as the alpha-tested triangle of a place, at an image position that it covers.
+    pub(super) fn is_solid(&self, view: &View, at: DVec2, alpha: &AlphaTested, place: u32) -> bool {
+        let [a, b, c] = self.corners;
+        let ray = view.rays.direction(at.x, at.y);
+        let from_a = ray * (self.distance / self.normal.dot(ray)) - a;
+        let scale = self.normal.length_squared();
+        let shares = [from_a.cross(c - a), (b - a).cross(from_a)].map(|part| self.normal.dot(part) / scale);
+        alpha.is_solid(place, [1.0 - shares[0] - shares[1], shares[0], shares[1]])
     }
 
     /// Depth at an image position, its doubt, and whether the triangle surely covers the place; `None` if it surely does

@@ -32,7 +32,7 @@ pub enum Split {
 }
 
 /// Marks every texel that a triangle touches of which a part is not in front of the light, or where there is no layer at the centre, or touches at a range of depths that
-/// holds the split depth.
+/// holds the split depth; of an alpha-tested one, at a depth before that.
 pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin) -> Vec<bool> {
     if any_everywhere(triangles) {
         return vec![true; layers.len()];
@@ -54,7 +54,7 @@ pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin
                 }
                 row[x as usize] = layers[(y * size + x) as usize].split().is_none_or(|split| {
                     let (lo, hi) = flat.depth_range(at, reach, margin.depth);
-                    lo <= split && hi >= split
+                    lo <= split && (hi >= split || triangles[t as usize].tested.is_some())
                 });
             }
         }

@@ -29,7 +29,9 @@ impl Layer {
 /// Looks along the light through the centre of each of `size` × `size` texels. An edge within `guard` (texels, as
 /// |x| + |y| across the edge) leaves the texel open, and so does a rival whose depth differs by at most `tie`.
 pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<Layer> {
-    let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
+    // What has holes is no layer.
+    let whole = |t: &Triangle| if t.tested.is_some() { None } else { t.flat() };
+    let figures: Vec<Option<Flat>> = triangles.iter().map(whole).collect();
     by_rows(&figures, size, guard, |y, list, row: &mut [Layer]| {
         for &t in list {
             let Some(flat) = &figures[t as usize] else { continue };
@@ -73,18 +75,31 @@ pub fn any_everywhere(triangles: &[Triangle]) -> bool {
     triangles.iter().any(|t| t.map == Reach::Everywhere)
 }
 
+/// Functions of a place on the map that are the shares of a triangle's corners in its point there, over the divisor of that; and a determinant
+/// that is 0 where the light lies in its plane.
+fn edges_on_map(view: &View, corners: [DVec3; 3]) -> ([DVec3; 3], f64) {
+    let row = |p: DVec3| {
+        let p = p.extend(1.0);
+        DVec3::new(view.map.u.dot(p), view.map.v.dot(p), view.map.w.dot(p))
+    };
+    let [p, q, r] = corners.map(row);
+    let det = p.dot(q.cross(r));
+    ([q.cross(r), r.cross(p), p.cross(q)].map(|edge| edge / det), det)
+}
+
+/// Shares of a triangle's corners in its point at a place on the map.
+pub fn shares_at(view: &View, corners: [DVec3; 3], place: DVec2) -> [f64; 3] {
+    let shares = edges_on_map(view, corners).0.map(|edge| edge.dot(place.extend(1.0)));
+    let all: f64 = shares.iter().sum();
+    shares.map(|share| share / all)
+}
+
 /// Depth at `centre` of a triangle, of whose corners some may lie behind the light, and how far within its edges that is, texels as |x| + |y|
 /// across the nearest edge, below 0 outside; `None` if the light lies in its plane, or what is there lies nearer than the view's nearest
 /// distance.
 pub fn depth_in_front(view: &View, corners: [DVec3; 3], centre: DVec2) -> Option<(f64, f64)> {
-    let rows = corners.map(|p| {
-        let p = p.extend(1.0);
-        (DVec3::new(view.map.u.dot(p), view.map.v.dot(p), view.map.w.dot(p)), view.map.z.dot(p))
-    });
-    let [(p, zp), (q, zq), (r, zr)] = rows;
-    let det = p.dot(q.cross(r));
-    // Shares of the corners in the point there, over its divisor.
-    let edges = [q.cross(r), r.cross(p), p.cross(q)].map(|edge| edge / det);
+    let (edges, det) = edges_on_map(view, corners);
+    let [zp, zq, zr] = corners.map(|p| view.map.z.dot(p.extend(1.0)));
     let at = centre.extend(1.0);
     let shares = edges.map(|edge| edge.dot(at));
     let within = edges.map(|edge| edge.dot(at) / (edge.x.abs() + edge.y.abs()));

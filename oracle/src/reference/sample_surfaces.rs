@@ -6,6 +6,7 @@ use super::view::View;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
+use subpixel_shadows::scene::AlphaTested;
 
 /// Surface at a sample, as at a pixel centre.
 pub type Sample = CentreHit;
@@ -49,8 +50,15 @@ pub fn see(view: &View, triangles: &[Triangle], offsets: &[DVec2], doubt: DepthM
 }
 
 /// The nearest triangle at each of `offsets` in each pixel of some rows, of equally near ones the lowest: what [`see`] says
-/// without doubt, found without looking at triangles that lie behind all of a pixel or beside it.
-pub fn nearest(view: &View, triangles: &[Triangle], offsets: &[DVec2], rows: Range<u32>) -> Vec<Option<u32>> {
+/// without doubt, found without looking at triangles that lie behind all of a pixel or beside it. Alpha-tested ones are seen where they are
+/// solid.
+pub fn nearest(
+    view: &View,
+    triangles: &[Triangle],
+    alpha: &AlphaTested,
+    offsets: &[DVec2],
+    rows: Range<u32>,
+) -> Vec<Option<u32>> {
     let mut lists: Vec<Vec<u32>> = vec![Vec::new(); rows.len()];
     for (t, triangle) in triangles.iter().enumerate() {
         let Some((lo, hi)) = triangle.image else { continue };
@@ -82,6 +90,7 @@ pub fn nearest(view: &View, triangles: &[Triangle], offsets: &[DVec2], rows: Ran
                 for (best, &offset) in samples.iter_mut().zip(offsets) {
                     if let Some(depth) = shape.depth(view, corner + offset, depths)
                         && (depth, t) < *best
+                        && triangle.tested.is_none_or(|place| shape.is_solid(view, corner + offset, alpha, place))
                     {
                         *best = (depth, t);
                     }
@@ -151,11 +160,16 @@ mod tests {
             let offsets = [[0.5, 0.5], [0.0, 0.0], [0.99, 0.01], [0.25, 0.75]].map(|[x, y]| DVec2::new(x, y));
             let all = see(&view, &triangles, &offsets, DepthMargin { edge: 0.0, depth: 0.0 });
             let all: Vec<_> = all.into_iter().map(|s| s.triangle).collect();
-            let found: Vec<_> =
-                [0..5, 5..6, 6..24].into_iter().flat_map(|rows| nearest(&view, &triangles, &offsets, rows)).collect();
+            let found: Vec<_> = [0..5, 5..6, 6..24]
+                .into_iter()
+                .flat_map(|rows| nearest(&view, &triangles, &AlphaTested::default(), &offsets, rows))
+                .collect();
             assert!(all == found, "{name}");
             assert!(all.contains(&None) && all.iter().flatten().count() > 1000, "{name}");
-            assert!(all != nearest(&view, &triangles[1..], &offsets, 0..24), "{name}: other triangles are seen");
+            assert!(
+                all != nearest(&view, &triangles[1..], &AlphaTested::default(), &offsets, 0..24),
+                "{name}: other triangles are seen"
+            );
         }
     }
 

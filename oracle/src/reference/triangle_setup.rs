@@ -4,6 +4,7 @@ use super::vertex_project::Vertex;
 use super::view::{Cut, Flat, MapEnds, View, cells_touched, centres_within};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use subpixel_shadows::scene::AlphaTested;
 
 /// Texels that a triangle may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,12 +34,21 @@ pub struct Triangle {
     pub of_body: bool,
     /// Whether it goes on beyond one of the ends of the map ([`LightView::ends`](subpixel_shadows::light_view::LightView::ends)).
     pub beyond: bool,
+    /// Place among the [alpha-tested](AlphaTested::triangles) ones.
+    pub tested: Option<u32>,
 }
 
 impl Triangle {
     /// No triangle.
-    pub const DROPPED: Self =
-        Self { corners: None, side: 0.0, image: None, map: Reach::Nowhere, of_body: false, beyond: false };
+    pub const DROPPED: Self = Self {
+        corners: None,
+        side: 0.0,
+        image: None,
+        map: Reach::Nowhere,
+        of_body: false,
+        beyond: false,
+        tested: None,
+    };
 
     /// Pixels whose centre the box of its image holds: first and last column and row.
     pub fn pixels(&self, size: [u32; 2]) -> Option<[u32; 4]> {
@@ -83,6 +93,13 @@ pub fn setup(view: &View, vertices: &[Vertex], triangles: &[[u32; 3]], bodies: &
     triangles.par_iter().enumerate().map(|(t, &corners)| one(view, vertices, corners, of_body(t))).collect()
 }
 
+/// Says which of them are alpha-tested.
+pub fn mark_tested(triangles: &mut [Triangle], alpha: &AlphaTested) {
+    for (place, of) in (0..).zip(&alpha.triangles) {
+        triangles[of.triangle as usize].tested = Some(place);
+    }
+}
+
 fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3], of_body: bool) -> Triangle {
     let vertex = |v: u32| vertices.get(v as usize).copied().unwrap_or_default();
     let all = [vertex(i), vertex(j), vertex(k)];
@@ -106,7 +123,7 @@ fn one(view: &View, vertices: &[Vertex], [i, j, k]: [u32; 3], of_body: bool) -> 
             ends.are_passed(low, high)
         }
     };
-    Triangle { corners: Some(corners), side, image: image_box(view, corners), map, of_body, beyond }
+    Triangle { corners: Some(corners), side, image: image_box(view, corners), map, of_body, beyond, tested: None }
 }
 
 /// Box in the image of the part of a triangle beyond the near plane.

@@ -15,7 +15,7 @@
 //! used rather than probes around each sample: they also notice slivers. A sample that no triangle shadows is ambiguous
 //! if it is within [`AMBIGUITY`] of one's shadow. A shadowed sample is not if it lies in one shadow by more than that;
 //! else eight places around it are probed, so that the edge shared by two casters, whose shadows together leave no gap,
-//! is not counted as an edge. A facet that the eye sees edge-on, by the rule for lights (2^-40), is ambiguous, whole. What a triangle does that rises over the facet's plane by no more than 2^-36 of the distance is
+//! is not counted as an edge; so is one that an alpha-tested triangle's shadow comes near, for the edges of its holes. A facet that the eye sees edge-on, by the rule for lights (2^-40), is ambiguous, whole. What a triangle does that rises over the facet's plane by no more than 2^-36 of the distance is
 //! ambiguous, too: whether it rises at all is left to rounding.
 
 use super::beam::Beam;
@@ -165,7 +165,15 @@ struct Judge<'a> {
     high: DVec2,
     /// Distance from the plane's first corner within which its points in the pixel lie.
     around: f64,
-    shadows: Vec<Shadow>,
+    shadows: Vec<Cast>,
+}
+
+/// The shadow of a triangle, and where it has holes.
+struct Cast {
+    shadow: Shadow,
+    triangle: u32,
+    corners: [DVec3; 3],
+    tested: bool,
 }
 
 impl<'a> Judge<'a> {
@@ -237,11 +245,11 @@ impl<'a> Judge<'a> {
             return self.result(self.met);
         }
         let candidates = candidates(&self);
-        for &(_, corners) in &candidates {
+        for &(triangle, corners) in &candidates {
             let heights = corners.map(|c| light * self.plane.height(c));
             let rises = |(&h, &c): (&f64, &DVec3)| h > 0.0 && !self.plane.is_nearly_on(c);
             if heights.iter().zip(&corners).any(rises) {
-                self.add_shadow(corners);
+                self.add_shadow(triangle, corners);
                 if self.validity && heights.iter().any(|&h| h <= 0.0) {
                     self.cut(corners, heights);
                 }
@@ -302,12 +310,13 @@ impl<'a> Judge<'a> {
         Some((low, high))
     }
 
-    fn add_shadow(&mut self, corners: [DVec3; 3]) {
+    fn add_shadow(&mut self, triangle: u32, corners: [DVec3; 3]) {
         let truth = self.truth;
         let shadow = Shadow::new(self.ground(), corners, truth.local_light, &truth.rays);
         let (centre, half) = ((self.low + self.high) * 0.5, (self.high - self.low) * 0.5);
         if shadow.may_reach(self.ray(centre), truth.rays.step_x * half.x, truth.rays.step_y * half.y) {
-            self.shadows.push(shadow);
+            let tested = truth.tracer.is_tested(triangle);
+            self.shadows.push(Cast { shadow, triangle, corners, tested });
         }
     }
 
@@ -330,9 +339,14 @@ impl<'a> Judge<'a> {
         for k in bits(self.met) {
             let r = self.ray(self.truth.offsets[k]);
             let (mut sure, mut inside, mut near) = (false, false, false);
-            for shadow in &self.shadows {
-                match shadow.cover(r) {
+            for cast in &self.shadows {
+                match cast.shadow.cover(r) {
                     Cover::Out => {}
+                    cover if cast.tested => {
+                        // An edge of a hole is no line: it is looked for around the sample.
+                        near = true;
+                        inside |= cover != Cover::Near(false) && self.is_solid(cast, r);
+                    }
                     Cover::Near(yes) => {
                         near = true;
                         inside |= yes;
@@ -355,21 +369,28 @@ impl<'a> Judge<'a> {
 
     /// Whether the answer `inside` of a sample is another within [`AMBIGUITY`] of it.
     fn changes_around(&self, offset: DVec2, inside: bool) -> bool {
+        let here = self.ray(offset);
+        let covered = |r: DVec3| self.shadows.iter().any(|s| s.shadow.covers(r) && (!s.tested || self.is_solid(s, r)));
+        let around = |wanted: bool| {
+            [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&x| {
+                [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&y| covered(self.ray(offset + DVec2::new(x, y))) == wanted)
+            })
+        };
         if !inside {
-            let r = self.ray(offset);
-            return self.shadows.iter().any(|s| s.comes_near(r, &self.truth.rays));
+            let comes_near = |s: &Cast| !s.tested && s.shadow.comes_near(here, &self.truth.rays);
+            return self.shadows.iter().any(comes_near) || (self.shadows.iter().any(|s| s.tested) && around(true));
         }
         // The error of a line may be more than the band.
-        let here = self.ray(offset);
-        if !self.shadows.iter().any(|s| s.surely_covers(here)) {
+        if !self.shadows.iter().any(|s| s.shadow.surely_covers(here)) {
             return true;
         }
-        [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&x| {
-            [-AMBIGUITY, 0.0, AMBIGUITY].iter().any(|&y| {
-                let r = self.ray(offset + DVec2::new(x, y));
-                !self.shadows.iter().any(|s| s.covers(r))
-            })
-        })
+        around(false)
+    }
+
+    /// Whether a caster is there between the light and the facet's point on a ray.
+    fn is_solid(&self, cast: &Cast, r: DVec3) -> bool {
+        let point = r * (self.plane.distance / self.plane.normal.dot(r));
+        self.truth.tracer.is_solid_towards(cast.triangle, cast.corners, point, self.truth.local_light)
     }
 
     /// Takes the samples beyond the line of a triangle that rises through the facet out of the valid ones.

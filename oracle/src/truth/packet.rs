@@ -103,7 +103,8 @@ pub(super) fn see(tracer: &Tracer, rays: &PixelRays, corner: DVec2, offsets: &[D
                 continue;
             }
             let t = height / along;
-            if t > near && (t, triangle) < (out.depth[k], out.triangle[k]) {
+            let nearer = t > near && (t, triangle) < (out.depth[k], out.triangle[k]);
+            if nearer && tracer.is_solid(triangle, corners, r * t) {
                 out.depth[k] = t;
                 out.error[k] = 2.0 * (height_error + t * along_error) / along.abs();
                 out.triangle[k] = triangle;
@@ -142,6 +143,7 @@ impl Seen {
     fn shade(&self, tracer: &Tracer, rays: &PixelRays, light: DVec4, own: u32, mask: u128) -> (u128, u128) {
         // Relative to the eye: differences of the f32 corners from the f32 eye are exact or nearly so.
         let l = light.truncate() - rays.eye * light.w;
+        let local = l.extend(light.w);
         let [a, b, c] = tracer.corners(own).map(|c| c - rays.eye);
         let normal = normal_of(a, b, c).0;
         let (to_eye, to_light) = (-a, l - a * light.w);
@@ -172,7 +174,11 @@ impl Seen {
             let corners = tree.corners[slot].map(|c| c.as_dvec3() - rays.eye);
             let Some(volume) = Volume::new(corners, l, light.w, middle, radius, error) else { return end };
             for k in bits(mask & !dark) {
-                match volume.holds(points[k]) {
+                let held = volume.holds(points[k]);
+                if held.is_some() && !tracer.is_solid_towards(tree.triangles[slot], corners, points[k], local) {
+                    continue;
+                }
+                match held {
                     Some(false) => dark |= 1 << k,
                     Some(true) => touched |= 1 << k,
                     None => {}

@@ -11,7 +11,8 @@ use super::hierarchy::Hierarchy;
 use super::{DETERMINANT_ERROR, bits, light_side};
 use glam::{DVec3, DVec4, Vec3};
 use subpixel_shadows::Result;
-use subpixel_shadows::scene::Mesh;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::scene::{AlphaTested, Mesh};
 
 /// Where a ray meets a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,8 @@ pub struct Tracer {
     tree: Hierarchy,
     /// Slot of each triangle.
     slots: Vec<u32>,
+    /// Alpha-tested triangles, and the place among them of each triangle; none where all are whole.
+    alpha: Option<(AlphaTested, Vec<u32>)>,
 }
 
 impl Tracer {
@@ -49,7 +52,16 @@ impl Tracer {
     /// # Errors
     /// [`subpixel_shadows::Error::Mesh`] if a vertex is not finite or an index is out of range.
     pub fn new(mesh: &Mesh) -> Result<Self> {
+        Self::with_alpha(mesh, &AlphaTested::default())
+    }
+
+    /// As [`Tracer::new`], where some triangles have holes, through which rays go.
+    ///
+    /// # Errors
+    /// As [`Tracer::new`] and [`AlphaTested::check`].
+    pub fn with_alpha(mesh: &Mesh, alpha: &AlphaTested) -> Result<Self> {
         mesh.check("mesh to trace")?;
+        alpha.check(mesh)?;
         let corners: Vec<_> =
             mesh.triangles.iter().map(|t| t.map(|v| Vec3::from(mesh.positions[v as usize]))).collect();
         let tree = Hierarchy::new(&corners);
@@ -57,7 +69,16 @@ impl Tracer {
         for (slot, &t) in tree.triangles.iter().enumerate() {
             slots[t as usize] = slot as u32;
         }
-        Ok(Self { tree, slots })
+        let alpha = (!alpha.is_empty()).then(|| (alpha.clone(), alpha.places(mesh.triangles.len())));
+        Ok(Self { tree, slots, alpha })
+    }
+
+    /// The tracer of a prepared mesh.
+    ///
+    /// # Errors
+    /// As [`Tracer::with_alpha`].
+    pub fn of(prepared: &Prepared) -> Result<Self> {
+        Self::with_alpha(prepared.mesh(), prepared.alpha())
     }
 
     /// How many triangles there are.
@@ -71,6 +92,38 @@ impl Tracer {
     /// If `triangle` is not below [`Tracer::triangle_count`].
     pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.tree.corners[self.slots[triangle as usize] as usize].map(|c| c.as_dvec3())
+    }
+
+    /// Whether a triangle may have holes.
+    pub fn is_tested(&self, triangle: u32) -> bool {
+        self.alpha.as_ref().is_some_and(|(_, places)| places[triangle as usize] != u32::MAX)
+    }
+
+    /// Whether a triangle with these corners, all of them and the point moved alike, is there at a point of its plane: of an alpha-tested one, whether
+    /// alpha is at least the cutoff.
+    pub(crate) fn is_solid(&self, triangle: u32, [a, b, c]: [DVec3; 3], point: DVec3) -> bool {
+        let Some((alpha, places)) = &self.alpha else { return true };
+        let place = places[triangle as usize];
+        if place == u32::MAX {
+            return true;
+        }
+        let (ab, ac, from_a) = (b - a, c - a, point - a);
+        let normal = ab.cross(ac);
+        let scale = normal.length_squared();
+        // Edge-on, and without area, it is met nowhere.
+        let shares = [from_a.cross(ac), ab.cross(from_a)].map(|part| normal.dot(part) / scale);
+        scale == 0.0 || alpha.is_solid(place, [1.0 - shares[0] - shares[1], shares[0], shares[1]])
+    }
+
+    /// The same where the line from a point towards a homogeneous light crosses its plane.
+    pub(crate) fn is_solid_towards(&self, triangle: u32, corners: [DVec3; 3], point: DVec3, light: DVec4) -> bool {
+        if !self.is_tested(triangle) {
+            return true;
+        }
+        let [a, b, c] = corners;
+        let (normal, way) = ((b - a).cross(c - a), light.truncate() - point * light.w);
+        let along = normal.dot(way);
+        along == 0.0 || self.is_solid(triangle, corners, point + way * (normal.dot(a - point) / along))
     }
 
     /// Lowest and highest corner of the box around all triangles; infinite and turned around without any.
@@ -93,6 +146,7 @@ impl Tracer {
             let corners = self.tree.corners[slot].map(|c| c.as_dvec3());
             if let Some(hit) = meet(corners, triangle, origin, direction)
                 && hit.t > t_min
+                && self.is_solid(triangle, corners, origin + direction * hit.t)
                 && best.is_none_or(|b| (hit.t, hit.triangle) < (b.t, b.triangle))
             {
                 best = Some(hit);
@@ -119,8 +173,10 @@ impl Tracer {
         self.tree.walk(&ray.beam(), |slot, end| {
             let triangle = self.tree.triangles[slot];
             if !skip(triangle) {
-                match ray.crosses(self.tree.corners[slot].map(|c| c.as_dvec3())) {
+                let corners = self.tree.corners[slot].map(|c| c.as_dvec3());
+                match ray.crosses(corners) {
                     Crossing::None => {}
+                    _ if !self.is_solid_towards(triangle, corners, point, light) => {}
                     Crossing::Touch => shade = Shade { occluded: true, touching: true },
                     Crossing::Inside => {
                         shade = Shade { occluded: true, touching: false };

@@ -14,7 +14,7 @@ use crate::stages::pixel_texel_pairs::PixelTexelPairs;
 use crate::stages::requested_blocks::RequestedBlocks;
 use crate::stages::resolve::Resolve;
 use crate::stages::triangle_texel_pairs::TriangleTexelPairs;
-use crate::stages::visibility_masks::VisibilityMasks;
+use crate::stages::visibility_masks::{Casting, VisibilityMasks};
 use crate::stages::work_owners::ListWork;
 use crate::stages::{DispatchArgs, PrefixScan, SortedPairs};
 
@@ -28,6 +28,8 @@ pub struct Pipelines {
     pub(super) pairs_by: PairVariant,
     pub(super) lines_by: ProjectionVariant,
     pub(super) filter_by: PixelFilter,
+    /// Casters may be alpha-tested.
+    pub(super) alpha: bool,
     /// With a facet for every surface.
     pub(super) surfaces: Option<SurfacePipelines>,
     pub(super) geometry: GeometryPipelines,
@@ -73,7 +75,7 @@ impl Pipelines {
     fn build(device: &wgpu::Device, settings: &Settings, receivers: bool, casters: bool) -> Self {
         let clamp = settings.facets == FacetMode::All;
         let two_step = settings.projection == ProjectionVariant::TwoStep;
-        let words = settings.samples.words();
+        let (words, alpha) = (settings.samples.words(), settings.alpha_tested);
         let scan = PrefixScan::new(device);
         let (sorted, places) = (settings.pairs == PairVariant::Sorted, settings.pairs.places());
         Self {
@@ -83,8 +85,9 @@ impl Pipelines {
             pairs_by: settings.pairs,
             lines_by: settings.projection,
             filter_by: settings.filter,
-            surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count())),
-            geometry: GeometryPipelines::new(device),
+            alpha,
+            surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count(), alpha)),
+            geometry: GeometryPipelines::new(device, alpha),
             light_maps: LightMapPipelines::new(device, &scan),
             requests: RequestedBlocks::specialised(device, clamp, receivers),
             classify: FacetClassify::specialised(device, words, clamp, receivers),
@@ -96,8 +99,7 @@ impl Pipelines {
                     device,
                     settings.samples.count(),
                     settings.masks.size(),
-                    two_step,
-                    !clamp,
+                    Casting { two_step, cuts: !clamp, alpha },
                 ),
                 sorted: sorted.then(|| SortedPairs::new(device, &scan)),
             }),
@@ -113,6 +115,6 @@ impl Pipelines {
     pub fn serve(&self, settings: &Settings) -> bool {
         let ours = (self.samples, self.facets, self.masks_by, self.pairs_by, self.lines_by);
         ours == (settings.samples.count(), settings.facets, settings.masks, settings.pairs, settings.projection)
-            && self.filter_by == settings.filter
+            && (self.filter_by, self.alpha) == (settings.filter, settings.alpha_tested)
     }
 }

@@ -42,7 +42,7 @@ impl OnMap {
         visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); seen.len()]);
         let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
         let triangles = &world.casters.triangles;
-        let layers = LightLayers::nearest_only(&gpu.device);
+        let layers = LightLayers::nearest_only(&gpu.device, !world.prepared.alpha().is_empty());
         run(gpu, |s| {
             layers.record(s, &frame, blocks, &map);
             let from = PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles, points: &points };

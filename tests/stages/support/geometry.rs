@@ -19,7 +19,7 @@ use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::geometry::SetupOf;
 use subpixel_shadows::methods::prepared::{marked_triangles, padded};
 use subpixel_shadows::samples::Samples;
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Camera, Light, Mesh, TestedTriangle};
 use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
@@ -54,6 +54,21 @@ pub struct Case {
     pub requested: Option<Vec<bool>>,
 }
 
+/// Every third triangle of a mesh with holes by one of two maps.
+pub fn holes(mesh: &Mesh) -> AlphaTested {
+    let map = |k: usize| AlphaMap {
+        size: [5, 4],
+        alpha: (0..20usize).map(|t| (t * (67 + 30 * k) % 256) as u8).collect(),
+        cutoff: 0.5,
+        filter: [AlphaFilter::Nearest, AlphaFilter::Bilinear][k],
+        wrap: [AlphaWrap::Repeat, AlphaWrap::Mirror],
+    };
+    let of =
+        |triangle: u32| TestedTriangle { triangle, map: triangle % 2, uv: [[0.0, 0.25], [1.5, -0.5], [0.75, 2.0]] };
+    let triangles = (0..mesh.triangles.len() as u32).step_by(3).map(of).collect();
+    AlphaTested { maps: vec![map(0), map(1)], triangles }
+}
+
 impl Case {
     /// A case framed from the mesh's bounds.
     pub fn new(mesh: &Mesh, light: Light, image: [u32; 2], map: u32) -> Self {
@@ -71,6 +86,13 @@ impl Case {
             validity: false,
             requested: None,
         }
+    }
+
+    /// The same with holes in every third triangle.
+    pub fn with_holes(self) -> Self {
+        let mesh = self.prepared.mesh();
+        let prepared = Prepared::with_alpha(mesh, &holes(mesh)).expect("a sound mesh");
+        Self { prepared, ..self }
     }
 
     /// The requested blocks as the stages read them.
@@ -121,7 +143,9 @@ impl Case {
     pub fn wanted(&self) -> Wanted {
         let view = self.view();
         let vertices = vertex_project::project(&view, self.positions());
-        let triangles = triangle_setup::setup(&view, &vertices, &self.prepared.mesh().triangles, &self.prepared.bodies);
+        let mut triangles =
+            triangle_setup::setup(&view, &vertices, &self.prepared.mesh().triangles, &self.prepared.bodies);
+        triangle_setup::mark_tested(&mut triangles, self.prepared.alpha());
         Wanted { view, vertices, triangles }
     }
 }
@@ -259,7 +283,7 @@ struct SetUp {
 fn set_up(gpu: &Gpu, case: &Case, turns: &[(SetupOf, Frame)]) -> SetUp {
     let device = &gpu.device;
     let positions = super::upload(gpu, &padded(case.positions()));
-    let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
+    let triangles = super::upload(gpu, &marked_triangles(&case.prepared, case.prepared.mesh().triangles.len()));
     let (vertex_count, count) = (positions.len(), triangles.len());
     let (points, map_points) = (poisoned(gpu, vertex_count), poisoned(gpu, vertex_count));
     let facts = TriangleFacts {
@@ -306,7 +330,7 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     uniform.write(&gpu.queue, &[frame]);
     let frame_buffer = &uniform;
     let positions = super::upload(gpu, &padded(case.positions()));
-    let triangles = super::upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
+    let triangles = super::upload(gpu, &marked_triangles(&case.prepared, case.prepared.mesh().triangles.len()));
     let edges = super::upload(gpu, &case.prepared.edges);
     let edge_count = edges.len();
 

@@ -7,7 +7,7 @@ use oracle::reference::camera_visibility::{DepthMargin, nearest};
 use oracle::reference::front_layer::{Margin, Split};
 use oracle::reference::prefix_scan::exclusive;
 use oracle::reference::summed_area::table;
-use oracle::reference::triangle_setup::{Triangle, setup};
+use oracle::reference::triangle_setup::{Triangle, mark_tested, setup};
 use oracle::reference::vertex_project::project;
 use oracle::reference::view::View;
 use std::collections::BTreeMap;
@@ -93,12 +93,25 @@ impl World {
         samples: Samples,
         slice: Option<(SplitPlan, usize)>,
     ) -> Self {
+        let prepared = Prepared::new(mesh).expect("a sound mesh");
+        Self::of(gpu, prepared, (camera, light), size, map, samples, slice)
+    }
+
+    /// The same of a mesh that is prepared.
+    pub fn of(
+        gpu: &'static Gpu,
+        prepared: Prepared,
+        (camera, light): (Camera, Light),
+        size: [u32; 2],
+        map: u32,
+        samples: Samples,
+        slice: Option<(SplitPlan, usize)>,
+    ) -> Self {
         static FRONT: OnceLock<Front> = OnceLock::new();
         static FOLDING: OnceLock<Front> = OnceLock::new();
         let front = if std::ptr::eq(gpu, super::gpu()) { &FRONT } else { &FOLDING };
         let front = front
             .get_or_init(|| Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) });
-        let prepared = Prepared::new(mesh).expect("a sound mesh");
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
         let fitted = LightView::fit(prepared.mesh(), &light, map).expect("a light view");
         let bounds = prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
@@ -120,7 +133,8 @@ impl World {
         });
         let view = View::new(&camera, &light, &fitted, bounds, size, false);
         let projected = project(&view, &prepared.mesh().positions);
-        let set_up = setup(&view, &projected, &prepared.mesh().triangles, &prepared.bodies);
+        let mut set_up = setup(&view, &projected, &prepared.mesh().triangles, &prepared.bodies);
+        mark_tested(&mut set_up, prepared.alpha());
         Self { gpu, prepared, camera, light, samples, frame, casters, map_points, facts, view, triangles: set_up }
     }
 

@@ -116,7 +116,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
     offsets_of_samples.write(&gpu.queue, &sample_words(samples));
     let frame = &uniform;
     let positions = upload(gpu, &padded(case.positions()));
-    let triangles = upload(gpu, &marked_triangles(&case.prepared.mesh().triangles, &case.prepared.bodies));
+    let triangles = upload(gpu, &marked_triangles(&case.prepared, case.prepared.mesh().triangles.len()));
     let (vertices, count) = (positions.len(), triangles.len());
     let pixels = (case.image[0] * case.image[1]) as usize;
     let memory = "memory";

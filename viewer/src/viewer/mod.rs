@@ -172,7 +172,14 @@ impl Viewer {
     pub fn command_line(&self) -> String {
         let Scene { name, ground, .. } = &*self.scene;
         let Moment { camera, light } = self.moment;
-        let scene = Scene { name: name.clone(), mesh: Default::default(), camera, light, ground: *ground };
+        let scene = Scene {
+            name: name.clone(),
+            mesh: Default::default(),
+            alpha: Default::default(),
+            camera,
+            light,
+            ground: *ground,
+        };
         self.view.line(&scene)
     }
 

@@ -6,7 +6,7 @@ use crate::picture::Overlay;
 use crate::view::Against;
 use egui::{Key, Ui, vec2};
 use lab::options::RenderOptions;
-use lab::scene::{BUILTIN_NAMES, scene_file};
+use lab::scene::{names, scene_file};
 use std::path::PathBuf;
 use subpixel_shadows::methods::MethodName;
 
@@ -18,7 +18,7 @@ impl Viewer {
         let shown = self.opening.as_ref().map_or(self.scene.name.clone(), |(name, _)| name.clone());
         let mut picked = None;
         egui::ComboBox::new("scene", "scene").selected_text(&shown).height(300.0).show_ui(ui, |ui| {
-            for name in BUILTIN_NAMES {
+            for name in names() {
                 if ui.selectable_label(name == shown, name).clicked() {
                     picked = Some(name);
                 }

@@ -50,7 +50,7 @@ impl Viewer {
         match &self.planned {
             PlannedScene::Unasked => {
                 let scene = self.scene.clone();
-                self.planned = PlannedScene::Making(Job::new(&self.context, move || Prepared::new(&scene.mesh)));
+                self.planned = PlannedScene::Making(Job::new(&self.context, move || scene.prepared()));
             }
             PlannedScene::Making(_) => {
                 ui.label("looking at the mesh");

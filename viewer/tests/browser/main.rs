@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use std::process::Command;
 use std::sync::LazyLock;
 use subpixel_shadows::gpu::{Gpu, Profile, kernels};
-use subpixel_shadows::methods::{MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{MethodName, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use test_support::Folder;
 use viewer::View;
@@ -119,7 +119,7 @@ fn natively(gpu: &Gpu, line: &str, size: [u32; 2]) -> [Vec<f32>; 2] {
     let view = View::of_line(line).expect(line);
     let Against::Method(right) = &view.right else { panic!("{line}: truth") };
     let (scene, _) = view.left.open(view.scene.as_deref()).expect(line);
-    let prepared = Prepared::new(&scene.mesh).expect(line);
+    let prepared = scene.prepared().expect(line);
     [&view.left, right].map(|options| {
         let settings = Settings { size, ..options.settings().expect(line) };
         let renderer = Renderer::of_method(gpu, &prepared, options.method, &settings, Budget::default());

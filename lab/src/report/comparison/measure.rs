@@ -38,8 +38,8 @@ impl SceneCase {
             scene.mesh = scene.mesh.split_in_four();
             scene.mesh.check(&scene.name)?;
         }
-        let prepared = Prepared::new(&scene.mesh)?;
-        let tracer = Tracer::new(prepared.mesh())?;
+        let prepared = scene.prepared()?;
+        let tracer = Tracer::of(&prepared)?;
         Ok(Self { scene, tessellation, prepared, size, tracer, traced: BTreeMap::new(), converged: None })
     }
 

@@ -153,7 +153,7 @@ fn measure(gpu: &Gpu, step: &StiffFrame, variant: &StabilityVariant, outcome: &m
     // The first frame, which compiles, is not timed.
     let Output { stages, .. } = renderer.render(&step.camera, &step.light)?;
     let output = Output { stages, ..output };
-    let tracer = Tracer::new(prepared.mesh())?;
+    let tracer = Tracer::of(&prepared)?;
     let (camera, light) = (&step.camera, &step.light);
     outcome.facet = FacetErrors::of(&facets, &tracer, camera, light, settings, None)?;
     outcome.seen = SeenErrors::of(&facets, &tracer, camera, settings, None)?;

@@ -2,12 +2,13 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::TAU;
-use subpixel_shadows::scene::Mesh;
+use subpixel_shadows::scene::{AlphaTested, Mesh, TestedTriangle};
 
 /// A mesh in the making.
 #[derive(Default)]
 pub(super) struct Build {
     pub(super) mesh: Mesh,
+    pub(super) alpha: AlphaTested,
     /// Where new parts go: a rotation and a translation.
     place: DAffine3,
 }
@@ -54,6 +55,16 @@ impl Build {
     pub(super) fn polygon(&mut self, corners: &[DVec3]) {
         let ring: Vec<u32> = corners.iter().map(|&c| self.vertex(c)).collect();
         self.cap(ring.iter().copied());
+    }
+
+    /// A flat piece of four corners with the holes of a map, which goes so many times into its width and height.
+    pub(super) fn card(&mut self, corners: [DVec3; 4], map: u32, times: [f32; 2]) {
+        let first = self.mesh.triangles.len() as u32;
+        self.polygon(&corners);
+        let [u, v] = times;
+        for (triangle, uv) in (first..).zip([[[0.0, 0.0], [u, 0.0], [u, v]], [[0.0, 0.0], [u, v], [0.0, v]]]) {
+            self.alpha.triangles.push(TestedTriangle { triangle, map, uv });
+        }
     }
 
     /// Two triangles at height 0, facing up.

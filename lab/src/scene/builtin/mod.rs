@@ -9,6 +9,7 @@ mod bumpy;
 mod cage;
 mod city;
 mod knot;
+mod leaves;
 mod plane;
 mod plant;
 mod random;
@@ -23,6 +24,14 @@ use build::Build;
 pub const BUILTIN_NAMES: [&str; 9] =
     ["windmill", "cage", "bicycle", "plant", "spheres", "knot", "city", "bumpy", "plane"];
 
+/// Names of the built-in scenes in which casters are alpha-tested, which not all methods take.
+pub const ALPHA_NAMES: [&str; 1] = ["leaves"];
+
+/// Names of all built-in scenes.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    BUILTIN_NAMES.into_iter().chain(ALPHA_NAMES)
+}
+
 /// The built-in scene of this name, if there is one. Lengths are in metres, y is up.
 pub fn builtin(name: &str) -> Option<Scene> {
     let view = match name {
@@ -35,10 +44,12 @@ pub fn builtin(name: &str) -> Option<Scene> {
         "city" => city::city(),
         "bumpy" => bumpy::bumpy(),
         "plane" => plane::plane(),
+        "leaves" => leaves::leaves(),
         _ => return None,
     };
     let camera = camera_at(&view.build.mesh, view.eye, view.target, view.fov);
-    Some(Scene { name: name.into(), mesh: view.build.mesh, camera, light: view.light, ground: None })
+    let Build { mesh, alpha, .. } = view.build;
+    Some(Scene { name: name.into(), mesh, alpha, camera, light: view.light, ground: None })
 }
 
 /// A scene's geometry with the place it is seen from and lit from.
@@ -68,9 +79,11 @@ mod tests {
 
     #[test]
     fn scenes_can_be_used_and_are_the_same_every_time() {
-        for name in BUILTIN_NAMES {
+        for name in names() {
             let scene = builtin(name).unwrap();
             assert_eq!(scene.name, name);
+            scene.alpha.check(&scene.mesh).unwrap();
+            assert_eq!(scene.alpha.is_empty(), !ALPHA_NAMES.contains(&name));
             scene.mesh.check(name).unwrap();
             scene.camera.check().unwrap();
             scene.light.check().unwrap();

@@ -10,7 +10,7 @@ mod text;
 mod toml;
 
 pub use self::toml::scene_file;
-use super::{Camera, Light, Mesh};
+use super::{AlphaTested, Camera, Light, Mesh};
 use std::path::{Component, Path, PathBuf};
 use subpixel_shadows::{Error, Result};
 
@@ -19,6 +19,8 @@ use subpixel_shadows::{Error, Result};
 pub struct Loaded {
     /// All its triangles, in world space.
     pub mesh: Mesh,
+    /// Its triangles that are alpha-tested.
+    pub alpha: AlphaTested,
     /// Its first camera, if it has one.
     pub camera: Option<Camera>,
     /// Its first light, if it has one.
@@ -79,6 +81,7 @@ impl Loaded {
 
     fn checked(self) -> Parsed<Self> {
         self.mesh.check("all").map_err(|e| without_name(&e))?;
+        self.alpha.check(&self.mesh).map_err(|e| without_name(&e))?;
         if let Some(camera) = &self.camera {
             camera.check().map_err(|e| without_name(&e))?;
         }

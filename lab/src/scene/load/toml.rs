@@ -115,7 +115,13 @@ fn base(path: &Path, file: &SceneFile) -> Parsed<Loaded> {
         (None, Some(name)) => {
             let scene = builtin(name)
                 .ok_or_else(|| format!("builtin {} is none of {}", quoted(name), BUILTIN_NAMES.join(", ")))?;
-            Ok(Loaded { mesh: scene.mesh, camera: Some(scene.camera), light: Some(scene.light), ..Loaded::default() })
+            Ok(Loaded {
+                mesh: scene.mesh,
+                alpha: scene.alpha,
+                camera: Some(scene.camera),
+                light: Some(scene.light),
+                ..Loaded::default()
+            })
         }
         _ => Err("needs exactly one of the keys 'mesh' and 'builtin'".into()),
     }

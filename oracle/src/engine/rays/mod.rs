@@ -19,10 +19,10 @@ use packet::{Packet, PacketRay};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-use subpixel_shadows::Result;
 use subpixel_shadows::methods::output::Output;
 use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::scene::{Camera, Light, PixelRays};
+use subpixel_shadows::{Error, Result};
 
 /// Half the longest side of the mesh in the units that rays are followed in: `obvhs` drops what is nearer than 10^-4 of them.
 const HALF: f64 = 1024.0;
@@ -73,10 +73,15 @@ impl CpuRays {
     /// Builds the tree: time `O(n log n)`, about 120 bytes a triangle.
     ///
     /// # Errors
-    /// [`subpixel_shadows::Error::Mesh`] for a mesh that has not passed its check.
+    /// [`subpixel_shadows::Error::Mesh`] for a mesh that has not passed its check, [`subpixel_shadows::Error::Config`] for alpha-tested triangles.
     pub fn new(prepared: &Prepared) -> Result<Self> {
         let mesh = prepared.mesh();
         mesh.check("mesh to trace")?;
+        if !prepared.alpha().is_empty() {
+            return Err(Error::Config(
+                "ray-traced on the CPU engine: casters are alpha-tested; on a GPU it takes them".to_owned(),
+            ));
+        }
         let (low, high) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let middle = (low + high) * 0.5;
         let size = (high - low).max_element() * 0.5;
