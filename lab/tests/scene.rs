@@ -1,5 +1,7 @@
 //! Loaders and scenes, on files made here.
 
+#[path = "scene/alpha.rs"]
+mod alpha;
 #[path = "scene/faults.rs"]
 mod faults;
 #[path = "scene/files.rs"]

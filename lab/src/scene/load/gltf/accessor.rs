@@ -98,6 +98,30 @@ impl Source<'_> {
         self.values(index, 3 * size, [0.0; 3], read)
     }
 
+    /// Texture coordinates of vertices.
+    pub(super) fn texture_coordinates(&self, index: usize) -> Parsed<Vec<[f32; 2]>> {
+        let accessor = self.accessor(index)?;
+        if accessor.kind != "VEC2" {
+            return Err(format!("glTF: accessor {index} of texture coordinates is not VEC2"));
+        }
+        let component = self.component(index, &[5120, 5121, 5122, 5123, 5126])?;
+        let size = component.size();
+        let read = |element: &[u8]| {
+            let mut uv = [0.0; 2];
+            for (c, bytes) in uv.iter_mut().zip(element.chunks_exact(size)) {
+                *c = component.value(bytes, accessor.normalized) as f32;
+            }
+            uv
+        };
+        self.values(index, 2 * size, [0.0; 2], read)
+    }
+
+    /// The bytes of a buffer view.
+    pub(super) fn view(&self, view: usize) -> Parsed<&[u8]> {
+        let length = self.root.buffer_views.get(view).map_or(0, |v| v.byte_length);
+        self.elements("an image", view, 0, length, 1, false).map(|all| all.bytes)
+    }
+
     /// Indices of vertices.
     pub(super) fn indices(&self, index: usize) -> Parsed<Vec<u32>> {
         if self.accessor(index)?.kind != "SCALAR" {

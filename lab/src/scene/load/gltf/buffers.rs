@@ -30,7 +30,8 @@ pub(super) fn load<'a>(root: &Root, folder: &Path, chunk: Option<&'a [u8]>) -> P
     Ok(buffers)
 }
 
-fn from_uri(uri: &str, folder: &Path) -> Parsed<Vec<u8>> {
+/// The bytes that a data URI holds, or a file beside the document.
+pub(super) fn from_uri(uri: &str, folder: &Path) -> Parsed<Vec<u8>> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data
             .split_once(',')

@@ -33,8 +33,13 @@ pub(super) struct Root {
     pub(super) skins: Vec<IgnoredAny>,
     #[serde(default)]
     pub(super) animations: Vec<IgnoredAny>,
+    // Read for alpha alone.
     #[serde(default)]
-    pub(super) textures: Vec<IgnoredAny>,
+    pub(super) textures: Vec<Texture>,
+    #[serde(default)]
+    pub(super) images: Vec<Image>,
+    #[serde(default)]
+    pub(super) samplers: Vec<Sampler>,
     #[serde(default)]
     pub(super) materials: Vec<Material>,
 }
@@ -43,6 +48,83 @@ pub(super) struct Root {
 #[serde(rename_all = "camelCase")]
 pub(super) struct Material {
     pub(super) alpha_mode: Option<String>,
+    pub(super) alpha_cutoff: Option<f64>,
+    #[serde(rename = "pbrMetallicRoughness", default)]
+    pub(super) pbr: BaseColor,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct BaseColor {
+    pub(super) base_color_texture: Option<TextureInfo>,
+    pub(super) base_color_factor: Option<[f64; 4]>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TextureInfo {
+    pub(super) index: usize,
+    #[serde(default)]
+    tex_coord: u32,
+    #[serde(default)]
+    extensions: TextureExtensions,
+}
+
+#[derive(Deserialize, Default)]
+struct TextureExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    transform: Option<TextureTransform>,
+}
+
+#[derive(Clone, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+struct TextureTransform {
+    offset: [f64; 2],
+    rotation: f64,
+    scale: [f64; 2],
+    tex_coord: Option<u32>,
+}
+
+impl Default for TextureTransform {
+    fn default() -> Self {
+        Self { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], tex_coord: None }
+    }
+}
+
+impl TextureInfo {
+    /// The set of texture coordinates.
+    pub(super) fn set(&self) -> u32 {
+        self.extensions.transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(self.tex_coord)
+    }
+
+    /// Offset and two columns of what texture coordinates are transformed by.
+    pub(super) fn transform(&self) -> [[f64; 2]; 3] {
+        let TextureTransform { offset, rotation, scale, .. } =
+            self.extensions.transform.as_ref().unwrap_or(&TextureTransform::default()).clone();
+        let (sin, cos) = rotation.sin_cos();
+        [offset, [cos * scale[0], -sin * scale[0]], [sin * scale[1], cos * scale[1]]]
+    }
+}
+
+#[derive(Deserialize)]
+pub(super) struct Texture {
+    pub(super) source: Option<usize>,
+    pub(super) sampler: Option<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Image {
+    pub(super) uri: Option<String>,
+    pub(super) buffer_view: Option<usize>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Sampler {
+    pub(super) mag_filter: Option<u32>,
+    pub(super) wrap_s: Option<u32>,
+    pub(super) wrap_t: Option<u32>,
 }
 
 #[derive(Deserialize)]
@@ -129,6 +211,7 @@ pub(super) struct Primitive {
     pub(super) attributes: Attributes,
     pub(super) indices: Option<usize>,
     pub(super) mode: Option<u32>,
+    pub(super) material: Option<usize>,
     #[serde(default)]
     pub(super) targets: Vec<IgnoredAny>,
 }
@@ -137,6 +220,10 @@ pub(super) struct Primitive {
 pub(super) struct Attributes {
     #[serde(rename = "POSITION")]
     pub(super) position: Option<usize>,
+    #[serde(rename = "TEXCOORD_0")]
+    pub(super) first_uv: Option<usize>,
+    #[serde(rename = "TEXCOORD_1")]
+    pub(super) second_uv: Option<usize>,
 }
 
 #[derive(Deserialize)]

@@ -1,11 +1,13 @@
 //! glTF 2.0, as `.gltf` with its buffers or as `.glb`: the triangles of its scene in world space, its first camera and
 //! its first light (`KHR_lights_punctual`).
 //!
+//! Materials whose `alphaMode` is `MASK` are alpha-tested by the alpha of their base colour, textures of which are read from PNG.
 //! Skins, morph targets and animations are not applied, points, lines and cameras without perspective are left out;
 //! [`Loaded::ignored`] names them.
 //! Read from the JSON directly, so that every index, count and length is held against what is there before it is used.
 
 mod accessor;
+mod alpha;
 mod buffers;
 mod ignored;
 mod json;
@@ -22,8 +24,9 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
     let (text, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (without_bom(bytes), None) };
     let root: Root = serde_json::from_slice(text).map_err(|e| format!("glTF: {e}"))?;
     check_asset(&root)?;
-    let buffers = buffers::load(&root, path.parent().unwrap_or(Path::new("")), chunk)?;
-    Ok(Loaded { ignored: ignored::ignored(&root), ..nodes::assemble(&root, &buffers)? })
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let buffers = buffers::load(&root, folder, chunk)?;
+    nodes::assemble(&root, &buffers, folder)
 }
 
 /// The JSON and the binary chunk of a GLB file.

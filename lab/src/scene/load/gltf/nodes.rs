@@ -2,16 +2,19 @@
 
 use super::super::{Loaded, Parsed, quoted, without_name};
 use super::accessor::Source;
+use super::alpha::Materials;
+use super::ignored::ignored;
 use super::json::{self, Node, Root};
 use super::primitives::Budget;
 use glam::{DMat4, DQuat, DVec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
+use std::path::Path;
+use subpixel_shadows::scene::{Camera, Lens, Light, Mesh, TestedTriangle};
 
 /// Walks the scene of `root` from its roots and collects what is there, in world space.
-pub(super) fn assemble(root: &Root, buffers: &[Cow<'_, [u8]>]) -> Parsed<Loaded> {
+pub(super) fn assemble(root: &Root, buffers: &[Cow<'_, [u8]>], folder: &Path) -> Parsed<Loaded> {
     let source = Source { root, buffers };
     let placed = placed_nodes(root)?;
 
@@ -28,16 +31,17 @@ pub(super) fn assemble(root: &Root, buffers: &[Cow<'_, [u8]>]) -> Parsed<Loaded>
     }
 
     let mut loaded = Loaded::default();
-    let mut decoded: HashMap<usize, Mesh> = HashMap::new();
+    let mut decoded: HashMap<usize, (Mesh, Vec<TestedTriangle>)> = HashMap::new();
+    let mut materials = Materials::default();
     let mut budget = Budget::new();
     for (index, matrix) in &placed {
         let node = &root.nodes[*index];
         if let Some(mesh) = node.mesh {
             let part = match decoded.entry(mesh) {
                 Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => new.insert(source.decode(mesh, &mut budget)?),
+                Entry::Vacant(new) => new.insert(source.decode(mesh, &mut budget, (&mut materials, folder))?),
             };
-            append(&mut loaded.mesh, part, matrix);
+            append(&mut loaded, part, matrix);
         }
         if let (None, Some(camera)) = (&loaded.camera, node.camera) {
             loaded.camera = read_camera(root, camera, matrix).map_err(|e| format!("glTF: node {index}: {e}"))?;
@@ -48,6 +52,8 @@ pub(super) fn assemble(root: &Root, buffers: &[Cow<'_, [u8]>]) -> Parsed<Loaded>
             loaded.light = Some(light);
         }
     }
+    loaded.alpha.maps = materials.maps;
+    loaded.ignored = ignored(root, materials.unread);
     Ok(loaded)
 }
 
@@ -116,12 +122,17 @@ fn local_matrix(node: &Node) -> DMat4 {
     }
 }
 
-fn append(all: &mut Mesh, part: &Mesh, matrix: &DMat4) {
+fn append(loaded: &mut Loaded, (part, holes): &(Mesh, Vec<TestedTriangle>), matrix: &DMat4) {
+    let all = &mut loaded.mesh;
+    let (first, mirrors) = (all.triangles.len() as u32, matrix.determinant() < 0.0);
+    loaded.alpha.triangles.extend(holes.iter().map(|of| {
+        let [a, b, c] = of.uv;
+        TestedTriangle { triangle: of.triangle + first, uv: if mirrors { [a, c, b] } else { of.uv }, ..*of }
+    }));
     let base = all.positions.len() as u32;
     all.positions
         .extend(part.positions.iter().map(|p| matrix.transform_point3(p.map(f64::from).into()).as_vec3().to_array()));
     // A mirroring node turns the winding over; the outside stays the outside.
-    let mirrors = matrix.determinant() < 0.0;
     all.triangles.extend(part.triangles.iter().map(|tri| {
         let [a, b, c] = tri.map(|v| v + base);
         if mirrors { [a, c, b] } else { [a, b, c] }

@@ -2,8 +2,10 @@
 
 use super::super::{Parsed, quoted, without_name};
 use super::accessor::Source;
-use super::json::Primitive;
-use subpixel_shadows::scene::Mesh;
+use super::alpha::{Materials, Tested};
+use super::json::{Attributes, Primitive};
+use std::path::Path;
+use subpixel_shadows::scene::{Mesh, TestedTriangle};
 
 /// Limit of decoding in all, so that many primitives that name the same data cannot multiply it without end.
 pub(super) struct Budget {
@@ -80,17 +82,53 @@ impl Source<'_> {
         Ok(count)
     }
 
-    /// The triangles of a mesh, with no more vertices than they use.
-    pub(super) fn decode(&self, mesh: usize, budget: &mut Budget) -> Parsed<Mesh> {
-        let mut all = Mesh::default();
+    /// The triangles of a mesh, with no more vertices than they use, and those that have holes.
+    pub(super) fn decode(
+        &self,
+        mesh: usize,
+        budget: &mut Budget,
+        (materials, folder): (&mut Materials, &Path),
+    ) -> Parsed<(Mesh, Vec<TestedTriangle>)> {
+        let (mut all, mut holes) = (Mesh::default(), Vec::new());
         for primitive in self.primitives(mesh)? {
             if let (Some(mode), Some(position)) = (mode(primitive)?, primitive.attributes.position) {
                 let part = self.decode_primitive(primitive, mode, position, budget)?;
                 part.check("").map_err(|e| format!("{}: {}", self.name(mesh), without_name(&e)))?;
+                let first = all.triangles.len() as u32;
                 append_used(&mut all, &part);
+                let tested = match primitive.material {
+                    Some(material) => materials.tested(self, folder, material)?,
+                    None => None,
+                };
+                if let Some(tested) = tested {
+                    let uv = self.uv_of(primitive, &tested, part.positions.len())?;
+                    holes.extend((first..).zip(&part.triangles).map(|(triangle, corners)| TestedTriangle {
+                        triangle,
+                        map: tested.map,
+                        uv: corners.map(|v| tested.moved(uv[v as usize])),
+                    }));
+                }
             }
         }
-        Ok(all)
+        Ok((all, holes))
+    }
+
+    /// Texture coordinates of the vertices of a primitive with holes; without any they are 0.
+    fn uv_of(&self, primitive: &Primitive, tested: &Tested, vertices: usize) -> Parsed<Vec<[f32; 2]>> {
+        let Attributes { first_uv, second_uv, .. } = &primitive.attributes;
+        let accessor = match tested.set {
+            0 => *first_uv,
+            1 => *second_uv,
+            set => return Err(format!("glTF: set {set} of texture coordinates is used, sets 0 and 1 are read")),
+        };
+        let Some(accessor) = accessor else { return Ok(vec![[0.0; 2]; vertices]) };
+        let uv = self.texture_coordinates(accessor)?;
+        match uv.len() == vertices {
+            true => Ok(uv),
+            false => {
+                Err(format!("glTF: accessor {accessor} has {} texture coordinates for {vertices} vertices", uv.len()))
+            }
+        }
     }
 
     fn decode_primitive(
