@@ -83,7 +83,12 @@ impl AlphaMap {
 
     /// Whether the triangle is there at texture coordinates.
     pub fn is_solid(&self, uv: [f64; 2]) -> bool {
-        self.at(uv) >= 255.0 * f64::from(self.cutoff)
+        self.at(uv) >= f64::from(self.threshold())
+    }
+
+    /// The least alpha at which it is there, 0 to 255: in single precision, in which the cutoff of a whole number is that number.
+    pub fn threshold(&self) -> f32 {
+        255.0 * self.cutoff
     }
 
     fn wrapped(&self, axis: usize, at: i64) -> usize {
@@ -230,7 +235,7 @@ impl AlphaTested {
             };
             let bilinear = u32::from(map.filter == AlphaFilter::Bilinear);
             let flags = bilinear | how(map.wrap[0]) << 1 | how(map.wrap[1]) << 3;
-            packed.push([map.size[0], map.size[1], (255.0 * map.cutoff).to_bits(), flags]);
+            packed.push([map.size[0], map.size[1], map.threshold().to_bits(), flags]);
             let four = |bytes: &[u8]| (0..).zip(bytes).fold(0, |word, (k, &alpha)| word | u32::from(alpha) << (8 * k));
             packed.extend(map.alpha.chunks(16).map(|part| {
                 let mut words = [0; 4];

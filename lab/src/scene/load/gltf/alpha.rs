@@ -106,8 +106,9 @@ impl Materials {
             alpha.fill(0);
             cutoff = 1.0;
         }
-        let whole = alpha.iter().all(|&a| f64::from(a) >= 255.0 * cutoff);
-        Ok((!whole).then_some(AlphaMap { size, alpha, cutoff: cutoff as f32, filter, wrap }))
+        let map = AlphaMap { size, alpha, cutoff: cutoff as f32, filter, wrap };
+        let whole = map.alpha.iter().all(|&a| f32::from(a) >= map.threshold());
+        Ok((!whole).then_some(map))
     }
 
     /// Size, alpha, filter and wraps of a texture; `None` if it is in a format that is not read.
