@@ -133,7 +133,7 @@ fn spoilt(scene: &Scene) -> [Scene; 2] {
 #[gpu_test]
 fn holes_let_light_and_eye_through() {
     let leaves = builtin("leaves").expect("a built-in scene");
-    let worlds = (0..6).map(|seed| (world(seed), [32, 8, 128][seed as usize % 3]));
+    let worlds = (0..4).map(|seed| (world(seed), [32, 8, 128][seed as usize % 3]));
     for (scene, samples) in std::iter::once((leaves, 32)).chain(worlds) {
         let prepared = scene.prepared().expect("a sound mesh");
         let settings = settings(FacetMode::All, samples);
@@ -259,7 +259,8 @@ fn depth_maps_have_holes() {
     let [whole, _] = spoilt(&scene);
     let settings = Settings { map: 512, ..settings(FacetMode::All, 8) };
     let truths = [&scene, &whole].map(|scene| truth(scene, &scene.prepared().expect("a sound mesh"), &settings));
-    let maps = |m: &MethodName| matches!(m.row().query, TexelQuery::Map(_));
+    // Slices and warps of their own change no texel's question.
+    let maps = |m: &MethodName| matches!(m.row().query, TexelQuery::Map(_)) && m.row().partition.is_none();
     for method in MethodName::ALL.into_iter().filter(maps) {
         let plan = Plan::of_method(method, &prepared, &scene.camera, &scene.light, &settings, false).expect("a plan");
         let mut renderer = Renderer::of_plan(gpu(), &prepared, method, &plan, Budget::default()).expect("a renderer");
