@@ -38,7 +38,7 @@ fn check(
     let block = block_of(light_rects[t], item - work_offsets[t]);
     let i = triangles[t];
     if is_culled(frame.flags, i.w, facing[t]) { return; }
-    // What has holes is no sheet behind which all is in shadow.
+    // A triangle with holes is no sheet behind which all is in shadow.
     let tested = is_tested(i.w);
     let shape = cover_triangle(map_points[i.x], map_points[i.y], map_points[i.z]);
     let corner = block.low & vec2(~7u);

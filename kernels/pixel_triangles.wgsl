@@ -91,7 +91,7 @@ fn cover(
     @builtin(local_invocation_index) local: u32,
 ) {
     let item = item_of(flat_invocation(group, groups, WORKGROUP, local));
-    // What has holes covers no pixel.
+    // A triangle with holes covers no pixel.
     if item.triangle == NO_TRIANGLE || is_tested(triangles[item.triangle].w) { return; }
     let s = seen_triangle(item.triangle);
     if s.turn == 0.0 { return; }

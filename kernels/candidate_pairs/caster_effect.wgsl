@@ -51,7 +51,7 @@ fn share_edge(i: vec3<u32>, j: vec3<u32>) -> bool {
 
 // Effect that a triangle may have on a facet: none, some, or it covers the whole facet. Of two triangles at
 // an edge that face the light alike neither casts on the other. What is no caster (FLAG_CULL_BACK) may still
-// cut a facet whose plane it reaches. What has holes covers none.
+// cut a facet whose plane it reaches. One with holes covers none.
 fn effect(
     t: u32,
     own: Own,

@@ -173,7 +173,7 @@ fn one() {
     }
 }
 
-/// What light goes through settles nothing: the proofs hold where every third triangle has holes, by rays through these.
+/// Triangles with holes settle nothing: the proofs hold where every third triangle has holes, by rays through these.
 #[gpu_test]
 fn what_has_holes_settles_nothing() {
     let mut random = Place(Random::new(78));

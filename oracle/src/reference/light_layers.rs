@@ -29,7 +29,7 @@ impl Layer {
 /// Looks along the light through the centre of each of `size` × `size` texels. An edge within `guard` (texels, as
 /// |x| + |y| across the edge) leaves the texel open, and so does a rival whose depth differs by at most `tie`.
 pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<Layer> {
-    // What has holes is no layer.
+    // A triangle with holes is no layer.
     let whole = |t: &Triangle| if t.tested.is_some() { None } else { t.flat() };
     let figures: Vec<Option<Flat>> = triangles.iter().map(whole).collect();
     by_rows(&figures, size, guard, |y, list, row: &mut [Layer]| {

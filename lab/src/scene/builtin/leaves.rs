@@ -52,31 +52,27 @@ fn leaf() -> AlphaMap {
         let stalk = if y < 0.42 { 0.018 - u.abs() } else { -1.0 };
         (lobe - radius).min(if radius > 0.1 { -gap } else { 1.0 }).max(stalk)
     };
-    let texel = |k: u32| {
-        let [x, y] = [k % LEAF, k / LEAF].map(|t| (f64::from(t) + 0.5) / f64::from(LEAF));
+    map(LEAF, AlphaFilter::Bilinear, AlphaWrap::Clamp, |at| {
+        let [x, y] = at.map(|t| (f64::from(t) + 0.5) / f64::from(LEAF));
         (127.5 + 127.5 * (inside(x, y) * f64::from(LEAF)).clamp(-1.0, 1.0)) as u8
-    };
-    AlphaMap {
-        size: [LEAF, LEAF],
-        alpha: (0..LEAF * LEAF).map(texel).collect(),
-        cutoff: 0.5,
-        filter: AlphaFilter::Bilinear,
-        wrap: [AlphaWrap::Clamp; 2],
-    }
+    })
 }
 
 /// A mesh of wire: two diagonals.
 fn mesh() -> AlphaMap {
-    let texel = |k: u32| {
-        let [x, y] = [k % MESH, k / MESH];
+    map(MESH, AlphaFilter::Nearest, AlphaWrap::Repeat, |[x, y]| {
         let on = |d: u32| d.min(MESH - d) <= 2;
         if on((x + y) % MESH) || on((x + MESH - y) % MESH) { 255 } else { 0 }
-    };
+    })
+}
+
+/// A square map of the alpha of each texel, cut off at a half.
+fn map(side: u32, filter: AlphaFilter, wrap: AlphaWrap, alpha: impl Fn([u32; 2]) -> u8) -> AlphaMap {
     AlphaMap {
-        size: [MESH, MESH],
-        alpha: (0..MESH * MESH).map(texel).collect(),
+        size: [side; 2],
+        alpha: (0..side * side).map(|k| alpha([k % side, k / side])).collect(),
         cutoff: 0.5,
-        filter: AlphaFilter::Nearest,
-        wrap: [AlphaWrap::Repeat; 2],
+        filter,
+        wrap: [wrap; 2],
     }
 }

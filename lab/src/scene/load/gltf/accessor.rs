@@ -82,38 +82,29 @@ impl Source<'_> {
 
     /// Positions of vertices.
     pub(super) fn positions(&self, index: usize) -> Parsed<Vec<[f32; 3]>> {
-        let accessor = self.accessor(index)?;
-        if accessor.kind != "VEC3" {
-            return Err(format!("glTF: accessor {index} of positions is not VEC3"));
-        }
-        let component = self.component(index, &[5120, 5121, 5122, 5123, 5126])?;
-        let size = component.size();
-        let read = |element: &[u8]| {
-            let mut position = [0.0; 3];
-            for (c, bytes) in position.iter_mut().zip(element.chunks_exact(size)) {
-                *c = component.value(bytes, accessor.normalized) as f32;
-            }
-            position
-        };
-        self.values(index, 3 * size, [0.0; 3], read)
+        self.vectors(index, "positions")
     }
 
     /// Texture coordinates of vertices.
     pub(super) fn texture_coordinates(&self, index: usize) -> Parsed<Vec<[f32; 2]>> {
+        self.vectors(index, "texture coordinates")
+    }
+
+    fn vectors<const N: usize>(&self, index: usize, what: &str) -> Parsed<Vec<[f32; N]>> {
         let accessor = self.accessor(index)?;
-        if accessor.kind != "VEC2" {
-            return Err(format!("glTF: accessor {index} of texture coordinates is not VEC2"));
+        if accessor.kind != format!("VEC{N}") {
+            return Err(format!("glTF: accessor {index} of {what} is not VEC{N}"));
         }
         let component = self.component(index, &[5120, 5121, 5122, 5123, 5126])?;
         let size = component.size();
         let read = |element: &[u8]| {
-            let mut uv = [0.0; 2];
-            for (c, bytes) in uv.iter_mut().zip(element.chunks_exact(size)) {
+            let mut vector = [0.0; N];
+            for (c, bytes) in vector.iter_mut().zip(element.chunks_exact(size)) {
                 *c = component.value(bytes, accessor.normalized) as f32;
             }
-            uv
+            vector
         };
-        self.values(index, 2 * size, [0.0; 2], read)
+        self.values(index, N * size, [0.0; N], read)
     }
 
     /// The bytes of a buffer view.
