@@ -2,16 +2,17 @@
 // section 3.4). One invocation a candidate pair of facet and triangle; its result is or-ed into `masks`
 // (coverage, occluded, invalid: WORDS words each).
 //
-// A sample is occluded by a triangle iff the segment from its point on the facet's plane to the light crosses
-// it: the point lies inside three planes through the light and an edge and beyond the triangle's own plane.
-// In the image each of the four is a half-plane, found without division: see shadow_lines. A triangle with no
-// part strictly on the light's side of the facet casts nothing on it, and an alpha-tested one
-// nothing where it has a hole on the sample's own way to the light (solid_samples). `evaluate` works in single
-// precision and puts every candidate it cannot decide, whose lines it cannot place within LINE_TRUST pixels, or with a
-// line nearer to a sample than rounding may move it, on the list `doubts`; `refine` decides those with 46
-// bits. So two triangles at an edge agree on every sample, whichever of the two decides each. Other
-// candidates that may cut the facet are put on the list `cuts`, for `cut_facets`: few do, and vector machines
-// pay for code that no lane takes. Each has room for all candidates, `cuts` with FLAG_VALIDITY alone.
+// A sample is occluded by a triangle iff the segment from its point on the facet's plane to the light
+// crosses it: the point lies inside three planes through the light and an edge and beyond the triangle's
+// own plane. In the image each of the four is a half-plane, found without division: see shadow_lines. A
+// triangle with no part strictly on the light's side of the facet casts nothing on it, and an
+// alpha-tested one nothing where it has a hole on the sample's own way to the light (solid_samples).
+// `evaluate` works in single precision and puts every candidate it cannot decide, whose lines it cannot
+// place within LINE_TRUST pixels, or with a line nearer to a sample than rounding may move it, on the
+// list `doubts`; `refine` decides those with 46 bits. So two triangles at an edge agree on every sample,
+// whichever of the two decides each. Other candidates that may cut the facet are put on the list `cuts`,
+// for `cut_facets`: few do, and vector machines pay for code that no lane takes. Each has room for all
+// candidates, `cuts` with FLAG_VALIDITY alone.
 
 //@import frame dispatch facet facing double_float vertex facing_46 candidates
 
