@@ -3,13 +3,14 @@
 // of a multisampled one (`count_samples` ...); a texel is a triangle as the application counts them, its high
 // half in the second channel if there is one. `count` writes `pixel_counts` (different triangles), and marks
 // in `complex_flags` the pixels that show several, or one and something else; `facet_counts` is 1 where all
-// samples show one triangle, else 0. It keeps the longest list of a marked pixel in `status`, and counts into
-// `faults` the samples that name no triangle, which count as none. `emit` writes the triangles to
-// `pixel_list` at `pixel_offsets`, in the order of their first samples, never beyond the capacity. `fill`
-// gives each sample of a complex pixel that lies in none of its triangles what the nearest sample of the
-// G-buffer shows.
+// samples show one triangle, else 0: then `id_keys` has the triangle's complement, and nothing is listed. It
+// keeps the longest list of a marked pixel in `status`, and counts into `faults` the samples that name no
+// triangle, which count as none. `emit` writes the triangles of marked pixels to `pixel_list` at
+// `pixel_offsets`, in the order of their first samples, never beyond the capacity, and takes the counts down
+// to 0. `fill` gives each sample of a marked pixel that no triangle covers to the one that the nearest
+// sample of the G-buffer shows (pixel_coverage).
 
-//@import frame dispatch status divide strip
+//@import frame dispatch status divide strip pixel_pair covering word_masks
 
 const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;
@@ -19,11 +20,7 @@ struct GbufferTrianglesParams {
     count: u32,       // samples of the G-buffer
     first: u32,       // number of the application's first triangle
     none: u32,        // its number for no triangle
-    first_slot: u32,  // of the band of complex pixels
-    slots: u32,       // of the band at most
     pad_0: u32,
-    pad_1: u32,
-    pad_2: u32,
     nearest: array<vec4<u32>, 32>,  // of each of the pixel's samples the nearest of the G-buffer
 }
 
@@ -38,14 +35,18 @@ struct GbufferTrianglesParams {
 @group(0) @binding(8) var<storage, read_write> status: Status;
 @group(0) @binding(9) var<storage, read_write> faults: array<atomic<u32>>;
 @group(0) @binding(10) var<storage, read> pixel_offsets: array<u32>;
-@group(0) @binding(11) var<storage, read_write> pixel_list: array<u32>;
+@group(0) @binding(11) var<storage, read_write> pixel_list: array<PixelPair>;
 @group(0) @binding(12) var<storage, read> complex_pixels: array<u32>;
 @group(0) @binding(13) var<storage, read> complex_total: array<u32>;
-@group(0) @binding(14) var<storage, read_write> sample_keys: array<u32>;
+@group(0) @binding(14) var<storage, read_write> covering_masks: array<u32>;
+@group(0) @binding(15) var<storage, read_write> id_keys: array<u32>;
+@group(0) @binding(16) var<storage, read_write> coverings: array<Covering>;
 
 var<private> different: u32;  // triangles of a pixel
 var<private> misses: u32;
 var<private> unknown: u32;
+
+//@import listed_samples
 
 fn number_of(texel: vec4<u32>) -> u32 {
     return texel.x | (texel.y << 16u);
@@ -87,10 +88,12 @@ fn note(texel: vec4<u32>, t: u32, fresh: bool) {
     unknown += select(0u, 1u, t == NO_TRIANGLE && number_of(texel) != params.none);
 }
 
-fn write_counts(pixel: u32) {
+// `last`: what the last sample shows.
+fn write_counts(pixel: u32, last: u32) {
     let single = different == 1u && misses == 0u;
     let many = different != 0u && !single;
-    pixel_counts[pixel] = different;
+    pixel_counts[pixel] = select(0u, different, many);
+    if single { id_keys[pixel] = ~last; }
     complex_flags[pixel] = select(0u, 1u, many);
     facet_counts[pixel] = select(0u, 1u, single);
     if many && atomicLoad(&status.head.longest_pixel) < different {
@@ -99,9 +102,12 @@ fn write_counts(pixel: u32) {
     if unknown != 0u && is_own(place_in_strip(pixel).y) { atomicAdd(&faults[FAULT_UNKNOWN], unknown); }
 }
 
-fn write(first: u32, t: u32, fresh: bool) {
+fn write(pixel: u32, t: u32, fresh: bool) {
     if !fresh { return; }
-    if first + different < frame.pixel_triangle_capacity { pixel_list[first + different] = t; }
+    let place = pixel_offsets[pixel] + different;
+    if place < min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity) {
+        pixel_list[place] = PixelPair(t, pixel);
+    }
     different += 1u;
 }
 
@@ -125,7 +131,7 @@ fn count_layers(
         note(texel, t, is_new_in_layers(at, s, t, last));
         last = t;
     }
-    write_counts(pixel);
+    write_counts(pixel, last);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -144,7 +150,7 @@ fn count_samples(
         note(texel, t, is_new_in_samples(at, s, t, last));
         last = t;
     }
-    write_counts(pixel);
+    write_counts(pixel, last);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -156,11 +162,11 @@ fn emit_layers(
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
     let at = place_of(pixel);
-    let first = pixel_offsets[pixel];
+    pixel_counts[pixel] = 0u;
     var last = NO_TRIANGLE;
     for (var s = 0u; s < sample_count(); s++) {
         let t = triangle_of(textureLoad(layers, at, s, 0));
-        write(first, t, is_new_in_layers(at, s, t, last));
+        write(pixel, t, is_new_in_layers(at, s, t, last));
         last = t;
     }
 }
@@ -174,41 +180,37 @@ fn emit_samples(
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if is_outside(pixel) { return; }
     let at = place_of(pixel);
-    let first = pixel_offsets[pixel];
+    pixel_counts[pixel] = 0u;
     var last = NO_TRIANGLE;
     for (var s = 0u; s < sample_count(); s++) {
         let t = triangle_of(textureLoad(multisampled, at, s));
-        write(first, t, is_new_in_samples(at, s, t, last));
+        write(pixel, t, is_new_in_samples(at, s, t, last));
         last = t;
     }
-}
-
-// The complex pixel of a slot of the band; NO_TRIANGLE beyond the last.
-fn complex_pixel(slot: u32) -> u32 {
-    let all = min(complex_total[0], frame.complex_capacity);
-    if slot >= min(all - min(all, params.first_slot), params.slots) { return NO_TRIANGLE; }
-    return complex_pixels[params.first_slot + slot];
 }
 
 fn nearest_to(k: u32) -> u32 {
     return params.nearest[k >> 2u][k & 3u];
 }
 
-// Samples that lie in none of the pixel's triangles have key 0 (sample_surfaces).
+// The complex pixel of a slot; NO_TRIANGLE beyond the last.
+fn complex_pixel(slot: u32) -> u32 {
+    if slot >= min(complex_total[0], frame.complex_capacity) { return NO_TRIANGLE; }
+    return complex_pixels[slot];
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn fill_layers(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let slot = flat_invocation(group, groups, WORKGROUP, local);
-    let pixel = complex_pixel(slot);
+    let pixel = complex_pixel(flat_invocation(group, groups, WORKGROUP, local));
     if pixel == NO_TRIANGLE { return; }
-    for (var k = 0u; k < frame.sample_count; k++) {
-        let at = k * params.slots + slot;
-        if sample_keys[at] == 0u {
-            sample_keys[at] = ~triangle_of(textureLoad(layers, place_of(pixel), nearest_to(k), 0));
-        }
+    for (var left = samples_left(pixel); any(left != vec4(0u)); left = without_lowest(left)) {
+        let k = lowest_bit(left);
+        let t = triangle_of(textureLoad(layers, place_of(pixel), nearest_to(k), 0));
+        if t != NO_TRIANGLE { give(pixel, k, t); }
     }
 }
 
@@ -218,13 +220,11 @@ fn fill_samples(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let slot = flat_invocation(group, groups, WORKGROUP, local);
-    let pixel = complex_pixel(slot);
+    let pixel = complex_pixel(flat_invocation(group, groups, WORKGROUP, local));
     if pixel == NO_TRIANGLE { return; }
-    for (var k = 0u; k < frame.sample_count; k++) {
-        let at = k * params.slots + slot;
-        if sample_keys[at] == 0u {
-            sample_keys[at] = ~triangle_of(textureLoad(multisampled, place_of(pixel), nearest_to(k)));
-        }
+    for (var left = samples_left(pixel); any(left != vec4(0u)); left = without_lowest(left)) {
+        let k = lowest_bit(left);
+        let t = triangle_of(textureLoad(multisampled, place_of(pixel), nearest_to(k)));
+        if t != NO_TRIANGLE { give(pixel, k, t); }
     }
 }

@@ -2,16 +2,18 @@
 // Over blocks of 8 x 8 pixels: `cover` finds the nearest "farthest depth over the square" of the triangles
 // that surely cover the whole square (`cover_keys`, complement of its bits, 0 without one); `cover_blocks`
 // writes behind those of pixels the farthest of each block, behind which a triangle is passed over; `count`
-// counts the triangles that touch the square no farther than that (`pixel_counts`); `emit` and `emit_rest`
-// write them to `pixel_list` at `pixel_offsets`, never beyond the capacity, and take the counts down to 0
-// again; order inside a pixel is not defined. The pixels of the first `step.index` blocks are kept in
-// `touched` from counting to emitting, those of the rest are found anew. `judge` runs before the counts are
-// scanned. A pixel with one triangle, which covers it, is single; a pixel without any is empty; the others
-// are marked in `complex_flags`. It writes `facet_counts` (1 for single pixels, else 0) and keeps the longest
-// list in `status`. All tests are conservative: margins are far above the rounding of what they are made of.
+// counts the triangles that touch the square no farther than that (`pixel_counts`), and keeps the complement
+// of the first that it comes by (`id_keys`); `judge` runs before the counts are scanned. A pixel with one
+// triangle, which covers it, is single, and `id_keys` tells which; a pixel without any is empty; the others
+// are complex: marked in `complex_flags`, and listed. It writes `facet_counts` (1 for single pixels, else 0),
+// takes the counts of single pixels down to 0 and keeps the longest list in `status`. `emit` and `emit_rest`
+// write the triangles of complex pixels to `pixel_list` at `pixel_offsets`, never beyond the capacity, and
+// take the counts down to 0 again; order inside a pixel is not defined. The pixels of the first `step.index`
+// blocks are kept in `touched` from counting to emitting, those of the rest are found anew. All tests are
+// conservative: margins are far above the rounding of what they are made of.
 //@bindings Raster: cover, count, emit, emit_rest
 
-//@import frame dispatch status pass rect work_items facing eye_edges block_bits over_square
+//@import frame dispatch status pass rect work_items facing eye_edges block_bits over_square pixel_pair
 
 const WORKGROUP = 64u;
 
@@ -24,11 +26,12 @@ const WORKGROUP = 64u;
 @group(0) @binding(6) var<storage, read_write> cover_keys: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> pixel_counts: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read> pixel_offsets: array<u32>;
-@group(0) @binding(9) var<storage, read_write> pixel_list: array<u32>;
+@group(0) @binding(9) var<storage, read_write> pixel_list: array<PixelPair>;
 @group(0) @binding(10) var<storage, read_write> complex_flags: array<u32>;
 @group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
 @group(0) @binding(12) var<storage, read_write> status: Status;
 @group(0) @binding(13) var<storage, read_write> touched: array<vec2<u32>>;
+@group(0) @binding(14) var<storage, read_write> id_keys: array<u32>;
 
 // A triangle and a block of pixels; beyond the last, NO_TRIANGLE for the triangle.
 struct Item { triangle: u32, block: Rect }
@@ -78,9 +81,12 @@ fn write_triangle(item: Item, found: vec2<u32>, anew: bool) {
     while any(pixels != vec2(0u)) {
         let at = item.block.low + take_texel(&pixels);
         let pixel = at.y * frame.image_size.x + at.x;
-        let place = pixel_offsets[pixel] + atomicSub(&pixel_counts[pixel], 1u) - 1u;
-        if anew && (place < pixel_offsets[pixel] || place >= pixel_offsets[pixel + 1u]) { continue; }
-        if place < frame.pixel_triangle_capacity { pixel_list[place] = item.triangle; }
+        let first = pixel_offsets[pixel];
+        let end = pixel_offsets[pixel + 1u];
+        if first == end { continue; }
+        let place = first + atomicSub(&pixel_counts[pixel], 1u) - 1u;
+        if anew && (place < first || place >= end) { continue; }
+        if place < frame.pixel_triangle_capacity { pixel_list[place] = PixelPair(item.triangle, pixel); }
     }
 }
 
@@ -138,7 +144,8 @@ fn count(
     if index < step.index { touched[index] = pixels; }
     while any(pixels != vec2(0u)) {
         let at = item.block.low + take_texel(&pixels);
-        atomicAdd(&pixel_counts[at.y * frame.image_size.x + at.x], 1u);
+        let pixel = at.y * frame.image_size.x + at.x;
+        if atomicAdd(&pixel_counts[pixel], 1u) == 0u { id_keys[pixel] = ~item.triangle; }
     }
 }
 
@@ -178,6 +185,7 @@ fn judge(
     let many = count != 0u && !single;
     complex_flags[pixel] = select(0u, 1u, many);
     facet_counts[pixel] = select(0u, 1u, single);
+    if single { atomicStore(&pixel_counts[pixel], 0u); }
     if many && atomicLoad(&status.head.longest_pixel) < count {
         atomicMax(&status.head.longest_pixel, count);
     }

@@ -1,23 +1,21 @@
 // sample_surfaces: which surface each sample sees, and the facets made of that: one for every surface that
 // samples of the pixel see, with the mask of those samples. With MERGE neighbouring triangles of one plane
-// are one surface (`surfaces`). `nearest` runs an invocation for each complex pixel over ROUND_LENGTH
-// triangles of its list, from round `step.round` on, and keeps for each sample of word `step.word` the
-// nearest, of equally near ones the lowest (`sample_keys`, complement; 0 for none). Where another surface
-// almost touches it (`rivals_found`: triangles, then two masks a word), `settle_rivals` decides with 46 bits;
-// where more than two do, which it lists in `crowds` (emptied by `begin`), `settle_crowds` does, round by
-// round. `name_surfaces` writes the surfaces of samples to `named_keys`, as `sample_keys` has their
-// triangles, and behind them how far off the triangles of larger surfaces reach; without MERGE the triangles
-// themselves are `group_keys`. `group_samples` counts the surfaces that the samples of a complex pixel see
-// into `facet_counts`; `emit` lists them at `pixel_facets`, in the order of their first samples, each with
-// that of its triangles that most samples see. `emit_single` lists the facets of single pixels, and makes
-// what lies beyond the last facet empty. Nothing is written beyond the capacities. `id_keys` takes the
-// complement of the triangle at the pixel centre, which is sample 0; it must be 0 before. The surfaces of all
-// samples may not fit one binding: complex pixels are taken in bands of `step.slots`, and `sample_keys` and
-// `rivals_found` are those of a band, sample by sample: neighbouring invocations find theirs side by side.
-//@bindings Search: nearest, settle_rivals, settle_crowds
+// are one surface (`surfaces`). It is told which samples each triangle in the list of a complex pixel covers
+// (pixel_coverage: `coverings`, `covering_masks`). `begin` notes where these lists stand, and takes
+// `pixel_counts` down to 0. `nearest` runs an invocation for each complex pixel and takes from the masks of
+// word `step.word` the samples at which bounds say that another triangle is nearer; those that several are
+// left with are `contested`: `settle` decides, with 46 bits where single precision does not tell, of equally
+// near ones for the lowest. Then each sample is in one mask at most. `gather` moves what sees anything to the
+// front of the pixel's list, and counts the surfaces into `facet_counts`. Of a list longer than ROUND_LENGTH
+// a round takes that many, with those that earlier rounds left in front. `emit` lists the facets of complex
+// pixels at `pixel_facets`, in the order of their first samples, each with that of its triangles that most
+// samples see, and leaves in `id_keys` the complement of the triangle at the pixel's centre, which is sample
+// 0. `emit_single` lists those of single pixels, whose triangles `id_keys` has, and makes what lies beyond
+// the last facet empty. Nothing is written beyond the capacities.
+//@bindings Search: nearest, settle
 
-//@import frame dispatch facet facing double_float vertex facing_46 eye_edges eye_view nearest_sample
-//@import eye_order_46
+//@import frame dispatch facet facing double_float vertex facing_46 eye_edges eye_order_46 covering
+//@import word_masks
 
 override WORDS: u32 = 1u;
 override MERGE: u32 = 0u;
@@ -31,14 +29,11 @@ override ROUND_LENGTH: u32 = 512u;
 @group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> pixel_offsets: array<u32>;
-@group(0) @binding(6) var<storage, read> pixel_list: array<u32>;
+@group(0) @binding(6) var<storage, read_write> coverings: array<Covering>;
 @group(0) @binding(7) var<storage, read> complex_pixels: array<u32>;
 @group(0) @binding(8) var<storage, read> complex_total: array<u32>;
 @group(0) @binding(9) var<storage, read> positions: array<vec3<f32>>;
-@group(0) @binding(10) var<storage, read_write> sample_keys: array<u32>;
-@group(0) @binding(17) var<storage, read_write> rivals_found: array<u32>;
-// How many pixels have crowded samples; of each slot and pixel
-@group(0) @binding(22) var<storage, read_write> crowds: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> covering_masks: array<u32>;
 @group(0) @binding(11) var<storage, read_write> facet_counts: array<u32>;
 @group(0) @binding(12) var<storage, read> complex_flags: array<u32>;
 @group(0) @binding(13) var<storage, read> pixel_facets: array<u32>;
@@ -47,18 +42,32 @@ override ROUND_LENGTH: u32 = 512u;
 @group(0) @binding(15) var<storage, read_write> masks: array<u32>;
 @group(0) @binding(16) var<storage, read_write> id_keys: array<u32>;
 // Of each triangle, the lowest of its surface; SEVERAL: of more than one
-@group(0) @binding(18) var<storage, read> surfaces: array<u32>;
-@group(0) @binding(19) var<storage, read_write> named_keys: array<u32>;
-@group(0) @binding(20) var<storage, read> seen_keys: array<u32>;   // as `sample_keys`
-@group(0) @binding(21) var<storage, read> group_keys: array<u32>;  // as `named_keys`
+@group(0) @binding(17) var<storage, read> surfaces: array<u32>;
+@group(0) @binding(18) var<storage, read_write> pixel_counts: array<u32>;
+@group(0) @binding(19) var<storage, read_write> contested: array<u32>;  // WORDS words a complex pixel
+@group(0) @binding(20) var<storage, read_write> slots: array<PixelSlot>;
 
 //@import frame_copy
 const SEVERAL = 0x80000000u;
-//@import surface_groups touching_samples
+//@import surface_step word_offsets pixel_entries nearest_entry contested_entry
 
-@compute @workgroup_size(1)
-fn begin() {
-    atomicStore(&crowds[0], 0u);
+@compute @workgroup_size(WORKGROUP)
+fn begin(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    take_frame(local);
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
+    if slot >= frame.complex_capacity { return; }
+    var made = PixelSlot(NO_TRIANGLE, 0u, 0u, 0u, 0.0);
+    if slot < complex_total[0] {
+        let pixel = complex_pixels[slot];
+        let first = pixel_offsets[pixel];
+        made = PixelSlot(pixel, first, first + pixel_counts[pixel], 0u, 0.0);
+        pixel_counts[pixel] = 0u;
+    }
+    slots[slot] = made;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -70,89 +79,73 @@ fn nearest(
     take_frame(local);
     take_offsets();
     let slot = flat_invocation(group, groups, WORKGROUP, local);
-    if slot >= slot_count() { return; }
-    let pixel = complex_pixel(slot);
-    let centre = pixel_ray(pixel);
-    let first = pixel_offsets[pixel] + step.round * ROUND_LENGTH;
-    let end = min(min(pixel_offsets[pixel + 1u], frame.pixel_triangle_capacity), first + ROUND_LENGTH);
-    let count = min(frame.sample_count - 32u * step.word, 32u);
-    if step.round != 0u {
-        if first >= end { return; }
-        resume(slot, pixel, count);
+    if slot >= frame.complex_capacity { return; }
+    let entries = entries_of(slots[slot]);
+    let twice = covered_twice(entries);
+    var open = 0u;
+    if twice != 0u { open = keep_nearest(entries, twice); }
+    contested[slot * WORDS + step.word] = open;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn settle(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    take_frame(local);
+    let slot = flat_invocation(group, groups, WORKGROUP, local);
+    if slot >= frame.complex_capacity { return; }
+    let own = slots[slot];
+    let entries = entries_of(own);
+    for (var left = contested[slot * WORDS + step.word]; left != 0u; left &= left - 1u) {
+        settle_sample(entries, own.pixel, firstTrailingBit(left));
     }
-    for (var n = first; n < end; n += BATCH) { take_in(n, min(n + BATCH, end), count, slot, pixel, centre); }
-    put_down(slot, count);
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn settle_rivals(
+fn gather(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
-    if slot >= slot_count() { return; }
-    settle_rivals_of(slot);
-}
-
-@compute @workgroup_size(WORKGROUP)
-fn settle_crowds(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    take_frame(local);
-    let n = flat_invocation(group, groups, WORKGROUP, local);
-    if n >= atomicLoad(&crowds[0]) { return; }
-    settle_crowd(n);
-}
-
-@compute @workgroup_size(WORKGROUP)
-fn name_surfaces(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    take_frame(local);
-    let slot = flat_invocation(group, groups, WORKGROUP, local);
-    if slot >= slot_count() { return; }
-    var several = 0u;
-    var at = slot;
-    var last = 0u;
-    var other = vec4(0u);  // samples that see another triangle than the one before
-    for (var w = 0u; w < WORDS; w++) {
-        var bits = 0u;
-        for (var k = 0u; k < 32u; k++) {
-            let key = sample_keys[at];
-            var name = 0u;
-            if key != 0u { name = surfaces[~key]; several |= name; name = ~(name & ~SEVERAL); }
-            named_keys[at] = name;
-            bits |= select(0u, 1u << k, key != last && key != 0u);
-            last = key;
-            at += step.slots;
-        }
-        other[w] = bits;
-    }
-    if (several & SEVERAL) == 0u { return; }
-    named_keys[place(slot, 32u * WORDS)] = bitcast<u32>(farthest_corner(slot, other));
-}
-
-@compute @workgroup_size(WORKGROUP)
-fn group_samples(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    take_frame(local);
-    let slot = flat_invocation(group, groups, WORKGROUP, local);
-    if slot >= slot_count() { return; }
-    load_groups(slot);
+    if slot >= frame.complex_capacity { return; }
+    let own = slots[slot];
+    if own.pixel == NO_TRIANGLE { return; }
+    let entries = entries_of(own);
+    let long = own.end - own.first > ROUND_LENGTH;
     var count = 0u;
-    for (var left = samples_left(slot); any(left != vec4(0u)); count++) {
-        left &= ~samples_of(slot, group_keys[place(slot, lowest_sample(left))]);
+    var made = 0u;
+    var several = false;
+    for (var n = next_seen(entries, 0u); n < entries.count; n = next_seen(entries, n + 1u)) {
+        let was = place_of(entries, n);
+        let at = own.first + count;
+        let triangle = coverings[was].triangle;
+        let mask = mask_at(was);
+        // Later rounds alone ask for the depth.
+        for (var whole = at != was && long; whole; whole = false) { coverings[at] = coverings[was]; }
+        coverings[at].triangle = triangle;
+        for (var w = 0u; w < WORDS; w++) { covering_masks[at * WORDS + w] = mask[w]; }
+        var fresh = true;
+        if MERGE != 0u {
+            let name = surfaces[triangle];
+            let one_of = (name & SEVERAL) != 0u;
+            several |= one_of;
+            fresh = !one_of || next_named(own.first, at, name) == at;
+        }
+        made += select(0u, 1u, fresh);
+        count++;
     }
-    facet_counts[complex_pixel(slot)] = count;
+    // Rare, and dear.
+    var far = 0.0;
+    for (var n = select(count, 0u, several); n < count; n++) {
+        far = max(far, far_corner(coverings[own.first + n].triangle));
+    }
+    slots[slot].kept = count;
+    slots[slot].far = far;
+    facet_counts[own.pixel] = made;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -163,27 +156,43 @@ fn emit(
 ) {
     take_frame(local);
     let slot = flat_invocation(group, groups, WORKGROUP, local);
-    if slot >= slot_count() { return; }
-    let pixel = complex_pixel(slot);
-    load_groups(slot);
-    if MERGE != 0u { load_seen(slot); }
-    id_keys[pixel] = seen_keys[place(slot, 0u)];
+    if slot >= frame.complex_capacity { return; }
+    let here = slots[slot];
+    if here.pixel == NO_TRIANGLE { return; }
+    let pixel = here.pixel;
+    let first = here.first;
+    let end = first + here.kept;
+    var left = vec4(0u);
+    for (var n = first; n < end; n++) { left |= mask_at(n); }
+    id_keys[pixel] = 0u;
+    if (left.x & 1u) != 0u { id_keys[pixel] = ~coverings[entry_with(first, end, 0u)].triangle; }
     var f = pixel_facets[pixel];
-    for (var left = samples_left(slot); any(left != vec4(0u)) && f < frame.facets_total; f++) {
-        var k = lowest_sample(left);
-        let mask = samples_of(slot, group_keys[place(slot, k)]);
-        left &= ~mask;
-        var facet = Facet(pixel, NO_TRIANGLE, STATE_EMPTY, 0.0, vec2(0.0));
+    for (; any(left != vec4(0u)) && f < frame.facets_total; f++) {
+        var best = entry_with(first, end, lowest_bit(left));
+        var mask = mask_at(best);
+        var own = mask;
+        let name = name_of(best);
         if MERGE != 0u {
-            let own = most_seen(slot, mask);
-            if any(own != mask) {
-                k = lowest_sample(own);
-                facet.state = STATE_MERGED;
-                facet.limit = bitcast<f32>(group_keys[place(slot, 32u * WORDS)]);
+            var n = end;
+            if (name & SEVERAL) != 0u { n = next_named(first, end, name); }
+            for (; n < end; n = next_named(n + 1u, end, name)) {
+                let more = mask_at(n);
+                mask |= more;
+                let size = size_of(more);
+                let most = size_of(own);
+                if size > most || (size == most && lowest_bit(more) < lowest_bit(own)) {
+                    best = n;
+                    own = more;
+                }
             }
         }
-        facet.triangle = ~seen_keys[place(slot, k)];
-        facet.origin = sample_offset(k);
+        left &= ~mask;
+        let merged = any(own != mask);
+        var facet = Facet(pixel, coverings[best].triangle, STATE_EMPTY, 0.0, sample_offset(lowest_bit(own)));
+        if merged {
+            facet.state = STATE_MERGED;
+            facet.limit = here.far;
+        }
         facets[f] = facet;
         for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * f + w] = mask[w]; }
     }
@@ -204,15 +213,7 @@ fn emit_single(
     }
     if pixel >= pixels || complex_flags[pixel] != 0u { return; }
     let f = pixel_facets[pixel];
-    let entry = pixel_offsets[pixel];
     if f == pixel_facets[pixel + 1u] || f >= frame.facets_total { return; }
-    if entry >= frame.pixel_triangle_capacity {
-        // The frame runs again; what an older one left here would be looked at till then
-        facets[f].triangle = NO_TRIANGLE;
-        return;
-    }
-    let t = pixel_list[entry];
-    facets[f] = Facet(pixel, t, STATE_EMPTY, 0.0, vec2(0.0));
+    facets[f] = Facet(pixel, ~id_keys[pixel], STATE_EMPTY, 0.0, vec2(0.0));
     for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * f + w] = full_word(w); }
-    id_keys[pixel] = ~t;
 }

@@ -40,10 +40,11 @@ pub struct Plan {
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 17] = [
+const STAGES: [(&str, &str, Extent); 18] = [
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
     ("pixel_triangles", "triangles that the samples of each pixel may see", Extent::Facing),
+    ("pixel_coverage", "the samples that each of them covers", Extent::Facing),
     ("sample_surfaces", "the surface each sample sees, a facet for each", Extent::Facing),
     (REQUESTS, "blocks of texels that facets ask for: nothing is made in others", Extent::Everything),
     ("light_layers", "two nearest layers at every texel centre", Extent::Everything),
@@ -170,7 +171,7 @@ pub(crate) fn extent_of(prepared: &Prepared, camera: &Camera, light: &Light, wan
 /// The facets a pixel (one or all) for which a stage finds what pixels see; for the other mode, other stages do.
 fn finds_facets_of(stage: &str) -> Option<FacetMode> {
     match stage {
-        "pixel_triangles" | "sample_surfaces" => Some(FacetMode::All),
+        "pixel_triangles" | "pixel_coverage" | "sample_surfaces" => Some(FacetMode::All),
         "camera_visibility" => Some(FacetMode::One),
         _ => None,
     }

@@ -14,8 +14,8 @@ use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
     caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, instance_positions, map_moments,
-    pixel_receivers, pixel_views, prefix_scan, radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group,
-    triangle_ids, visibility_texture, work_owners,
+    pixel_coverage, pixel_receivers, pixel_triangles, pixel_views, prefix_scan, radix_sort, sample_surfaces,
+    sorted_pairs, summed_area, texel_group, triangle_ids, visibility_texture, work_owners,
 };
 use subpixel_shadows::status::{Need, StatusBand, StatusHead};
 
@@ -96,10 +96,13 @@ fn registry() -> Vec<Registered> {
         of::<facet_classify::Undecided>(),
         of::<gbuffer_triangles::GbufferTrianglesParams>(),
         of::<map_moments::MapLevels>(),
+        of::<pixel_coverage::Covering>(),
         of::<pixel_receivers::PixelReceiversParams>(),
+        of::<pixel_triangles::PixelPair>(),
         of::<pixel_views::LightViews>(),
         of::<prefix_scan::PrefixScanParams>(),
         of::<radix_sort::RadixSortParams>(),
+        of::<sample_surfaces::PixelSlot>(),
         of::<sample_surfaces::SurfaceStep>(),
         of::<sorted_pairs::SortedPairsParams>(),
         of::<summed_area::SummedAreaParams>(),

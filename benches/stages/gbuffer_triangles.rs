@@ -1,4 +1,4 @@
-//! A G-buffer of four samples a pixel that all show one triangle: every texel is read twice, and one entry written.
+//! A G-buffer of four samples a pixel that all show one triangle: every texel is read twice.
 
 use crate::harness::Case;
 use subpixel_shadows::Result;
@@ -42,6 +42,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let numbers = Buffer::from_slice(device, queue, "bench.numbers", &[0u32])?;
     let lists = PixelLists::new(device, pixels, pixels)?;
     let (status, faults) = (Buffer::storage(device, "bench", 32)?, Buffer::storage(device, "bench", 4)?);
+    let id_keys = Buffer::storage(device, "bench.id_keys", pixels)?;
     let scan = PrefixScan::new(device);
     let scratch = PrefixScan::scratch(device, pixels)?;
     let stage = GbufferTriangles::new(device, &scan);
@@ -54,7 +55,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: 0,
         record: Box::new(move |s| {
             let given = SampleGbuffer { texture: Texture::Layers(&view), params, numbers: &numbers };
-            stage.record(s, &frame, &given, &lists, &scratch, &status, &faults)
+            stage.record(s, &frame, &given, &lists, &id_keys, &scratch, &status, &faults)
         }),
     }])
 }

@@ -24,6 +24,7 @@ mod instance_positions;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;
+mod pixel_coverage;
 mod pixel_filter;
 mod pixel_receivers;
 mod pixel_texel_pairs;
@@ -73,7 +74,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 36] = [
+    let without_textures: [Maker; 37] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -99,8 +100,9 @@ fn run(options: &Options) -> Result<()> {
         spsm_query::cases,
         front_layer::cases,
         pixel_triangles::cases,
-        pixel_views::cases,
+        pixel_coverage::cases,
         sample_surfaces::cases,
+        pixel_views::cases,
         facet_classify::cases,
         pixel_texel_pairs::cases,
         triangle_texel_pairs::cases,

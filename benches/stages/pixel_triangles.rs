@@ -22,6 +22,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let scratch = PrefixScan::scratch(&gpu.device, pixels)?;
     let stage = PixelTriangles::new(&gpu.device, &scan);
     let lists = PixelLists::new(&gpu.device, pixels, ROOM)?;
+    let id_keys = Buffer::storage(&gpu.device, "bench.id_keys", pixels)?;
     let status = Buffer::storage(&gpu.device, "bench.status", 32)?;
     Ok(vec![Case {
         name: "pixel_triangles".to_owned(),
@@ -31,7 +32,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: 3 * setup.cells_seen * 6,
         record: Box::new(move |s| {
             let blocks = setup.seen();
-            stage.record(s, &setup.frame, blocks, blocks.args, &lists, &scratch, &status)
+            stage.record(s, &setup.frame, blocks, blocks.args, &lists, &id_keys, &scratch, &status)
         }),
     }])
 }

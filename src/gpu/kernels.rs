@@ -332,7 +332,8 @@ pub mod gbuffer_triangles {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/math/divide",
-        "shared/frame/strip", "gbuffer_triangles",
+        "shared/frame/strip", "shared/raster/pixel_pair", "shared/raster/covering", "shared/math/word_masks",
+        "gbuffer_triangles/listed_samples", "gbuffer_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -350,6 +351,7 @@ pub mod gbuffer_triangles {
         7 facet_counts: Write<'a, u32>,
         8 status: Write<'a, u32>,
         9 faults: Write<'a, u32>,
+        15 id_keys: Write<'a, u32>,
     } }
     entry_point! { "gbuffer_triangles", "count_samples", [64, 1, 1], SOURCE, () => CountSamples, CountSamplesProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -361,40 +363,49 @@ pub mod gbuffer_triangles {
         7 facet_counts: Write<'a, u32>,
         8 status: Write<'a, u32>,
         9 faults: Write<'a, u32>,
+        15 id_keys: Write<'a, u32>,
     } }
     entry_point! { "gbuffer_triangles", "emit_layers", [64, 1, 1], SOURCE, () => EmitLayers, EmitLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         2 layers: TextureUintLayers<'a>,
         4 numbers: Read<'a, u32>,
+        5 pixel_counts: Write<'a, u32>,
         10 pixel_offsets: Read<'a, u32>,
-        11 pixel_list: Write<'a, u32>,
+        11 pixel_list: Write<'a, crate::stages::pixel_triangles::PixelPair>,
     } }
     entry_point! { "gbuffer_triangles", "emit_samples", [64, 1, 1], SOURCE, () => EmitSamples, EmitSamplesProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         3 multisampled: TextureUintSamples<'a>,
         4 numbers: Read<'a, u32>,
+        5 pixel_counts: Write<'a, u32>,
         10 pixel_offsets: Read<'a, u32>,
-        11 pixel_list: Write<'a, u32>,
+        11 pixel_list: Write<'a, crate::stages::pixel_triangles::PixelPair>,
     } }
     entry_point! { "gbuffer_triangles", "fill_layers", [64, 1, 1], SOURCE, () => FillLayers, FillLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         2 layers: TextureUintLayers<'a>,
         4 numbers: Read<'a, u32>,
+        5 pixel_counts: Write<'a, u32>,
+        10 pixel_offsets: Read<'a, u32>,
         12 complex_pixels: Read<'a, u32>,
         13 complex_total: Read<'a, u32>,
-        14 sample_keys: Write<'a, u32>,
+        14 covering_masks: Write<'a, u32>,
+        16 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
     } }
     entry_point! { "gbuffer_triangles", "fill_samples", [64, 1, 1], SOURCE, () => FillSamples, FillSamplesProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 params: Uniform<'a, crate::stages::gbuffer_triangles::GbufferTrianglesParams>,
         3 multisampled: TextureUintSamples<'a>,
         4 numbers: Read<'a, u32>,
+        5 pixel_counts: Write<'a, u32>,
+        10 pixel_offsets: Read<'a, u32>,
         12 complex_pixels: Read<'a, u32>,
         13 complex_total: Read<'a, u32>,
-        14 sample_keys: Write<'a, u32>,
+        14 covering_masks: Write<'a, u32>,
+        16 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
     } }
     entries! {
         CountLayers, CountSamples, EmitLayers, EmitSamples, FillLayers, FillSamples,
@@ -564,6 +575,47 @@ pub mod moment_shadows {
     }
 }
 
+/// `kernels/pixel_coverage.wgsl`.
+pub mod pixel_coverage {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex", "shared/frame/facing_46",
+        "shared/facet/eye_edges", "shared/facet/eye_order_46", "pixel_coverage/eye_view", "shared/alpha",
+        "shared/raster/pixel_pair", "shared/raster/covering", "shared/math/word_masks", "shared/frame/frame_copy",
+        "shared/frame/sample_copy", "pixel_coverage/covered_samples", "pixel_coverage",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
+        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
+    }
+    overrides! {
+        alpha: u32 = 0, "ALPHA",
+        samples: u32 = 32, "SAMPLES",
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "pixel_coverage", "cover", [64, 1, 1], SOURCE, Constants => Cover, CoverProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        4 positions: Read<'a, [f32; 4]>,
+        5 pixel_offsets: Read<'a, u32>,
+        6 pixel_list: Read<'a, crate::stages::pixel_triangles::PixelPair>,
+        7 pixel_counts: Write<'a, u32>,
+        8 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
+        9 covering_masks: Write<'a, u32>,
+    } }
+    entries! {
+        Cover,
+    }
+}
+
 /// `kernels/pixel_filter.wgsl`.
 pub mod pixel_filter {
     use crate::entry_point;
@@ -722,7 +774,8 @@ pub mod pixel_triangles {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/frame/pass",
         "shared/math/divide", "shared/raster/rect", "shared/raster/work_items", "shared/frame/facing",
-        "shared/facet/eye_edges", "shared/raster/block_bits", "pixel_triangles/over_square", "pixel_triangles",
+        "shared/facet/eye_edges", "shared/raster/block_bits", "pixel_triangles/over_square",
+        "shared/raster/pixel_pair", "pixel_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -753,6 +806,7 @@ pub mod pixel_triangles {
         6 cover_keys: Write<'a, u32>,
         7 pixel_counts: Write<'a, u32>,
         13 touched: Write<'a, [u32; 2]>,
+        14 id_keys: Write<'a, u32>,
     } }
     entry_point! { "pixel_triangles", "emit", [64, 1, 1], SOURCE, () => Emit, EmitProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -761,7 +815,7 @@ pub mod pixel_triangles {
         5 work_offsets: Read<'a, u32>,
         7 pixel_counts: Write<'a, u32>,
         8 pixel_offsets: Read<'a, u32>,
-        9 pixel_list: Write<'a, u32>,
+        9 pixel_list: Write<'a, crate::stages::pixel_triangles::PixelPair>,
         13 touched: Write<'a, [u32; 2]>,
     } }
     entry_point! { "pixel_triangles", "emit_rest", [64, 1, 1], SOURCE, () => EmitRest, EmitRestProgram {
@@ -774,7 +828,7 @@ pub mod pixel_triangles {
         6 cover_keys: Write<'a, u32>,
         7 pixel_counts: Write<'a, u32>,
         8 pixel_offsets: Read<'a, u32>,
-        9 pixel_list: Write<'a, u32>,
+        9 pixel_list: Write<'a, crate::stages::pixel_triangles::PixelPair>,
     } }
     entry_point! { "pixel_triangles", "judge", [64, 1, 1], SOURCE, () => Judge, JudgeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -794,8 +848,9 @@ pub mod pixel_triangles {
         cover_keys: Write<'a, u32>,
         pixel_counts: Write<'a, u32>,
         pixel_offsets: Read<'a, u32>,
-        pixel_list: Write<'a, u32>,
+        pixel_list: Write<'a, crate::stages::pixel_triangles::PixelPair>,
         touched: Write<'a, [u32; 2]>,
+        id_keys: Write<'a, u32>,
     } }
     subset! { Cover => CoverBlocks { frame, cover_keys } }
     subset! { Count => Cover { frame, triangles, points, camera_rects, work_offsets, cover_keys } }
@@ -805,7 +860,7 @@ pub mod pixel_triangles {
     subset! { Judge => CoverBlocks { frame, cover_keys } }
     subset! { Raster => Cover { frame, triangles, points, camera_rects, work_offsets, cover_keys } }
     subset! { Raster => CoverBlocks { frame, cover_keys } }
-    subset! { Raster => Count { frame, step, triangles, points, camera_rects, work_offsets, cover_keys, pixel_counts, touched } }
+    subset! { Raster => Count { frame, step, triangles, points, camera_rects, work_offsets, cover_keys, pixel_counts, touched, id_keys } }
     subset! { Raster => Emit { frame, step, camera_rects, work_offsets, pixel_counts, pixel_offsets, pixel_list, touched } }
     subset! { Raster => EmitRest { frame, step, triangles, points, camera_rects, work_offsets, cover_keys, pixel_counts, pixel_offsets, pixel_list } }
     entries! {
@@ -1179,10 +1234,10 @@ pub mod sample_surfaces {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
-        "shared/frame/facing_46", "shared/facet/eye_edges", "sample_surfaces/eye_view",
-        "sample_surfaces/surface_step", "sample_surfaces/word_offsets", "shared/alpha",
-        "sample_surfaces/nearest_sample", "shared/facet/eye_order_46", "shared/frame/frame_copy",
-        "sample_surfaces/surface_groups", "sample_surfaces/touching_samples", "sample_surfaces",
+        "shared/frame/facing_46", "shared/facet/eye_edges", "shared/facet/eye_order_46", "shared/raster/covering",
+        "shared/math/word_masks", "shared/frame/frame_copy", "sample_surfaces/surface_step",
+        "sample_surfaces/word_offsets", "sample_surfaces/pixel_entries", "sample_surfaces/nearest_entry",
+        "sample_surfaces/contested_entry", "sample_surfaces",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1191,91 +1246,68 @@ pub mod sample_surfaces {
         NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
         STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
         WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
-        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, BATCH = 8, WORKGROUP = 64, SEVERAL = 2147483648,
+        WORKGROUP = 64, SEVERAL = 2147483648,
     }
     overrides! {
         words: u32 = 1, "WORDS",
-        alpha: u32 = 0, "ALPHA",
-        samples: u32 = 32, "SAMPLES",
         round_length: u32 = 512, "ROUND_LENGTH",
         merge: u32 = 0, "MERGE",
+        samples: u32 = 32, "SAMPLES",
     }
-    entry_point! { "sample_surfaces", "begin", [1, 1, 1], SOURCE, Constants => Begin, BeginProgram {
-        22 crowds: Write<'a, u32>,
+    entry_point! { "sample_surfaces", "begin", [64, 1, 1], SOURCE, Constants => Begin, BeginProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        5 pixel_offsets: Read<'a, u32>,
+        7 complex_pixels: Read<'a, u32>,
+        8 complex_total: Read<'a, u32>,
+        18 pixel_counts: Write<'a, u32>,
+        20 slots: Write<'a, crate::stages::sample_surfaces::PixelSlot>,
     } }
     entry_point! { "sample_surfaces", "nearest", [64, 1, 1], SOURCE, Constants => Nearest, NearestProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
         2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
-        3 triangles: Read<'a, [u32; 4]>,
-        4 points: Read<'a, [f32; 4]>,
-        5 pixel_offsets: Read<'a, u32>,
-        6 pixel_list: Read<'a, u32>,
-        7 complex_pixels: Read<'a, u32>,
-        8 complex_total: Read<'a, u32>,
-        10 sample_keys: Write<'a, u32>,
-        17 rivals_found: Write<'a, u32>,
+        6 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
+        10 covering_masks: Write<'a, u32>,
+        19 contested: Write<'a, u32>,
+        20 slots: Write<'a, crate::stages::sample_surfaces::PixelSlot>,
     } }
-    entry_point! { "sample_surfaces", "settle_rivals", [64, 1, 1], SOURCE, Constants => SettleRivals, SettleRivalsProgram {
-        0 frame: Uniform<'a, crate::frame::Frame>,
-        1 samples: Uniform<'a, [f32; 4]>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
-        3 triangles: Read<'a, [u32; 4]>,
-        7 complex_pixels: Read<'a, u32>,
-        8 complex_total: Read<'a, u32>,
-        9 positions: Read<'a, [f32; 4]>,
-        10 sample_keys: Write<'a, u32>,
-        17 rivals_found: Write<'a, u32>,
-        22 crowds: Write<'a, u32>,
-    } }
-    entry_point! { "sample_surfaces", "settle_crowds", [64, 1, 1], SOURCE, Constants => SettleCrowds, SettleCrowdsProgram {
+    entry_point! { "sample_surfaces", "settle", [64, 1, 1], SOURCE, Constants => Settle, SettleProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
         2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         3 triangles: Read<'a, [u32; 4]>,
         4 points: Read<'a, [f32; 4]>,
-        5 pixel_offsets: Read<'a, u32>,
-        6 pixel_list: Read<'a, u32>,
+        6 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
         9 positions: Read<'a, [f32; 4]>,
-        10 sample_keys: Write<'a, u32>,
-        17 rivals_found: Write<'a, u32>,
-        22 crowds: Write<'a, u32>,
+        10 covering_masks: Write<'a, u32>,
+        19 contested: Write<'a, u32>,
+        20 slots: Write<'a, crate::stages::sample_surfaces::PixelSlot>,
     } }
-    entry_point! { "sample_surfaces", "name_surfaces", [64, 1, 1], SOURCE, Constants => NameSurfaces, NameSurfacesProgram {
+    entry_point! { "sample_surfaces", "gather", [64, 1, 1], SOURCE, Constants => Gather, GatherProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         3 triangles: Read<'a, [u32; 4]>,
         4 points: Read<'a, [f32; 4]>,
-        8 complex_total: Read<'a, u32>,
-        10 sample_keys: Write<'a, u32>,
-        18 surfaces: Read<'a, u32>,
-        19 named_keys: Write<'a, u32>,
-    } }
-    entry_point! { "sample_surfaces", "group_samples", [64, 1, 1], SOURCE, Constants => GroupSamples, GroupSamplesProgram {
-        0 frame: Uniform<'a, crate::frame::Frame>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
-        7 complex_pixels: Read<'a, u32>,
-        8 complex_total: Read<'a, u32>,
+        6 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
+        10 covering_masks: Write<'a, u32>,
         11 facet_counts: Write<'a, u32>,
-        21 group_keys: Read<'a, u32>,
+        17 surfaces: Read<'a, u32>,
+        20 slots: Write<'a, crate::stages::sample_surfaces::PixelSlot>,
     } }
     entry_point! { "sample_surfaces", "emit", [64, 1, 1], SOURCE, Constants => Emit, EmitProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 samples: Uniform<'a, [f32; 4]>,
-        2 step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
-        7 complex_pixels: Read<'a, u32>,
-        8 complex_total: Read<'a, u32>,
+        6 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
+        10 covering_masks: Write<'a, u32>,
         13 pixel_facets: Read<'a, u32>,
         14 facets: Write<'a, crate::stages::facet_classify::Facet>,
         15 masks: Write<'a, u32>,
         16 id_keys: Write<'a, u32>,
-        20 seen_keys: Read<'a, u32>,
-        21 group_keys: Read<'a, u32>,
+        17 surfaces: Read<'a, u32>,
+        20 slots: Write<'a, crate::stages::sample_surfaces::PixelSlot>,
     } }
     entry_point! { "sample_surfaces", "emit_single", [64, 1, 1], SOURCE, Constants => EmitSingle, EmitSingleProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
-        5 pixel_offsets: Read<'a, u32>,
-        6 pixel_list: Read<'a, u32>,
         12 complex_flags: Read<'a, u32>,
         13 pixel_facets: Read<'a, u32>,
         14 facets: Write<'a, crate::stages::facet_classify::Facet>,
@@ -1285,26 +1317,21 @@ pub mod sample_surfaces {
     group! { Search {
         positions: Read<'a, [f32; 4]>,
         points: Read<'a, [f32; 4]>,
+        frame: Uniform<'a, crate::frame::Frame>,
         step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         samples: Uniform<'a, [f32; 4]>,
+        covering_masks: Write<'a, u32>,
+        coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
         triangles: Read<'a, [u32; 4]>,
-        rivals_found: Write<'a, u32>,
-        pixel_list: Read<'a, u32>,
-        sample_keys: Write<'a, u32>,
-        frame: Uniform<'a, crate::frame::Frame>,
-        complex_total: Read<'a, u32>,
-        complex_pixels: Read<'a, u32>,
-        crowds: Write<'a, u32>,
-        pixel_offsets: Read<'a, u32>,
+        contested: Write<'a, u32>,
+        slots: Write<'a, crate::stages::sample_surfaces::PixelSlot>,
     } }
-    subset! { SettleRivals => Begin { crowds } }
-    subset! { SettleCrowds => Begin { crowds } }
-    subset! { Search => Begin { crowds } }
-    subset! { Search => Nearest { frame, samples, step, triangles, points, pixel_offsets, pixel_list, complex_pixels, complex_total, sample_keys, rivals_found } }
-    subset! { Search => SettleRivals { frame, samples, step, triangles, complex_pixels, complex_total, positions, sample_keys, rivals_found, crowds } }
-    subset! { Search => SettleCrowds { frame, samples, step, triangles, points, pixel_offsets, pixel_list, positions, sample_keys, rivals_found, crowds } }
+    subset! { Settle => Nearest { frame, samples, step, coverings, covering_masks, contested, slots } }
+    subset! { Settle => Search { positions, points, frame, step, samples, covering_masks, coverings, triangles, contested, slots } }
+    subset! { Search => Nearest { frame, samples, step, coverings, covering_masks, contested, slots } }
+    subset! { Search => Settle { frame, samples, step, triangles, points, coverings, positions, covering_masks, contested, slots } }
     entries! {
-        Begin, Nearest, SettleRivals, SettleCrowds, NameSurfaces, GroupSamples, Emit, EmitSingle,
+        Begin, Nearest, Settle, Gather, Emit, EmitSingle,
     }
 }
 
@@ -2305,6 +2332,7 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
     ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),
+    ("pixel_coverage", pixel_coverage::SOURCE, pixel_coverage::ENTRIES),
     ("pixel_filter", pixel_filter::SOURCE, pixel_filter::ENTRIES),
     ("pixel_receivers", pixel_receivers::SOURCE, pixel_receivers::ENTRIES),
     ("pixel_texel_pairs", pixel_texel_pairs::SOURCE, pixel_texel_pairs::ENTRIES),

@@ -1,18 +1,19 @@
 //! The camera side of `facet-masks` with a facet for every surface that a pixel's samples see: which pixels show one
-//! surface is proved, the samples of all others are searched one by one.
+//! surface is proved; in all others, masks of the samples that triangles cover, nearer ones first.
 
 use super::facet_masks::{Capacities, Settings};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::pixel_triangles;
-use crate::gpu::{Buffer, Groups, Recorder, Stage};
+use crate::gpu::{Buffer, Groups, Recorder};
 use crate::stages::camera_visibility::Blocks;
 use crate::stages::compact::{self, Compact, Flags};
 use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::stages::facet_classify::Facets;
 use crate::stages::gbuffer_triangles::{GbufferTriangles, SampleGbuffer};
+use crate::stages::pixel_coverage::{self, PairCoverage, PixelCoverage};
 use crate::stages::pixel_triangles::{PixelLists, PixelTriangles};
-use crate::stages::sample_surfaces::{ComplexPixels, Fill, SampleSurfaces, SurfaceInputs, WORKGROUP};
+use crate::stages::sample_surfaces::{ComplexPixels, SampleSurfaces, SurfaceInputs, WORKGROUP};
 use crate::stages::{Count, PrefixScan, prefix_scan};
 use crate::status_word;
 
@@ -31,6 +32,7 @@ pub struct SampleIds<'a> {
 #[derive(Debug)]
 pub struct SurfacePipelines {
     triangles: PixelTriangles,
+    coverage: PixelCoverage,
     compact: Compact,
     surfaces: SampleSurfaces,
     fold: DispatchArgs,
@@ -41,8 +43,9 @@ impl SurfacePipelines {
     pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32, alpha: bool) -> Self {
         Self {
             triangles: PixelTriangles::new(device, scan),
+            coverage: PixelCoverage::new(device, samples, alpha),
             compact: Compact::new(device, scan),
-            surfaces: SampleSurfaces::for_any(device, scan, samples, alpha),
+            surfaces: SampleSurfaces::for_any(device, scan, samples),
             fold: DispatchArgs::new(device),
         }
     }
@@ -52,12 +55,12 @@ impl SurfacePipelines {
 #[derive(Debug)]
 pub struct EverySurface {
     lists: PixelLists,
+    coverage: PairCoverage,
     complex: ComplexPixels,
     compact_scratch: compact::CompactScratch,
     scan_scratch: prefix_scan::PrefixScanScratch,
-    requests: [Requests; 2],
-    args: Buffer<u32>,
-    again_args: Buffer<u32>,
+    requests: [Requests; 3],
+    args: [Buffer<u32>; 3],
     casters: usize,
     most_at_pixel: u32,
 }
@@ -81,11 +84,15 @@ impl EverySurface {
         Ok(Self {
             requests: requests(device, queue, casters, &lists, c)?,
             lists,
-            complex: ComplexPixels::new(device, queue, c.complex_pixels, words as usize)?,
+            coverage: PairCoverage::new(device, c.pixel_triangles, words as usize)?,
+            complex: ComplexPixels::new(device, c.complex_pixels, words as usize)?,
             compact_scratch: Compact::scratch(device, pixels)?,
             scan_scratch: PrefixScan::scratch(device, pixels)?,
-            args: Buffer::indirect(device, "every_surface.args", 3)?,
-            again_args: Buffer::indirect(device, "every_surface.again_args", 3)?,
+            args: [
+                Buffer::indirect(device, "every_surface.again_args", 3)?,
+                Buffer::indirect(device, "every_surface.pair_args", 3)?,
+                Buffer::indirect(device, "every_surface.pixel_args", 3)?,
+            ],
             casters,
             most_at_pixel: c.most_at_pixel,
         })
@@ -105,9 +112,11 @@ impl EverySurface {
         let sizes = |c: Capacities| (c.pixel_triangles, c.complex_pixels, c.facets);
         if sizes(c) != sizes(now) {
             let lists = PixelLists::new(device, settings.pixels(), c.pixel_triangles)?;
-            let complex = ComplexPixels::new(device, queue, c.complex_pixels, settings.samples.words() as usize)?;
+            let words = settings.samples.words() as usize;
+            let coverage = PairCoverage::new(device, c.pixel_triangles, words)?;
+            let complex = ComplexPixels::new(device, c.complex_pixels, words)?;
             self.requests = requests(device, queue, self.casters, &lists, c)?;
-            (self.lists, self.complex) = (lists, complex);
+            (self.lists, self.coverage, self.complex) = (lists, coverage, complex);
         }
         self.most_at_pixel = c.most_at_pixel;
         Ok(())
@@ -130,18 +139,31 @@ impl EverySurface {
         status_words: &Buffer<u32>,
         given: Option<&SampleIds>,
     ) -> Result<()> {
-        let (lists, complex) = (&self.lists, &self.complex);
+        let (lists, coverage, complex) = (&self.lists, &self.coverage, &self.complex);
+        let [again_args, pair_args, pixel_args] = &self.args;
         let pixels = lists.counts.len();
         rec.clear(lists.cover_keys.raw());
         rec.clear(lists.counts.raw());
         if let Some(SampleIds { stage: of_samples, given, faults }) = given {
             let stage = &mut rec.stage("gbuffer_triangles");
-            of_samples.record(stage, frame, given, lists, &self.scan_scratch, status_words, faults)?;
+            of_samples.record(stage, frame, given, lists, id_keys, &self.scan_scratch, status_words, faults)?;
         } else {
             let stage = &mut rec.stage("pixel_triangles");
-            with.fold.record(stage, in_camera.offsets, &self.requests[1], &self.again_args)?;
-            let rest = (self.again_args.raw(), 0);
-            with.triangles.record(stage, frame, in_camera, rest, lists, &self.scan_scratch, status_words)?;
+            with.fold.record(stage, in_camera.offsets, &self.requests[0], again_args)?;
+            let rest = (again_args.raw(), 0);
+            with.triangles.record(stage, frame, in_camera, rest, lists, id_keys, &self.scan_scratch, status_words)?;
+        }
+        let mesh = SurfaceInputs {
+            samples,
+            triangles: in_camera.triangles,
+            points: in_camera.points,
+            positions,
+            surfaces: merged_by,
+        };
+        {
+            let stage = &mut rec.stage("pixel_coverage");
+            with.fold.record(stage, &lists.offsets, &self.requests[1], pair_args)?;
+            with.coverage.record(stage, frame, mesh, lists, coverage, Groups::Indirect(pair_args.raw(), 0));
         }
         {
             let stage = &mut rec.stage("sample_surfaces");
@@ -149,24 +171,15 @@ impl EverySurface {
             let total = (&complex.total, 0);
             let count = Count::Exactly(pixels);
             with.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
-            with.fold.record(stage, &complex.total, &self.requests[0], &self.args)?;
-            let mesh = SurfaceInputs {
-                samples,
-                triangles: in_camera.triangles,
-                points: in_camera.points,
-                positions,
-                surfaces: merged_by,
-            };
-            let (args, scratch) = ((self.args.raw(), 0), &self.scan_scratch);
-            let (listed, total) = (&complex.pixels, &complex.total);
-            let fill = given.map(|of| {
-                move |stage: &mut Stage, band: [u32; 2], keys: &Buffer<u32>, groups: Groups| {
-                    of.stage.record_fill(stage, frame, &of.given, band, listed, total, keys, groups)
-                }
-            });
-            let fill = fill.as_ref().map(|f| f as Fill);
+            with.fold.record(stage, &complex.total, &self.requests[2], pixel_args)?;
+            let (args, scratch) = ((pixel_args.raw(), 0), &self.scan_scratch);
+            if let Some(SampleIds { stage: of_samples, given, .. }) = given {
+                let (listed, total, groups) = (&complex.pixels, &complex.total, Groups::Indirect(args.0, args.1));
+                of_samples.record_fill(stage, frame, given, lists, listed, total, coverage, groups)?;
+            }
             let most = self.most_at_pixel;
-            with.surfaces.record(stage, frame, mesh, lists, complex, args, most, scratch, facets, id_keys, fill)?;
+            let surfaces = &with.surfaces;
+            surfaces.record(stage, frame, mesh, lists, coverage, complex, args, most, scratch, facets, id_keys)?;
         }
         let mut keep = |from: &Buffer<u32>, first: usize, at: usize| {
             rec.copy_words(from.raw(), first as u64, status_words.raw(), at as u64, 2);
@@ -178,16 +191,18 @@ impl EverySurface {
     }
 }
 
-/// One workgroup for each [`WORKGROUP`] complex pixels; and those for blocks of casters whose pixels are found twice.
+/// Workgroups for blocks of casters whose pixels are found twice, for listed triangles, and for complex pixels.
 fn requests(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     casters: usize,
     lists: &PixelLists,
     c: Capacities,
-) -> Result<[Requests; 2]> {
-    let complex = ArgsRequest::new(0, WORKGROUP, c.complex_pixels, 0)?;
+) -> Result<[Requests; 3]> {
     let again =
         ArgsRequest::new(casters, pixel_triangles::WORKGROUP, ArgsRequest::MAX_LIMIT, 0)?.after(lists.touched.len());
-    Ok([DispatchArgs::requests(device, queue, &[complex])?, DispatchArgs::requests(device, queue, &[again])?])
+    let pairs = ArgsRequest::new(lists.counts.len(), pixel_coverage::WORKGROUP, c.pixel_triangles, 0)?;
+    let complex = ArgsRequest::new(0, WORKGROUP, c.complex_pixels, 0)?;
+    let of = |request| DispatchArgs::requests(device, queue, &[request]);
+    Ok([of(again)?, of(pairs)?, of(complex)?])
 }

@@ -14,6 +14,7 @@ use super::facet_masks::{Capacities, FacetMode, PairVariant, Settings};
 use super::output::{Budget, Counts, ListUse};
 use crate::stages::SortedPairs;
 use crate::stages::facet_classify::{FacetState, Undecided};
+use crate::stages::pixel_coverage::Covering;
 use crate::stages::pixel_texel_pairs::TALLY_WORDS;
 use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
@@ -42,7 +43,7 @@ pub fn first(settings: &Settings, budget: Budget) -> Capacities {
         views: 1,
         most_at_place: AT_PLACE,
         facets: if all { camera(pixels * 3 / 2) } else { pixels },
-        pixel_triangles: camera(pixels * 3),
+        pixel_triangles: camera(pixels * 2),
         complex_pixels: camera(pixels / 4).min(pixels),
         most_at_pixel: AT_PIXEL,
     };
@@ -157,13 +158,19 @@ fn wanted_of_camera(
     // No more slack than one binding holds.
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) as usize;
     let most_facets = (binding / size_of::<Undecided>()).max(needs[2] as usize);
+    let most_listed = (binding / listed_bytes(settings)).max(needs[0] as usize);
     Ok(Some(Capacities {
-        pixel_triangles: grown(0),
+        pixel_triangles: grown(0).min(most_listed),
         complex_pixels: grown(1).min(settings.pixels()),
         facets: grown(2).min(most_facets),
         most_at_pixel: most_at_pixel.max(now.most_at_pixel),
         ..now
     }))
+}
+
+/// Bytes of the widest list of what covers samples, a triangle.
+fn listed_bytes(settings: &Settings) -> usize {
+    size_of::<Covering>().max(4 * settings.samples.words() as usize)
 }
 
 /// Length in steps that holds a longest list.

@@ -2,10 +2,11 @@
 //!
 //! - **Reads** a texture of triangle numbers, a layer or a sample of the texture for each sample of the G-buffer, and the
 //!   casters' number of each of the application's triangles.
-//! - **Writes** `list` (the different triangles of each pixel), `offsets`, `complex_flags` (1 where samples show several
-//!   triangles, or one and something else) and `facet_counts` (1 where all show one triangle). Counts into `faults` the samples
-//!   that name no triangle ([`FAULT_UNKNOWN`]); they count as none. [`GbufferTriangles::record_fill`] gives each sample of a
-//!   complex pixel that lies in none of its triangles what the nearest sample of the G-buffer shows, if anything.
+//! - **Writes** `complex_flags` (1 where samples show several triangles, or one and something else), `list` (the different
+//!   triangles of each such pixel), `offsets`, and `facet_counts` (1 where all samples show one triangle, whose complement is then in
+//!   `id_keys`). Counts into `faults` the samples that name no triangle ([`FAULT_UNKNOWN`]); they count as none.
+//!   [`GbufferTriangles::record_fill`] gives each sample of a complex pixel that lies in none of its triangles to that which the nearest
+//!   sample of the G-buffer shows, if any.
 //! - **Strips.** Of a strip of rows ([`Frame::first_row`](crate::frame::Frame)) the texture is still the whole image's, and faults
 //!   count in rows that are its own.
 //! - **Guarantee.** Same inputs, same bits. Nothing is written beyond the capacity.
@@ -13,6 +14,7 @@
 //! - **Cost.** Two dispatches over pixels that read every sample, and a scan; a pixel that shows `n` triangles compares up to
 //!   `n` times the number of samples.
 
+use super::pixel_coverage::PairCoverage;
 use super::pixel_triangles::PixelLists;
 use super::{Count, PrefixScan, prefix_scan};
 use crate::frame::Frame;
@@ -31,16 +33,8 @@ shared_struct! {
         pub first: u32,
         /// Stands for no triangle.
         pub none: u32,
-        /// First complex pixel of a band.
-        pub first_slot: u32,
-        /// Complex pixels of a band at most.
-        pub slots: u32,
         /// Unused.
         pub pad_0: u32,
-        /// Unused.
-        pub pad_1: u32,
-        /// Unused.
-        pub pad_2: u32,
         /// Nearest sample of the G-buffer to each sample of the picture.
         pub nearest: [[u32; 4]; 32],
     }
@@ -137,6 +131,7 @@ impl GbufferTriangles {
         frame: &Buffer<Frame>,
         given: &SampleGbuffer,
         lists: &PixelLists,
+        id_keys: &Buffer<u32>,
         scratch: &prefix_scan::PrefixScanScratch,
         status: &Buffer<u32>,
         faults: &Buffer<u32>,
@@ -146,6 +141,7 @@ impl GbufferTriangles {
         let params = self.uniforms.get(stage.device, &given.params)?;
         let (frame, params, numbers) = (frame.as_uniform(), params.as_uniform(), given.numbers.as_read());
         let (pixel_counts, complex_flags) = (lists.counts.as_write(), lists.complex_flags.as_write());
+        let id_keys = id_keys.as_write();
         let (facet_counts, status, faults) = (lists.facet_counts.as_write(), status.as_write(), faults.as_write());
         let groups = || Groups::Items(pixels as u64);
         match given.texture {
@@ -161,6 +157,7 @@ impl GbufferTriangles {
                     facet_counts,
                     status,
                     faults,
+                    id_keys,
                 };
                 stage.run(&self.count_layers, bindings, groups());
             }
@@ -176,6 +173,7 @@ impl GbufferTriangles {
                     facet_counts,
                     status,
                     faults,
+                    id_keys,
                 };
                 stage.run(&self.count_samples, bindings, groups());
             }
@@ -186,41 +184,61 @@ impl GbufferTriangles {
         match given.texture {
             Texture::Layers(view) => {
                 let layers = TextureUintLayers(view);
-                let bindings = kernel::EmitLayers { frame, params, layers, numbers, pixel_offsets, pixel_list };
+                let bindings =
+                    kernel::EmitLayers { frame, params, layers, numbers, pixel_counts, pixel_offsets, pixel_list };
                 stage.run(&self.emit_layers, bindings, groups());
             }
             Texture::Samples(view) => {
                 let multisampled = TextureUintSamples(view);
-                let bindings = kernel::EmitSamples { frame, params, multisampled, numbers, pixel_offsets, pixel_list };
+                let bindings = kernel::EmitSamples {
+                    frame,
+                    params,
+                    multisampled,
+                    numbers,
+                    pixel_counts,
+                    pixel_offsets,
+                    pixel_list,
+                };
                 stage.run(&self.emit_samples, bindings, groups());
             }
         }
         Ok(())
     }
 
-    /// Records, for `slots` complex pixels from `first_slot` on, what samples see that lie in none of their triangles. `total`:
-    /// how many complex pixels there are; `groups`: a workgroup for each
-    /// [`WORKGROUP`] of the band.
+    /// Records which listed triangles have the samples of complex pixels that none covers. `pixels`: the complex pixels, as many as
+    /// `total` says; `coverage`: what covers the others; `groups`: a workgroup for each [`WORKGROUP`] pixels.
     #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
     pub fn record_fill(
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
         given: &SampleGbuffer,
-        [first_slot, slots]: [u32; 2],
+        lists: &PixelLists,
         pixels: &Buffer<u32>,
         total: &Buffer<u32>,
-        keys: &Buffer<u32>,
+        coverage: &PairCoverage,
         groups: Groups,
     ) -> Result<()> {
-        let params = self.uniforms.get(stage.device, &GbufferTrianglesParams { first_slot, slots, ..given.params })?;
+        let params = self.uniforms.get(stage.device, &given.params)?;
         let (frame, params, numbers) = (frame.as_uniform(), params.as_uniform(), given.numbers.as_read());
-        let (complex_pixels, complex_total, sample_keys) = (pixels.as_read(), total.as_read(), keys.as_write());
+        let (complex_pixels, complex_total) = (pixels.as_read(), total.as_read());
+        let (pixel_offsets, pixel_counts) = (lists.offsets.as_read(), lists.counts.as_write());
+        let (coverings, covering_masks) = (coverage.list.as_write(), coverage.masks.as_write());
         match given.texture {
             Texture::Layers(view) => {
                 let layers = TextureUintLayers(view);
-                let bindings =
-                    kernel::FillLayers { frame, params, layers, numbers, complex_pixels, complex_total, sample_keys };
+                let bindings = kernel::FillLayers {
+                    frame,
+                    params,
+                    layers,
+                    numbers,
+                    pixel_counts,
+                    pixel_offsets,
+                    complex_pixels,
+                    complex_total,
+                    covering_masks,
+                    coverings,
+                };
                 stage.run(&self.fill_layers, bindings, groups);
             }
             Texture::Samples(view) => {
@@ -230,9 +248,12 @@ impl GbufferTriangles {
                     params,
                     multisampled,
                     numbers,
+                    pixel_counts,
+                    pixel_offsets,
                     complex_pixels,
                     complex_total,
-                    sample_keys,
+                    covering_masks,
+                    coverings,
                 };
                 stage.run(&self.fill_samples, bindings, groups);
             }

@@ -15,6 +15,7 @@ pub mod instance_positions;
 pub mod light_layers;
 pub mod map_moments;
 pub mod moment_shadows;
+pub mod pixel_coverage;
 pub mod pixel_filter;
 pub mod pixel_receivers;
 pub mod pixel_texel_pairs;

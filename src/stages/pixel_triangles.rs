@@ -1,9 +1,9 @@
 //! Pixel triangles: pixel by pixel, the triangles that samples in its square may see, and which pixels show one surface.
 //!
 //! - **Reads** triangles, projected vertices, the rectangles of pixels that triangles may touch and the scan of their blocks.
-//! - **Writes** `list` (triangles, grouped by pixel) and `offsets`; `complex_flags` (1 where the samples must be searched one by one);
-//!   `facet_counts` (1 where one triangle surely covers the pixel before all others). `cover_keys` and `counts` must
-//!   be 0 before; `counts` is so again after.
+//! - **Writes** `complex_flags` (1 where the pixel may show several surfaces), `list` (triangles of such pixels, grouped by pixel)
+//!   and `offsets`; `facet_counts` (1 where one triangle surely covers the pixel before all others: `id_keys` has its
+//!   complement). `cover_keys` and `counts` must be 0 before; `counts` is so again after.
 //! - **Guarantee.** Conservative: every triangle that a sample sees is listed at its pixel, and a pixel passes for single
 //!   only if its one triangle covers its whole square by a margin far above rounding. Nothing is written beyond the capacity.
 //!   The order inside a pixel is not defined; what is made of it does not depend on it.
@@ -14,10 +14,20 @@
 
 use super::camera_visibility::{Blocks, Pass};
 use super::{Count, PrefixScan, prefix_scan};
-use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::pixel_triangles as kernel;
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
+use crate::{Result, shared_struct};
+
+shared_struct! {
+    /// A pixel that may show several surfaces, and a triangle that may be one of them.
+    "shared/raster/pixel_pair" => pub struct PixelPair {
+        /// The triangle.
+        pub triangle: u32,
+        /// The pixel.
+        pub pixel: u32,
+    }
+}
 
 /// The pipelines.
 #[derive(Debug)]
@@ -38,12 +48,12 @@ pub struct PixelLists {
     /// Complement of the nearest depth behind which a covering triangle hides everything; 0 where there is none. Behind those of pixels
     /// that of each block of 8 × 8.
     pub cover_keys: Buffer<u32>,
-    /// Triangles of each pixel, while they are counted.
+    /// Triangles of each pixel that is listed, while they are counted; later those that cover samples.
     pub counts: Buffer<u32>,
     /// Scan of the counts, their sum, and the overflow flag.
     pub offsets: Buffer<u32>,
-    /// The triangles.
-    pub list: Buffer<u32>,
+    /// Triangles of pixels that may show several surfaces.
+    pub list: Buffer<PixelPair>,
     /// Pixels of a block in which its triangle is listed, one bit each, from counting to emitting; what finds no room is
     /// found twice.
     pub touched: Buffer<[u32; 2]>,
@@ -54,7 +64,7 @@ pub struct PixelLists {
 }
 
 impl PixelLists {
-    /// Memory for `pixels` pixels and `triangles` entries of all their lists.
+    /// Memory for `pixels` pixels and `triangles` entries of all lists.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
@@ -64,7 +74,7 @@ impl PixelLists {
             counts: Buffer::storage(device, "pixel_triangles.counts", pixels)?,
             offsets: Buffer::storage(device, "pixel_triangles.offsets", pixels + 2)?,
             list: Buffer::storage(device, "pixel_triangles.list", triangles)?,
-            touched: Buffer::storage(device, "pixel_triangles.touched", triangles / 4)?,
+            touched: Buffer::storage(device, "pixel_triangles.touched", triangles / 4 + pixels / 2)?,
             complex_flags: Buffer::storage(device, "pixel_triangles.complex_flags", pixels)?,
             facet_counts: Buffer::storage(device, "pixel_triangles.facet_counts", pixels)?,
         })
@@ -98,6 +108,7 @@ impl PixelTriangles {
         blocks: Blocks,
         rest: (&wgpu::Buffer, u64),
         lists: &PixelLists,
+        id_keys: &Buffer<u32>,
         scratch: &prefix_scan::PrefixScanScratch,
         status: &Buffer<u32>,
     ) -> Result<()> {
@@ -115,6 +126,7 @@ impl PixelTriangles {
             pixel_offsets: lists.offsets.as_read(),
             pixel_list: lists.list.as_write(),
             touched: lists.touched.as_write(),
+            id_keys: id_keys.as_write(),
         };
         stage.run(&self.cover, raster, Groups::Indirect(all.0, all.1));
         let (of_frame, cover_keys) = (frame.as_uniform(), lists.cover_keys.as_write());

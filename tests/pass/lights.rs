@@ -32,7 +32,7 @@ fn runs(status: &FrameStatus, names: &[&str]) -> bool {
     status.stages.iter().any(|stage| names.contains(&stage.name))
 }
 
-const OF_THE_CAMERA: [&str; 3] = ["camera_visibility", "pixel_triangles", "sample_surfaces"];
+const OF_THE_CAMERA: [&str; 4] = ["camera_visibility", "pixel_triangles", "pixel_coverage", "sample_surfaces"];
 
 #[gpu_test]
 fn lights_share_what_the_camera_sees() {

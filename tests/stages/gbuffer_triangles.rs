@@ -11,6 +11,7 @@ use subpixel_shadows::stages::PrefixScan;
 use subpixel_shadows::stages::gbuffer_triangles::{
     FAULT_UNKNOWN, GbufferTriangles, GbufferTrianglesParams, SampleGbuffer, Texture,
 };
+use subpixel_shadows::stages::pixel_coverage::{Covering, PairCoverage};
 use subpixel_shadows::stages::pixel_triangles::PixelLists;
 use subpixel_shadows::status_word;
 use subpixel_shadows::wgpu;
@@ -76,12 +77,14 @@ impl Case {
     }
 }
 
-/// All that was written, with padding: counts, flags, facets, offsets, list; samples' triangles; longest and unknown.
+/// All that was written, with padding: counts of what covers samples, flags, facets, single triangles, offsets, list; samples'
+/// triangles; longest and unknown.
 #[derive(Clone, Debug, PartialEq)]
 struct Got {
     counts: Vec<u32>,
     flags: Vec<u32>,
     facets: Vec<u32>,
+    singles: Vec<u32>,
     offsets: Vec<u32>,
     list: Vec<u32>,
     seen: Vec<u32>,
@@ -89,14 +92,13 @@ struct Got {
     unknown: u32,
 }
 
-/// Every third complex pixel is a slot, in two bands of unequal length.
-fn slots(flags: &[u32]) -> Vec<u32> {
+fn complex_of(flags: &[u32]) -> Vec<u32> {
     (0..).zip(flags).filter(|(_, f)| **f != 0).map(|(p, _)| p).collect()
 }
 
-/// Samples that lie in a triangle before: every third.
-fn before(at: usize) -> u32 {
-    if at.is_multiple_of(3) { 77 + at as u32 } else { u32::MAX }
+/// Whether the first triangle of a pixel covers its sample.
+fn is_covered(slot: usize, k: usize) -> bool {
+    (slot + k).is_multiple_of(3)
 }
 
 fn stage(gpu: &'static Gpu) -> &'static GbufferTriangles {
@@ -110,7 +112,7 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
     let (device, pixels, ours) = (&gpu.device, case.pixels(), samples(case.ours));
     let words = ours.words();
     let (wanted, _) = wanted_pixels(case);
-    let needed: usize = wanted.iter().map(|p| p.triangles.len()).sum();
+    let needed: usize = wanted.iter().filter(|p| p.complex()).map(|p| p.triangles.len()).sum();
     let room = case.room.unwrap_or(needed);
     let lists = PixelLists::new(device, pixels, 1).expect("memory");
     let lists = PixelLists {
@@ -121,9 +123,10 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
         facet_counts: poisoned(gpu, pixels),
         ..lists
     };
+    let id_keys = poisoned(gpu, pixels);
     let status = upload(gpu, &[0u32; 32]);
     let faults = upload(gpu, &[5u32, 6, 0, 0]);
-    let complex: Vec<u32> = slots(&wanted.iter().map(|p| u32::from(p.complex())).collect::<Vec<_>>());
+    let complex = complex_of(&wanted.iter().map(|p| u32::from(p.complex())).collect::<Vec<_>>());
     let (complex_pixels, total) = (upload(gpu, &complex), upload(gpu, &[complex.len() as u32, 0]));
     let frame = Frame {
         image_size: case.size,
@@ -138,29 +141,52 @@ fn ask(gpu: &'static Gpu, case: &Case, texture: Texture) -> Got {
     let params = GbufferTrianglesParams::new(ours.offsets(), &case.places, case.first, case.none).expect("parameters");
     let given = SampleGbuffer { texture, params, numbers: &numbers };
     let stage = stage(gpu);
-    run(gpu, |s| stage.record(s, &frame, &given, &lists, &scratch, &status, &faults));
-    // Two bands, the second of which has room for more than there are.
-    let first = complex.len() / 3;
-    let mut seen = Vec::new();
-    for (from, slots) in [(0, first), (first, complex.len() - first + 3)] {
-        // Complements, sample by sample.
-        let wide = 32 * words as usize;
-        let key = |at: usize| !before((at % slots.max(1) + from) * wide + at / slots.max(1));
-        let keys = upload(gpu, &(0..slots * wide).map(key).collect::<Vec<_>>());
-        run(gpu, |s| {
-            let groups = Groups::Items(slots as u64 + 2);
-            stage.record_fill(s, &frame, &given, [from as u32, slots as u32], &complex_pixels, &total, &keys, groups)
-        });
-        let keys = keys.read(gpu).expect("readback");
-        seen.extend((0..slots * wide).map(|at| !keys[at % wide * slots + at / wide]));
+    run(gpu, |s| stage.record(s, &frame, &given, &lists, &id_keys, &scratch, &status, &faults));
+    let left = lists.counts.read(gpu).expect("readback");
+    assert!(complex.iter().all(|&p| left[p as usize] == 0), "counts left over");
+    let offsets = lists.offsets.read(gpu).expect("readback");
+    // The first triangle of each pixel covers some samples, where it has room.
+    let wide = words as usize;
+    let coverage = PairCoverage { list: poisoned(gpu, room), masks: poisoned(gpu, room * wide) };
+    let (mut counts, mut list) = (vec![0u32; pixels], coverage.list.read(gpu).expect("readback"));
+    let mut masks = coverage.masks.read(gpu).expect("readback");
+    for (slot, &pixel) in complex.iter().enumerate() {
+        let (pixel, at) = (pixel as usize, offsets[pixel as usize] as usize);
+        if at < room {
+            counts[pixel] = 1;
+            list[at] = Covering { triangle: wanted[pixel].triangles[0], ..Covering::default() };
+            masks[at * wide..(at + 1) * wide].fill(0);
+            let covered = (0..case.ours as usize).filter(|&k| is_covered(slot, k));
+            covered.for_each(|k| masks[at * wide + k / 32] |= 1 << (k % 32));
+        }
+    }
+    lists.counts.write(&gpu.queue, &counts);
+    coverage.list.write(&gpu.queue, &list);
+    coverage.masks.write(&gpu.queue, &masks);
+    run(gpu, |s| {
+        let groups = Groups::Items(complex.len() as u64 + 2);
+        stage.record_fill(s, &frame, &given, &lists, &complex_pixels, &total, &coverage, groups)
+    });
+    let counts = lists.counts.read(gpu).expect("readback");
+    let (list, masks) = (coverage.list.read(gpu).expect("readback"), coverage.masks.read(gpu).expect("readback"));
+    let mut seen = vec![u32::MAX; complex.len() * 32 * wide];
+    for (slot, &pixel) in complex.iter().enumerate() {
+        let first = offsets[pixel as usize] as usize;
+        for n in first..first + counts[pixel as usize] as usize {
+            for k in (0..32 * wide).filter(|k| masks[n * wide + k / 32] >> (k % 32) & 1 == 1) {
+                let before = std::mem::replace(&mut seen[slot * 32 * wide + k], list[n].triangle);
+                assert_eq!(before, u32::MAX, "sample {k} of slot {slot} is given twice");
+            }
+        }
     }
     let read = |b: &Buffer<u32>| read_padded(gpu, b);
     Got {
-        counts: read(&lists.counts),
+        counts,
         flags: read(&lists.complex_flags),
         facets: read(&lists.facet_counts),
-        offsets: lists.offsets.read(gpu).expect("readback"),
-        list: read(&lists.list),
+        singles: read(&id_keys),
+        offsets,
+        list: read_padded(gpu, &lists.list),
         seen,
         longest: status.read(gpu).expect("readback")[status_word!(longest_pixel)],
         unknown: faults.read(gpu).expect("readback")[FAULT_UNKNOWN as usize],
@@ -177,31 +203,50 @@ fn wanted(case: &Case) -> Got {
         words.resize(padded(words.len()), POISON);
         words
     };
-    let counts: Vec<u32> = pixels.iter().map(|p| p.triangles.len() as u32).collect();
     let flags: Vec<u32> = pixels.iter().map(|p| u32::from(p.complex())).collect();
     let mut offsets = vec![0];
-    counts.iter().for_each(|c| offsets.push(offsets[offsets.len() - 1] + c));
+    for p in &pixels {
+        offsets.push(offsets[offsets.len() - 1] + if p.complex() { p.triangles.len() as u32 } else { 0 });
+    }
     offsets.push(0);
-    let mut list: Vec<u32> = pixels.iter().flat_map(|p| p.triangles.clone()).collect();
-    list.truncate(case.room.unwrap_or(list.len()));
-    let (complex, ours) = (slots(&flags), samples(case.ours));
+    let room = case.room.unwrap_or(offsets[pixels.len()] as usize);
+    let pairs = pixels.iter().zip(0..).filter(|(p, _)| p.complex());
+    let list: Vec<[u32; 2]> = pairs.flat_map(|(p, at)| p.triangles.iter().map(move |&t| [t, at])).take(room).collect();
+    let (complex, ours) = (complex_of(&flags), samples(case.ours));
     let (words, near) = (ours.words() as usize, nearest(ours.offsets(), &case.places));
-    let sees = |at: usize| {
-        let (slot, k) = (at / (32 * words), at % (32 * words));
-        let before = before(at);
-        if before != u32::MAX || k >= case.ours as usize || slot >= complex.len() {
-            return before;
+    let (mut counts, mut seen) = (vec![0; pixels.len()], vec![u32::MAX; complex.len() * 32 * words]);
+    for (slot, &pixel) in complex.iter().enumerate() {
+        let at = pixel as usize;
+        let most = room.min(offsets[at + 1] as usize).saturating_sub(offsets[at] as usize);
+        let mut listed: Vec<u32> = pixels[at].triangles.iter().copied().take(most.min(1)).collect();
+        for k in 0..case.ours as usize {
+            if !listed.is_empty() && is_covered(slot, k) {
+                seen[slot * 32 * words + k] = listed[0];
+                continue;
+            }
+            let id = case.layers[near[k]][at];
+            let TexelMeaning::Triangle(t) = shown(id, case.first, case.none, &case.numbers) else { continue };
+            if !listed.contains(&t) && listed.len() < most {
+                listed.push(t);
+            }
+            if listed.contains(&t) {
+                seen[slot * 32 * words + k] = t;
+            }
         }
-        let id = case.layers[near[k]][complex[slot] as usize];
-        if let TexelMeaning::Triangle(t) = shown(id, case.first, case.none, &case.numbers) { t } else { u32::MAX }
-    };
+        counts[at] = listed.len() as u32;
+    }
     let longest = pixels.iter().filter(|p| p.complex()).map(|p| p.triangles.len() as u32).max().unwrap_or(0);
     Got {
         facets: pad(pixels.iter().map(|p| u32::from(p.single)).collect()),
-        seen: (0..(complex.len() + 3) * 32 * words).map(sees).collect(),
-        counts: pad(counts),
+        singles: pad(pixels.iter().map(|p| if p.single { !p.triangles[0] } else { POISON }).collect()),
+        seen,
+        counts,
         flags: pad(flags),
-        list: pad(list),
+        list: {
+            let mut words: Vec<u32> = list.concat();
+            words.resize(padded(words.len()), POISON);
+            words
+        },
         offsets,
         longest,
         unknown,
@@ -226,6 +271,7 @@ fn assert_same(got: &Got, want: &Got) {
         ("counts", &got.counts, &want.counts),
         ("flags", &got.flags, &want.flags),
         ("facets", &got.facets, &want.facets),
+        ("single triangles", &got.singles, &want.singles),
         ("offsets", &got.offsets, &want.offsets),
         ("list", &got.list, &want.list),
         ("samples", &got.seen, &want.seen),
@@ -301,7 +347,7 @@ fn overflow_by_one() {
 fn two_d_dispatch() {
     // Nine workgroups of pixels in three rows, and as many of complex ones, of which there are six.
     let mut case = Case::new([24, 24], 4, 32, 50, 0, &mut Random::new(6));
-    let complex = slots(&wanted(&case).flags[..576]);
+    let complex = complex_of(&wanted(&case).flags[..576]);
     let first = case.layers[0].clone();
     for layer in &mut case.layers {
         (0..576).filter(|p| !complex[..6].contains(p)).for_each(|p| layer[p as usize] = first[p as usize]);

@@ -60,9 +60,9 @@ pub fn upload<T: bytemuck::Pod>(gpu: &Gpu, data: &[T]) -> Buffer<T> {
     buffer
 }
 
-/// A buffer of `len` words of [`POISON`], and as many more as its padding to 16 bytes holds.
-pub fn poisoned(gpu: &Gpu, len: usize) -> Buffer<u32> {
-    let buffer = upload(gpu, &vec![POISON; len]);
+/// A buffer of `len` elements all words of which are [`POISON`], those of its padding to 16 bytes, too.
+pub fn poisoned<T: bytemuck::Pod>(gpu: &Gpu, len: usize) -> Buffer<T> {
+    let buffer = upload(gpu, &vec![T::zeroed(); len]);
     let padded = vec![POISON; buffer.bytes() as usize / 4];
     gpu.queue.write_buffer(buffer.raw(), 0, bytemuck::cast_slice(&padded));
     buffer
@@ -74,8 +74,9 @@ pub fn padded(len: usize) -> usize {
 }
 
 /// All words of a buffer, padding included: what was written past the end shows there.
-pub fn read_padded(gpu: &Gpu, buffer: &Buffer<u32>) -> Vec<u32> {
-    let copy = Buffer::<u32>::storage(&gpu.device, "test.padded", padded(buffer.len())).expect("memory for a copy");
+pub fn read_padded<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer<T>) -> Vec<u32> {
+    let words = buffer.bytes() as usize / 4;
+    let copy = Buffer::<u32>::storage(&gpu.device, "test.padded", words).expect("memory for a copy");
     let mut encoder = gpu.encoder();
     Recorder::new(&gpu.device, &mut encoder, None).copy(buffer.raw(), copy.raw(), buffer.bytes());
     gpu.submit_and_wait(encoder).expect("the copy runs");

@@ -147,7 +147,7 @@ fn measure(gpu: &Gpu, axis: &Axis, point: &Point) -> Result<Row> {
         prepare_ms,
         first_ms,
         frame_ms: median(&frames.iter().map(|frame| frame.wall_ms).collect::<Vec<_>>()),
-        surfaces_ms: of(&["camera_visibility", "pixel_triangles", "sample_surfaces"]),
+        surfaces_ms: of(&["camera_visibility", "pixel_triangles", "pixel_coverage", "sample_surfaces"]),
         light_ms: of(&[
             "triangle_setup",
             "requested_blocks",

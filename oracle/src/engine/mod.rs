@@ -88,7 +88,7 @@ pub fn merged(stage: &str, ran: &[CpuTime]) -> Option<&'static str> {
         _ if stage != RAYS && ran.iter().any(|t| t.name == RAYS) => {
             Some("CPU engine: rays from the eye find what each sample sees")
         }
-        "pixel_triangles" => Some("CPU engine: sample_surfaces looks at the triangles themselves"),
+        "pixel_triangles" | "pixel_coverage" => Some("CPU engine: sample_surfaces looks at the triangles themselves"),
         "requested_blocks" => Some("CPU engine: the light's maps are made whole"),
         "visibility_refine" => Some("CPU engine: all is decided in f64"),
         _ => None,

@@ -1,7 +1,8 @@
 //! The lists of a first frame, by the mesh.
 
 use super::{
-    AT_PIXEL, AT_PLACE, Capacities, FacetMode, Settings, Undecided, affordable, first, largest_binding, longest_lists,
+    AT_PIXEL, AT_PLACE, Capacities, FacetMode, Settings, Undecided, affordable, first, largest_binding, listed_bytes,
+    longest_lists,
 };
 use crate::methods::output::Budget;
 
@@ -56,7 +57,7 @@ pub fn within(limits: &wgpu::Limits, settings: &Settings, budget: Budget, c: Cap
         let most = |bytes: usize| binding as usize / bytes;
         let of_facet = size_of::<Undecided>().max(12 * settings.samples.words() as usize);
         within.facets = c.facets.min(most(of_facet)).max(least.facets);
-        within.pixel_triangles = c.pixel_triangles.min(most(4)).max(least.pixel_triangles);
+        within.pixel_triangles = c.pixel_triangles.min(most(listed_bytes(settings))).max(least.pixel_triangles);
     }
     affordable(settings, budget.bytes, within)
 }

@@ -2,7 +2,7 @@
 
 use super::{
     AT_PIXEL, AT_PLACE, Capacities, FacetMode, MOST_TRIANGLES, Needs, Settings, Undecided, ahead, bound, in_reach,
-    largest_binding, of_lists, pair_bytes, wanted,
+    largest_binding, listed_bytes, of_lists, pair_bytes, wanted,
 };
 
 /// As `c`, where a list of which more than seven eighths are needed has room for a quarter more than that, so that a frame which needs
@@ -21,7 +21,8 @@ pub fn roomy(needs: &Needs, c: Capacities, settings: &Settings, limits: &wgpu::L
         let [triangles, complex, facets] = needs.camera;
         more.most_at_pixel = longer(needs.longest_pixel, c.most_at_pixel, AT_PIXEL);
         let most = |bytes: usize| largest_binding(limits) as usize / bytes;
-        more.pixel_triangles = room(triangles, c.pixel_triangles).min(most(size_of::<u32>())).max(c.pixel_triangles);
+        more.pixel_triangles =
+            room(triangles, c.pixel_triangles).min(most(listed_bytes(settings))).max(c.pixel_triangles);
         more.complex_pixels = room(complex, c.complex_pixels).min(settings.pixels()).max(c.complex_pixels);
         more.facets = room(facets, c.facets).min(most(size_of::<Undecided>())).max(c.facets);
     }

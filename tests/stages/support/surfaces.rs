@@ -2,16 +2,18 @@
 
 use super::geometry::Case;
 use super::{POISON, poisoned, read_padded, run, upload};
+use std::collections::BTreeMap;
 use subpixel_shadows::frame::{Frame, sample_words};
 use subpixel_shadows::gpu::kernels::sample_surfaces::STATE_MERGED;
 use subpixel_shadows::gpu::recorder::fold_within;
-use subpixel_shadows::gpu::{Buffer, Gpu, kernels};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups, kernels};
 use subpixel_shadows::methods::prepared::{marked_triangles, padded};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Mesh as Scene;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::compact::{Compact, Flags};
 use subpixel_shadows::stages::facet_classify::{Facet, Facets};
+use subpixel_shadows::stages::pixel_coverage::{self, Covering, PairCoverage, PixelCoverage};
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelTriangles};
 use subpixel_shadows::stages::sample_surfaces::{ComplexPixels, SampleSurfaces, SurfaceInputs, WORKGROUP};
 use subpixel_shadows::stages::triangle_setup::{TriangleFacts, TriangleSetup};
@@ -41,6 +43,8 @@ pub struct Found {
     /// Offset of the sample that each facet is placed at, facet by facet.
     pub origins: Vec<[f32; 2]>,
     pub id_keys: Vec<u32>,
+    /// Samples that triangles cover, by pixel and triangle: what covers none is not there.
+    pub covered: BTreeMap<(u32, u32), (u128, Covering)>,
     /// Of facets of several triangles how far off those reach at most, facet by facet.
     pub reach: Vec<Option<f32>>,
 }
@@ -94,20 +98,15 @@ pub fn find(gpu: &Gpu, case: &Case, samples: &Samples) -> Found {
 
 /// Runs with this much room. Fails if anything is written beyond it.
 pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32) -> Found {
-    find_in_bands(gpu, case, samples, room, most, usize::MAX)
-}
-
-/// The same in bands of at most `band` complex pixels.
-pub fn find_in_bands(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, band: usize) -> Found {
-    find_by(gpu, case, samples, room, most, band, false)
+    find_by(gpu, case, samples, room, most, false)
 }
 
 /// The same with one facet for the triangles of a surface.
-pub fn find_merged(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, band: usize) -> Found {
-    find_by(gpu, case, samples, room, most, band, true)
+pub fn find_merged(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32) -> Found {
+    find_by(gpu, case, samples, room, most, true)
 }
 
-fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, band: usize, merge: bool) -> Found {
+fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, merge: bool) -> Found {
     let device = &gpu.device;
     let words = samples.words();
     let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
@@ -129,7 +128,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
     let scan = PrefixScan::new(device);
     let scratch = PrefixScan::scratch(device, pixels.max(count)).expect(memory);
     let work = Buffer::storage(device, "test.work", count + 2).expect(memory);
-    let args = [(); 2].map(|()| Buffer::<u32>::indirect(device, "test.args", 6).expect(memory));
+    let args = [(); 3].map(|()| Buffer::<u32>::indirect(device, "test.args", 6).expect(memory));
     // Arguments are made here: the stage that makes them does not know of a device's smaller limits.
     let cover = |args: &Buffer<u32>, groups: [u32; 2]| {
         let most = device.limits().max_compute_workgroups_per_dimension;
@@ -139,11 +138,13 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
     let touched = Buffer::storage(device, "test.touched", [0, 7, 1 << 16][count % 3]).expect(memory);
     let lists =
         PixelLists { list: poisoned(gpu, room[0]), touched, ..PixelLists::new(device, pixels, 1).expect(memory) };
-    let mut complex = ComplexPixels::in_bands(device, &gpu.queue, room[1], words as usize, band).expect(memory);
-    complex.pixels = poisoned(gpu, room[1]);
-    complex.keys.iter_mut().for_each(|keys| *keys = poisoned(gpu, keys.len()));
-    complex.crowds = poisoned(gpu, complex.crowds.len());
-    assert!(band >= room[1] || complex.keys.len() > 1, "one band");
+    let coverage = PairCoverage { list: poisoned(gpu, room[0]), masks: poisoned(gpu, room[0] * words as usize) };
+    let complex = ComplexPixels {
+        pixels: poisoned(gpu, room[1]),
+        contested: poisoned(gpu, room[1] * words as usize),
+        slots: poisoned(gpu, room[1]),
+        ..ComplexPixels::new(device, room[1], words as usize).expect(memory)
+    };
     let facets = Facets {
         masks: poisoned(gpu, room[2] * 3 * words as usize),
         ..Facets::new(device, room[2], pixels, words as usize).expect(memory)
@@ -163,7 +164,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
         args: (args[0].raw(), 0),
     };
     let find = PixelTriangles::new(device, &scan);
-    run(gpu, |s| find.record(s, frame, blocks, blocks.args, &lists, &scratch, &status));
+    run(gpu, |s| find.record(s, frame, blocks, blocks.args, &lists, &id_keys, &scratch, &status));
     let (flags, kept) = (Flags::Words(&lists.complex_flags), &complex.pixels);
     run(gpu, |s| compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels)));
     let found = complex.total.read(gpu).expect("readback")[0].min(room[1] as u32);
@@ -179,16 +180,32 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
     let build = if merge { SampleSurfaces::merging } else { SampleSurfaces::new };
     let stage = build(device, &scan, samples.count());
     let per_pixel = (args[1].raw(), 0);
-    run(gpu, |s| stage.record(s, frame, mesh, &lists, &complex, per_pixel, most, &scratch, &facets, &id_keys, None));
+    let pairs = lists.offsets.read(gpu).expect("readback")[pixels].min(room[0] as u32);
+    cover(&args[2], [pairs.div_ceil(pixel_coverage::WORKGROUP), 0]);
+    let groups = Groups::Indirect(args[2].raw(), 0);
+    run(gpu, |s| PixelCoverage::new(device, samples.count(), false).record(s, frame, mesh, &lists, &coverage, groups));
+    let list = lists.list.read(gpu).expect("readback");
+    let covered = covered(gpu, &lists, &coverage, words as usize);
+    run(gpu, |s| {
+        stage.record(s, frame, mesh, &lists, &coverage, &complex, per_pixel, most, &scratch, &facets, &id_keys)
+    });
 
-    for (buffer, len) in [(&lists.list, room[0]), (&complex.pixels, room[1]), (&facets.masks, facets.masks.len())] {
-        let all = read_padded(gpu, buffer);
-        assert!(all[len..].iter().all(|&w| w == POISON), "written past {len} words of '{}'", buffer.label());
-    }
+    let padded = |words: Vec<u32>, len: usize, label: &str| {
+        assert!(words[len..].iter().all(|&w| w == POISON), "written past {len} words of '{label}'");
+    };
+    let wide = words as usize;
+    padded(read_padded(gpu, &complex.pixels), room[1], complex.pixels.label());
+    padded(read_padded(gpu, &complex.contested), room[1] * wide, complex.contested.label());
+    padded(read_padded(gpu, &coverage.masks), room[0] * wide, coverage.masks.label());
+    padded(read_padded(gpu, &facets.masks), facets.masks.len(), facets.masks.label());
+    padded(read_padded(gpu, &lists.list), 2 * room[0], lists.list.label());
+    padded(read_padded(gpu, &coverage.list), 5 * room[0], coverage.list.label());
+    padded(read_padded(gpu, &complex.slots), 5 * room[1], complex.slots.label());
     let readback = "readback";
-    assert!(lists.counts.read(gpu).expect(readback).iter().all(|&c| c == 0) || pixels == 0, "counts left over");
+    let counts = lists.counts.read(gpu).expect(readback);
+    let all = complex.total.read(gpu).expect(readback)[0] as usize <= room[1];
+    assert!(counts.iter().all(|&c| c == 0) || pixels == 0 || !all, "counts left over");
     let offsets: Vec<usize> = lists.offsets.read(gpu).expect(readback).iter().map(|&o| o as usize).collect();
-    let list = lists.list.read(gpu).expect(readback);
     let pixel_facets: Vec<usize> = facets.pixel_facets.read(gpu).expect(readback).iter().map(|&f| f as usize).collect();
     let made = facets.list.read(gpu).expect(readback);
     let masks = facets.masks.read(gpu).expect(readback);
@@ -197,13 +214,21 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
         let first = f * 3 * words as usize;
         masks[first..first + words as usize].iter().rev().fold(0u128, |mask, &w| mask << 32 | u128::from(w))
     };
-    let listed = |pixel| {
-        let mut listed = list[within(&offsets, pixel, room[0])].to_vec();
-        listed.sort_unstable();
-        listed
-    };
     let needed = [offsets[pixels], complex.total.read(gpu).expect(readback)[0] as usize, pixel_facets[pixels]];
     let fits = needed.iter().zip(room).all(|(&needed, room)| needed <= room);
+    let keys = id_keys.read(gpu).expect(readback);
+    let flags: Vec<bool> = lists.complex_flags.read(gpu).expect(readback).iter().map(|&f| f != 0).collect();
+    // The one triangle of a single pixel is not in the list.
+    let listed = |pixel: usize| {
+        let all = &list[within(&offsets, pixel, room[0])];
+        assert!(all.iter().all(|pair| pair.pixel as usize == pixel) || !fits, "the pixel of a listed triangle");
+        let mut listed: Vec<_> = all.iter().map(|pair| pair.triangle).collect();
+        listed.sort_unstable();
+        if !flags[pixel] && keys[pixel] != 0 {
+            listed.push(!keys[pixel]);
+        }
+        listed
+    };
     let surfaces = |pixel| {
         let facet = |f: usize| {
             assert!(made[f].pixel as usize == pixel || !fits, "the pixel of facet {f}");
@@ -220,11 +245,38 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, ban
         longest: status.read(gpu).expect(readback)[status_word!(longest_pixel)],
         cover_keys: lists.cover_keys.read(gpu).expect(readback),
         lists: (0..pixels).map(listed).collect(),
-        complex: lists.complex_flags.read(gpu).expect(readback).iter().map(|&f| f != 0).collect(),
+        complex: flags.clone(),
         surfaces: (0..pixels).map(surfaces).collect(),
         origins: made[..pixel_facets[pixels].min(room[2])].iter().map(|f| f.origin).collect(),
-        id_keys: id_keys.read(gpu).expect(readback),
+        id_keys: keys.clone(),
+        covered,
     }
+}
+
+/// What `pixel_coverage` left, by pixel and triangle.
+fn covered(
+    gpu: &Gpu,
+    lists: &PixelLists,
+    coverage: &PairCoverage,
+    words: usize,
+) -> BTreeMap<(u32, u32), (u128, Covering)> {
+    let readback = "readback";
+    let (list, masks) = (coverage.list.read(gpu).expect(readback), coverage.masks.read(gpu).expect(readback));
+    let counts = lists.counts.read(gpu).expect(readback);
+    let offsets = lists.offsets.read(gpu).expect(readback);
+    let mut out = BTreeMap::new();
+    for (pixel, &count) in counts.iter().enumerate() {
+        for n in offsets[pixel] as usize..(offsets[pixel] + count) as usize {
+            let words = masks[n * words..(n + 1) * words].iter();
+            let mask = words.rev().fold(0u128, |mask, &w| mask << 32 | u128::from(w));
+            assert!(mask != 0, "pixel {pixel} has a triangle that covers nothing");
+            assert!(
+                out.insert((pixel as u32, list[n].triangle), (mask, list[n])).is_none(),
+                "pixel {pixel} has a triangle twice"
+            );
+        }
+    }
+    out
 }
 
 /// A flat tessellated square seen from above, its lines through rows and columns of pixel centres, and through corners.

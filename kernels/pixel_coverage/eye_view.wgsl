@@ -14,6 +14,7 @@ struct View {
     slopes: vec2<f32>,  // what a pixel to the right adds to the inverse depth, and one down
     highest: f32,       // bounds of it over the whole triangle, if that is ahead of the eye
     lowest: f32,
+    turn: f32,          // which sign of the edge functions is inside; 0: not known
 }
 
 // Edge function at the pixel centre, per pixel right, per pixel down, and doubt; `from_i` and `from_j` as
@@ -69,7 +70,10 @@ fn view_of(t: Corners, centre: vec3<f32>) -> View {
     let nearer = dot(b.xyz, b.xyz) < dot(a.xyz, a.xyz);
     let first = select(a, b, nearer);
     let d = select(first, c, dot(c.xyz, c.xyz) < dot(first.xyz, first.xyz));
-    let plane = plane_over(cross(ab, ac), largest(ab) * largest(ac), reach, d, centre);
+    let normal = cross(ab, ac);
+    let plane = plane_over(normal, largest(ab) * largest(ac), reach, d, centre);
+    let distance = dot(normal, t.a);
+    let moved = reach * (2e-6 * largest(ab) * largest(ac) + 6e-7 * reach * (largest(ab) + largest(ac)));
     let nearest = min(a.w, min(b.w, c.w));
     let farthest = max(a.w, max(b.w, c.w));
     let slack = 1e-6 * reach;
@@ -82,5 +86,6 @@ fn view_of(t: Corners, centre: vec3<f32>) -> View {
         select(3.0e38, plane.x + plane.w, known), select(-3.0e38, plane.x - plane.w, known),
         select(vec2(0.0), plane.yz, known),
         select(3.0e38, 1.0 / (nearest - slack), ahead),
-        select(0.0, 1.0 / (farthest + slack), ahead));
+        select(0.0, 1.0 / (farthest + slack), ahead),
+        select(0.0, sign(distance), abs(distance) > moved));
 }
