@@ -23,7 +23,7 @@ fn compare(case: &Case, found: &Found, samples: &Samples) -> Result<usize, Strin
     for (pixel, list) in found.lists.iter().enumerate().filter(|&(p, _)| found.complex[p]) {
         let at = [pixel as u32 % found.image[0], pixel as u32 / found.image[0]];
         for &t in list {
-            let want = covered(&wanted.view, &wanted.triangles[t as usize], at, &offsets, DOUBT);
+            let want = covered(&wanted.view, &wanted.triangles[t as usize], case.prepared.alpha(), at, &offsets, DOUBT);
             let got = found.covered.get(&(pixel as u32, t));
             listed += usize::from(got.is_some());
             let mask = got.map_or(0, |(mask, _)| *mask);
@@ -33,12 +33,12 @@ fn compare(case: &Case, found: &Found, samples: &Samples) -> Result<usize, Strin
             sure += want.sure.count_ones() as usize;
             let Some((_, c)) = got else { continue };
             let samples = (0..128).filter(|k| want.sure >> k & 1 == 1);
-            for (k, (depth, reach)) in samples.zip(&want.depths) {
+            for (k, depth) in samples.zip(&want.depths) {
                 let o = offsets[k] - 0.5;
                 let slope = o.x * f64::from(c.slope_x) + o.y * f64::from(c.slope_y);
-                let [far, near] = [depth + reach, depth - reach].map(f64::recip);
-                if f64::from(c.low) + slope > near || f64::from(c.high) + slope < far {
-                    return Err(format!("triangle {t} at {at:?}, sample {k}: inverse depth {far} to {near}, {c:?}"));
+                let [low, high] = [c.low, c.high].map(|bound| f64::from(bound) + slope);
+                if !(low..=high).contains(&depth.recip()) {
+                    return Err(format!("triangle {t} at {at:?}, sample {k}: {}, {low} to {high}", depth.recip()));
                 }
             }
         }
@@ -92,6 +92,17 @@ fn random_seeded() {
             assert!(sure > 100, "{name}: {sure} samples");
         }
     }
+}
+
+/// Alpha-tested triangles cover the samples at which they are solid.
+#[gpu_test]
+fn holes_cover_nothing() {
+    let whole = Case::new(&mesh("closed balls", 2), light(0), [61, 45], 8);
+    let case = whole.clone().with_holes();
+    let (found, sure) = check(gpu(), &case, 32);
+    let (all, more) = check(gpu(), &whole, 32);
+    assert!(sure > 1000 && sure < more, "{sure} of {more} samples");
+    assert!(compare(&case, &all, &pattern(32)).is_err() && found.covered != all.covered, "holes do not matter");
 }
 
 /// Through the near plane, behind the camera, huge.

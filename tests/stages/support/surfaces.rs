@@ -170,9 +170,10 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, mer
     let found = complex.total.read(gpu).expect("readback")[0].min(room[1] as u32);
     cover(&args[1], [found.div_ceil(WORKGROUP), 0]);
     let casters = case.prepared.upload(device, &gpu.queue).expect(memory);
+    let holes = !case.prepared.alpha().is_empty();
     let mesh = SurfaceInputs {
         samples: &offsets_of_samples,
-        triangles: &triangles,
+        triangles: if holes { &casters.triangles } else { &triangles },
         points: &points,
         positions: &positions,
         surfaces: casters.surfaces.as_ref(),
@@ -183,7 +184,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, mer
     let pairs = lists.offsets.read(gpu).expect("readback")[pixels].min(room[0] as u32);
     cover(&args[2], [pairs.div_ceil(pixel_coverage::WORKGROUP), 0]);
     let groups = Groups::Indirect(args[2].raw(), 0);
-    run(gpu, |s| PixelCoverage::new(device, samples.count(), false).record(s, frame, mesh, &lists, &coverage, groups));
+    run(gpu, |s| PixelCoverage::new(device, samples.count(), holes).record(s, frame, mesh, &lists, &coverage, groups));
     let list = lists.list.read(gpu).expect("readback");
     let covered = covered(gpu, &lists, &coverage, words as usize);
     run(gpu, |s| {
