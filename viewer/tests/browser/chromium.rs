@@ -166,33 +166,28 @@ impl Chromium {
 
     /// Presses at a place, moves to another, and lets go.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
-        let mouse = |kind: &str, [x, y]: [f64; 2], buttons: u32| {
-            let button = if buttons > 0 || kind == "mouseReleased" { "left" } else { "none" };
-            json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 })
-        };
-        self.mouse(mouse("mouseMoved", from, 0));
-        self.mouse(mouse("mousePressed", from, 1));
+        self.mouse(event("mouseMoved", from, 0));
+        self.mouse(event("mousePressed", from, 1));
         for step in 1..=4 {
             let share = f64::from(step) / 4.0;
-            self.mouse(mouse("mouseMoved", [0, 1].map(|k| from[k] + (to[k] - from[k]) * share), 1));
+            self.mouse(event("mouseMoved", [0, 1].map(|k| from[k] + (to[k] - from[k]) * share), 1));
         }
-        self.mouse(mouse("mouseReleased", to, 0));
+        self.mouse(event("mouseReleased", to, 0));
     }
 
-    /// Clicks at a place.
+    /// Clicks at a place. No frame is waited for in between: what is held for longer than 0.8 s is no click, and a frame may take as long.
     pub fn click(&mut self, at: [f64; 2]) {
-        self.drag(at, at);
+        self.mouse(event("mouseMoved", at, 0));
+        self.call("Input.dispatchMouseEvent", event("mousePressed", at, 1));
+        self.mouse(event("mouseReleased", at, 0));
     }
 
     /// Ends the browser's GPU process, as a driver that fails does.
     pub fn lose_gpu(&mut self) {
+        // The browser is asked, not the page.
         let session = self.session.take();
-        let made = self.call("Target.createTarget", json!({ "url": "about:blank" }));
-        self.session = self.attach(&made["targetId"]);
-        self.call("Page.navigate", json!({ "url": "chrome://gpucrash" }));
-        // A tab that is hidden draws nothing.
+        self.call("Browser.crashGpuProcess", json!({}));
         self.session = session;
-        self.call("Page.bringToFront", json!({}));
     }
 
     fn mouse(&mut self, event: Value) {
@@ -208,4 +203,10 @@ impl Drop for Chromium {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// A mouse event with the left button, or none.
+fn event(kind: &str, [x, y]: [f64; 2], buttons: u32) -> Value {
+    let button = if buttons > 0 || kind == "mouseReleased" { "left" } else { "none" };
+    json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 })
 }
