@@ -59,7 +59,7 @@ impl Figure {
     }
 }
 
-/// The entry points that hold most of the time: their stages take 92 % of a frame of `windmill` (`cargo run --release`).
+/// The entry points that hold most of the time: their stages take 84 % of a frame of `windmill` (`cargo run --release`).
 pub const BUSY: [&str; 13] = [
     "candidate_pairs.cull",
     "facet_classify.classify",
