@@ -37,11 +37,14 @@ fn cover(
     let total = pixel_offsets[frame.image_size.x * frame.image_size.y];
     if n >= min(total, frame.pixel_triangle_capacity) { return; }
     let pair = pixel_list[n];
+    // Where fewer were written than counted (`emit_rest` of pixel_triangles), an older frame's stands here.
+    let first = pixel_offsets[pair.pixel];
+    if n < first || n >= pixel_offsets[pair.pixel + 1u] { return; }
     let corners = corners_at(triangles[pair.triangle].xyz);
     let view = view_of(corners, pixel_ray(pair.pixel));
     let mask = covered_samples(pair, corners, view);
     if all(mask == vec4(0u)) { return; }
-    let at = pixel_offsets[pair.pixel] + atomicAdd(&pixel_counts[pair.pixel], 1u);
+    let at = first + atomicAdd(&pixel_counts[pair.pixel], 1u);
     let depth = depth_bounds(view);
     coverings[at] = Covering(pair.triangle, depth.x, depth.y, depth.z, depth.w);
     for (var w = 0u; w < WORDS; w++) { covering_masks[at * WORDS + w] = mask[w]; }

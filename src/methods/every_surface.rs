@@ -153,6 +153,8 @@ impl EverySurface {
             let rest = (again_args.raw(), 0);
             with.triangles.record(stage, frame, in_camera, rest, lists, id_keys, &self.scan_scratch, status_words)?;
         }
+        // Another compilation may have written fewer than were counted: they begin at 0 all the same.
+        rec.clear(lists.counts.raw());
         let mesh = SurfaceInputs {
             samples,
             triangles: in_camera.triangles,

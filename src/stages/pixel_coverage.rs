@@ -30,9 +30,9 @@ shared_struct! {
         pub high: f32,
         /// Lower bound.
         pub low: f32,
-        /// What a pixel right adds to both.
+        /// Added to both by a pixel right.
         pub slope_x: f32,
-        /// What a pixel down adds.
+        /// Added to both by a pixel down.
         pub slope_y: f32,
     }
 }

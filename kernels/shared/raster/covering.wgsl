@@ -5,6 +5,6 @@ struct Covering {
     triangle: u32,
     high: f32,     // upper bound at the centre
     low: f32,      // lower bound
-    slope_x: f32,  // what a pixel right adds to both
+    slope_x: f32,  // added to both by a pixel right
     slope_y: f32,  // and one down
 }

@@ -254,7 +254,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, mer
     }
 }
 
-/// What `pixel_coverage` left, by pixel and triangle.
+/// Masks that `pixel_coverage` left, by pixel and triangle.
 fn covered(
     gpu: &Gpu,
     lists: &PixelLists,
