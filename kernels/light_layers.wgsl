@@ -8,6 +8,7 @@
 // which not all is in shadow, it takes where they are solid at a centre; for two layers they are none. Writes
 // `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit
 // a texel, rows padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
+// Without MARKS they are for shadow maps: `raster_nearest` keeps no depth twice.
 //@bindings Blocks: raster, raster_nearest
 
 //@import frame dispatch rect work_items front_split span block_bits facing undivided alpha
@@ -27,7 +28,8 @@ const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge 
 
 //@import frame_copy
 
-override BOTH: u32 = 1u;  // 0: the nearest alone, and no marks
+override LAYERS: u32 = 2u;  // 1: the nearest alone
+override MARKS: u32 = 1u;   // 0: no marks, alpha-tested casters where they are solid, equal depths once
 
 fn mark(x: u32, y: u32) {
     let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
@@ -84,7 +86,7 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, gi
         let pb = at - b.xy;
         let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);
         if any(v < -guard) { continue; }
-        if BOTH != 0u && any(v <= guard) { mark(cell.x, cell.y); }
+        if MARKS != 0u && any(v <= guard) { mark(cell.x, cell.y); }
         if any(v < vec3(0.0)) || is_hole(given, at) { continue; }
         var depth = a.z;
         if area != 0.0 {
@@ -93,8 +95,14 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, gi
         let key = key_of_depth(depth);
         let texel = cell.y * frame.map_size + cell.x;
         var beaten = key;
-        if atomicLoad(&nearest_keys[texel]) < key { beaten = min(atomicMax(&nearest_keys[texel], key), key); }
-        if BOTH != 0u && atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
+        var other = atomicLoad(&nearest_keys[texel]);
+        if other < key {
+            other = atomicMax(&nearest_keys[texel], key);
+            beaten = min(other, key);
+        }
+        // Of marked layers the same depth twice is a tie that front_layer must see; else it is one surface.
+        if LAYERS == 1u || (MARKS == 0u && other == key) { continue; }
+        if atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
     }
 }
 
@@ -113,7 +121,7 @@ fn task_of(item: u32) -> Task {
     if item >= work_offsets[frame.triangle_count] { return task; }
     let t = owner_of(item, frame.triangle_count);
     let given = triangles[t];
-    if is_culled(frame.flags, given.w, facing[t]) || (BOTH != 0u && is_tested(given.w)) { return task; }
+    if is_culled(frame.flags, given.w, facing[t]) || (MARKS != 0u && is_tested(given.w)) { return task; }
     // Vertices in order of index, so that an edge has one value in both of its triangles.
     var i = given.xyz;
     if i.x > i.y { i = i.yxz; }

@@ -5,10 +5,13 @@ use lab::scene::{Scene, builtin};
 use subpixel_shadows::gpu::{Buffer, Recorder};
 use subpixel_shadows::methods::fixed_memory::{FixedMethod, MethodParts, OUTCOME_WORDS};
 use subpixel_shadows::methods::spsm::Spsm;
-use subpixel_shadows::methods::{MethodName, Prepared, Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings};
+use subpixel_shadows::methods::{
+    MethodName, Prepared, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+};
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::stages::compared_depths::DepthRule;
 use subpixel_shadows::stages::seen_texels::TexelMarks;
 use test_support::gpu;
 use test_support::gpu_test;
@@ -47,13 +50,47 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
     .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
     let smsr = SmsrSettings { shape: SmsrShape::Corners, reach: 5, slope: 0.1 };
     let corners = ("smsr by corners".to_owned(), MethodName::Smsr, Settings { smsr, ..settings([72, 54], 8) });
-    spsm.into_iter().chain(compared).chain([corners]).chain(fitted).collect()
+    let rules =
+        [(MethodName::ShadowMap, DepthRule::Midpoint), (MethodName::Smsr, DepthRule::Second)].map(|(method, rule)| {
+            (format!("{} by {rule:?}", method.name()), method, by(Some(rule), &settings([72, 54], 8)))
+        });
+    spsm.into_iter().chain(compared).chain([corners]).chain(fitted).chain(rules).collect()
+}
+
+/// These settings, with another depth to compare in place of a bias; with none the nearest.
+fn by(compared: Option<DepthRule>, settings: &Settings) -> Settings {
+    let shadow_map = ShadowMapSettings { compared, ..settings.shadow_map };
+    Settings { shadow_map, ..settings.clone() }
 }
 
 fn render(scene: &Scene, method: MethodName, settings: &Settings) -> Output {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let mut renderer = Renderer::of_method(gpu(), &prepared, method, settings, Budget::default()).expect("a renderer");
     renderer.render(&scene.camera, &scene.light).expect("a frame")
+}
+
+/// Without a bias a surface shadows itself in the map of its nearest depths, and hardly where another depth is compared.
+#[gpu_test]
+fn another_depth_takes_the_place_of_the_bias() {
+    let scene = scene("spheres");
+    let usual = settings([160, 120], 8);
+    let dark = |settings: &Settings, method| {
+        let visibility = render(&scene, method, settings).visibility;
+        visibility.iter().map(|v| f64::from(1.0 - v)).sum::<f64>()
+    };
+    let no_bias = ShadowMapSettings { constant: 0.0, slope: 0.0, ..usual.shadow_map };
+    let bare = Settings { shadow_map: no_bias, ..usual.clone() };
+    for method in [MethodName::ShadowMap, MethodName::Pcf] {
+        let right = dark(&usual, method);
+        let acne = dark(&bare, method) - right;
+        for rule in [DepthRule::Midpoint, DepthRule::Second, DepthRule::DUAL] {
+            let more = dark(&by(Some(rule), &bare), method) - right;
+            assert!(
+                more.abs() < 0.1 * acne && right > 100.0,
+                "{method:?}, {rule:?}: {more} of {right} pixels, {acne} without"
+            );
+        }
+    }
 }
 
 /// Where two pictures differ, to the bit.

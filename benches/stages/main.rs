@@ -15,6 +15,7 @@ mod camera_visibility;
 mod candidate_pairs;
 mod caster_positions;
 mod compact;
+mod compared_depths;
 mod dispatch_args;
 mod facet_classify;
 mod front_layer;
@@ -74,10 +75,11 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 37] = [
+    let without_textures: [Maker; 38] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
+        compared_depths::cases,
         radix_sort::cases,
         sorted_pairs::cases,
         texel_group::cases,

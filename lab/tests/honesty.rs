@@ -53,6 +53,7 @@ fn other_value(option: &str) -> &'static str {
         "search" => "near",
         "rays" => "silhouettes",
         "kernel" => "7",
+        "compare" => "midpoint",
         "shape" => "corners",
         "reach" => "1",
         "splits" => "1",
@@ -372,6 +373,7 @@ mod gpu {
         use subpixel_shadows::light_view::{SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
         use subpixel_shadows::methods::{PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding};
+        use subpixel_shadows::stages::compared_depths::DepthRule;
         let mut s = s.clone();
         let one = SplitPlan { splits: 1, warp: Warp::Fitted, focus: SplitPlan::FOCUS };
         let plan = s.partition.or(method.row().partition).unwrap_or(one);
@@ -385,6 +387,7 @@ mod gpu {
             "search" => (s.spsm.radius, s.spsm.stretch) = (1, 0),
             "rays" => s.ray_traced.silhouettes = true,
             "kernel" => s.shadow_map.kernel = 7,
+            "compare" => s.shadow_map.compared = Some(DepthRule::Midpoint),
             "shape" => s.smsr.shape = SmsrShape::Corners,
             "reach" => s.smsr.reach = 1,
             "splits" => s.partition = Some(SplitPlan { splits: 2, ..plan }),

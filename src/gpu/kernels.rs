@@ -188,6 +188,34 @@ pub mod compact {
     }
 }
 
+/// `kernels/compared_depths.wgsl`.
+pub mod compared_depths {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/raster/front_split", "compared_depths",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, MIDPOINT = 0, SECOND = 1, DUAL = 2, WORKGROUP = 64,
+    }
+    overrides! {
+        rule: u32 = 0, "RULE",
+        farthest: f32 = 0.0, "FARTHEST",
+    }
+    entry_point! { "compared_depths", "settle", [64, 1, 1], SOURCE, Constants => Settle, SettleProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 second_keys: Read<'a, u32>,
+        2 nearest_keys: Write<'a, u32>,
+    } }
+    entries! {
+        Settle,
+    }
+}
+
 /// `kernels/dispatch_args.wgsl`.
 pub mod dispatch_args {
     use crate::entry_point;
@@ -455,7 +483,8 @@ pub mod light_layers {
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
-        both: u32 = 1, "BOTH",
+        layers: u32 = 2, "LAYERS",
+        marks: u32 = 1, "MARKS",
     }
     entry_point! { "light_layers", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2324,6 +2353,7 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("candidate_pairs", candidate_pairs::SOURCE, candidate_pairs::ENTRIES),
     ("caster_positions", caster_positions::SOURCE, caster_positions::ENTRIES),
     ("compact", compact::SOURCE, compact::ENTRIES),
+    ("compared_depths", compared_depths::SOURCE, compared_depths::ENTRIES),
     ("dispatch_args", dispatch_args::SOURCE, dispatch_args::ENTRIES),
     ("facet_classify", facet_classify::SOURCE, facet_classify::ENTRIES),
     ("front_layer", front_layer::SOURCE, front_layer::ENTRIES),

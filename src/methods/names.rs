@@ -77,6 +77,13 @@ pub enum MapQuery {
     FourMoments,
 }
 
+impl MapQuery {
+    /// Whether single depths are compared, which may be others than the nearest ([`ShadowMapSettings::compared`](super::ShadowMapSettings::compared)).
+    pub fn compares_depths(self) -> bool {
+        matches!(self, Self::Nearest | Self::Filtered | Self::Revectorized)
+    }
+}
+
 /// Description of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodRow {
@@ -104,7 +111,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 22] = [
+pub const METHOD_OPTIONS: [&str; 23] = [
     "facets",
     "validity",
     "masks",
@@ -117,6 +124,7 @@ pub const METHOD_OPTIONS: [&str; 22] = [
     "search",
     "rays",
     "kernel",
+    "compare",
     "shape",
     "reach",
     "splits",
@@ -180,7 +188,7 @@ pub const METHODS: [MethodRow; 16] = [
         parts: ["over casters and receivers; slices, warps; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: None,
-        options: &["splits", "warp", "focus", "looks"],
+        options: &["compare", "splits", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Pcf,
@@ -194,7 +202,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::Filtered),
         partition: None,
-        options: &["kernel", "splits", "warp", "focus", "looks"],
+        options: &["kernel", "compare", "splits", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Smsr,
@@ -208,7 +216,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::Revectorized),
         partition: None,
-        options: &["shape", "reach", "splits", "warp", "focus", "looks"],
+        options: &["compare", "shape", "reach", "splits", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Variance,
@@ -288,7 +296,7 @@ pub const METHODS: [MethodRow; 16] = [
         parts: ["over what is seen, trapezoid by focus; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(1, Warp::Trapezoid),
-        options: &["focus", "looks"],
+        options: &["compare", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Lispsm,
@@ -298,7 +306,7 @@ pub const METHODS: [MethodRow; 16] = [
         parts: ["over what is seen, trapezoid by angle; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(1, Warp::LightSpace),
-        options: &["looks"],
+        options: &["compare", "looks"],
     },
     MethodRow {
         method: MethodName::ParallelSplit,
@@ -308,7 +316,7 @@ pub const METHODS: [MethodRow; 16] = [
         parts: ["over what is seen of each slice; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(3, Warp::Box),
-        options: &["splits", "looks"],
+        options: &["compare", "splits", "looks"],
     },
     MethodRow {
         method: MethodName::Remix,
@@ -398,8 +406,7 @@ impl MethodName {
 
     /// Whether it asks a map by moments of its depths.
     pub(crate) fn filters_moments(self) -> bool {
-        use MapQuery::{Filtered, Nearest, Revectorized};
-        matches!(self.row().query, TexelQuery::Map(query) if !matches!(query, Nearest | Filtered | Revectorized))
+        matches!(self.row().query, TexelQuery::Map(query) if !query.compares_depths())
     }
 
     /// Whether it takes an option; one that is not among [`METHOD_OPTIONS`] is of all methods.

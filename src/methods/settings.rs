@@ -6,6 +6,7 @@ use crate::mask_table::MaskVariant;
 use crate::pixel_filter::PixelFilter;
 use crate::samples::Samples;
 use crate::scene::{Camera, Light};
+use crate::stages::compared_depths::DepthRule;
 use crate::stages::map_moments::MomentMeasures;
 use crate::stages::pixel_texel_pairs::PairTiles;
 use crate::{Error, Result};
@@ -117,12 +118,16 @@ impl SpsmSettings {
     }
 }
 
-/// Options of the methods that compare depths: the bias, without which a surface shadows itself. `shadow-map`, `trapezoidal`, `lispsm` and
-/// `parallel-split` take both parts of it, `pcf`, `smsr`, `variance` and `remix` the constant alone.
+/// Options of the methods that compare depths: which depth of a texel they compare, and the bias, without which a surface shadows itself
+/// where that is the nearest. `shadow-map`, `trapezoidal`, `lispsm` and `parallel-split` take both parts of the bias, `pcf`, `smsr`, `variance`
+/// and `remix` the constant alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowMapSettings {
     /// Texels a side of the filter of `pcf`: 2, 3, 5 or 7.
     pub kernel: u32,
+    /// The depth of a texel that is compared, which then takes the place of the bias; `None`: the nearest, with the bias. Of all that compare
+    /// single depths, so of none that filters moments.
+    pub compared: Option<DepthRule>,
     /// Depth that a receiver is moved towards the light; depth 1 is the extent of the casters along the light.
     pub constant: f32,
     /// Times the steeper slope of the receiver per texel: what it is moved besides, by the methods that take both parts.
@@ -131,11 +136,16 @@ pub struct ShadowMapSettings {
 
 impl Default for ShadowMapSettings {
     fn default() -> Self {
-        Self { kernel: 3, constant: 5e-5, slope: 1.05 }
+        Self { kernel: 3, compared: None, constant: 5e-5, slope: 1.05 }
     }
 }
 
 impl ShadowMapSettings {
+    /// Constant and slope of the bias that a depth of a map is compared with: 0 where [another](ShadowMapSettings::compared) takes its place.
+    pub fn bias(&self) -> [f32; 2] {
+        if self.compared.is_some() { [0.0; 2] } else { [self.constant, self.slope] }
+    }
+
     /// Checks the values against what is possible.
     ///
     /// # Errors
@@ -143,6 +153,11 @@ impl ShadowMapSettings {
     pub fn check(&self) -> Result<()> {
         if !matches!(self.kernel, 2 | 3 | 5 | 7) {
             return Err(Error::Config(format!("pcf: a kernel of {0} x {0}; 2, 3, 5 and 7 are possible", self.kernel)));
+        }
+        if let Some(DepthRule::Dual(farthest)) = self.compared
+            && !(0.0..=1.0).contains(&farthest)
+        {
+            return Err(Error::Config(format!("a depth of {farthest} beyond the nearest; 0 to 1 are possible")));
         }
         let Self { constant, slope, .. } = *self;
         if !(0.0..=1.0).contains(&constant) || !(0.0..=100.0).contains(&slope) {

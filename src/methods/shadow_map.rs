@@ -5,7 +5,8 @@
 //!
 //! In slices and warps of its own the first is `trapezoidal` (Martin, Tan 2004), `lispsm` (Wimmer, Scherzer, Purgathofer 2004) or
 //! `parallel-split` (Zhang et al. 2006), and the last `remix` (Oliveira 2009): see [`MethodRow::partition`](super::MethodRow::partition).
-//! Memory is fixed: 4 bytes a texel, of moments 2.7 more, of two exponentials or four moments 5.3.
+//! The first three may compare another depth than the nearest: [`ShadowMapSettings::compared`].
+//! Memory is fixed: 4 bytes a texel, where another depth is compared 8, of moments 2.7 more, of two exponentials or four moments 5.3.
 
 use super::debug_views::DebugViews;
 use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
@@ -14,6 +15,7 @@ use super::settings::{MomentSettings, Settings, ShadowMapSettings, SmsrSettings,
 use crate::Result;
 use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
 use crate::stages::PrimaryHits;
+use crate::stages::compared_depths::ComparedDepths;
 use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::map_moments::{MapLevels, MapMoments, MomentMeasures};
 use crate::stages::moment_shadows::{MapWithMoments, MomentShadows, MomentShadowsOptions};
@@ -37,7 +39,8 @@ struct OfMoments {
 
 impl Ask {
     fn new(device: &wgpu::Device, settings: &Settings, query: MapQuery) -> Result<Self> {
-        let ShadowMapSettings { kernel, constant, slope } = settings.shadow_map;
+        let ShadowMapSettings { kernel, .. } = settings.shadow_map;
+        let [constant, slope] = settings.shadow_map.bias();
         let depths = |options| Self::Depths(ShadowMap::new(device, options));
         Ok(match query {
             MapQuery::Nearest => depths(ShadowMapOptions { kernel: 1, constant, slope, receiver_plane: false }),
@@ -48,6 +51,7 @@ impl Ask {
                 Self::Borders(Smsr::new(device, SmsrOptions { reach, midpoints, constant, slope }))
             }
             _ => {
+                let constant = settings.shadow_map.constant;
                 let MomentSettings { bleeding, grazing, exponent, layers } = settings.moments;
                 let measures = match query {
                     MapQuery::Exponentials => MomentMeasures::Rising(exponent),
@@ -78,6 +82,7 @@ pub struct ShadowMapping {
     /// Texels of the map a side.
     size: u32,
     layers: LightLayers,
+    compared: Option<ComparedDepths>,
     map: Layers,
     ask: Ask,
     visibility: Buffer<f32>,
@@ -91,6 +96,9 @@ impl ShadowMapping {
     pub fn new(parts: MethodParts, query: MapQuery) -> Result<Self> {
         let MethodParts { device, settings, .. } = parts;
         settings.check()?;
+        let compared = settings.shadow_map.compared.filter(|_| query.compares_depths());
+        let size = settings.map as usize;
+        let layers = if compared.is_some() { LightLayers::without_marks } else { LightLayers::nearest_only };
         Ok(Self {
             reach: match query {
                 MapQuery::Nearest => 1.0,
@@ -98,14 +106,19 @@ impl ShadowMapping {
                 _ => 2.0,
             },
             size: settings.map,
-            layers: LightLayers::nearest_only(device, settings.alpha_tested),
-            map: Layers::nearest_only(device, settings.map as usize)?,
+            layers: layers(device, settings.alpha_tested),
+            map: if compared.is_some() {
+                Layers::without_marks(device, size)?
+            } else {
+                Layers::nearest_only(device, size)?
+            },
+            compared: compared.map(|rule| ComparedDepths::new(device, rule)),
             ask: Ask::new(device, settings, query)?,
             visibility: Buffer::storage(device, "shadow_map.visibility", settings.pixels())?,
         })
     }
 
-    /// The map: nearest depths alone.
+    /// The map: the depths that are compared, complements of their bits.
     pub fn map(&self) -> &Layers {
         &self.map
     }
@@ -129,8 +142,12 @@ impl FixedMethod for ShadowMapping {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
         let (nearest_keys, visibility) = (&self.map.nearest_keys, &self.visibility);
         rec.clear(nearest_keys.raw());
+        rec.clear(self.map.second_keys.raw());
         let blocks = geometry.in_light(inputs.casters);
         self.layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map);
+        if let Some(compared) = &self.compared {
+            compared.record(&mut rec.stage("compared_depths"), frame, &self.map, self.size);
+        }
         let seen = PrimaryHits {
             samples: inputs.samples,
             id_keys: inputs.id_keys,

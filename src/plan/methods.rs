@@ -17,19 +17,21 @@ const SPSM_STAGES: [(&str, &str); 6] = [
     ("spsm_recover", "shadow borders of the uncertain pixels, sample by sample"),
 ];
 
+/// Stages that make a shadow map.
+const NEAREST: (&str, &str) = ("light_layers", "nearest depth at every texel centre");
+const COMPARED: (&str, &str) = ("compared_depths", "the depth a texel is compared by, from its two nearest");
+
 /// Stages of the methods that compare samples with depths after what the camera sees.
-const SHADOW_MAP_STAGES: [(&str, &str); 2] =
-    [("light_layers", "nearest depth at every texel centre"), ("shadow_map", "depth of every sample against the map")];
+const SHADOW_MAP_STAGES: [(&str, &str); 3] =
+    [NEAREST, COMPARED, ("shadow_map", "depth of every sample against the map")];
 
 /// Stages of `smsr` after what the camera sees.
-const SMSR_STAGES: [(&str, &str); 2] = [
-    ("light_layers", "nearest depth at every texel centre"),
-    ("smsr", "depth of every sample against the map, its borders drawn anew"),
-];
+const SMSR_STAGES: [(&str, &str); 3] =
+    [NEAREST, COMPARED, ("smsr", "depth of every sample against the map, its borders drawn anew")];
 
 /// Stages of the methods that filter moments after what the camera sees.
 const MOMENT_STAGES: [(&str, &str); 3] = [
-    ("light_layers", "nearest depth at every texel centre"),
+    NEAREST,
     ("map_moments", "moments of ever larger squares of texels, of depths or exponentials"),
     ("moment_shadows", "the pixel's footprint against the map's moments"),
 ];
@@ -93,6 +95,10 @@ impl Plan {
         let reason = shadowless.iter().find(|s| s.name == "light_layers").and_then(|s| s.left_out.clone());
         let left_out = |name| match name {
             "seen_texels" | "spsm_map_around" => reason.clone().or_else(|| every_texel.clone()),
+            name if name == COMPARED.0 => {
+                let biased = || "the nearest depth is compared, with a bias: no second is kept".to_owned();
+                reason.clone().or_else(|| wanted.shadow_map.compared.is_none().then(biased))
+            }
             _ => reason.clone(),
         };
         let own = own.iter().map(|&(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });

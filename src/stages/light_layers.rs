@@ -66,18 +66,44 @@ impl Layers {
             ..Self::new(device, 1)?
         })
     }
+
+    /// Memory for the two nearest depths, without marks.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn without_marks(device: &wgpu::Device, size: usize) -> Result<Self> {
+        Ok(Self {
+            second_keys: Buffer::storage(device, "light_layers.second_keys", size * size)?,
+            ..Self::nearest_only(device, size)?
+        })
+    }
 }
 
 impl LightLayers {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { raster: Raster::Both(kernel::RasterProgram::new(device, kernel::Constants { both: 1, alpha: 0 })) }
+        Self {
+            raster: Raster::Both(kernel::RasterProgram::new(
+                device,
+                kernel::Constants { layers: 2, marks: 1, alpha: 0 },
+            )),
+        }
     }
 
     /// As [`LightLayers::new`], for `nearest_keys` alone: a shadow map. Of triangles that reach behind the light's nearest distance it holds
     /// the part before it, too; if `alpha` says that some may be alpha-tested, of these what is solid at a texel's centre.
     pub fn nearest_only(device: &wgpu::Device, alpha: bool) -> Self {
-        let constants = kernel::Constants { both: 0, alpha: u32::from(alpha) };
+        Self::of_map(device, 1, alpha)
+    }
+
+    /// As [`LightLayers::nearest_only`], for `second_keys` too: the nearest depth behind that of `nearest_keys`, which is not the same
+    /// however many casters are there. Memory: [`Layers::without_marks`].
+    pub fn without_marks(device: &wgpu::Device, alpha: bool) -> Self {
+        Self::of_map(device, 2, alpha)
+    }
+
+    fn of_map(device: &wgpu::Device, layers: u32, alpha: bool) -> Self {
+        let constants = kernel::Constants { layers, marks: 0, alpha: u32::from(alpha) };
         Self { raster: Raster::Nearest(kernel::RasterNearestProgram::new(device, constants)) }
     }
 

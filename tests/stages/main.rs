@@ -6,6 +6,7 @@ mod camera_visibility;
 mod candidate_pairs;
 mod caster_positions;
 mod compact;
+mod compared_depths;
 mod dispatch_args;
 mod facet_classify;
 mod front_layer;

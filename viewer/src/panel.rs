@@ -104,6 +104,9 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     if takes("kernel") {
         changed |= numbers(ui, half, "kernel", &mut options.kernel, &[2, 3, 5, 7]);
     }
+    if takes("compare") {
+        changed |= words(ui, half, "compare", &mut options.compare);
+    }
     if takes("shape") {
         changed |= words(ui, half, "shape", &mut options.shape);
         changed |= slider(ui, half, "reach", &mut options.reach, 1..=64);

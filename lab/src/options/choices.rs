@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use subpixel_shadows::methods::FacetMode;
 use subpixel_shadows::pixel_filter::PixelFilter;
 use subpixel_shadows::samples::Pattern;
+use subpixel_shadows::stages::compared_depths::DepthRule;
 
 /// How `spsm` packs a triangle into a texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -35,6 +36,31 @@ pub enum RayChoice {
     All,
     /// Those of pixels that are not proved lit or shadowed
     Silhouettes,
+}
+
+/// The depth of a texel that samples are compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Compare {
+    /// The nearest, moved by a bias
+    #[default]
+    Nearest,
+    /// Half way to the second nearest
+    Midpoint,
+    /// The second nearest
+    Second,
+    /// Half way, but no more than a twentieth of the casters' extent beyond the nearest
+    Dual,
+}
+
+impl From<Compare> for Option<DepthRule> {
+    fn from(name: Compare) -> Self {
+        match name {
+            Compare::Nearest => None,
+            Compare::Midpoint => Some(DepthRule::Midpoint),
+            Compare::Second => Some(DepthRule::Second),
+            Compare::Dual => Some(DepthRule::DUAL),
+        }
+    }
 }
 
 /// Where `smsr` draws lines.

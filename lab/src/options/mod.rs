@@ -4,8 +4,8 @@ mod choices;
 mod recorded;
 
 pub use choices::{
-    Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, PairsBy, PatternName, Projection, RayChoice, Search,
-    Shape, Switch, WarpBy,
+    Compare, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, PairsBy, PatternName, Projection, RayChoice,
+    Search, Shape, Switch, WarpBy,
 };
 pub use recorded::{camera_text, light_text, reason};
 
@@ -71,6 +71,10 @@ pub struct RenderOptions {
     /// Texels a side of the filter of pcf: 2, 3, 5 or 7
     #[arg(long, default_value_t = 3, value_name = "N")]
     pub kernel: u32,
+    /// The depth of a texel that samples are compared with by the methods of single depths: the nearest with a bias, or without one half way
+    /// to the second, the second, or half way but not far beyond the nearest
+    #[arg(long, value_enum, default_value_t, value_name = "DEPTH")]
+    pub compare: Compare,
     /// How smsr draws the steps of a map anew: from corners, as in the paper, or through the middles of the steps
     #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
     pub shape: Shape,
@@ -234,7 +238,11 @@ impl RenderOptions {
                 layers: self.layers,
             },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
-            shadow_map: ShadowMapSettings { kernel: self.kernel, ..ShadowMapSettings::default() },
+            shadow_map: ShadowMapSettings {
+                kernel: self.kernel,
+                compared: self.compare.into(),
+                ..ShadowMapSettings::default()
+            },
             ..Settings::new(self.size, self.map, samples)
         };
         settings.check()?;

@@ -48,6 +48,7 @@ impl RenderOptions {
             ("search", word(o.search)),
             ("rays", word(o.rays)),
             ("kernel", json!(o.kernel)),
+            ("compare", word(o.compare)),
             ("shape", word(o.shape)),
             ("reach", json!(o.reach)),
             ("splits", json!(o.splits.or(own.map(|plan| plan.splits)))),

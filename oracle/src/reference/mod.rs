@@ -6,6 +6,7 @@ pub mod camera_visibility;
 pub mod candidate_pairs;
 pub mod caster_positions;
 pub mod compact;
+pub mod compared_depths;
 pub mod dispatch_args;
 pub mod facet_classify;
 pub mod front_layer;

@@ -9,6 +9,16 @@ use subpixel_shadows::gpu::{Buffer, Stage};
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
+use subpixel_shadows::wgpu;
+
+/// The device of a world, its map's side, and whether some of its casters have holes.
+fn parts(world: &World) -> (&wgpu::Device, usize, bool) {
+    (&world.gpu.device, world.view.map.map_size as usize, !world.prepared.alpha().is_empty())
+}
+
+fn depth_of(key: u32) -> Option<f64> {
+    (key != 0).then(|| f64::from(f32::from_bits(!key)))
+}
 
 /// What a stage made of the map of a world.
 pub struct OnMap {
@@ -23,9 +33,27 @@ impl OnMap {
         world: &World,
         record: impl Fn(&mut Stage, &Buffer<Frame>, PrimaryHits, &Buffer<u32>, &Buffer<f32>),
     ) -> Self {
+        let (device, size, holes) = parts(world);
+        let map = Layers::nearest_only(device, size).expect("memory");
+        Self::with(world, &LightLayers::nearest_only(device, holes), &map, record)
+    }
+
+    /// The two nearest depths of each texel.
+    pub fn two_depths(world: &World) -> [Vec<Option<f64>>; 2] {
+        let (device, size, holes) = parts(world);
+        let map = Layers::without_marks(device, size).expect("memory");
+        let on = Self::with(world, &LightLayers::without_marks(device, holes), &map, |_, _, _, _, _| {});
+        let second = map.second_keys.read(world.gpu).expect("readback");
+        [on.depths, second.into_iter().map(depth_of).collect()]
+    }
+
+    fn with(
+        world: &World,
+        layers: &LightLayers,
+        map: &Layers,
+        record: impl Fn(&mut Stage, &Buffer<Frame>, PrimaryHits, &Buffer<u32>, &Buffer<f32>),
+    ) -> Self {
         let gpu = world.gpu;
-        let size = world.view.map.map_size as usize;
-        let map = Layers::nearest_only(&gpu.device, size).expect("memory");
         let (offsets, args, _) = world.items(&world.facts.light_items.read(gpu).expect("readback"));
         let blocks = Blocks {
             triangles: &world.casters.triangles,
@@ -42,15 +70,13 @@ impl OnMap {
         visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); seen.len()]);
         let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
         let triangles = &world.casters.triangles;
-        let layers = LightLayers::nearest_only(&gpu.device, !world.prepared.alpha().is_empty());
         run(gpu, |s| {
-            layers.record(s, &frame, blocks, &map);
+            layers.record(s, &frame, blocks, map);
             let from = PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles, points: &points };
             record(s, &frame, from, &map.nearest_keys, &visibility);
         });
-        let depth = |key: u32| (key != 0).then(|| f64::from(f32::from_bits(!key)));
         Self {
-            depths: map.nearest_keys.read(gpu).expect("readback").into_iter().map(depth).collect(),
+            depths: map.nearest_keys.read(gpu).expect("readback").into_iter().map(depth_of).collect(),
             visibility: visibility.read(gpu).expect("readback"),
             seen,
         }

@@ -8,6 +8,7 @@ use subpixel_shadows::methods::{
     ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::stages::compared_depths::DepthRule;
 
 /// Variants to compare.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +102,17 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("facets=one pairs=sorted", Settings { pairs: PairVariant::Sorted, ..settings.clone() });
             }
         }
-        MethodName::ShadowMap => add("", settings.clone()),
+        MethodName::ShadowMap => {
+            add("", settings.clone());
+            if more {
+                for (name, rule) in
+                    [("midpoint", DepthRule::Midpoint), ("second", DepthRule::Second), ("dual", DepthRule::DUAL)]
+                {
+                    let shadow_map = ShadowMapSettings { compared: Some(rule), ..settings.shadow_map };
+                    add(&format!("compare={name}"), Settings { shadow_map, ..settings.clone() });
+                }
+            }
+        }
         MethodName::Pcf => {
             for kernel in [3, 2, 5, 7] {
                 if kernel == 3 || more {
