@@ -63,7 +63,7 @@ fn one(
     if pixel > pixels { return; }
     pixel_facets[pixel] = pixel;
     if pixel == pixels { return; }
-    facets[pixel] = Facet(pixel, ~id_keys[pixel], STATE_EMPTY, 0.0, vec2(0.0));
+    facets[pixel] = Facet(pixel, ~id_keys[pixel], STATE_EMPTY, 0.0, vec2(0.0), vec2(0u));
     for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * pixel + w] = full_word(w); }
 }
 
@@ -103,7 +103,6 @@ fn classify(
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
-    if CLAMPED != 0u { take_samples(); }
     let f = flat_invocation(group, groups, WORKGROUP, local);
     if f >= frame.facets_total || !begin_facet(f) { return; }
     classify_seen(f);
@@ -116,7 +115,6 @@ fn classify_unsure(
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
-    if CLAMPED != 0u { take_samples(); }
     let count = atomicLoad(&facet_items[frame.facets_total]);
     let stride = WORKGROUP * groups.x * groups.y;
     for (var k = flat_invocation(group, groups, WORKGROUP, local); k < count; k += stride) {

@@ -19,12 +19,11 @@
 
 override WORDS: u32 = 1u;
 override MERGE: u32 = 0u;
-override SAMPLES: u32 = 32u;  // of a word at most: code for more is left out
 const WORKGROUP = 64u;
 override ROUND_LENGTH: u32 = 512u;
 
 @group(0) @binding(0) var<uniform> frame_given: Frame;
-@group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+@group(0) @binding(1) var<uniform> samples_given: array<vec4<f32>, 64>;  // two offsets from the centre each
 @group(0) @binding(2) var<uniform> step: SurfaceStep;
 @group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
@@ -47,9 +46,9 @@ override ROUND_LENGTH: u32 = 512u;
 @group(0) @binding(19) var<storage, read_write> contested: array<u32>;  // WORDS words a complex pixel
 @group(0) @binding(20) var<storage, read_write> slots: array<PixelSlot>;
 
-//@import frame_copy
+//@import frame_copy sample_copy
 const SEVERAL = 0x80000000u;
-//@import surface_step word_offsets pixel_entries nearest_entry contested_entry
+//@import surface_step word_offsets pixel_entries nearest_entry contested_entry facet_span
 
 @compute @workgroup_size(WORKGROUP)
 fn begin(
@@ -155,6 +154,7 @@ fn emit(
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
+    take_samples();
     let slot = flat_invocation(group, groups, WORKGROUP, local);
     if slot >= frame.complex_capacity { return; }
     let here = slots[slot];
@@ -188,7 +188,9 @@ fn emit(
         }
         left &= ~mask;
         let merged = any(own != mask);
-        var facet = Facet(pixel, coverings[best].triangle, STATE_EMPTY, 0.0, sample_offset(lowest_bit(own)));
+        let span = packed_span(span_of_samples(mask));
+        let origin = sample_offset(lowest_bit(own));
+        var facet = Facet(pixel, coverings[best].triangle, STATE_EMPTY, 0.0, origin, span);
         if merged {
             facet.state = STATE_MERGED;
             facet.limit = here.far;
@@ -214,6 +216,7 @@ fn emit_single(
     if pixel >= pixels || complex_flags[pixel] != 0u { return; }
     let f = pixel_facets[pixel];
     if f == pixel_facets[pixel + 1u] || f >= frame.facets_total { return; }
-    facets[f] = Facet(pixel, ~id_keys[pixel], STATE_EMPTY, 0.0, vec2(0.0));
+    let span = packed_span(vec4(frame.sample_low, frame.sample_high));
+    facets[f] = Facet(pixel, ~id_keys[pixel], STATE_EMPTY, 0.0, vec2(0.0), span);
     for (var w = 0u; w < WORDS; w++) { masks[3u * WORDS * f + w] = full_word(w); }
 }

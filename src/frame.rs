@@ -96,6 +96,10 @@ shared_struct! {
         pub given_origin: [u32; 2],
         /// Texel of its target that it is.
         pub target_origin: [u32; 2],
+        /// Lowest corner of the box around a pixel's samples, relative to its centre, pixels.
+        pub sample_low: [f32; 2],
+        /// Highest corner of it.
+        pub sample_high: [f32; 2],
     }
 }
 
@@ -155,6 +159,7 @@ impl Frame {
             axis.extend(-axis.dot(rays.corner))
         };
         let margins = v.margins();
+        let [sample_low, sample_high] = sample_box(samples);
         let widest = rays.corners(width, height).map(|ray| ray.abs().max_element()).into_iter().fold(0.0, f64::max);
         let (eye_high, eye_low) = split(eye);
         let (light_high, light_low) = split(to_light);
@@ -180,6 +185,8 @@ impl Frame {
             image_size: [width, height],
             map_size: view.map_size,
             sample_count: samples.count(),
+            sample_low,
+            sample_high,
             flags: if view.perspective { Self::PERSPECTIVE } else { 0 }
                 | if view.closed { Self::CLOSED } else { 0 }
                 | if view.one_of_several { Self::ONE_OF_SEVERAL } else { 0 }
@@ -205,4 +212,10 @@ pub fn sample_words(samples: &Samples) -> [[f32; 4]; 64] {
         words[k / 2][k % 2 * 2 + 1] = o[1] - 0.5;
     }
     words
+}
+
+/// Lowest and highest corner of the box around the samples, relative to the pixel centre, pixels.
+pub fn sample_box(samples: &Samples) -> [[f32; 2]; 2] {
+    let along = |axis: usize| samples.offsets().iter().map(move |o| o[axis] - 0.5);
+    [[0, 1].map(|axis| along(axis).fold(0.5, f32::min)), [0, 1].map(|axis| along(axis).fold(-0.5, f32::max))]
 }

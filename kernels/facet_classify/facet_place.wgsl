@@ -72,7 +72,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     let hidden = away & (shape.given.w == 1u) & ((frame.flags & FLAG_CULL_BACK) != 0u);
     let pixel = facets[f].pixel;
     var span = vec2(0u);
-    if is_clamped() { span = span_of_samples(f); }
+    if is_clamped() { span = facets[f].span; }
     let e = extent_of(f, part_of(span), shape, turns.x, merged);
     let outline = e.outline;
     if !is_clamped() && !outline.whole { keep_own_triangle(f, shape.given.xyz, pixel_ray(pixel)); }

@@ -1,6 +1,6 @@
-// The samples of a facet: which lie on its own triangle, and the part of the pixel they lie in.
+// The samples of a facet that lie on its own triangle.
 
-//@import frame facet vertex sample_copy
+//@import frame facet vertex
 //@needs override WORDS: u32;
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples_given: array<vec4<f32>, 64>;
@@ -17,49 +17,6 @@ fn edge(i: u32, j: u32, ray: vec3<f32>) -> vec3<f32> {
     let low = min(i, j);
     let m = cross(point_of(low), edge_of(low, max(i, j))) * select(-1.0, 1.0, i == low);
     return vec3(dot(m, ray), dot(m, frame.ray_x.xyz), dot(m, frame.ray_y.xyz));
-}
-
-// Widens a box (its lowest and its highest corner) by those of two samples that the lowest bits of a mask
-// have.
-fn span_two(box: vec4<f32>, two: vec4<f32>, mask: u32) -> vec4<f32> {
-    let first = (mask & 1u) != 0u;
-    let second = (mask & 2u) != 0u;
-    let low = min(select(vec2(1.0), two.xy, first), select(vec2(1.0), two.zw, second));
-    let high = max(select(vec2(-1.0), two.xy, first), select(vec2(-1.0), two.zw, second));
-    return vec4(min(box.xy, low), max(box.zw, high));
-}
-
-fn span_eight(given: vec4<f32>, at: u32, mask: u32) -> vec4<f32> {
-    var box = span_two(given, samples[at], mask);
-    box = span_two(box, samples[at + 1u], mask >> 2u);
-    box = span_two(box, samples[at + 2u], mask >> 4u);
-    return span_two(box, samples[at + 3u], mask >> 6u);
-}
-
-// Takes in the samples of a word.
-fn span_word(given: vec4<f32>, f: u32, word: u32) -> vec4<f32> {
-    let mask = masks[3u * WORDS * f + word];
-    let at = word << 4u;
-    var box = span_eight(given, at, mask);
-    if SAMPLES > 8u { box = span_eight(box, at + 4u, mask >> 8u); }
-    if SAMPLES > 16u {
-        box = span_eight(box, at + 8u, mask >> 16u);
-        box = span_eight(box, at + 12u, mask >> 24u);
-    }
-    return box;
-}
-
-// The box around the samples that a facet covers, and a 256th of a pixel beyond.
-fn span_of_samples(f: u32) -> vec2<u32> {
-    var box = span_word(vec4(1.0, 1.0, -1.0, -1.0), f, 0u);
-    if WORDS > 1u { box = span_word(box, f, 1u); }
-    if WORDS > 2u {
-        box = span_word(box, f, 2u);
-        box = span_word(box, f, 3u);
-    }
-    // And what packing may take away.
-    let more = 0.00390625 + 0.00006103515625;
-    return vec2(pack2x16snorm(box.xy - more), pack2x16snorm(box.zw + more));
 }
 
 fn keep_own_triangle(f: u32, i: vec3<u32>, ray: vec3<f32>) {

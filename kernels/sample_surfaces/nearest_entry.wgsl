@@ -1,8 +1,7 @@
 // Of the triangles of a pixel the nearest at each sample of a word, by bounds (sample_surfaces).
 
-//@import frame surface_step covering word_offsets pixel_entries
+//@import frame surface_step covering word_offsets pixel_entries sample_copy
 //@needs override WORDS: u32;
-//@needs override SAMPLES: u32;
 //@needs var<uniform> step: SurfaceStep;
 //@needs var<storage, read_write> covering_masks: array<u32>;
 //@needs var<storage, read_write> coverings: array<Covering>;

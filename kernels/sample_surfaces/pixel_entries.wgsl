@@ -5,7 +5,7 @@
 //@needs override MERGE: u32;
 //@needs override ROUND_LENGTH: u32;
 //@needs var<uniform> frame: Frame;
-//@needs var<uniform> samples: array<vec4<f32>, 64>;
+//@needs var<uniform> samples_given: array<vec4<f32>, 64>;
 //@needs var<uniform> step: SurfaceStep;
 //@needs var<storage, read> triangles: array<vec4<u32>>;
 //@needs var<storage, read> points: array<vec4<f32>>;
@@ -81,6 +81,6 @@ fn far_corner(t: u32) -> f32 {
 }
 
 fn sample_offset(k: u32) -> vec2<f32> {
-    let pair = samples[k >> 1u];
+    let pair = samples_given[k >> 1u];
     return select(pair.xy, pair.zw, (k & 1u) == 1u);
 }

@@ -249,9 +249,9 @@ pub mod facet_classify {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
         "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/front_split", "shared/facet/only_receiver",
-        "shared/raster/summed_area", "shared/frame/frame_copy", "shared/frame/sample_copy",
-        "facet_classify/facet_samples", "shared/raster/view_sides", "shared/facet/facet_box",
-        "shared/facet/facet_extent", "facet_classify/facet_place", "facet_classify",
+        "shared/raster/summed_area", "shared/frame/frame_copy", "facet_classify/facet_samples",
+        "shared/raster/view_sides", "shared/facet/facet_box", "shared/facet/facet_extent",
+        "facet_classify/facet_place", "facet_classify",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -263,7 +263,6 @@ pub mod facet_classify {
         FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64, UNSURE_GROUPS = 64,
     }
     overrides! {
-        samples: u32 = 32, "SAMPLES",
         words: u32 = 1, "WORDS",
         clamped: u32 = 2, "CLAMPED",
         receivers: u32 = 1, "RECEIVERS",
@@ -1264,9 +1263,10 @@ pub mod sample_surfaces {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
         "shared/frame/facing_46", "shared/facet/eye_edges", "shared/facet/eye_order_46", "shared/raster/covering",
-        "shared/math/word_masks", "shared/frame/frame_copy", "sample_surfaces/surface_step",
-        "sample_surfaces/word_offsets", "sample_surfaces/pixel_entries", "sample_surfaces/nearest_entry",
-        "sample_surfaces/contested_entry", "sample_surfaces",
+        "shared/math/word_masks", "shared/frame/frame_copy", "shared/frame/sample_copy",
+        "sample_surfaces/surface_step", "sample_surfaces/word_offsets", "sample_surfaces/pixel_entries",
+        "sample_surfaces/nearest_entry", "sample_surfaces/contested_entry", "sample_surfaces/facet_span",
+        "sample_surfaces",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1278,10 +1278,10 @@ pub mod sample_surfaces {
         WORKGROUP = 64, SEVERAL = 2147483648,
     }
     overrides! {
+        samples: u32 = 32, "SAMPLES",
         words: u32 = 1, "WORDS",
         round_length: u32 = 512, "ROUND_LENGTH",
         merge: u32 = 0, "MERGE",
-        samples: u32 = 32, "SAMPLES",
     }
     entry_point! { "sample_surfaces", "begin", [64, 1, 1], SOURCE, Constants => Begin, BeginProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1347,8 +1347,8 @@ pub mod sample_surfaces {
         positions: Read<'a, [f32; 4]>,
         points: Read<'a, [f32; 4]>,
         frame: Uniform<'a, crate::frame::Frame>,
-        step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         samples: Uniform<'a, [f32; 4]>,
+        step: Uniform<'a, crate::stages::sample_surfaces::SurfaceStep>,
         covering_masks: Write<'a, u32>,
         coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
         triangles: Read<'a, [u32; 4]>,
@@ -1356,7 +1356,7 @@ pub mod sample_surfaces {
         slots: Write<'a, crate::stages::sample_surfaces::PixelSlot>,
     } }
     subset! { Settle => Nearest { frame, samples, step, coverings, covering_masks, contested, slots } }
-    subset! { Settle => Search { positions, points, frame, step, samples, covering_masks, coverings, triangles, contested, slots } }
+    subset! { Settle => Search { positions, points, frame, samples, step, covering_masks, coverings, triangles, contested, slots } }
     subset! { Search => Nearest { frame, samples, step, coverings, covering_masks, contested, slots } }
     subset! { Search => Settle { frame, samples, step, triangles, points, coverings, positions, covering_masks, contested, slots } }
     entries! {

@@ -28,6 +28,9 @@ shared_struct! {
         pub limit: f32,
         /// A sample of its coverage, relative to the pixel centre.
         pub origin: [f32; 2],
+        /// Box around its coverage, a 256th of a pixel wider: two corners, each two signed 16-bit shares. Read with
+        /// [`Frame::CLAMP`](crate::frame::Frame::CLAMP) alone.
+        pub span: [u32; 2],
     }
 }
 
@@ -135,7 +138,7 @@ impl FacetClassify {
     }
 
     fn build(device: &wgpu::Device, words: u32, clamped: u32, receivers: bool) -> Self {
-        let constants = kernel::Constants { words, clamped, receivers: u32::from(receivers), ..Default::default() };
+        let constants = kernel::Constants { words, clamped, receivers: u32::from(receivers) };
         Self {
             one: kernel::OneProgram::new(device, constants),
             begin: kernel::BeginProgram::new(device, constants),

@@ -2,7 +2,7 @@
 //! wherever no edge is within 1/256 pixel and no two depths are too near to tell; none missed where one surely covers.
 
 use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
-use crate::support::surfaces::{Found, find, find_merged, find_within, pattern, square};
+use crate::support::surfaces::{Found, find, find_merged, find_within, is_span, pattern, square};
 use crate::support::{Random, gpu, sizes_around, small_gpu};
 use lab::scene::builtin;
 use oracle::reference::camera_visibility::DepthMargin;
@@ -44,6 +44,9 @@ fn compare(found: &Found, wanted: &[Sample], samples: &Samples) -> Result<usize,
             let first = samples.offsets()[mask.trailing_zeros() as usize].map(|o| o - 0.5);
             if found.origins.get(facet) != Some(&first) {
                 return Err(format!("facet {facet} is not at its first sample"));
+            }
+            if !found.spans.get(facet).is_some_and(|span| is_span(*span, samples, *mask)) {
+                return Err(format!("facet {facet} of {mask:x} has another box: {:x?}", found.spans.get(facet)));
             }
             facet += 1;
         }
@@ -323,6 +326,9 @@ fn compare_merged(case: &Case, alone: &Found, found: &Found, samples: &Samples) 
             if found.origins[facet] != at {
                 return Err(format!("facet {facet} at {:?}, {at:?}", found.origins[facet]));
             }
+            if !is_span(found.spans[facet], samples, mask) {
+                return Err(format!("facet {facet} of {mask:x} has another box: {:x?}", found.spans[facet]));
+            }
             if found.reach[facet].is_some() != (own != mask) {
                 return Err(format!("facet {facet}: {:?}", found.reach[facet]));
             }
@@ -376,6 +382,7 @@ fn one_plane_is_one_facet() {
     assert!(broken(&|f| f.reach[facet] = None), "not marked");
     assert!(broken(&|f| f.reach[facet] = f.reach[facet].map(|r| 0.999 * r)), "a shorter reach");
     assert!(broken(&|f| f.origins[facet][0] += 0.25), "another origin");
+    assert!(broken(&|f| f.spans[facet] = alone.spans[0]), "another box");
 }
 
 /// Needs are counted in full, and nothing is written past the end (see `find_within`).
@@ -426,6 +433,7 @@ fn detects_corruption() {
     assert!(broken(&|f| f.surfaces[several].truncate(1)), "a facet is missing");
     assert!(broken(&|f| f.surfaces[several][0].0 += 1), "another triangle");
     assert!(broken(&|f| f.origins[0][0] += 0.25), "another origin");
+    assert!(broken(&|f| f.spans[0][1] -= 20), "a narrower box");
     assert!(broken(&|f| f.id_keys[several] ^= 1), "another centre");
     assert!(broken(&|f| drop(f.surfaces.pop())), "a pixel is missing");
 }

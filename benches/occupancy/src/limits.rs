@@ -101,9 +101,7 @@ const TWO_STEP: &str = "128 samples by two projections, for comparison";
 /// All of them.
 pub const EXCEPTIONS: &[Exception] = &[
     except("candidate_pairs.cull", Figure::Waves, [14, 3], NEAR),
-    except("facet_classify.classify", Figure::Code, [18200, 18368], SAMPLES_4),
     except("facet_classify.classify", Figure::Waves, [12, 3], NEAR),
-    except("facet_classify.classify_unsure", Figure::Code, [22652, 22812], BITS_46),
     except("pixel_coverage.cover", Figure::Code, [19924, 19960], SAMPLES_4),
     except("pixel_coverage.cover with holes", Figure::Code, [21892, 21932], SAMPLES_4),
     except("pixel_texel_pairs.count", Figure::Waves, [14, 3], NEAR),

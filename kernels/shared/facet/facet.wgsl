@@ -10,6 +10,7 @@ struct Facet {
     state: u32,
     limit: f32,         // merged: view depth that its triangles reach
     origin: vec2<f32>,  // a sample of its coverage, relative to the pixel centre
+    span: vec2<u32>,    // box around its coverage, packed as part_of reads it; with FLAG_CLAMP alone
 }
 
 // Undecided facet, as evaluation reads it.

@@ -48,6 +48,8 @@ struct Frame {
     stamp: u32,              // which frame it is; no condition asks for it
     given_origin: vec2<u32>,   // texel of the application's G-buffer that the image's first pixel is
     target_origin: vec2<u32>,  // likewise of its target
+    sample_low: vec2<f32>,   // box around the samples of a pixel, relative to its centre
+    sample_high: vec2<f32>,
 }
 
 // Triangles of closed bodies that face away from the light are no casters; they may cut facets

@@ -12,7 +12,7 @@ use oracle::reference::vertex_project::project;
 use oracle::reference::view::View;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
-use subpixel_shadows::frame::{Frame, sample_words};
+use subpixel_shadows::frame::{Frame, sample_box, sample_words};
 use subpixel_shadows::glam::DVec3;
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups, recorder};
 use subpixel_shadows::light_view::{LightView, SplitPlan};
@@ -204,6 +204,15 @@ impl World {
         facets
     }
 
+    /// The box of a facet that covers all samples, as the stage before packs it.
+    fn whole_span(&self) -> [u32; 2] {
+        let [low, high] = sample_box(&self.samples);
+        let half = |x: f32| u32::from(((x * 32767.0).round() as i16) as u16);
+        let packed = |corner: [f32; 2], more: f32| half(corner[0] + more) | (half(corner[1] + more) << 16);
+        let more = 1.0 / 256.0 + 1.0 / 16384.0;
+        [packed(low, -more), packed(high, more)]
+    }
+
     /// The facets as the stage before leaves them, in one state.
     fn listed(&self, listed: &[(u32, Option<u32>)], state: u32) -> Facets {
         let (gpu, words) = (self.gpu, self.words());
@@ -213,6 +222,7 @@ impl World {
             pixel,
             triangle: t.unwrap_or(u32::MAX),
             state,
+            span: self.whole_span(),
             ..Facet::default()
         };
         facets.list.write(&gpu.queue, &listed.iter().map(one).collect::<Vec<_>>());

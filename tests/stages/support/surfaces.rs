@@ -3,7 +3,7 @@
 use super::geometry::Case;
 use super::{POISON, poisoned, read_padded, run, upload};
 use std::collections::BTreeMap;
-use subpixel_shadows::frame::{Frame, sample_words};
+use subpixel_shadows::frame::{Frame, sample_box, sample_words};
 use subpixel_shadows::gpu::kernels::sample_surfaces::STATE_MERGED;
 use subpixel_shadows::gpu::recorder::fold_within;
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups, kernels};
@@ -42,6 +42,8 @@ pub struct Found {
     pub surfaces: Vec<Vec<(u32, u128)>>,
     /// Offset of the sample that each facet is placed at, facet by facet.
     pub origins: Vec<[f32; 2]>,
+    /// Box around the samples of each facet, packed.
+    pub spans: Vec<[u32; 2]>,
     pub id_keys: Vec<u32>,
     /// Samples that triangles cover, by pixel and triangle: what covers none is not there.
     pub covered: BTreeMap<(u32, u32), (u128, Covering)>,
@@ -67,6 +69,19 @@ impl Found {
     }
 }
 
+/// Whether a packed box is that around samples, a 256th of a pixel wider, and no more than what packing takes.
+pub fn is_span(packed: [u32; 2], samples: &Samples, mask: u128) -> bool {
+    let mut inside = samples.offsets().iter().enumerate().filter(|(k, _)| mask >> k & 1 == 1).map(|(_, o)| o);
+    let unpack = |word: u32| [word as u16, (word >> 16) as u16].map(|half| f32::from(half as i16) / 32767.0);
+    let [low, high] = packed.map(unpack);
+    let first = inside.next().map_or([0.5; 2], |o| *o);
+    let around = inside.fold([first; 2], |[low, high], o| {
+        [[low[0].min(o[0]), low[1].min(o[1])], [high[0].max(o[0]), high[1].max(o[1])]]
+    });
+    let beyond = (0..2).flat_map(|axis| [around[0][axis] - 0.5 - low[axis], high[axis] + 0.5 - around[1][axis]]);
+    beyond.into_iter().all(|more| (0.00390625..0.0041).contains(&more))
+}
+
 /// A pattern of the default kind.
 pub fn pattern(count: u32) -> Samples {
     Samples::new(Pattern::default(), count).expect("a pattern")
@@ -76,6 +91,7 @@ pub fn pattern(count: u32) -> Samples {
 pub fn frame(case: &Case, samples: &Samples, room: Room) -> Frame {
     let mut frame = case.frame();
     frame.sample_count = samples.count();
+    [frame.sample_low, frame.sample_high] = sample_box(samples);
     frame.flags |= Frame::CLAMP;
     [frame.pixel_triangle_capacity, frame.complex_capacity, frame.facets_total] = room.map(|n| n as u32);
     frame
@@ -249,6 +265,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, mer
         complex: flags.clone(),
         surfaces: (0..pixels).map(surfaces).collect(),
         origins: made[..pixel_facets[pixels].min(room[2])].iter().map(|f| f.origin).collect(),
+        spans: made[..pixel_facets[pixels].min(room[2])].iter().map(|f| f.span).collect(),
         id_keys: keys.clone(),
         covered,
     }
