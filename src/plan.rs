@@ -340,7 +340,7 @@ mod tests {
         let one = of(sun(1.0), 1, true);
         assert!(reason(&one, VALIDITY.0).unwrap().contains("one sample"));
         assert!(reason(&one, PERSPECTIVE.0).unwrap().contains("directional"));
-        let warped = SplitPlan { splits: 1, warp: Warp::Fitted, focus: 0.6 };
+        let warped = SplitPlan { splits: 1, warp: Warp::Fitted, focus: 0.6, ..SplitPlan::default() };
         let warped = Settings { partition: Some(warped), ..settings(1, true) };
         assert_eq!(reason(&plan(body(), sun(1.0), &warped, false), PERSPECTIVE.0), None, "a warp divides");
         assert!(one.settings.cull_back && one.settings.settle && !one.settings.validity);

@@ -160,7 +160,7 @@ fn the_ways_to_the_answer_agree() {
     let prepared = scene.prepared().expect("a sound mesh");
     let settings = settings(FacetMode::All, 32);
     let first = rendered(&scene, &prepared, &settings);
-    let slices = SplitPlan { splits: 3, warp: Warp::Fitted, focus: 0.3 };
+    let slices = SplitPlan { splits: 3, warp: Warp::Fitted, focus: 0.3, ..SplitPlan::default() };
     for other in [
         Settings { pairs: PairVariant::Grouped, ..settings.clone() },
         Settings { pairs: PairVariant::Sorted, ..settings.clone() },

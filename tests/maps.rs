@@ -44,6 +44,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
         (MethodName::FourMoments, 1),
         (MethodName::Trapezoidal, 8),
         (MethodName::Lispsm, 1),
+        (MethodName::Perspective, 8),
         (MethodName::ParallelSplit, 32),
         (MethodName::Remix, 1),
     ]

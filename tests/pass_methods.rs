@@ -149,7 +149,7 @@ fn several_views_are_recorded() {
     let lamp = Light::Point { position: [0.8, 1.9, 0.9] };
     for method in others().filter(|method| *method != MethodName::Supersampled) {
         let name = method.name();
-        let plan = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 };
+        let plan = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6, ..SplitPlan::default() };
         let settings = Settings { partition: Some(plan), ..settings(8) };
         let mut pass = pass(&PassConfig { method, ..PassConfig::new(settings.clone(), casters(&plain.mesh)) });
         let mut pictures = Vec::new();
@@ -311,7 +311,7 @@ fn slices_follow_the_camera() {
     let plain = scene("windmill");
     for facets in [FacetMode::One, FacetMode::All] {
         let settings = Settings { facets, ..settings(8) };
-        let plan = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 };
+        let plan = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6, ..SplitPlan::default() };
         let sliced = Settings { partition: Some(plan), ..settings.clone() };
         let [mut one, mut several] =
             [settings, sliced].map(|settings| pass(&PassConfig::new(settings, casters(&plain.mesh))));

@@ -398,7 +398,7 @@ fn blocks_that_nobody_requests_change_nothing() {
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let (low, high) = prepared.mesh().bounds().expect("a mesh");
         let middle = (low * 0.6 + high * 0.4).as_vec3();
-        let slices = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.3 };
+        let slices = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.3, ..SplitPlan::default() };
         for (facets, samples, partition) in
             [(FacetMode::All, 32, None), (FacetMode::One, 8, None), (FacetMode::All, 32, Some(slices))]
         {

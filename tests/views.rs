@@ -309,7 +309,10 @@ fn other_methods_take_slices() {
     let settings = Settings { map: 96, ..settings(FacetMode::One, 8) };
     let want = visibility(&near, MethodName::FacetMasks, &settings).expect("a frame");
     for (splits, warp) in [(1, Warp::Box), (2, Warp::Fitted), (4, Warp::Trapezoid)] {
-        let sliced = Settings { partition: Some(SplitPlan { splits, warp, focus: 0.3 }), ..settings.clone() };
+        let sliced = Settings {
+            partition: Some(SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() }),
+            ..settings.clone()
+        };
         let exact = visibility(&near, MethodName::Supersampled, &sliced).expect("a frame");
         assert!(exact == want, "{splits} {warp:?}: another picture");
         for method in ASK_ONE {
@@ -346,9 +349,9 @@ fn slices_tell_what_the_whole_view_does() {
             let output = render(&scene, &wanted);
             let whole = seen(picture(&output));
             for (splits, warp) in
-                [(1, Warp::Box), (1, Warp::Fitted), (2, Warp::Trapezoid), (3, Warp::LightSpace), (4, Warp::Fitted)]
+                [(1, Warp::Box), (1, Warp::Fitted), (2, Warp::Trapezoid), (3, Warp::Perspective), (4, Warp::Fitted)]
             {
-                let plan = SplitPlan { splits, warp, focus: 0.3 };
+                let plan = SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() };
                 let sliced = render(&scene, &Settings { partition: Some(plan), ..wanted.clone() });
                 assert!(seen(picture(&sliced)) == whole, "{name} {facets:?}: {plan:?}");
                 denser += usize::from(sliced.counts.candidate_tests < output.counts.candidate_tests);
@@ -465,12 +468,13 @@ fn methods_are_their_parts_together() {
     lamp.light = point([1.0, 2.0, 1.0]);
     let scenes = [("windmill", builtin("windmill").expect("a built-in scene")), ("lamp", lamp), ("room", room())];
     let settings = Settings { map: 96, ..settings(FacetMode::One, 8) };
-    let told = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 };
+    let told = SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6, ..SplitPlan::default() };
     let mut pictures = Vec::new();
     for (name, scene) in &scenes {
         for (method, parts) in [
             (MethodName::Trapezoidal, MethodName::ShadowMap),
             (MethodName::Lispsm, MethodName::ShadowMap),
+            (MethodName::Perspective, MethodName::ShadowMap),
             (MethodName::ParallelSplit, MethodName::ShadowMap),
             (MethodName::Remix, MethodName::Variance),
         ] {
@@ -487,6 +491,6 @@ fn methods_are_their_parts_together() {
     }
     // Of the first scene: each is another; told are the slices of the last two alone.
     let shadow_map = visibility(&scenes[0].1, MethodName::ShadowMap, &settings).expect("a frame");
-    assert!((0..8).all(|k| pictures[k] != shadow_map && (0..k).all(|j| pictures[j] != pictures[k] || k - j == 1)));
-    assert_eq!([0, 2, 4, 6].map(|k| pictures[k] == pictures[k + 1]), [true, true, false, false]);
+    assert!((0..10).all(|k| pictures[k] != shadow_map && (0..k).all(|j| pictures[j] != pictures[k] || k - j == 1)));
+    assert_eq!([0, 2, 4, 6, 8].map(|k| pictures[k] == pictures[k + 1]), [true, true, true, false, false]);
 }

@@ -57,6 +57,7 @@ fn other_value(option: &str) -> &'static str {
         "shape" => "corners",
         "reach" => "1",
         "splits" => "1",
+        "split-weight" => "0",
         "warp" => "even",
         "focus" => "0.2",
         "bleeding" => "0.4",
@@ -375,7 +376,7 @@ mod gpu {
         use subpixel_shadows::methods::{PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding};
         use subpixel_shadows::stages::compared_depths::DepthRule;
         let mut s = s.clone();
-        let one = SplitPlan { splits: 1, warp: Warp::Fitted, focus: SplitPlan::FOCUS };
+        let one = SplitPlan { splits: 1, warp: Warp::Fitted, focus: SplitPlan::FOCUS, ..SplitPlan::default() };
         let plan = s.partition.or(method.row().partition).unwrap_or(one);
         match option {
             "facets" => s.facets = FacetMode::One,
@@ -391,6 +392,7 @@ mod gpu {
             "shape" => s.smsr.shape = SmsrShape::Corners,
             "reach" => s.smsr.reach = 1,
             "splits" => s.partition = Some(SplitPlan { splits: 2, ..plan }),
+            "split-weight" => s.partition = Some(SplitPlan { weight: 0.0, ..plan }),
             "warp" => s.partition = Some(SplitPlan { warp: Warp::Trapezoid, ..plan }),
             "focus" => s.partition = Some(SplitPlan { focus: 0.2, ..plan }),
             "bleeding" => s.moments.bleeding = 0.4,
@@ -440,17 +442,18 @@ mod gpu {
                 // Of facet-masks where they say something: with one facet a pixel, a warp of the view's own.
                 let base = match option {
                     "validity" => with(method, "facets", &default),
+                    "split-weight" => with(method, "splits", &default),
                     "focus" if method != MethodName::Trapezoidal => with(method, "warp", &default),
                     _ => Some(default.clone()),
                 };
                 let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(method, option, &b)?))) else {
                     continue;
                 };
-                let light = if matches!(option, "focus" | "warp") { &sun } else { &scene.light };
+                let light = if matches!(option, "focus" | "split-weight" | "warp") { &sun } else { &scene.light };
                 let same = if base == default && light == &scene.light { plain.clone() } else { of(&base, light) };
                 // Where texels lie does not show in exact pictures.
                 let exact = matches!(method, MethodName::FacetMasks | MethodName::Supersampled);
-                if exact && matches!(option, "splits" | "warp" | "focus") {
+                if exact && matches!(option, "splits" | "split-weight" | "warp" | "focus") {
                     assert!(of(&changed, light).0 == same.0, "--{option} changes the picture of {}", method.name());
                     continue;
                 }

@@ -21,6 +21,9 @@ pub enum Warp {
     Trapezoid,
     /// As [`Warp::Trapezoid`], by the distance of the centre of projection that is best for a frustum and a light from the side.
     LightSpace,
+    /// As [`Warp::LightSpace`], from the eye itself, as perspective shadow maps see the scene (Stamminger, Drettakis 2002; Scherzer 2011,
+    /// section 4.2.2): texels keep their size beside pixels of a view across the light, and far from the eye are the largest of all.
+    Perspective,
     /// As makes texels the smallest beside pixels, in the mean over what is seen: by the best distance of the centre of projection,
     /// or evenly over the box.
     #[default]
@@ -36,6 +39,16 @@ pub struct SplitPlan {
     pub warp: Warp,
     /// Share of a slice's depth, from its near side, that [`Warp::Trapezoid`] gives 80 % of the rows.
     pub focus: f64,
+    /// Where slices end: 1 for depths that grow by a factor from slice to slice, 0 for slices of one length, between them for a mean of
+    /// both (the practical scheme of Zhang et al. 2006).
+    pub weight: f64,
+}
+
+impl Default for SplitPlan {
+    /// One slice, fitted.
+    fn default() -> Self {
+        Self { splits: 1, warp: Warp::default(), focus: Self::FOCUS, weight: Self::WEIGHT }
+    }
 }
 
 impl SplitPlan {
@@ -43,13 +56,15 @@ impl SplitPlan {
     pub const MOST: u32 = 4;
     /// The focus where none is told.
     pub const FOCUS: f64 = 0.6;
+    /// The weight where none is told.
+    pub const WEIGHT: f64 = 0.5;
 
     /// Checks the values against what is possible.
     ///
     /// # Errors
     /// [`Error::Config`] with the numbers.
     pub fn check(&self) -> Result<()> {
-        let Self { splits, focus, .. } = *self;
+        let Self { splits, focus, weight, .. } = *self;
         let most = Self::MOST;
         if !(1..=most).contains(&splits) {
             return Err(Error::Config(format!("{splits} splits of the view; 1 to {most} are possible")));
@@ -57,6 +72,9 @@ impl SplitPlan {
         if !(focus > 0.0 && focus <= 1.0) {
             let text = format!("a focus on the first {focus} of a slice; more than 0, up to 1, is possible");
             return Err(Error::Config(text));
+        }
+        if !(0.0..=1.0).contains(&weight) {
+            return Err(Error::Config(format!("slices that grow by a weight of {weight}; 0 to 1 are possible")));
         }
         Ok(())
     }
@@ -73,11 +91,12 @@ struct SplitView {
     end: f64,
 }
 
-/// Where the slices of depths `near` to `far` end (Oliveira, section 3.3.1, the practical scheme with `b = 0`).
-fn ends(near: f64, far: f64, splits: u32) -> Vec<f64> {
+/// Where the slices of depths `near` to `far` end (Oliveira, section 3.3.1, the practical scheme with `b = 0`), by a
+/// [weight](SplitPlan::weight).
+fn ends(near: f64, far: f64, splits: u32, weight: f64) -> Vec<f64> {
     let end = |i: u32| {
         let share = f64::from(i) / f64::from(splits);
-        0.5 * (near * (far / near).powf(share) + near + (far - near) * share)
+        weight * near * (far / near).powf(share) + (1.0 - weight) * (near + (far - near) * share)
     };
     (1..=splits).map(|i| if i == splits { far } else { end(i) }).collect()
 }
@@ -105,7 +124,7 @@ impl LightView {
             from = end;
             made
         };
-        let mut views: Vec<SplitView> = ends(near, far.max(near), splits).into_iter().map(slice).collect();
+        let mut views: Vec<SplitView> = ends(near, far.max(near), splits, plan.weight).into_iter().map(slice).collect();
         if let Some(last) = views.last_mut() {
             last.end = f64::INFINITY;
         }
@@ -173,7 +192,8 @@ impl LightView {
         let probes = if plan.warp == Warp::Fitted { seen.probes(self, from, to) } else { Vec::new() };
         let distance = |along: &Along| match plan.warp {
             Warp::Trapezoid => axis(plan.focus).map(|focus| along.by_focus(focus)),
-            Warp::LightSpace => along.by_light_space(self, seen.forward, [from, to]),
+            Warp::LightSpace => along.by_light_space(self, seen.forward, [from, to], |n, f| n + (n * f).sqrt()),
+            Warp::Perspective => along.by_light_space(self, seen.forward, [from, to], |n, _| n),
             Warp::Fitted => along.by_probes(&texels, &probes),
             Warp::Whole | Warp::Box => None,
         };
@@ -274,9 +294,16 @@ impl Along {
         0.2 * length * d / (0.8 * length - d)
     }
 
-    /// Likewise by which the greatest error is least (Wimmer et al. 2004, section 4.3): `(n + sqrt(n f)) / sin`, with the
-    /// angle between view and light. `None` if the eye is not in front of the light.
-    fn by_light_space(&self, view: &LightView, forward: DVec3, [near, far]: [f64; 2]) -> Option<f64> {
+    /// Likewise a distance of the slice's ends over the sine of the angle between view and light: that by which the greatest error is least
+    /// is `n + sqrt(n f)` (Wimmer et al. 2004, section 4.3), and by `n` alone the centre is the eye. `None` if the eye is not in front of
+    /// the light.
+    fn by_light_space(
+        &self,
+        view: &LightView,
+        forward: DVec3,
+        [near, far]: [f64; 2],
+        distance: impl Fn(f64, f64) -> f64,
+    ) -> Option<f64> {
         let eye = self.at(view.project(DVec3::ZERO)?.truncate());
         let from_eye = |depth: f64| view.project(forward * depth).map(|p| (self.at(p.truncate()) - eye).max(0.0));
         let (n, f) = (from_eye(near)?, from_eye(far)?);
@@ -288,7 +315,7 @@ impl Along {
         // Once for the angle, and once as distances on the map are foreshortened by it already.
         let sine_squared = sight.cross(forward).length_squared().max(1e-4);
         let length = self.high - self.low;
-        Some(((n + (n * f).sqrt()) / sine_squared).min(1e3 * length))
+        Some((distance(n, f) / sine_squared).min(1e3 * length))
     }
 
     /// Likewise by which texels are smallest beside pixels, in the mean over probes; `None` without a probe.

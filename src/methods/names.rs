@@ -31,6 +31,8 @@ pub enum MethodName {
     Trapezoidal,
     /// `lispsm`: Wimmer, Scherzer, Purgathofer 2004.
     Lispsm,
+    /// `perspective`: Stamminger, Drettakis 2002.
+    Perspective,
     /// `parallel-split`: Zhang, Sun, Xu, Lun 2006.
     ParallelSplit,
     /// `remix`: Oliveira 2009.
@@ -107,11 +109,11 @@ pub struct MethodRow {
 
 /// Slices and a warp of a method's own.
 const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
-    Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS })
+    Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS, weight: SplitPlan::WEIGHT })
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 23] = [
+pub const METHOD_OPTIONS: [&str; 24] = [
     "facets",
     "validity",
     "masks",
@@ -128,6 +130,7 @@ pub const METHOD_OPTIONS: [&str; 23] = [
     "shape",
     "reach",
     "splits",
+    "split-weight",
     "warp",
     "focus",
     "bleeding",
@@ -138,7 +141,7 @@ pub const METHOD_OPTIONS: [&str; 23] = [
 ];
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 16] = [
+pub const METHODS: [MethodRow; 17] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -161,6 +164,7 @@ pub const METHODS: [MethodRow; 16] = [
             "memory-limit",
             "list-start",
             "splits",
+            "split-weight",
             "warp",
             "focus",
             "looks",
@@ -178,7 +182,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Triangles,
         partition: None,
-        options: &["encoding", "search", "splits", "warp", "focus", "looks"],
+        options: &["encoding", "search", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::ShadowMap,
@@ -188,7 +192,7 @@ pub const METHODS: [MethodRow; 16] = [
         parts: ["over casters and receivers; slices, warps; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: None,
-        options: &["compare", "splits", "warp", "focus", "looks"],
+        options: &["compare", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Pcf,
@@ -202,7 +206,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::Filtered),
         partition: None,
-        options: &["kernel", "compare", "splits", "warp", "focus", "looks"],
+        options: &["kernel", "compare", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Smsr,
@@ -216,7 +220,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::Revectorized),
         partition: None,
-        options: &["compare", "shape", "reach", "splits", "warp", "focus", "looks"],
+        options: &["compare", "shape", "reach", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Variance,
@@ -230,7 +234,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::Moments),
         partition: None,
-        options: &["splits", "warp", "focus", "bleeding", "grazing", "looks"],
+        options: &["splits", "split-weight", "warp", "focus", "bleeding", "grazing", "looks"],
     },
     MethodRow {
         method: MethodName::LayeredVariance,
@@ -244,7 +248,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::LayeredMoments),
         partition: None,
-        options: &["splits", "warp", "focus", "bleeding", "grazing", "layers", "looks"],
+        options: &["splits", "split-weight", "warp", "focus", "bleeding", "grazing", "layers", "looks"],
     },
     MethodRow {
         method: MethodName::Exponential,
@@ -258,7 +262,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::Exponentials),
         partition: None,
-        options: &["splits", "warp", "focus", "bleeding", "grazing", "exponent", "looks"],
+        options: &["splits", "split-weight", "warp", "focus", "bleeding", "grazing", "exponent", "looks"],
     },
     MethodRow {
         method: MethodName::ExponentialVariance,
@@ -272,7 +276,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::ExponentialMoments),
         partition: None,
-        options: &["splits", "warp", "focus", "bleeding", "grazing", "exponent", "looks"],
+        options: &["splits", "split-weight", "warp", "focus", "bleeding", "grazing", "exponent", "looks"],
     },
     MethodRow {
         method: MethodName::FourMoments,
@@ -286,7 +290,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::FourMoments),
         partition: None,
-        options: &["splits", "warp", "focus", "bleeding", "grazing", "looks"],
+        options: &["splits", "split-weight", "warp", "focus", "bleeding", "grazing", "looks"],
     },
     MethodRow {
         method: MethodName::Trapezoidal,
@@ -309,6 +313,16 @@ pub const METHODS: [MethodRow; 16] = [
         options: &["compare", "looks"],
     },
     MethodRow {
+        method: MethodName::Perspective,
+        name: "perspective",
+        paper: "Stamminger, Drettakis 2002: Perspective Shadow Maps",
+        section: "Scherzer 2011: 4.2",
+        parts: ["over what is seen, trapezoid from the eye; a cube", "nearest depth", "compare every sample"],
+        query: TexelQuery::Map(MapQuery::Nearest),
+        partition: own(1, Warp::Perspective),
+        options: &["compare", "looks"],
+    },
+    MethodRow {
         method: MethodName::ParallelSplit,
         name: "parallel-split",
         paper: "Zhang, Sun, Xu, Lun 2006: Parallel-Split Shadow Maps for Large-scale Virtual Environments",
@@ -316,7 +330,7 @@ pub const METHODS: [MethodRow; 16] = [
         parts: ["over what is seen of each slice; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(3, Warp::Box),
-        options: &["compare", "splits", "looks"],
+        options: &["compare", "splits", "split-weight", "looks"],
     },
     MethodRow {
         method: MethodName::Remix,
@@ -330,7 +344,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Map(MapQuery::Moments),
         partition: own(3, Warp::Fitted),
-        options: &["splits", "warp", "focus", "bleeding", "grazing", "looks"],
+        options: &["splits", "split-weight", "warp", "focus", "bleeding", "grazing", "looks"],
     },
     MethodRow {
         method: MethodName::RayTraced,
@@ -354,7 +368,7 @@ pub const METHODS: [MethodRow; 16] = [
         ],
         query: TexelQuery::Samples,
         partition: None,
-        options: &["validity", "splits", "warp", "focus"],
+        options: &["validity", "splits", "split-weight", "warp", "focus"],
     },
 ];
 
@@ -390,6 +404,7 @@ impl MethodName {
                 splits: if self.takes("splits") { told.splits } else { own.splits },
                 warp: if self.takes("warp") { told.warp } else { own.warp },
                 focus: told.focus,
+                weight: told.weight,
             }),
             (told, own) => told.or(own),
         }

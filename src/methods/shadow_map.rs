@@ -3,8 +3,8 @@
 //! footprint (`variance`: Donnelly, Lauritzen 2006), or of exponentials of them (`exponential`: Annen et al. 2008; `exponential-variance`:
 //! Lauritzen, McCool 2008), or by four moments (`four-moments`: Peters, Klein 2015).
 //!
-//! In slices and warps of its own the first is `trapezoidal` (Martin, Tan 2004), `lispsm` (Wimmer, Scherzer, Purgathofer 2004) or
-//! `parallel-split` (Zhang et al. 2006), and the last `remix` (Oliveira 2009): see [`MethodRow::partition`](super::MethodRow::partition).
+//! In slices and warps of its own the first is `trapezoidal` (Martin, Tan 2004), `lispsm` (Wimmer, Scherzer, Purgathofer 2004),
+//! `perspective` (Stamminger, Drettakis 2002) or `parallel-split` (Zhang et al. 2006), and the last `remix` (Oliveira 2009): see [`MethodRow::partition`](super::MethodRow::partition).
 //! The first three may compare another depth than the nearest: [`ShadowMapSettings::compared`].
 //! Memory is fixed: 4 bytes a texel, where another depth is compared 8, of moments 2.7 more, of two exponentials or four moments 5.3.
 

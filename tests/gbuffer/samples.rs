@@ -62,7 +62,7 @@ fn the_samples_of_the_picture_are_the_full_search() {
         let got = ask(&fewer, &places);
         // Seen by the light in slices of what the camera sees: nearly the same. What a texel settles shows at samples that no surface of
         // the few is at.
-        let partition = Some(SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6 });
+        let partition = Some(SplitPlan { splits: 2, warp: Warp::Fitted, focus: 0.6, ..SplitPlan::default() });
         let mut sliced = self::pass(Settings { partition, ..settings.clone() }, &scene.mesh);
         let texture = layer_texture(&fewer);
         let gbuffer = GBuffer::SampleIds(SampleTexture::new(&texture, &places));

@@ -33,7 +33,7 @@ fn surfaces_in_strips_are_the_whole() {
         ("position, normals", SurfaceTextures { normals: Some(&normals), ..by_position }),
     ] {
         let inputs = Inputs { gbuffer: GBuffer::Surfaces(given), ..plain };
-        let slices = SplitPlan { splits: 3, warp: Warp::Fitted, focus: 0.6 };
+        let slices = SplitPlan { splits: 3, warp: Warp::Fitted, focus: 0.6, ..SplitPlan::default() };
         let in_strips_of = |strips, partition, casters, inputs: &Inputs| {
             let settings = Settings { partition, ..settings(FacetMode::One, 32) };
             let config = PassConfig { receivers: true, strips, ..PassConfig::new(settings, casters) };

@@ -28,7 +28,7 @@ const EXPONENTIALS: [MomentShadowsOptions; 4] = [
 ];
 const FOUR: MomentShadowsOptions = MomentShadowsOptions { measures: MomentMeasures::Four, ..PLAIN };
 const LAYERED: MomentShadowsOptions = MomentShadowsOptions { measures: MomentMeasures::Layers(4), ..PLAIN };
-const WARPS: [Warp; 5] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted];
+const WARPS: [Warp; 6] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Perspective, Warp::Fitted];
 
 struct Ran {
     options: MomentShadowsOptions,
@@ -138,7 +138,7 @@ fn world(mesh: &Mesh, light: Light, size: [u32; 2], map: u32) -> World {
 /// The same in the view of a slice of `splits`, the last but one.
 fn sliced(mesh: &Mesh, light: Light, size: [u32; 2], map: u32, (splits, warp): (u32, Warp)) -> World {
     let camera = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
-    let plan = SplitPlan { splits, warp, focus: SplitPlan::FOCUS };
+    let plan = SplitPlan { splits, warp, focus: SplitPlan::FOCUS, ..SplitPlan::default() };
     let slice = Some((plan, splits.saturating_sub(2) as usize));
     World::in_slice(gpu(), mesh, (camera, light), size, map, samples(1), slice)
 }
@@ -217,7 +217,7 @@ fn degenerate() {
     let camera = camera(DVec3::new(-3.0, 4.0, 1.0), DVec3::ZERO, 40.0);
     let light = Light::Directional { direction: [0.0, 1.0, 0.0] };
     let dark = |mesh: &Mesh, size, map, warp, options| {
-        let plan = SplitPlan { splits: 1, warp, focus: SplitPlan::FOCUS };
+        let plan = SplitPlan { splits: 1, warp, focus: SplitPlan::FOCUS, ..SplitPlan::default() };
         let world = World::in_slice(gpu(), mesh, (camera, light), size, map, samples(1), Some((plan, 0)));
         ask(&world, options).on.visibility.iter().filter(|v| **v < 0.95).count()
     };

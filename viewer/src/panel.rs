@@ -116,6 +116,9 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         let mut splits = options.splits.unwrap_or(own);
         changed |= slider(ui, half, "splits", &mut splits, u32::from(own > 0)..=4);
         options.splits = Some(splits).filter(|splits| *splits != own && *splits > 0);
+        if splits > 1 {
+            changed |= slider(ui, half, "split-weight", &mut options.split_weight, 0.0..=1.0);
+        }
     }
     if takes("warp") && (options.splits.is_some() || method.row().partition.is_some()) {
         let mut warp = options.warp.unwrap_or_default();

@@ -64,14 +64,16 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
             let _ = write!(line, " --list-start {start}");
         }
     }
-    if let Some(SplitPlan { splits, warp, focus }) = s.partition {
+    if let Some(SplitPlan { splits, warp, focus, weight }) = s.partition {
         let warp = match warp {
             Warp::Whole | Warp::Box => "even",
             Warp::Trapezoid => "trapezoid",
             Warp::LightSpace => "lispsm",
+            Warp::Perspective => "perspective",
             Warp::Fitted => "fitted",
         };
-        let _ = write!(line, " --splits {splits} --warp {warp} --focus {}", focus as f32);
+        let _ =
+            write!(line, " --splits {splits} --warp {warp} --focus {} --split-weight {}", focus as f32, weight as f32);
     }
     if how.method == MethodName::RayTraced {
         line += if s.ray_traced.silhouettes { " --rays silhouettes" } else { " --rays all" };

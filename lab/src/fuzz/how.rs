@@ -86,8 +86,11 @@ impl How {
         // Of a stream of its own, so that cases of seeds that were run before stay what they are but for this.
         let slices = &mut Random::of(seed ^ 0x51ce_5000, number);
         let warp = slices.pick([Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted, Warp::Fitted]);
-        let plan = SplitPlan { splits: slices.whole(1, SplitPlan::MOST), warp, focus: slices.pick([0.1, 0.6, 1.0]) };
-        let partition = (method.takes("splits") && slices.chance(0.3)).then_some(plan);
+        let (splits, focus) = (slices.whole(1, SplitPlan::MOST), slices.pick([0.1, 0.6, 1.0]));
+        let sliced = method.takes("splits") && slices.chance(0.3);
+        let warp = if slices.chance(0.2) { Warp::Perspective } else { warp };
+        let plan = SplitPlan { splits, warp, focus, weight: slices.pick([SplitPlan::WEIGHT, 0.0, 1.0]) };
+        let partition = sliced.then_some(plan);
         let settings = Settings {
             facets,
             partition,

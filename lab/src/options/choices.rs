@@ -82,6 +82,8 @@ pub enum WarpBy {
     Trapezoid,
     /// As is best for a frustum and a light from the side
     Lispsm,
+    /// The same from the eye itself
+    Perspective,
     /// As makes texels the smallest beside pixels
     #[default]
     Fitted,

@@ -85,8 +85,11 @@ pub struct RenderOptions {
     /// others one view for all, or with a warp one slice
     #[arg(long, value_name = "N")]
     pub splits: Option<u32>,
-    /// How the texels of a map lie over its slice: evenly, over a trapezoid by the 80 % rule, by light-space perspective, or as makes
-    /// them smallest beside pixels [default: fitted]
+    /// Where slices end: 1 for depths that grow by a factor, 0 for slices of one length, 0.5 for the mean of both
+    #[arg(long, default_value_t = 0.5, value_name = "SHARE")]
+    pub split_weight: f32,
+    /// How the texels of a map lie over its slice: evenly, over a trapezoid by the 80 % rule, by light-space perspective, by that from the
+    /// eye itself, or as makes them smallest beside pixels [default: fitted]
     #[arg(long, value_enum, value_name = "HOW")]
     pub warp: Option<WarpBy>,
     /// Share of a slice's depth, nearest the eye, that gets 80 % of a trapezoid's rows (trapezoidal, --warp trapezoid)
@@ -256,12 +259,14 @@ impl RenderOptions {
             WarpBy::Even => Warp::Box,
             WarpBy::Trapezoid => Warp::Trapezoid,
             WarpBy::Lispsm => Warp::LightSpace,
+            WarpBy::Perspective => Warp::Perspective,
             WarpBy::Fitted => Warp::Fitted,
         });
         (self.splits.is_some() || warp.is_some() || own.is_some()).then(|| SplitPlan {
             splits: self.splits.or(own.map(|plan| plan.splits)).unwrap_or(1),
             warp: warp.or(own.map(|plan| plan.warp)).unwrap_or_default(),
             focus: f64::from(self.focus),
+            weight: f64::from(self.split_weight),
         })
     }
 

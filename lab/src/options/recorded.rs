@@ -52,6 +52,7 @@ impl RenderOptions {
             ("shape", word(o.shape)),
             ("reach", json!(o.reach)),
             ("splits", json!(o.splits.or(own.map(|plan| plan.splits)))),
+            ("split-weight", number(o.split_weight)),
             ("warp", o.warp.or(own.map(|_| Default::default())).map_or(Value::Null, word)),
             ("focus", number(o.focus)),
             ("bleeding", number(o.bleeding)),

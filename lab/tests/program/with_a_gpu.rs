@@ -47,6 +47,7 @@ fn every_method_keeps_the_contract() {
         ("four-moments", "moment_shadows"),
         ("trapezoidal", "shadow_map"),
         ("lispsm", "shadow_map"),
+        ("perspective", "shadow_map"),
         ("parallel-split", "pixel_views"),
         ("remix", "moment_shadows"),
         ("ray-traced", "shadow_rays"),
@@ -102,7 +103,9 @@ fn remix_takes_its_options() {
     // From outside a scene the fitted warp is even, as that makes texels smallest.
     let inside = |warp| in_scene("plane", "remix", &["--camera", "eye=0,2,6;target=8,0,-8", "--warp", warp]);
     assert!(inside("fitted") != inside("even"), "an even warp is no other");
-    for more in [["--warp", "lispsm"], ["--splits", "1"], ["--splits", "4"]] {
+    for more in
+        [["--warp", "lispsm"], ["--warp", "perspective"], ["--splits", "1"], ["--splits", "4"], ["--split-weight", "1"]]
+    {
         let other = of("remix", &more);
         assert!(other != usual && other != trapezoid, "{more:?} changes nothing");
     }

@@ -5,7 +5,7 @@ use crate::light_view::unit_scale;
 use crate::scene::{Camera, Light, Mesh};
 use crate::test_scenes::{Scene, builtin};
 
-const WARPS: [Warp; 5] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted];
+const WARPS: [Warp; 6] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Perspective, Warp::Fitted];
 
 /// A view and what a camera sees, in the camera's space.
 fn setup(light: &Light, camera: &Camera, mesh: &Mesh, size: u32) -> (LightView, SeenBox) {
@@ -68,7 +68,7 @@ fn all_that_is_seen_lies_in_the_map_of_its_slice() {
             let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
             let points = seen_points(&view, &seen);
             for (warp, splits) in WARPS.into_iter().flat_map(|w| [(w, 1), (w, 3), (w, 4)]) {
-                let views = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3 }, 0.0);
+                let views = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() }, 0.0);
                 assert_eq!(views.len(), splits as usize);
                 for &p in &points {
                     let depth = p.dot(seen.forward);
@@ -91,10 +91,13 @@ fn all_that_is_seen_lies_in_the_map_of_its_slice() {
 
 #[test]
 fn slices_end_by_the_practical_scheme() {
-    let found = ends(1.0, 100.0, 3);
+    let found = ends(1.0, 100.0, 3, 0.5);
     let want = |i: f64| 0.5 * (100f64.powf(i / 3.0) + 1.0 + 33.0 * i);
     assert!((found[0] - want(1.0)).abs() < 1e-9 && (found[1] - want(2.0)).abs() < 1e-9 && found[2] == 100.0);
-    assert_eq!(ends(2.0, 7.0, 1), [7.0]);
+    assert_eq!(ends(2.0, 7.0, 1, 0.5), [7.0]);
+    assert_eq!(ends(1.0, 7.0, 3, 0.0), [3.0, 5.0, 7.0]);
+    let grown = ends(1.0, 1000.0, 3, 1.0);
+    assert!((grown[0] - 10.0).abs() < 1e-9 && (grown[1] - 100.0).abs() < 1e-9);
 }
 
 /// The steps of Oliveira's section 3.2.2, in two dimensions: T1, R, T2, H, S1, N, T3, S2. `t0` and `t1` are the base, `t2` and
@@ -153,7 +156,9 @@ fn camera_and_light_along_one_line_fall_back_to_a_box() {
     let [light, ..] = lights();
     for (camera, warps) in [(along, false), (beside, false), (scene.camera, true)] {
         let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
-        for split in view.split(&seen, &SplitPlan { splits: 2, warp: Warp::Trapezoid, focus: 0.3 }, 0.0) {
+        for split in
+            view.split(&seen, &SplitPlan { splits: 2, warp: Warp::Trapezoid, focus: 0.3, ..SplitPlan::default() }, 0.0)
+        {
             assert_eq!(split.warp.row(2) != DVec3::Z, warps, "{:?}", split.warp);
         }
     }
@@ -173,7 +178,7 @@ fn slices_hold_what_is_seen() {
             let rays = camera.rays(64, 48);
             let scale = unit_scale(rays.eye, bounds);
             for (warp, splits) in WARPS.into_iter().flat_map(|warp| [(warp, 1), (warp, 3)]) {
-                let plan = SplitPlan { splits, warp, focus: 0.3 };
+                let plan = SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() };
                 let slices = view.slices(&camera, [64, 48], bounds, &plan, 0.0);
                 assert_eq!(slices.len(), splits as usize);
                 assert!(slices.iter().all(|slice| slice.one_of_several && slice.perspective));
@@ -203,7 +208,7 @@ fn what_is_near_gets_more_texels() {
     let [_, inside, ..] = cameras(&scene);
     let (view, seen) = setup(&lights()[1], &inside, &scene.mesh, 64);
     let across = |warp, splits| {
-        let split = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3 }, 0.0)[0];
+        let split = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() }, 0.0)[0];
         let at = seen.forward * seen.near.max(0.05);
         let step = |d: DVec3| (place(&split, at + d.normalize() * 1e-3) - place(&split, at)).truncate();
         let up = seen.corners[0] - seen.corners[3];
@@ -211,10 +216,25 @@ fn what_is_near_gets_more_texels() {
     };
     let (even, boxed) = (across(Warp::Whole, 1), across(Warp::Box, 1));
     assert!(boxed >= even, "{boxed} {even}");
-    for warp in [Warp::Trapezoid, Warp::LightSpace] {
+    for warp in [Warp::Trapezoid, Warp::LightSpace, Warp::Perspective] {
         assert!(across(warp, 1) > 1.05 * boxed, "{warp:?} {} of {boxed}", across(warp, 1));
     }
     assert!(across(Warp::Box, 3) > 1.5 * boxed);
+}
+
+/// From outside, where no bound on warps is reached, that from the eye is the strongest.
+#[test]
+fn perspective_bends_more_than_light_space() {
+    let scene = builtin("windmill");
+    let camera = Camera { eye: [0.0, 4.0, 30.0], target: [0.0, 4.0, 0.0], ..scene.camera };
+    let (view, seen) = setup(&lights()[0], &camera, &scene.mesh, 64);
+    let farthest = |warp| {
+        let split = view.split(&seen, &SplitPlan { warp, ..SplitPlan::default() }, 0.0)[0];
+        seen_points(&view, &seen).iter().map(|&p| place(&split, p).z).fold(1.0, f64::max)
+    };
+    let [even, light_space, perspective] = [Warp::Box, Warp::LightSpace, Warp::Perspective].map(farthest);
+    assert!((even - 1.0).abs() < 1e-6 && light_space > 1.1, "{even} {light_space}");
+    assert!(perspective > 1.1 * light_space, "{perspective} {light_space}");
 }
 
 /// The fitted warp makes texels at most 5 % larger beside pixels than any other warp does, and often smaller.
@@ -225,7 +245,9 @@ fn the_fitted_warp_is_the_best_of_all() {
     for light in lights() {
         for camera in cameras(&scene) {
             let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
-            let whole = view.split(&seen, &SplitPlan { splits: 1, warp: Warp::Box, focus: 0.6 }, 0.0)[0];
+            let whole =
+                view.split(&seen, &SplitPlan { splits: 1, warp: Warp::Box, focus: 0.6, ..SplitPlan::default() }, 0.0)
+                    [0];
             let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max);
             let part = seen.part(&view, seen.near, farthest.max(seen.near));
             let depths = || part.iter().map(|p| p.dot(seen.forward));
@@ -235,11 +257,12 @@ fn the_fitted_warp_is_the_best_of_all() {
                 continue;
             }
             let width = |warp| {
-                let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6 }, 0.0)[0];
+                let split =
+                    view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6, ..SplitPlan::default() }, 0.0)[0];
                 coarseness(split.warp, &probes)
             };
             let [fitted, even] = [width(Warp::Fitted), coarseness(whole.warp, &probes)];
-            for other in [width(Warp::Trapezoid), width(Warp::LightSpace), even] {
+            for other in [width(Warp::Trapezoid), width(Warp::LightSpace), width(Warp::Perspective), even] {
                 assert!(fitted < 1.05 * other, "{other} beside {fitted}");
                 gains += i32::from(fitted < 0.99 * other);
             }
@@ -263,7 +286,7 @@ fn light_space_perspective_has_the_distance_of_the_paper() {
         let along = Along::new(&[at(n), at(f), at(n) + DVec2::new(1.0, 1.0)], at(n), at(f)).unwrap();
         let texels_a_length = at(f).distance(at(n)) / (f - n);
         let want = (n + (n * f).sqrt()) / (sin * sin) * texels_a_length;
-        let got = along.by_light_space(&view, seen.forward, [n, f]).unwrap();
+        let got = along.by_light_space(&view, seen.forward, [n, f], |n, f| n + (n * f).sqrt()).unwrap();
         assert!((got / want - 1.0).abs() < 1e-3, "{degrees} degrees: {got} for {want}");
     }
 }
@@ -283,7 +306,7 @@ fn a_ground_alone_is_fitted() {
         let probes = seen.probes(&view, seen.near, farthest);
         assert!(probes.len() > 50, "{} probes", probes.len());
         let width = |warp| {
-            let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6 }, 0.0)[0];
+            let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6, ..SplitPlan::default() }, 0.0)[0];
             coarseness(split.warp, &probes)
         };
         let (fitted, even) = (width(Warp::Fitted), width(Warp::Box));
@@ -306,7 +329,7 @@ fn the_fitted_warp_follows_the_camera() {
         let rays = camera.rays(64, 48);
         let scale = unit_scale(rays.eye, bounds);
         let seen = SeenBox::new(&rays, [64, 48], f64::from(camera.near), bounds, scale);
-        let plan = SplitPlan { splits: 1, warp: Warp::Fitted, focus: 0.3 };
+        let plan = SplitPlan { splits: 1, warp: Warp::Fitted, focus: 0.3, ..SplitPlan::default() };
         let view = fit.relative_to(rays.eye, scale).split(&seen, &plan, 0.0)[0];
         [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| {
             let p = middle + DVec3::new(0.03 * k, 0.0, 0.045 * (k + 1.0)) * long;

@@ -128,7 +128,11 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("shape=corners", Settings { smsr, ..settings.clone() });
             }
         }
-        MethodName::Variance | MethodName::FourMoments | MethodName::Trapezoidal | MethodName::Lispsm => {
+        MethodName::Variance
+        | MethodName::FourMoments
+        | MethodName::Trapezoidal
+        | MethodName::Lispsm
+        | MethodName::Perspective => {
             add("", settings.clone());
         }
         MethodName::LayeredVariance => {
@@ -150,7 +154,7 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
         MethodName::ParallelSplit => add("splits=3", settings.clone()),
         MethodName::Remix => {
             let with = |splits, warp, moments| {
-                let partition = Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS });
+                let partition = Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS, ..SplitPlan::default() });
                 Settings { partition, moments, ..settings.clone() }
             };
             let moments = settings.moments;
