@@ -1,5 +1,6 @@
 //! `report` as its users meet it: what it writes, that its rows are the truth, that it goes on where it stopped.
 
+use lab::report::comparison::html::data_of;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -28,6 +29,12 @@ fn report(out: &str, args: &[&str]) -> Output {
     done
 }
 
+/// Rows whose pictures are shown.
+fn pictured(timed: &[&Value]) -> usize {
+    let like = |r: &&&Value| r["tessellation"] == 0 && ["map", "samples"].iter().all(|k| r[k] == timed[0][k]);
+    timed.iter().filter(like).count()
+}
+
 #[gpu_test]
 fn every_row_agrees_with_render() {
     let folder = Folder::new("rows");
@@ -43,15 +50,21 @@ fn every_row_agrees_with_render() {
         assert_eq!(row["matched"]["scene_max"], 0.0);
         assert!(row["converged"]["scene_band_rmse"].as_f64().is_some_and(|e| e > 0.0), "{row}");
     }
+    // The page tells of each row the command that renders it.
+    let index =
+        data_of(&std::fs::read_to_string(Path::new(&out).join("index.html")).expect("the page")).expect("a report");
+    let told = index["rows"].as_array().expect("rows");
+    assert_eq!(told.len(), rows.iter().filter(|r| r["tessellation"] == 0).count());
+    assert_eq!(index["pictures"]["plane"]["names"].as_array().map(Vec::len), Some(pictured(&timed) + 1));
     let mut compared = 0;
     for row in timed.iter().filter(|r| r["tessellation"] == 0 && r["method"] == "facet-masks") {
         assert_eq!(row["repeats"], 2);
         assert!(row["gpu_ms"]["median"].as_f64().is_some_and(|t| t > 0.0), "{row}");
-        let (map, samples) = (row["map"].to_string(), row["samples"].to_string());
-        let facets = row["setting"].as_str().and_then(|s| s.strip_prefix("facets=")).expect("a setting");
-        let args = ["render", "plane", "--size", "64x48", "--truth", "--out", &frame];
-        let more = ["--map", &map, "--samples", &samples, "--facets", facets];
-        assert!(run(&[&args[..], &more].concat()).status.success());
+        let series = format!("{} {}", row["method"].as_str().expect("a name"), row["setting"].as_str().expect("one"));
+        let same = |t: &&Value| t["series"] == series && t["map"] == row["map"] && t["samples"] == row["samples"];
+        let line = told.iter().find(same).and_then(|t| t["command"].as_str()).expect("a command");
+        let args: Vec<&str> = line.strip_prefix("cargo run --release -- ").expect("a command").split(' ').collect();
+        assert!(run(&[&args[..], &["--out", &frame]].concat()).status.success(), "{line}");
         let rendered = json(&Path::new(&frame).join("frame.json"));
         for (key, value) in row["matched"].as_object().expect("an object") {
             assert_eq!(value, &rendered["error"][key], "{key} of {}", row["setting"]);

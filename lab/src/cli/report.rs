@@ -5,6 +5,7 @@ use super::held::FolderLock;
 use super::progress::{Console, Task};
 use super::table::Report;
 use lab::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
+use lab::report::comparison::html::{PictureSheet, html};
 use lab::report::comparison::page::{Page, csv, markdown};
 use lab::report::comparison::pictures::{Panel, side_by_side};
 use lab::report::comparison::{Journal, Machine, Measuring, ReportVariant, Row, SceneCase, Scope, variants};
@@ -148,8 +149,9 @@ fn measure(
         }
         let truth = case.matched(&reference.settings, None)?.visibility();
         let panel = |ours| Panel { ours, truth: truth.to_vec() };
-        let panels: Vec<Panel> = pictures.into_iter().flatten().map(panel).collect();
+        let mut panels: Vec<Panel> = pictures.into_iter().flatten().map(panel).collect();
         if !panels.is_empty() {
+            panels.push(panel(truth.to_vec()));
             side_by_side(&path, scope.size, &panels)?;
         }
     }
@@ -186,13 +188,24 @@ fn write(options: &ReportOptions, machine: &Machine, rows: &[Row]) -> Result<Vec
         }
     }
     let measured = measured(rows);
-    let pictured = scenes(&measured).into_iter().filter(|s| picture_path(out, s).exists()).collect();
+    let mut sheets = Vec::new();
+    for scene in scenes(&measured) {
+        let path = picture_path(out, &scene);
+        if path.exists() {
+            let png = std::fs::read(&path).map_err(|e| Error::file(&path, e.to_string()))?;
+            sheets.push(PictureSheet { scene, png });
+        }
+    }
+    let pictured = sheets.iter().map(|sheet| sheet.scene.clone()).collect();
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let command = format!("cargo run --release -- {}", arguments.join(" "));
     let page = Page { command, machine: machine.clone(), plots, pictured };
     let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "rows": rows }));
     let json = json.map_err(|e| Error::file(out, e.to_string()))?;
-    for (name, text) in [("rows.csv", csv(rows)), ("rows.json", json), ("report.md", markdown(&page, rows))] {
+    let index = html(&page, rows, &sheets, options.ground);
+    let texts =
+        [("rows.csv", csv(rows)), ("rows.json", json), ("report.md", markdown(&page, rows)), ("index.html", index)];
+    for (name, text) in texts {
         let path = out.join(name);
         write_text(&path, &text)?;
         written.push(path);

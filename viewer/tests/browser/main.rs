@@ -1,6 +1,7 @@
 //! The page in a real browser: `./web.sh --test` makes it and runs these tests in Chromium without a screen, one after the other.
 
 mod chromium;
+mod report;
 mod site;
 
 use chromium::Chromium;

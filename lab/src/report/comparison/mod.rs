@@ -6,6 +6,7 @@
 //! on from there.
 
 pub mod figures;
+pub mod html;
 pub mod journal;
 pub mod measure;
 pub mod page;

@@ -154,7 +154,7 @@ fn scene_section(out: &mut String, page: &Page, scene: &str, rows: &[Row]) {
     if page.pictured.iter().any(|p| p == scene) {
         let _ = writeln!(
             out,
-            "![pictures](pictures-{0}.png)\n\nVisibility, four methods in a row: {1}. Below each, the difference from rays through \
+            "![pictures](pictures-{0}.png)\n\nVisibility, four methods in a row: {1}; at last rays. Below each, the difference from rays through \
              the same samples: red is too bright, blue too dark.\n",
             slug(scene),
             timed.iter().filter(|r| pictured(r, &timed)).map(|r| r.series()).collect::<Vec<_>>().join("; ")

@@ -14,9 +14,14 @@ pub struct Panel {
 }
 
 /// Pixels between panels.
-const GAP: usize = 4;
+pub const GAP: usize = 4;
 /// Panels in a row.
 pub const ACROSS: usize = 4;
+
+/// Pixels of a panel of an image.
+pub fn middle_of(size: [u32; 2]) -> [u32; 2] {
+    size.map(|side| side.div_ceil(2))
+}
 
 /// Writes the panels from left to right, [`ACROSS`] in a row, the middle quarter (half the width, half the height) of each so that pixels show.
 ///
@@ -30,7 +35,7 @@ pub fn side_by_side(path: &Path, size: [u32; 2], panels: &[Panel]) -> Result<()>
             panels.len()
         )));
     }
-    let (cut_w, cut_h) = (w.div_ceil(2), h.div_ceil(2));
+    let [cut_w, cut_h] = middle_of(size).map(|s| s as usize);
     let (left, top) = ((w - cut_w) / 2, (h - cut_h) / 2);
     let across = panels.len().min(ACROSS);
     let down = panels.len().div_ceil(ACROSS);

@@ -178,8 +178,8 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 let with = |spsm| Settings { spsm, ..settings.clone() };
                 let (paper, lines) = (SpsmEncoding::Paper, SpsmSettings::default());
                 add("encoding=paper", with(SpsmSettings { encoding: paper, ..lines }));
-                add("encoding=lines radius=2", with(SpsmSettings { radius: 2, stretch: 0, ..lines }));
-                add("encoding=lines stretch=0", with(SpsmSettings { stretch: 0, ..lines }));
+                add("encoding=lines search=wide", with(SpsmSettings { radius: 2, stretch: 0, ..lines }));
+                add("encoding=lines search=near", with(SpsmSettings { stretch: 0, ..lines }));
             }
         }
     }
