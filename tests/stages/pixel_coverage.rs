@@ -2,11 +2,12 @@
 //! within 1/256 pixel; and bounds of the depth there.
 
 use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
-use crate::support::surfaces::{Found, find, find_within, pattern};
+use crate::support::surfaces::{Found, find, find_with_stale, find_within, pattern};
 use crate::support::{gpu, sizes_around, small_gpu};
 use oracle::reference::camera_visibility::DepthMargin;
 use oracle::reference::pixel_coverage::covered;
 use oracle::truth::AMBIGUITY;
+use std::collections::BTreeSet;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::samples::Samples;
@@ -129,6 +130,24 @@ fn overflow_by_one() {
         assert!(found.covered.iter().all(|(at, (mask, _))| all.covered[at].0 == *mask), "room {room}");
         assert!(found.covered.len() <= room && (room < all.needed[0] || found.covered.len() == all.covered.len()));
     }
+}
+
+/// What an older frame left in the list, at a place of another pixel, is passed over: nothing else changes.
+#[gpu_test]
+fn stale_pairs_cover_nothing() {
+    let case = Case::new(&mesh("closed balls", 3), light(0), [31, 23], 8);
+    let samples = pattern(32);
+    let all = find(gpu(), &case, &samples);
+    let covers = |[pixel, triangle]: &[u32; 2]| all.covered.contains_key(&(*pixel, *triangle));
+    let stale: Vec<usize> = (0..all.pairs.len()).step_by(7).filter(|&n| covers(&all.pairs[n])).collect();
+    assert!(stale.len() > 50, "{} pairs", stale.len());
+    let found = find_with_stale(gpu(), &case, &samples, all.needed, &stale);
+    // Order inside a pixel is not defined: what took the places is what is gone.
+    let now: BTreeSet<[u32; 2]> = stale.iter().map(|&n| found.pairs[n]).collect();
+    let kept = |at: &(u32, u32)| !now.contains(&[(at.0 + 1) % (31 * 23), at.1]);
+    let wanted = all.covered.iter().filter(|(at, _)| kept(at));
+    assert!(found.covered.iter().map(|(at, c)| (at, c.0)).eq(wanted.map(|(at, c)| (at, c.0))), "another coverage");
+    assert!(found.covered.len() < all.covered.len() && now.len() == stale.len());
 }
 
 #[gpu_test]

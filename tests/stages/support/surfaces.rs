@@ -36,6 +36,8 @@ pub struct Found {
     pub cover_keys: Vec<u32>,
     /// Triangles of each pixel, rising.
     pub lists: Vec<Vec<u32>>,
+    /// Pairs of pixel and triangle as they are listed.
+    pub pairs: Vec<[u32; 2]>,
     /// Pixels whose samples were looked at one by one.
     pub complex: Vec<bool>,
     /// Surfaces of each pixel: triangle and mask.
@@ -114,15 +116,26 @@ pub fn find(gpu: &Gpu, case: &Case, samples: &Samples) -> Found {
 
 /// Runs with this much room. Fails if anything is written beyond it.
 pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32) -> Found {
-    find_by(gpu, case, samples, room, most, false)
+    find_by(gpu, case, samples, room, most, How { merge: false, stale: &[] })
+}
+
+/// As [`find_within`], with elements of the list of pairs that an older frame left: each names another pixel than the one it stands at.
+pub fn find_with_stale(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, stale: &[usize]) -> Found {
+    find_by(gpu, case, samples, room, 1, How { merge: false, stale })
+}
+
+#[derive(Clone, Copy)]
+struct How<'a> {
+    merge: bool,
+    stale: &'a [usize],
 }
 
 /// The same with one facet for the triangles of a surface.
 pub fn find_merged(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32) -> Found {
-    find_by(gpu, case, samples, room, most, true)
+    find_by(gpu, case, samples, room, most, How { merge: true, stale: &[] })
 }
 
-fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, merge: bool) -> Found {
+fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, how: How) -> Found {
     let device = &gpu.device;
     let words = samples.words();
     let uniform = Buffer::uniform(device, "frame", 1).expect("memory");
@@ -181,6 +194,11 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, mer
     };
     let find = PixelTriangles::new(device, &scan);
     run(gpu, |s| find.record(s, frame, blocks, blocks.args, &lists, &id_keys, &scratch, &status));
+    if !how.stale.is_empty() {
+        let mut list = lists.list.read(gpu).expect("readback");
+        how.stale.iter().for_each(|&n| list[n].pixel = (list[n].pixel + 1) % pixels as u32);
+        lists.list.write(&gpu.queue, &list);
+    }
     let (flags, kept) = (Flags::Words(&lists.complex_flags), &complex.pixels);
     run(gpu, |s| compact.record(s, flags, None, kept, (&complex.total, 0), &compact_scratch, Count::Exactly(pixels)));
     let found = complex.total.read(gpu).expect("readback")[0].min(room[1] as u32);
@@ -194,7 +212,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, mer
         positions: &positions,
         surfaces: casters.surfaces.as_ref(),
     };
-    let build = if merge { SampleSurfaces::merging } else { SampleSurfaces::new };
+    let build = if how.merge { SampleSurfaces::merging } else { SampleSurfaces::new };
     let stage = build(device, &scan, samples.count());
     let per_pixel = (args[1].raw(), 0);
     let pairs = lists.offsets.read(gpu).expect("readback")[pixels].min(room[0] as u32);
@@ -238,7 +256,8 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, mer
     // The one triangle of a single pixel is not in the list.
     let listed = |pixel: usize| {
         let all = &list[within(&offsets, pixel, room[0])];
-        assert!(all.iter().all(|pair| pair.pixel as usize == pixel) || !fits, "the pixel of a listed triangle");
+        let own = all.iter().all(|pair| pair.pixel as usize == pixel);
+        assert!(own || !fits || !how.stale.is_empty(), "the pixel of a listed triangle");
         let mut listed: Vec<_> = all.iter().map(|pair| pair.triangle).collect();
         listed.sort_unstable();
         if !flags[pixel] && keys[pixel] != 0 {
@@ -262,6 +281,7 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, mer
         longest: status.read(gpu).expect(readback)[status_word!(longest_pixel)],
         cover_keys: lists.cover_keys.read(gpu).expect(readback),
         lists: (0..pixels).map(listed).collect(),
+        pairs: list[..offsets[pixels].min(room[0])].iter().map(|pair| [pair.pixel, pair.triangle]).collect(),
         complex: flags.clone(),
         surfaces: (0..pixels).map(surfaces).collect(),
         origins: made[..pixel_facets[pixels].min(room[2])].iter().map(|f| f.origin).collect(),
