@@ -332,6 +332,7 @@ fn what_cannot_be_drawn_is_told() {
     assert_eq!(page.0.value("lost.hidden"), json!(true));
     page.0.lose_gpu();
     page.0.until("the loss is told", "!lost.hidden && lost.textContent.includes('lost')");
+    drop(page);
     let mut bad = Chromium::start("bad", SIZE);
     bad.open(&address("plane --samples 3"));
     bad.until("the fault is told", "!wait.hidden && said.textContent.includes('3')");
