@@ -132,7 +132,7 @@ fn overflow_by_one() {
     }
 }
 
-/// What an older frame left in the list, at a place of another pixel, is passed over: nothing else changes.
+/// Pairs that an older frame left in the list, at places of other pixels, are passed over: nothing else changes.
 #[gpu_test]
 fn stale_pairs_cover_nothing() {
     let case = Case::new(&mesh("closed balls", 3), light(0), [31, 23], 8);

@@ -105,7 +105,7 @@ pub fn html(page: &Page, rows: &[Row], sheets: &[PictureSheet], ground: bool) ->
     include_str!("index.html").replace("/*REPORT*/null", &text)
 }
 
-/// What the page was given.
+/// The report that a page holds.
 ///
 /// # Errors
 /// Why it is no page of a report.
