@@ -36,8 +36,6 @@ pub struct Found {
     pub cover_keys: Vec<u32>,
     /// Triangles of each pixel, rising.
     pub lists: Vec<Vec<u32>>,
-    /// Pairs of pixel and triangle as they are listed.
-    pub pairs: Vec<[u32; 2]>,
     /// Pixels whose samples were looked at one by one.
     pub complex: Vec<bool>,
     /// Surfaces of each pixel: triangle and mask.
@@ -119,15 +117,16 @@ pub fn find_within(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: 
     find_by(gpu, case, samples, room, most, How { merge: false, stale: &[] })
 }
 
-/// As [`find_within`], with elements of the list of pairs that an older frame left: each names another pixel than the one it stands at.
-pub fn find_with_stale(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, stale: &[usize]) -> Found {
+/// As [`find_within`], after the next pixel has taken the place of that of some pairs (pixel, triangle) in the list, as if
+/// an older frame had left them.
+pub fn find_with_stale(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, stale: &[(u32, u32)]) -> Found {
     find_by(gpu, case, samples, room, 1, How { merge: false, stale })
 }
 
 #[derive(Clone, Copy)]
 struct How<'a> {
     merge: bool,
-    stale: &'a [usize],
+    stale: &'a [(u32, u32)],
 }
 
 /// The same with one facet for the triangles of a surface.
@@ -196,7 +195,9 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, how
     run(gpu, |s| find.record(s, frame, blocks, blocks.args, &lists, &id_keys, &scratch, &status));
     if !how.stale.is_empty() {
         let mut list = lists.list.read(gpu).expect("readback");
-        how.stale.iter().for_each(|&n| list[n].pixel = (list[n].pixel + 1) % pixels as u32);
+        for pair in list.iter_mut().filter(|pair| how.stale.contains(&(pair.pixel, pair.triangle))) {
+            pair.pixel = (pair.pixel + 1) % pixels as u32;
+        }
         lists.list.write(&gpu.queue, &list);
     }
     let (flags, kept) = (Flags::Words(&lists.complex_flags), &complex.pixels);
@@ -281,7 +282,6 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, how
         longest: status.read(gpu).expect(readback)[status_word!(longest_pixel)],
         cover_keys: lists.cover_keys.read(gpu).expect(readback),
         lists: (0..pixels).map(listed).collect(),
-        pairs: list[..offsets[pixels].min(room[0])].iter().map(|pair| [pair.pixel, pair.triangle]).collect(),
         complex: flags.clone(),
         surfaces: (0..pixels).map(surfaces).collect(),
         origins: made[..pixel_facets[pixels].min(room[2])].iter().map(|f| f.origin).collect(),
