@@ -4,6 +4,7 @@ use lab::report::comparison::html::data_of;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
+use subpixel_shadows::methods::MethodName;
 use test_support::Folder;
 use test_support::gpu_test;
 
@@ -152,24 +153,55 @@ fn stiff_cases_hold() {
     let folder = Folder::new("stability");
     let out = folder.path("out");
     let cases = ["contact", "crossing", "light-in-plane", "degenerate", "scale", "order", "overflow"];
-    let done = run(&[&["stability", "--size", "80x60", "--out", &out], &cases[..]].concat());
+    let own = ["stability", "--methods", "facet-masks", "--size", "80x60", "--out", &out];
+    let done = run(&[&own, &cases[..]].concat());
     assert!(done.status.success(), "{}", complaint(&done));
-    let found = json(&Path::new(&out).join("stability.json"));
-    let outcomes = found["outcomes"].as_array().expect("outcomes");
+    let outcomes = outcomes(&out);
+    let page = std::fs::read_to_string(Path::new(&out).join("stability.md"));
     assert!(outcomes.len() > 80, "{} frames", outcomes.len());
-    let mut same = 0;
-    for o in outcomes {
-        assert!(o["exact"] == false || o["facet"]["facet_wrong_outside_band"] == 0, "{o}");
-        assert!(o["refused"].is_null() && o["not_a_share"] == 0 && o["same_bits"] != false, "{o}");
-        same += usize::from(o["same_bits"] == true);
-    }
+    let same = outcomes.iter().filter(|o| o["same_bits"] == true).count();
     assert_eq!(same, 4 * (5 + 3 + 4), "steps of scale, order and overflow in four variants");
-    let of = |variant: &str| outcomes.iter().filter(|o| o["variant"] == variant && o["exact"] == false).count();
+    let of = |variant: &str| outcomes.iter().filter(|o| o["variant"] == variant && o["promise"] == "rounded").count();
     assert!(of("facets=one projection=two-step") > 20 && of("facets=one masks=table") > 20 && of("facets=all") == 0);
-    let page = std::fs::read_to_string(Path::new(&out).join("stability.md")).expect("the page");
+    let page = page.expect("the page");
     assert!(cases.iter().all(|c| page.contains(&format!("## {c}\n"))) && !page.contains("**"), "{page}");
     let done = run(&["stability", "no-such-case", "--out", &folder.path("none")]);
     assert_eq!(done.status.code(), Some(1));
     assert!(complaint(&done).contains("no-such-case") && complaint(&done).contains("contact"), "{}", complaint(&done));
     assert!(!Path::new(&folder.path("none")).exists());
+}
+
+/// Every other method keeps what it promises in cases that stress it, rays and supersampling among them with no sample wrong.
+#[gpu_test]
+fn other_methods_keep_their_promises() {
+    let folder = Folder::new("stability-methods");
+    let out = folder.path("out");
+    let others = MethodName::ALL.map(MethodName::name)[1..].join(",");
+    let cases = ["grazing-light", "degenerate", "order", "small-map"];
+    let done = run(&[&["stability", "--methods", &others, "--size", "40x30", "--out", &out], &cases[..]].concat());
+    assert!(done.status.success(), "{}", complaint(&done));
+    let outcomes = outcomes(&out);
+    let mut compared = 0;
+    for method in &MethodName::ALL[1..] {
+        let own: Vec<&Value> = outcomes.iter().filter(|o| o["method"] == method.name()).collect();
+        assert!(own.len() > 15, "{}: {} frames", method.name(), own.len());
+        assert!(own.iter().any(|o| o["scene"]["scene_rmse"].as_f64() > Some(0.01)), "{}", method.name());
+        let exact = own.iter().filter(|o| o["promise"] == "exact");
+        compared += exact.filter_map(|o| o["facet"]["facet_samples"].as_u64()).sum::<u64>();
+    }
+    assert!(compared > 500_000, "{compared} samples");
+}
+
+/// What `stability` wrote, each frame as it must be.
+fn outcomes(out: &str) -> Vec<Value> {
+    let found = json(&Path::new(out).join("stability.json"));
+    let outcomes = found["outcomes"].as_array().expect("outcomes").clone();
+    for o in &outcomes {
+        assert!(o["promise"] != "exact" || o["facet"]["facet_wrong_outside_band"] == 0, "{o}");
+        assert!(
+            o["refused"].is_null() && o["not_a_share"] == 0 && o["same_bits"] != false && o["repeats"] == true,
+            "{o}"
+        );
+    }
+    outcomes
 }

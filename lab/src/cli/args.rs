@@ -123,6 +123,9 @@ pub struct ReportOptions {
 pub struct StabilityOptions {
     /// Cases, by name [default: all]
     pub cases: Vec<String>,
+    /// Methods, by name [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", value_parser = method_name)]
+    pub methods: Vec<MethodName>,
     /// Samples per pixel
     #[arg(long, default_value_t = 32, value_name = "N")]
     pub samples: u32,
@@ -180,6 +183,11 @@ fn minutes(text: &str) -> std::result::Result<f64, String> {
     if value > 0.0 && value <= 10_000.0 { Ok(value) } else { Err("more than 0, up to 10000, are possible".to_owned()) }
 }
 
+/// All methods where none is named.
+pub fn or_all(methods: &[MethodName]) -> Vec<MethodName> {
+    if methods.is_empty() { MethodName::ALL.to_vec() } else { methods.to_vec() }
+}
+
 impl StabilityOptions {
     /// Settings of every frame.
     pub fn settings(&self) -> Result<Settings> {
@@ -218,9 +226,8 @@ impl ReportOptions {
             false => (&[1, 8, 16, 32, 64, 128], &[512, 256, 1024, 2048], [800, 600]),
         };
         let or = |given: &[u32], default: &[u32]| if given.is_empty() { default.to_vec() } else { given.to_vec() };
-        let methods = if self.methods.is_empty() { MethodName::ALL.to_vec() } else { self.methods.clone() };
         let scope = Scope {
-            methods,
+            methods: or_all(&self.methods),
             samples: or(&self.samples, samples),
             maps: or(&self.maps, maps),
             size: self.size.unwrap_or(size),
