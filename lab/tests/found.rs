@@ -80,6 +80,7 @@ fn case(found: &Found) -> FuzzCase {
     let settings = Settings { facets: found.facets, ..Settings::new(found.size, found.map, samples) };
     let how = How {
         method: found.method,
+        setting: String::new(),
         pattern,
         settings,
         budget: Budget::default(),

@@ -1,6 +1,7 @@
 //! Random worlds: a fixed set of them, and that a fault of a frame is found.
 
 use lab::fuzz::{Fault, FuzzCase, FuzzDevice, FuzzProgress, Kind, Run, Shot, judge, run};
+use lab::report::Promise;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
@@ -37,6 +38,7 @@ fn no_sample_of_random_worlds_is_wrong() {
     assert!(all.figures.compared > 2_500_000 && all.figures.seen > 1_000_000, "{all:?}");
     let of = |method: MethodName| summary.methods.get(method.name()).copied().unwrap_or(0);
     assert!(of(MethodName::RayTraced) > 1 && of(MethodName::Supersampled) > 3 && summary.forced > 10, "{summary:?}");
+    assert!(summary.methods.len() > 8, "{:?}", summary.methods);
 }
 
 /// A frame with facets that were evaluated, of the method and number of facets that are asked for.
@@ -45,7 +47,8 @@ fn evaluated(bench: &FuzzDevice, method: MethodName, facets: FacetMode) -> (Fuzz
     let doubled = [Kind::Doubled, Kind::Duplicates, Kind::NearCopies, Kind::OnePlane, Kind::Mixed];
     let wanted = |case: &FuzzCase| {
         let how = &case.how;
-        let exact = how.is_exact() && how.settings.samples.count() >= 8 && !doubled.contains(&case.kind);
+        let exact =
+            how.promise() == Promise::Exact && how.settings.samples.count() >= 8 && !doubled.contains(&case.kind);
         how.method == method && how.settings.facets == facets && exact
     };
     let shots = cases().filter(wanted).filter_map(|case| bench.render(&case).ok().map(|shot| (case, shot)));
@@ -104,11 +107,34 @@ fn spoiled_frames_are_failures() {
     }
 }
 
+/// Of methods of texels shares, second frames and those of everything run are asked.
+#[gpu_test]
+fn spoiled_frames_of_texels_are_failures() {
+    let bench = FuzzDevice::new(gpu());
+    let wanted = |case: &FuzzCase| case.how.promise() == Promise::Texels && case.how.both;
+    let mut shots = cases().filter(wanted).filter_map(|case| bench.render(&case).ok().map(|shot| (case, shot)));
+    let (case, shot) = shots.find(|(_, shot)| shot.plan.extent == Extent::Everything).expect("a frame of texels");
+    let pixel = shot.output.visibility.len() / 2;
+    let spoiled = |spoil: &dyn Fn(&mut Shot)| {
+        let mut shot = bench.render(&case).expect("a frame");
+        spoil(&mut shot);
+        judge(&case, &shot).expect("a judgement")
+    };
+    assert!(!spoiled(&|_| {}).fails(), "{:?}", spoiled(&|_| {}));
+    assert!(spoiled(&|shot| shot.output.visibility[pixel] = f32::NAN).has(Fault::Picture));
+    let other = |v: &mut f32| *v = (*v - 0.5).abs();
+    assert!(
+        spoiled(&|shot| other(&mut shot.again.as_mut().expect("a second frame").visibility[pixel])).has(Fault::Again)
+    );
+    let forced = |shot: &mut Shot| other(&mut shot.forced.as_mut().expect("everything run").0.visibility[pixel]);
+    assert!(spoiled(&forced).has(Fault::Forced));
+}
+
 /// With masks from a table a few samples may be wrong, not many.
 #[gpu_test]
 fn tables_are_held_to_their_bound() {
     let bench = FuzzDevice::new(gpu());
-    let wanted = |case: &FuzzCase| !case.how.is_exact() && case.how.settings.samples.count() >= 32;
+    let wanted = |case: &FuzzCase| case.how.promise() == Promise::Rounded && case.how.settings.samples.count() >= 32;
     let mut shots = cases().filter(wanted).filter_map(|case| bench.render(&case).ok().map(|shot| (case, shot)));
     let evaluations = |shot: &Shot| shot.output.counts.visibility_evaluations;
     let undecided = |shot: &Shot| shot.facets.facets.iter().filter(|f| f.state == FacetState::Undecided as u32).count();

@@ -16,6 +16,7 @@ fn case(name: &str, facets: FacetMode, lens: Lens) -> FuzzCase {
     let settings = Settings { facets, cull_back: true, ..Settings::new(SIZE, 64, samples) };
     let how = How {
         method: MethodName::FacetMasks,
+        setting: String::new(),
         pattern: Pattern::LowDiscrepancy,
         settings,
         budget: Budget::default(),

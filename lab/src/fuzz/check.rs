@@ -1,7 +1,7 @@
 //! Rendering a case on the GPU, with all that is needed to judge the frame.
 
 use super::{FuzzCase, How};
-use crate::report::FacetSet;
+use crate::report::{FacetSet, Promise};
 use crate::scene::Scene;
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Gpu, KeptPrograms};
@@ -27,6 +27,8 @@ pub struct Shot {
     pub output: Output,
     /// The facets behind it, with their masks.
     pub facets: FacetSet,
+    /// The picture of a second frame, of a method of texels.
+    pub again: Option<Output>,
     /// The picture of everything run and nothing settled, and its facets, where it was asked for.
     pub forced: Option<(Output, FacetSet)>,
 }
@@ -61,17 +63,32 @@ impl<'a> FuzzDevice<'a> {
         let prepared = scene.prepared()?;
         let planned = |force| Plan::of_method(how.method, &prepared, &scene.camera, &scene.light, &how.settings, force);
         let plan = planned(how.force_all)?;
-        let (output, facets) = self.frame(how, &plan, &scene, &prepared)?;
-        let forced = || self.frame(how, &planned(true)?, &scene, &prepared);
+        let mut again = None;
+        let (output, facets) = self.frame(how, &plan, &scene, &prepared, Some(&mut again))?;
+        let forced = || self.frame(how, &planned(true)?, &scene, &prepared, None);
         let forced = how.both.then(forced).transpose()?;
-        Ok(Shot { scene, prepared, plan, output, facets, forced })
+        Ok(Shot { scene, prepared, plan, output, facets, again, forced })
     }
 
-    fn frame(&self, how: &How, plan: &Plan, scene: &Scene, prepared: &Prepared) -> Result<(Output, FacetSet)> {
+    fn frame(
+        &self,
+        how: &How,
+        plan: &Plan,
+        scene: &Scene,
+        prepared: &Prepared,
+        again: Option<&mut Option<Output>>,
+    ) -> Result<(Output, FacetSet)> {
         let (gpu, settings) = (self.gpu, &plan.settings);
         let (words, width) = (settings.samples.words(), settings.size[0]);
         let mut set = FacetSet { words, ..FacetSet::default() };
         let mut renderer = Renderer::of_plan(gpu, prepared, how.method, plan, how.budget)?;
+        if how.promise() == Promise::Texels {
+            let output = renderer.render(&scene.camera, &scene.light)?;
+            if let Some(again) = again {
+                *again = Some(renderer.render(&scene.camera, &scene.light)?);
+            }
+            return Ok((output, set));
+        }
         let output = renderer.render_and(&scene.camera, &scene.light, &mut |method, rows| {
             if rows.first == 0 {
                 set = FacetSet { words, ..FacetSet::default() };

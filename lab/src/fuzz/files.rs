@@ -64,7 +64,11 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
             let _ = write!(line, " --list-start {start}");
         }
     }
-    if let Some(SplitPlan { splits, warp, focus, weight }) = s.partition {
+    for (option, value) in how.setting.split_whitespace().filter_map(|part| part.split_once('=')) {
+        let _ = write!(line, " --{option} {value}");
+    }
+    let told = how.setting.contains("splits=") || how.setting.contains("warp=");
+    if let Some(SplitPlan { splits, warp, focus, weight }) = s.partition.filter(|_| !told) {
         let warp = match warp {
             Warp::Whole | Warp::Box => "even",
             Warp::Trapezoid => "trapezoid",

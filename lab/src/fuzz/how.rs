@@ -1,6 +1,8 @@
 //! Settings with which a world is rendered.
 
 use super::random::Random;
+use crate::report::Promise;
+use crate::report::comparison::{Scope, variants};
 use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
@@ -14,8 +16,10 @@ pub const BLOCK: u64 = 10;
 /// Settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct How {
-    /// The method: one whose answer is exact at its samples.
+    /// The method.
     pub method: MethodName,
+    /// Of a method of texels, what a report calls its settings (`kernel=5`).
+    pub setting: String,
     /// Where samples lie.
     pub pattern: Pattern,
     /// All else, but for what the plan may change.
@@ -87,10 +91,12 @@ impl How {
         let slices = &mut Random::of(seed ^ 0x51ce_5000, number);
         let warp = slices.pick([Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Fitted, Warp::Fitted]);
         let (splits, focus) = (slices.whole(1, SplitPlan::MOST), slices.pick([0.1, 0.6, 1.0]));
-        let sliced = method.takes("splits") && slices.chance(0.3);
+        let sliced = slices.chance(0.3);
         let warp = if slices.chance(0.2) { Warp::Perspective } else { warp };
         let plan = SplitPlan { splits, warp, focus, weight: slices.pick([SplitPlan::WEIGHT, 0.0, 1.0]) };
-        let partition = sliced.then_some(plan);
+        let row = if method == MethodName::FacetMasks && slices.chance(0.12) { Some(texels(slices)?) } else { None };
+        let method = row.as_ref().map_or(method, |row| row.0);
+        let partition = (sliced && method.takes("splits")).then_some(plan);
         let settings = Settings {
             facets,
             partition,
@@ -107,13 +113,33 @@ impl How {
             start: r.chance(0.3).then(|| r.count(1, 5000) as usize),
             bytes: if small { small_budget(map, force_all) } else { Budget::default().bytes },
         };
-        let comparable = method == MethodName::FacetMasks && masks == MaskVariant::Exact;
-        let both = r.chance(0.3) && comparable && !force_all;
-        Ok(Self { method, pattern, settings, budget, force_all, both })
+        let own = method == MethodName::FacetMasks && masks == MaskVariant::Exact;
+        let both = r.chance(0.3) && (own || row.is_some()) && !force_all;
+        let Some((_, setting, given)) = row else {
+            return Ok(Self { method, setting: String::new(), pattern, settings, budget, force_all, both });
+        };
+        let Settings { size, map, samples, partition, validity, .. } = settings;
+        let sliced = setting.contains("splits=") || setting.contains("warp=");
+        let partition = if sliced { given.partition } else { partition };
+        let settings = Settings { size, map, samples, partition, validity, ..given };
+        Ok(Self { method, setting, pattern, settings, budget, force_all, both })
     }
 
-    /// Whether no sample may be wrong: with masks from a table some are.
-    pub fn is_exact(&self) -> bool {
-        self.settings.masks == MaskVariant::Exact || self.method != MethodName::FacetMasks
+    /// What is promised of each sample.
+    pub fn promise(&self) -> Promise {
+        Promise::of(self.method, &self.settings)
     }
+}
+
+/// A method of texels, in one of the settings that reports compare.
+fn texels(r: &mut Random) -> Result<(MethodName, String, Settings)> {
+    let of_texels =
+        |m: &MethodName| !matches!(m, MethodName::FacetMasks | MethodName::RayTraced | MethodName::Supersampled);
+    let methods: Vec<MethodName> = MethodName::ALL.into_iter().filter(of_texels).collect();
+    // The rows of one method, so that those with many are not likelier.
+    let methods = vec![methods[r.whole(0, methods.len() as u32 - 1) as usize]];
+    let scope = Scope { methods, samples: vec![8], maps: vec![8], size: [8, 8], all_settings: true };
+    let mut rows = variants(&scope)?;
+    let row = rows.swap_remove(r.whole(0, rows.len() as u32 - 1) as usize);
+    Ok((row.method, row.setting, row.settings))
 }

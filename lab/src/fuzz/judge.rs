@@ -12,13 +12,14 @@
 //!   are tied. What is tied there, or replaces the nearest, does not count in scene truth either.
 //! - *The picture*: shares are in `[0, 1]` and those of the masks they come from.
 //! - *The plan*: planned and forced pictures have the same bits, but in pixels in which a sample is ambiguous or tied.
+//! - *Methods of texels* promise no sample: their pictures are shares, have the same bits in a second frame, and when everything is run.
 //!
 //! Masks from a table ([`MaskVariant::Table`](subpixel_shadows::mask_table::MaskVariant)) round: their evaluated samples are held against
 //! [`TABLE_SHARE`], what is settled is exact as ever, and neither scene truth nor the forced picture is asked.
 
 use super::samples::{SceneWrong, Truths, Wrong, wrong_shares};
 use super::{FuzzCase, Shot};
-use crate::report::{FacetErrors, FacetSet, SeenErrors};
+use crate::report::{FacetErrors, FacetSet, Promise, SeenErrors};
 use oracle::engine;
 use oracle::truth::{FacetTruth, SceneTruth, SeenTruth, Tracer};
 use subpixel_shadows::Result;
@@ -51,6 +52,8 @@ pub enum Fault {
     Forced,
     /// Pixels whose visibility is no share, or not that of their masks.
     Picture,
+    /// Pixels that a second frame has otherwise.
+    Again,
     /// Truth or the CPU engine refuses what was rendered.
     Refused,
     /// It panicked.
@@ -69,6 +72,7 @@ impl Fault {
             Self::CpuScene => "samples of the CPU engine wrong against scene truth",
             Self::Forced => "pixels differ when everything is run",
             Self::Picture => "pixels whose visibility is not that of their masks",
+            Self::Again => "pixels differ in a second frame",
             Self::Refused => "refused by truth or the CPU engine, not by the GPU",
             Self::Panic => "panic",
         }
@@ -176,12 +180,27 @@ fn place(pixel: u32, sample: u32, width: u32) -> String {
 /// # Errors
 /// Errors of the truths and the CPU engine, which refuse nothing that was rendered.
 pub fn judge(case: &FuzzCase, shot: &Shot) -> Result<Verdict> {
-    let Shot { scene, prepared, plan, output, facets, forced } = shot;
+    let Shot { scene, prepared, plan, output, facets, again, forced } = shot;
     let (settings, camera, light) = (&plan.settings, &scene.camera, &scene.light);
     let [width, height] = settings.size;
-    let tracer = Tracer::of(prepared)?;
     let mut verdict = Verdict::default();
-    let allowed = match case.how.is_exact() {
+    verdict.add(Fault::Picture, wrong_shares(plan, output, facets), String::new);
+    if case.how.promise() == Promise::Texels {
+        let others = [(Fault::Again, again.as_ref()), (Fault::Forced, forced.as_ref().map(|f| &f.0))];
+        for (fault, other) in others.into_iter().filter_map(|(fault, other)| Some((fault, other?))) {
+            let pixels = (0..).zip(output.visibility.iter().zip(&other.visibility));
+            let differing: Vec<(u32, [f32; 2])> =
+                pixels.filter(|(_, (a, b))| a.to_bits() != b.to_bits()).map(|(p, (a, b))| (p, [*a, *b])).collect();
+            verdict.add(fault, differing.len() as u64, || {
+                let (p, [ours, other]) = differing[0];
+                format!("first: pixel ({}, {}), {ours} and {other}", p % width, p / width)
+            });
+        }
+        return Ok(verdict);
+    }
+    let tracer = Tracer::of(prepared)?;
+    let exact = case.how.promise() == Promise::Exact;
+    let allowed = match exact {
         true => 0,
         false => {
             let samples = f64::from(settings.samples.count());
@@ -201,10 +220,9 @@ pub fn judge(case: &FuzzCase, shot: &Shot) -> Result<Verdict> {
     let each_sample = case.how.settings.facets == FacetMode::All || settings.samples.count() == 1;
     let of_scene = each_sample && case.how.method == MethodName::FacetMasks;
     let image = (of_scene || plan.extent == Extent::Nothing).then(|| truth.scene.image(None));
-    if let Some(image) = image.as_ref().filter(|_| case.how.is_exact()) {
+    if let Some(image) = image.as_ref().filter(|_| exact) {
         verdict.scene(Fault::Scene, &SceneWrong::of(&truth, image, plan, output, facets), width);
     }
-    verdict.add(Fault::Picture, wrong_shares(plan, output, facets), String::new);
     if case.how.method == MethodName::FacetMasks && plan.extent != Extent::Nothing {
         let request = engine::CpuRequest {
             unshadowed: plan.extent == Extent::Facing,

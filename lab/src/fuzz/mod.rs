@@ -157,7 +157,7 @@ mod tests {
             assert!((1..=300).contains(&s.map) && case.world.mesh.triangles.len() <= 1500, "{case:?}");
         }
         assert!(refused <= 30, "{refused} refused");
-        let all = [6, Kind::ALL.len(), 2 * 3 * 2, 3 * 2, 3 * 2, 2 * 2, 3 * 2 * 2];
+        let all = [6, Kind::ALL.len(), 2 * 3 * 2, 2 * MethodName::ALL.len(), 3 * 2, 2 * 2, 3 * 2 * 2];
         assert_eq!(seen.len(), all.iter().sum::<usize>(), "{seen:?}");
     }
 

@@ -120,13 +120,15 @@ impl Summary {
 
     /// One line on what the run was made of.
     pub fn line(&self) -> String {
-        let of = |name: MethodName| self.methods.get(name.name()).copied().unwrap_or(0);
         let cases = self.all().cases;
+        let own = [MethodName::FacetMasks, MethodName::RayTraced, MethodName::Supersampled]
+            .map(|method| self.methods.get(method.name()).copied().unwrap_or(0));
         format!(
-            "{} frames of facet-masks, {} of ray-traced, {} of supersampled, {} also with everything run; {:.0} s, {:.1} cases a second",
-            of(MethodName::FacetMasks),
-            of(MethodName::RayTraced),
-            of(MethodName::Supersampled),
+            "{} frames of facet-masks, {} of ray-traced, {} of supersampled, {} of methods of texels, {} also with everything run; {:.0} s, {:.1} cases a second",
+            own[0],
+            own[1],
+            own[2],
+            cases - own.iter().sum::<u64>(),
             self.forced,
             self.seconds,
             cases as f64 / self.seconds.max(1e-9)
@@ -138,7 +140,8 @@ impl Summary {
         let mut out = format!("# Random worlds\n\n`{command}`\n\n{machine}.\n\n");
         out += "Each case is a world of one kind, with camera, light and settings of its own, all drawn from the seed. The frame and that of \
                 the CPU engine are held against facet truth, and with a surface for every sample, sample by sample, against scene truth; samples \
-                that are compared count once for each. In the band: within 1/256 pixel of an edge, where either answer may be given. By table: wrong by \
+                that are compared count once for each. Methods of texels promise no sample: their pictures are shares from 0 to 1, the same in a second frame and \
+                with everything run. In the band: within 1/256 pixel of an edge, where either answer may be given. By table: wrong by \
                 `--masks table`, which rounds, within its bound. Refused: with one line, as the program refuses it.\n\n";
         let all = self.all();
         let _ = writeln!(
