@@ -141,6 +141,41 @@ fn every_method_is_recorded() {
     }
 }
 
+/// With a facet for every surface rays and supersampling find as many facets as `facet-masks` does, and say what it says of them. Frames with
+/// more than they had room for are incomplete, also those recorded before that was known, and change nothing that stands.
+#[gpu_test]
+fn rays_and_supersampling_take_every_surface() {
+    let plain = scene("bicycle");
+    let settings = Settings { facets: FacetMode::All, ..settings(8) };
+    let inputs = Inputs::new(&plain.camera, &plain.light);
+    let want = rendered(&plain, MethodName::FacetMasks, &settings);
+    let pixels = want.0.len();
+    for method in [MethodName::RayTraced, MethodName::Supersampled] {
+        let name = method.name();
+        let config = PassConfig { method, ..PassConfig::new(settings.clone(), casters(&plain.mesh)) };
+        let mut pass = pass(&PassConfig { keep_last: true, ..config });
+        let [first, second] = [(); 2].map(|()| {
+            let mut encoder = gpu().encoder();
+            pass.record(&mut encoder, &inputs, &Target::default()).expect("a frame");
+            encoder.finish()
+        });
+        gpu().queue.submit([first, second]);
+        gpu().wait(None).expect("they run");
+        for status in [status_of(&mut pass), status_of(&mut pass)] {
+            assert!(status.overflowed && !status.complete && status.error.is_none(), "{name}: {status:?}");
+        }
+        assert!(picture(&pass).0.iter().all(|v| *v == 1f32.to_bits()), "{name}: an incomplete picture shows");
+        let (got, status) = frame(&mut pass, &inputs);
+        assert!(status.counts.facets > pixels as u64 * 3 / 2, "{name}: {} facets", status.counts.facets);
+        let other = got.0.iter().zip(&want.0).filter(|(a, b)| a != b).count();
+        assert!(other * 200 < pixels && want.0.contains(&0), "{name}: {other} of {pixels} pixels differ");
+        let one = rendered(&plain, method, &Settings { facets: FacetMode::One, ..settings.clone() });
+        let far = one.0.iter().zip(&want.0).filter(|(a, b)| a != b).count();
+        assert!(far * 20 > pixels, "{name}: one facet a pixel says the same");
+        assert!(rendered(&plain, method, &settings) == got, "{name}: another picture of the renderer's");
+    }
+}
+
 /// A light that goes in among its casters and out again, and slices: the renderer's picture each time. From the first such frame on no
 /// pipeline is made, in another size neither.
 #[gpu_test]

@@ -1,9 +1,9 @@
-//! Methods whose memory the settings alone decide: no list can overflow, so one run is the frame, unless what the method left out turns out
-//! to be needed.
+//! Methods whose memory the settings alone decide: one run is the frame, unless what the method left out turns out to be needed, or, with a
+//! facet for every surface, more facets than it had room for, which the next run has.
 
 use super::by_views::{ByViews, Left};
 use super::debug_views::DebugViews;
-use super::facet_masks::FacetSource;
+use super::facet_masks::{Capacities, FacetSource};
 use super::geometry::{Geometry, GeometryPipelines, SetupOf};
 use super::names::{MethodName, TexelQuery};
 use super::output::Counts;
@@ -19,7 +19,7 @@ use crate::light_view::{LightView, SplitPlan, unit_scale};
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::Facets;
 use crate::stages::pixel_views::LightViews;
-use crate::status::Status;
+use crate::status::{Status, StatusHead};
 use crate::{Error, Result, status_word};
 use glam::DVec3;
 use std::mem::offset_of;
@@ -103,6 +103,16 @@ pub trait FixedMethod: Send + Sync {
         false
     }
 
+    /// Whether it finds what the camera sees by itself, and not at the centres of pixels.
+    fn finds_surfaces(&self) -> bool {
+        false
+    }
+
+    /// How long its lists are.
+    fn capacities(&self) -> Capacities {
+        Capacities::NONE
+    }
+
     /// Which views of the light a pixel asks.
     fn asks(&self) -> AskedViews {
         AskedViews::One(1.0)
@@ -125,11 +135,11 @@ pub trait FixedMethod: Send + Sync {
     /// Records the copy of [`OUTCOME_WORDS`] words or fewer to `to`, from word `at` on.
     fn record_outcome(&self, _rec: &mut Recorder, _to: &Buffer<u32>, _at: u64) {}
 
-    /// Takes in these words.
+    /// Takes in these words, and the frame's counters.
     ///
     /// # Errors
-    /// [`Error::Limit`] if something was left out for want of steps.
-    fn outcome(&mut self, _: [u32; OUTCOME_WORDS]) -> Result<StripOutcome> {
+    /// [`Error::Limit`] if something was left out for want of steps or of room, [`Error::Memory`] if there is none for more.
+    fn outcome(&mut self, _: [u32; OUTCOME_WORDS], _: &StatusHead) -> Result<StripOutcome> {
         Ok(StripOutcome::default())
     }
 
@@ -288,6 +298,13 @@ impl FixedMemory {
             frame.facets_total = self.settings.pixels() as u32;
             frame.facet_count = frame.facets_total;
             frame.stamp = stamp;
+            if self.method.finds_surfaces() {
+                let c = self.method.capacities();
+                frame.flags |= Frame::CLAMP;
+                [frame.facets_total, frame.facet_count] = [c.facets as u32; 2];
+                frame.pixel_triangle_capacity = c.pixel_triangles as u32;
+                frame.complex_capacity = c.complex_pixels as u32;
+            }
             [frame.given_origin, frame.target_origin] = origins;
             if let AskedViews::One(_) = self.method.asks() {
                 frame.light_low[3] = nearest(view, bounds, camera);
@@ -337,6 +354,7 @@ impl FixedMemory {
             geometry.record_setup(rec, with, frame, casters, of)?;
             match source {
                 _ if view > 0 => {}
+                _ if method.finds_surfaces() => {}
                 FacetSource::Centres(write) => write(rec, frame)?,
                 _ => geometry.record_camera(rec, with, frame, casters)?,
             }
@@ -374,10 +392,11 @@ impl FixedMemory {
     /// As [`FixedMethod::outcome`].
     pub fn outcome(&mut self, status: &[u32]) -> Result<StripOutcome> {
         let mut all = StripOutcome::default();
+        let head = Status::of(status).head;
         for left in status.get(Self::outcome_at(0)..).unwrap_or_default().chunks_exact(OUTCOME_WORDS) {
             let mut words = [0; OUTCOME_WORDS];
             words.copy_from_slice(left);
-            let StripOutcome { left_out, evaluations: [some, refined] } = self.method.outcome(words)?;
+            let StripOutcome { left_out, evaluations: [some, refined] } = self.method.outcome(words, &head)?;
             all.left_out |= left_out;
             all.evaluations = [all.evaluations[0] + some, all.evaluations[1] + refined];
         }

@@ -16,6 +16,8 @@ use crate::stages::SortedPairs;
 use crate::stages::facet_classify::{FacetState, Undecided};
 use crate::stages::pixel_coverage::Covering;
 use crate::stages::pixel_texel_pairs::TALLY_WORDS;
+#[cfg(feature = "baselines")]
+use crate::status::{Need, StatusHead};
 use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
 
@@ -200,6 +202,45 @@ fn bound(settings: &Settings, binding: u64, (p, t, c): (u64, u64, u64)) -> bool 
 /// Pixel-texel pairs, triangle-texel pairs and candidates.
 fn of_lists(c: Capacities) -> (u64, u64, u64) {
     (c.pixel_pairs as u64, c.triangle_pairs as u64, c.candidates as u64)
+}
+
+/// Lists of what the camera sees alone, to begin with.
+#[cfg(feature = "baselines")]
+pub fn of_surfaces(pixels: usize) -> Capacities {
+    Capacities {
+        facets: pixels + pixels / 2 + 64,
+        pixel_triangles: 2 * pixels + 64,
+        complex_pixels: pixels / 2 + 64,
+        most_at_pixel: AT_PIXEL,
+        ..Capacities::NONE
+    }
+}
+
+/// Longer lists of what the camera sees, those of facets longer in any case; `None` if they held what the frame needed.
+///
+/// # Errors
+/// [`Error::Limit`] for more triangles over a pixel, or more of all pixels, than can be listed.
+#[cfg(feature = "baselines")]
+pub fn more_surfaces(head: &StatusHead, now: Capacities) -> Result<Option<Capacities>> {
+    let needed = [head.pixel_triangles, head.complex_pixels, head.facets_needed];
+    let had = [now.pixel_triangles, now.complex_pixels, now.facets];
+    let short = needed.iter().zip(had).any(|(need, had)| need.items() > had as u64);
+    if !short && head.longest_pixel <= now.most_at_pixel {
+        return Ok(None);
+    }
+    if needed.iter().any(|need| need.over != 0) {
+        let what = "triangles over the samples of all pixels".to_owned();
+        return Err(Error::Limit { what, needed: 1 << 32, limit: u64::from(u32::MAX) });
+    }
+    let longer = |need: Need, had: usize| had.max(need.items() as usize + need.items() as usize / 8 + 64);
+    let most_at_pixel = most(head.longest_pixel, AT_PIXEL, "triangles over one pixel")?;
+    Ok(Some(Capacities {
+        pixel_triangles: longer(needed[0], had[0]),
+        complex_pixels: longer(needed[1], had[1]),
+        facets: longer(needed[2], had[2]).max(had[2] + 1),
+        most_at_pixel: now.most_at_pixel.max(most_at_pixel),
+        ..now
+    }))
 }
 
 /// As `wanted`, with a guess of what the lists after one that was too short would have needed: as many times more as that one

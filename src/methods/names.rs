@@ -354,7 +354,7 @@ pub const METHODS: [MethodRow; 17] = [
         parts: ["none; to settle early as facet-masks", "none", "a ray through a tree of casters from every sample"],
         query: TexelQuery::Rays,
         partition: None,
-        options: &["validity", "rays"],
+        options: &["facets", "validity", "rays"],
     },
     MethodRow {
         method: MethodName::Supersampled,
@@ -368,7 +368,7 @@ pub const METHODS: [MethodRow; 17] = [
         ],
         query: TexelQuery::Samples,
         partition: None,
-        options: &["validity", "splits", "split-weight", "warp", "focus"],
+        options: &["facets", "validity", "splits", "split-weight", "warp", "focus"],
     },
 ];
 

@@ -15,6 +15,7 @@ use crate::stages::PrimaryHits;
 use crate::stages::seen_texels::{SeenTexels, TexelMarks};
 use crate::stages::spsm_map::{SpsmMap, SpsmTexels};
 use crate::stages::spsm_query::{Class, SpsmPixels, SpsmQuery, SpsmQueryOptions};
+use crate::status::StatusHead;
 
 /// The method for one image, map and setting.
 #[derive(Debug)]
@@ -114,8 +115,8 @@ impl FixedMethod for Spsm {
         rec.copy_words(self.texels.marks.words.raw(), TexelMarks::MISSED as u64, to.raw(), at, 1);
     }
 
-    fn outcome(&mut self, words: [u32; OUTCOME_WORDS]) -> Result<StripOutcome> {
-        let left_out = !self.all && words[0] != 0;
+    fn outcome(&mut self, words: [u32; OUTCOME_WORDS], _: &StatusHead) -> Result<StripOutcome> {
+        let left_out = words[0] != 0;
         self.all |= left_out;
         Ok(StripOutcome { left_out, ..StripOutcome::default() })
     }

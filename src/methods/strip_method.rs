@@ -239,7 +239,7 @@ impl StripMethod {
         match self {
             Self::FacetMasks(method) => method.capacities(),
             #[cfg(feature = "baselines")]
-            Self::Fixed(_) => Capacities::NONE,
+            Self::Fixed(method) => method.method().capacities(),
         }
     }
 

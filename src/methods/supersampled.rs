@@ -1,17 +1,21 @@
 //! `supersampled`: alias-free hard shadows, every sample against every caster before it (Aila and Laine 2004; Johnson et al.
 //! 2005; Sintorn et al. 2008), one page of calls to stages. The brute force that Pan 2009 compares with; the samples are those
-//! of `facet-masks` with one facet a pixel, and so is the model.
+//! of `facet-masks`, with one facet a pixel or one for every surface, and so is the model.
 //!
-//! Memory is fixed: about 180 bytes a pixel, 8 a texel, and 40 MiB for a band of samples. Which samples see another surface
+//! Memory is fixed with one facet a pixel: about 180 bytes a pixel, 8 a texel, and 40 MiB for a band of samples. Which samples see another surface
 //! (with [`Settings::validity`](super::Settings::validity)) is found through the tree of casters of `ray-traced`.
 
 use super::early_out::EarlyOut;
-use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
+use super::facet_masks::Capacities;
+use super::fixed_memory::{
+    AskedViews, FixedMethod, FrameInputs, MethodParts, OUTCOME_WORDS, StageInputs, StripOutcome,
+};
 use crate::gpu::{Buffer, Recorder, Stage, Uploads};
 use crate::stages::PrefixScan;
 use crate::stages::facet_classify::Facets;
 use crate::stages::sample_bins::{self, Bins, SampleBins};
 use crate::stages::shadow_rays::{RayLists, RayStep, ShadowRays};
+use crate::status::StatusHead;
 use crate::{Error, Result};
 
 /// The method for one mesh, image, map and setting.
@@ -22,6 +26,9 @@ pub struct Supersampled {
     bins: Bins,
     cut: ShadowRays,
     cut_work: RayLists,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    map: usize,
 }
 
 impl Supersampled {
@@ -31,14 +38,19 @@ impl Supersampled {
     /// As [`EarlyOut::new`].
     pub fn new(parts: MethodParts) -> Result<Self> {
         let MethodParts { device, queue, settings, .. } = parts;
-        let (count, pixels) = (settings.samples.count(), settings.pixels());
+        let count = settings.samples.count();
         let scan = PrefixScan::new(device);
+        let settled = EarlyOut::new(parts, &scan, false)?;
+        let facets = settled.facets().list.len();
         Ok(Self {
-            settled: EarlyOut::new(parts, &scan, false)?,
             test: SampleBins::specialised(device, &scan, settings.samples.words(), settings.alpha_tested),
-            bins: Bins::new(device, queue, settings.map as usize, pixels, count)?,
+            bins: Bins::new(device, queue, settings.map as usize, facets, count)?,
             cut: ShadowRays::specialised(device, &scan, settings.samples.words(), settings.alpha_tested),
-            cut_work: RayLists::with_doubts(device, queue, pixels, count, 0)?,
+            cut_work: RayLists::with_doubts(device, queue, facets, count, 0)?,
+            settled,
+            device: device.clone(),
+            queue: queue.clone(),
+            map: settings.map as usize,
         })
     }
 }
@@ -55,6 +67,14 @@ impl Supersampled {
 impl FixedMethod for Supersampled {
     fn beyond(&self) -> bool {
         true
+    }
+
+    fn finds_surfaces(&self) -> bool {
+        self.settled.finds_every_surface()
+    }
+
+    fn capacities(&self) -> Capacities {
+        self.settled.capacities()
     }
 
     fn asks(&self) -> AskedViews {
@@ -102,6 +122,22 @@ impl FixedMethod for Supersampled {
             self.settled.record_resolve(rec, inputs.status);
         }
         Ok(())
+    }
+
+    fn record_outcome(&self, rec: &mut Recorder, to: &Buffer<u32>, at: u64) {
+        self.settled.record_outcome(rec, to, at);
+    }
+
+    fn outcome(&mut self, words: [u32; OUTCOME_WORDS], head: &StatusHead) -> Result<StripOutcome> {
+        let (left_out, grown) = self.settled.judge(words[0], head)?;
+        if grown {
+            let (device, queue) = (&self.device, &self.queue);
+            let (facets, count) = (self.settled.facets().list.len(), self.settled.samples());
+            let bins = Bins::new(device, queue, self.map, facets, count)?;
+            self.cut_work = RayLists::with_doubts(device, queue, facets, count, 0)?;
+            self.bins = bins;
+        }
+        Ok(StripOutcome { left_out, ..StripOutcome::default() })
     }
 
     fn visibility(&self) -> &Buffer<f32> {

@@ -26,6 +26,9 @@ impl ShadowPass {
             GBuffer::SampleIds(_) if self.settings.facets == FacetMode::One => refuse(
                 "a G-buffer of several samples shows several surfaces a pixel; they need a facet for every surface",
             ),
+            GBuffer::SampleIds(_) if self.image.method.is_fixed() => refuse(
+                "a G-buffer of several samples: facet-masks takes it, other methods find every surface themselves",
+            ),
             GBuffer::SampleIds(given) => given.check(part, self.settings.samples.offsets()),
             _ if self.settings.facets == FacetMode::All => refuse(
                 "a G-buffer of one sample shows one surface a pixel; with a facet for every surface the pass finds them",
@@ -72,10 +75,10 @@ impl ShadowPass {
 /// The settings as the pass can use them for any camera and light: without validity masks no facet is settled (see
 /// [`crate::plan`]), and casters that turn away are left out where that changes nothing.
 pub fn settled(wanted: &Settings, method: MethodName) -> Settings {
-    let wanted = &match method {
-        MethodName::FacetMasks => wanted.clone(),
+    let wanted = &match method.takes("facets") {
+        true => wanted.clone(),
         // A method of one receiver a pixel.
-        _ => Settings { facets: FacetMode::One, ..wanted.clone() },
+        false => Settings { facets: FacetMode::One, ..wanted.clone() },
     };
     let proved = wanted.validity || wanted.samples.count() == 1 || wanted.facets == FacetMode::All;
     Settings { cull_back: true, settle: wanted.settle && proved, ..wanted.clone() }

@@ -102,9 +102,14 @@ impl ShadowPass {
             status.counts.facets = self.settings.pixels() as u64;
         }
         // Frames of other memory say nothing of this one.
-        match if same { self.image.method.outcome(words) } else { Ok(Default::default()) } {
+        let ledger = self.ledger.clone();
+        match if same { ledger.within(|| self.image.method.outcome(words)) } else { Ok(Default::default()) } {
             Ok(outcome) => {
                 status.overflowed = outcome.left_out;
+                if outcome.left_out {
+                    // What has grown takes the place of what they hold.
+                    self.bind_groups.forget();
+                }
                 [status.counts.visibility_evaluations, status.counts.refined_evaluations] = outcome.evaluations;
             }
             Err(error) => {

@@ -85,9 +85,10 @@ impl Plan {
             TexelQuery::Samples => &BIN_STAGES,
         };
         let of_facets = matches!(query, TexelQuery::Rays | TexelQuery::Samples);
-        // Surfaces off the pixel centre are no concern of methods of one receiver a pixel.
+        // Surfaces off the pixel centre are no concern of most methods.
         let partition = method.partition(wanted);
-        let one = Settings { facets: FacetMode::One, partition, ..wanted.clone() };
+        let facets = if method.takes("facets") { wanted.facets } else { FacetMode::One };
+        let one = Settings { facets, partition, ..wanted.clone() };
         let Self { extent, steps, mut settings } = Self::of(prepared, camera, light, &one, force_all)?;
         let every_texel = every_texel(wanted, force_all);
         settings.spsm.seen_only = every_texel.is_none();
@@ -99,11 +100,15 @@ impl Plan {
                 let biased = || "the nearest depth is compared, with a bias: no second is kept".to_owned();
                 reason.clone().or_else(|| wanted.shadow_map.compared.is_none().then(biased))
             }
+            "shadow_rays_cut" => {
+                let every = || "every sample lies in the facet of the surface it sees".to_owned();
+                reason.clone().or_else(|| (settings.facets == FacetMode::All).then(every))
+            }
             _ => reason.clone(),
         };
         let own = own.iter().map(|&(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });
         let kept = |s: &PlanStep| match s.name {
-            "triangle_setup" | "camera_visibility" => true,
+            "triangle_setup" | "camera_visibility" | "pixel_triangles" | "pixel_coverage" | "sample_surfaces" => true,
             "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
             name => {
                 query == TexelQuery::Rays && settings.ray_traced.silhouettes && settings.settle && PROOF.contains(&name)

@@ -11,7 +11,7 @@ use oracle::truth::{FacetInput, FacetResult, FacetTruth, Tracer};
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
-use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
+use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
 use subpixel_shadows::pass::{
     Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, SampleTexture, SurfacePosition,
     SurfaceTextures, Target, TriangleTexture, Vertices,

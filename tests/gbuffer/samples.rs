@@ -143,6 +143,10 @@ fn bad_samples_are_refused() {
     let mut one = self::pass(settings(FacetMode::One, 32), &scene.mesh);
     let inputs = Inputs { gbuffer: GBuffer::SampleIds(SampleTexture::new(&four, &places)), ..plain };
     refused("every surface", one.record(&mut encoder, &inputs, &none));
+    let casters = Casters::Static { positions: &scene.mesh.positions, triangles: &scene.mesh.triangles };
+    let rays = PassConfig { method: MethodName::RayTraced, ..PassConfig::new(settings(FacetMode::All, 8), casters) };
+    let mut rays = ShadowPass::new(&gpu().device, &gpu().queue, &rays).expect("a pass");
+    refused("facet-masks takes it", rays.record(&mut encoder, &inputs, &none));
     gpu().submit_and_wait(encoder).expect("one frame was recorded");
     gpu().check().expect("no error of the device");
 }

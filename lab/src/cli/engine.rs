@@ -2,8 +2,7 @@
 
 use super::progress::Console;
 use super::repeat::timed;
-use lab::options::EngineName;
-use lab::options::RenderOptions;
+use lab::options::{EngineName, FacetsPerPixel, RenderOptions};
 use lab::report::FacetSet;
 use lab::scene::Scene;
 use oracle::engine::{self, CpuRays, CpuTime, RAYS};
@@ -157,6 +156,10 @@ impl Engine {
                 let looks = looks.filter(|looks| *looks != DebugViews::default());
                 let (output, timed_frames) = timed(output, frames, || renderer.render(camera, light))?;
                 Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
+            }
+            (_, Self::Cpu) if options.method == MethodName::RayTraced && options.facets == FacetsPerPixel::One => {
+                let text = "ray-traced on the CPU engine: every sample has the surface that it sees (--facets all)";
+                Err(Error::Config(text.to_owned()))
             }
             (_, Self::Cpu) if options.method == MethodName::RayTraced => {
                 let rays = CpuRays::new(prepared)?;

@@ -50,15 +50,17 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
         Pattern::LowDiscrepancy => "low-discrepancy",
     };
     let _ = write!(line, " --samples {} --pattern {pattern}", s.samples.count());
+    if how.method.takes("facets") {
+        line += if s.facets == FacetMode::All { " --facets all" } else { " --facets one" };
+    }
     if how.method == MethodName::FacetMasks {
-        let facets = if s.facets == FacetMode::All { "all" } else { "one" };
         let masks = if s.masks == MaskVariant::Exact { "exact" } else { "table" };
         let pairs = match s.pairs {
             PairVariant::Tiled => "tiled",
             PairVariant::Grouped => "grouped",
             PairVariant::Sorted => "sorted",
         };
-        let _ = write!(line, " --facets {facets} --masks {masks} --pairs {pairs}");
+        let _ = write!(line, " --masks {masks} --pairs {pairs}");
         let _ = write!(line, " --memory-limit {}", (how.budget.bytes >> 20).max(1));
         if let Some(start) = how.budget.start {
             let _ = write!(line, " --list-start {start}");

@@ -218,8 +218,7 @@ pub fn judge(case: &FuzzCase, shot: &Shot) -> Result<Verdict> {
         samples: settings.samples.count(),
     };
     let each_sample = case.how.settings.facets == FacetMode::All || settings.samples.count() == 1;
-    let of_scene = each_sample && case.how.method == MethodName::FacetMasks;
-    let image = (of_scene || plan.extent == Extent::Nothing).then(|| truth.scene.image(None));
+    let image = (each_sample || plan.extent == Extent::Nothing).then(|| truth.scene.image(None));
     if let Some(image) = image.as_ref().filter(|_| exact) {
         verdict.scene(Fault::Scene, &SceneWrong::of(&truth, image, plan, output, facets), width);
     }

@@ -257,10 +257,15 @@ fn rays_on_the_cpu_are_a_method() {
     assert!(share > 0.3 && share < 0.95, "{share}");
     // Other methods have no CPU engine, and say so.
     let other = folder.path("other");
-    let refused = run(&["render", "plane", "--engine", "cpu", "--method", "spsm", "--out", &other]);
-    let line = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert_eq!((refused.status.code(), line.lines().count()), (Some(1), 1), "{line}");
-    assert!(line.contains("spsm") && line.contains("facet-masks and ray-traced"), "{line}");
+    for (asked, words) in [
+        (&["--method", "spsm"][..], ["spsm", "facet-masks and ray-traced"]),
+        (&["--method", "ray-traced", "--facets", "one"], ["ray-traced", "--facets all"]),
+    ] {
+        let refused = run(&[&["render", "plane", "--engine", "cpu", "--out", &other], asked].concat());
+        let line = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!((refused.status.code(), line.lines().count()), (Some(1), 1), "{line}");
+        assert!(words.iter().all(|word| line.contains(word)), "{line}");
+    }
     assert!(!Path::new(&other).exists());
 }
 

@@ -167,11 +167,17 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
             }
         }
         MethodName::RayTraced => {
-            add("rays=all", settings.clone());
             let ray_traced = RayTracedSettings { silhouettes: true };
-            add("rays=silhouettes", Settings { ray_traced, ..settings.clone() });
+            for (name, facets) in [("one", FacetMode::One), ("all", FacetMode::All)] {
+                let settings = Settings { facets, ..settings.clone() };
+                add(&format!("facets={name} rays=all"), settings.clone());
+                add(&format!("facets={name} rays=silhouettes"), Settings { ray_traced, ..settings });
+            }
         }
-        MethodName::Supersampled => add("", settings.clone()),
+        MethodName::Supersampled => {
+            add("facets=one", settings.clone());
+            add("facets=all", Settings { facets: FacetMode::All, ..settings.clone() });
+        }
         MethodName::Spsm => {
             add("encoding=lines", settings.clone());
             if more {

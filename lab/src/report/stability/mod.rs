@@ -299,7 +299,16 @@ mod tests {
             assert!(all.iter().any(|v| v.method == method), "{}", method.name());
         }
         let exact: Vec<&str> = all.iter().filter(|v| v.promise == Promise::Exact).map(|v| v.name.as_str()).collect();
-        let wanted = ["facets=one", "facets=all", "ray-traced rays=all", "ray-traced rays=silhouettes", "supersampled"];
+        let wanted = [
+            "facets=one",
+            "facets=all",
+            "ray-traced facets=one rays=all",
+            "ray-traced facets=one rays=silhouettes",
+            "ray-traced facets=all rays=all",
+            "ray-traced facets=all rays=silhouettes",
+            "supersampled facets=one",
+            "supersampled facets=all",
+        ];
         assert_eq!(exact, wanted);
         assert!(all.iter().enumerate().all(|(k, v)| all[..k].iter().all(|w| w.name != v.name)));
     }
