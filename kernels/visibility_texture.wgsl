@@ -6,6 +6,9 @@
 // Where the last complete picture is to stand until the next, `judge` looks at what a frame left in its
 // counters (`status`, `faults`) and sets `verdict` if anything is missing; it is cleared before. Then `hold`
 // copies what the frame made (`latest`) to `held` if nothing is: of the picture as of any words.
+//
+// Of several points of one light `add` sums the visibility of each (`share`) in `sums`; that of the last
+// becomes the mean of all.
 
 //@import frame dispatch status divide strip
 
@@ -38,6 +41,17 @@ struct PackedRows {
 
 @group(0) @binding(9) var<uniform> rows: PackedRows;
 @group(0) @binding(10) var<storage, read_write> packed: array<u32>;
+
+struct PointShare {
+    offset: u32,  // of the first pixel, in `sums`
+    point: u32,
+    points: u32,
+    pad_0: u32,
+}
+
+@group(0) @binding(11) var<uniform> part: PointShare;
+@group(0) @binding(12) var<storage, read_write> share: array<f32>;
+@group(0) @binding(13) var<storage, read_write> sums: array<f32>;
 
 override BITS: u32 = 32u;
 
@@ -146,4 +160,21 @@ fn pack_channel(
     let shift = 8u * rows.channel;
     let byte = pack4x8unorm(vec4(visibility[pixel], 0.0, 0.0, 0.0));
     packed[word] = (packed[word] & ~(255u << shift)) | (byte << shift);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn add(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let at = part.offset + pixel;
+    let sum = share[pixel] + select(sums[at], 0.0, part.point == 0u);
+    sums[at] = sum;
+    if part.point + 1u < part.points { return; }
+    // All lit is 1, however devices divide.
+    let all = f32(part.points);
+    share[pixel] = select(sum / all, 1.0, sum == all);
 }

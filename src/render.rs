@@ -1,6 +1,6 @@
 //! Frames that are rendered by themselves and read back: a device, a [`ShadowPass`] and readback.
 
-use crate::gpu::{Gpu, KeptPrograms};
+use crate::gpu::{Gpu, KeptPrograms, StageTime};
 use crate::light_view::MapTiles;
 #[cfg(feature = "baselines")]
 use crate::methods::DebugViews;
@@ -9,7 +9,7 @@ pub use crate::methods::output::{Budget, Counts, ListUse, Output};
 use crate::methods::strip_method::{MethodPipelines, StripMethod};
 pub use crate::methods::strips::{Rows, Strips};
 use crate::methods::{MethodName, Prepared, Settings};
-use crate::pass::{FramePart, FrameStatus, Inputs, ShadowPass, Surfaces, Target};
+use crate::pass::{FrameStatus, Inputs, ShadowPass, Target};
 use crate::plan::Plan;
 use crate::scene::{Camera, Light};
 use crate::{Error, Result};
@@ -150,13 +150,27 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Renderer::render`], and those of `look`.
     pub fn render_and(&mut self, camera: &Camera, light: &Light, look: StripLook) -> Result<Output> {
+        self.render_points(camera, &[*light], look)
+    }
+
+    /// Renders the mean over some points of a light ([`AreaLight::points`](crate::scene::AreaLight::points)): its visibility. Lit masks and counts are of
+    /// the last point, times and dispatches of all.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; [`Error::Config`] without a point.
+    pub fn render_mean(&mut self, camera: &Camera, points: &[Light]) -> Result<Output> {
+        self.render_points(camera, points, &mut |_, _| Ok(()))
+    }
+
+    fn render_points(&mut self, camera: &Camera, points: &[Light], look: StripLook) -> Result<Output> {
         let (gpu, settings, extent) = (self.gpu, &self.settings, self.extent);
         let Some(pass) = &mut self.pass else { return Ok(Output::nothing_seen(settings)) };
-        let inputs = Inputs::new(camera, light);
+        let first = points.first().ok_or_else(|| Error::Config("a light without points".to_owned()))?;
+        let inputs = Inputs::new(camera, first);
         'image: loop {
             let mut image: Option<Output> = None;
             for (k, rows) in (0..).zip(pass.image_strips().rows()) {
-                let Some(strip) = render_strip(gpu, pass, &inputs, extent, k)? else { continue 'image };
+                let Some(strip) = render_strip(gpu, pass, &inputs, points, (extent, k))? else { continue 'image };
                 look(pass.method(), rows)?;
                 let output = read(gpu, settings, pass.method(), strip)?;
                 match &mut image {
@@ -223,21 +237,21 @@ fn render_strip(
     gpu: &Gpu,
     pass: &mut ShadowPass,
     inputs: &Inputs,
-    extent: Extent,
-    strip: u32,
+    points: &[Light],
+    (extent, strip): (Extent, u32),
 ) -> Result<Option<Strip>> {
     let (mut runs, mut wall_ms) = (0, 0.0);
     loop {
         runs += 1;
         let mut encoder = gpu.encoder();
-        let part = FramePart { extent, strip: Some(strip), surfaces: Surfaces::Own };
-        let frame = pass.record_part(&mut encoder, inputs, &Target::default(), part)?;
+        let part = (Some(strip), Some(extent));
+        let frames = pass.record_points(&mut encoder, inputs, points, &Target::default(), part)?;
         let start = Instant::now();
         gpu.submit_and_wait(encoder)?;
         let took = start.elapsed().as_secs_f64() * 1e3;
         // Of a method without lists a second run is a part of the frame.
         wall_ms = if pass.method().is_fixed() { wall_ms + took } else { took };
-        let status = status_of(pass, frame)?;
+        let status = status_of(pass, &frames)?;
         if let Some(error) = pass.take_failure() {
             return Err(error);
         }
@@ -250,7 +264,7 @@ fn render_strip(
         let strips = pass.image_strips();
         let grown = pass.grow()?;
         if !grown && !pass.method().is_fixed() {
-            return Err(Error::Gpu(format!("frame {frame} is incomplete, and no list is to grow")));
+            return Err(Error::Gpu(format!("frame {} is incomplete, and no list is to grow", status.frame)));
         }
         gpu.check()?;
         if grown {
@@ -263,8 +277,29 @@ fn render_strip(
     }
 }
 
-/// How a frame came out that has run. Another thread that polls the device may still be telling.
-fn status_of(pass: &mut ShadowPass, frame: u64) -> Result<FrameStatus> {
+/// How frames came out that have run, taken together. Another thread that polls the device may still be telling.
+fn status_of(pass: &mut ShadowPass, frames: &[u64]) -> Result<FrameStatus> {
+    let mut all: Option<FrameStatus> = None;
+    for &frame in frames {
+        let mut own = status_of_one(pass, frame)?;
+        if let Some(before) = all {
+            own.complete &= before.complete;
+            own.error = before.error.or(own.error);
+            own.dispatches += before.dispatches;
+            for stage in &mut own.stages {
+                stage.gpu_ms += before.stages.iter().filter(|s| s.name == stage.name).map(|s| s.gpu_ms).sum::<f64>();
+            }
+            // What the first found for all.
+            let found = |s: &&StageTime| own.stages.iter().all(|own| own.name != s.name);
+            let found: Vec<StageTime> = before.stages.iter().filter(found).cloned().collect();
+            own.stages.splice(0..0, found);
+        }
+        all = Some(own);
+    }
+    all.ok_or_else(|| Error::Gpu("no frame was recorded".to_owned()))
+}
+
+fn status_of_one(pass: &mut ShadowPass, frame: u64) -> Result<FrameStatus> {
     for _ in 0..5000 {
         match pass.status() {
             Some(status) if status.frame == frame => return Ok(status),

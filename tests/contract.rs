@@ -110,6 +110,7 @@ fn registry() -> Vec<Registered> {
         of::<triangle_ids::TriangleIdsParams>(),
         of::<visibility_texture::Lists>(),
         of::<visibility_texture::PackedRows>(),
+        of::<visibility_texture::PointShare>(),
         of::<work_owners::WorkOwnersParams>(),
     ]
 }

@@ -110,7 +110,8 @@ fn a_frame_of_the_cpu_engine_is_repeated() {
         "s.toml",
         "mesh = \"m.obj\"\nground = true\n[camera]\neye = [3.1, 2.7, 4.3]\ntarget = [0.3, 0.2, 0.1]\n[light]\ndirectional = [0.3, 1, 0.7]\n",
     );
-    let asked = ["--engine", "cpu", "--samples", "8", "--pattern", "rotated", "--facets", "one"];
+    let soft = ["--light-radius", "0.25", "--light-points", "3"];
+    let asked = [&["--engine", "cpu", "--samples", "8", "--pattern", "rotated", "--facets", "one"][..], &soft].concat();
     render(&first, &[&[scene.as_str(), "--light", "spot=1.3,4.1,0.77;target=0,0,0.1;angle=71.3"], &asked[..]].concat());
     done(&["render", "--quiet", "--from", &format!("{first}/frame.json"), "--out", &again]);
     let mut frames = [frame(&first), frame(&again)];
@@ -122,7 +123,9 @@ fn a_frame_of_the_cpu_engine_is_repeated() {
         }
     }
     assert_eq!(frames[0], frames[1]);
-    assert_eq!(frames[0]["settings"]["light"], "spot=1.3,4.1,0.77;target=0,0,0.1;angle=71.3");
+    let told = &frames[0]["settings"];
+    assert_eq!(told["light"], "spot=1.3,4.1,0.77;target=0,0,0.1;angle=71.3");
+    assert_eq!((&told["light-radius"], &told["light-points"]), (&json!(0.25), &json!(3)));
     assert!(!complaint(&["render", "--from", &format!("{first}/frame.json"), "--out", &again]).contains("another"));
     // A mesh that has changed since is another picture, and that is said.
     folder.file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0.1\nv 0.3 0.2 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\n");

@@ -2320,10 +2320,16 @@ pub mod visibility_texture {
         9 rows: Uniform<'a, crate::stages::visibility_texture::PackedRows>,
         10 packed: Write<'a, u32>,
     } }
+    entry_point! { "visibility_texture", "add", [64, 1, 1], SOURCE, Constants => Add, AddProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        11 part: Uniform<'a, crate::stages::visibility_texture::PointShare>,
+        12 share: Write<'a, f32>,
+        13 sums: Write<'a, f32>,
+    } }
     subset! { Pack => PackChannel { frame, visibility, rows, packed } }
     subset! { PackChannel => Pack { frame, visibility, rows, packed } }
     entries! {
-        Judge, Hold, Store, Pack, PackChannel,
+        Judge, Hold, Store, Pack, PackChannel, Add,
     }
 }
 

@@ -13,7 +13,7 @@ use crate::methods::prepared::{MeshBuffers, surfaces};
 use crate::methods::strip_method::{MethodPipelines, StripMethod};
 use crate::methods::strips::{Rows, Strips};
 use crate::methods::{Settings, list_sizing};
-use crate::stages::visibility_texture::{PackedVisibility, Packing, VisibilityTexture};
+use crate::stages::visibility_texture::{MeanVisibility, PackedVisibility, Packing, VisibilityTexture};
 use crate::{Error, Result};
 
 /// Maker of strips.
@@ -38,16 +38,18 @@ pub struct ImageStrips {
     packed: Option<Buffer<u32>>,
 }
 
-/// The ways to an application's texture.
+/// The ways to an application's texture, and to the mean over points of a light.
 pub struct Stores {
     place: VisibilityTexture,
     packed: PackedVisibility,
+    pub mean: MeanVisibility,
 }
 
 impl Stores {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { place: VisibilityTexture::new(device), packed: PackedVisibility::new(device) }
+        let (place, packed) = (VisibilityTexture::new(device), PackedVisibility::new(device));
+        Self { place, packed, mean: MeanVisibility::new(device) }
     }
 }
 

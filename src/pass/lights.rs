@@ -1,8 +1,9 @@
-//! Several lights in one frame.
+//! Several lights in one frame, and several points of one light.
 
 use super::{FramePart, Inputs, ShadowPass, Surfaces, Target};
+use crate::gpu::Buffer;
 use crate::methods::facet_masks::Extent;
-use crate::scene::Light;
+use crate::scene::{AreaLight, Light};
 use crate::{Error, Result};
 
 impl ShadowPass {
@@ -33,14 +34,84 @@ impl ShadowPass {
         for (light, target) in lights {
             let inputs = Inputs { light, ..*inputs };
             let extent = self.extent(&inputs);
-            let surfaces = match (lights.len(), found) {
-                (1, _) => Surfaces::Own,
-                (_, false) => Surfaces::Shared,
-                (_, true) => Surfaces::Kept,
-            };
-            numbers.push(self.record_part(encoder, &inputs, target, FramePart { extent, strip: None, surfaces })?);
+            let part = FramePart { extent, strip: None, surfaces: surfaces(lights.len(), found), point: None };
+            numbers.push(self.record_part(encoder, &inputs, target, part)?);
             found |= extent != Extent::Nothing;
         }
         Ok(numbers)
+    }
+
+    /// Appends a frame for each point of a light of some extent, and returns their numbers: what goes to `target`, and to
+    /// [`ShadowPass::visibility`], is the mean of their visibility, right where each has a complete status. The light of `inputs` is not read.
+    ///
+    /// What the camera sees is found once, as by [`ShadowPass::record_lights`]; the points cost what as many lights do, and 4 bytes a pixel.
+    ///
+    /// # Errors
+    /// As [`ShadowPass::record_lights`]; [`Error::Scene`] for a light that cannot be; [`Error::Config`] where lit masks are asked for, which several
+    /// points have not.
+    pub fn record_area(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs,
+        light: &AreaLight,
+        target: &Target,
+    ) -> Result<Vec<u64>> {
+        light.check()?;
+        if self.last.is_some() && light.points > 1 {
+            let text =
+                format!("{} points of a light: a pass that keeps the last picture keeps that of one", light.points);
+            return Err(Error::Config(text));
+        }
+        if target.lit.is_some() {
+            return Err(Error::Config("lit masks: a light of some extent has none, its points have".to_owned()));
+        }
+        let (low, high) = self.check(&Inputs { light: &light.light, ..*inputs }, target)?;
+        self.record_points(encoder, inputs, &light.points(0.5 * (low + high)), target, (None, None))
+    }
+
+    /// Makes room for sums over points where there is none.
+    pub(super) fn make_sums(&mut self) -> Result<()> {
+        let pixels = self.image.strips.count() as usize * self.image.method.visibility().len();
+        if self.sums.as_ref().is_none_or(|sums| sums.len() != pixels) {
+            self.sums = Some(Buffer::storage(&self.maker.device, "shadow_pass.point_sums", pixels)?);
+            self.bind_groups.forget();
+        }
+        Ok(())
+    }
+
+    /// As [`ShadowPass::record_area`], of these points, in a strip of rows if one is named; without an extent each point has what is proved of
+    /// it.
+    pub(crate) fn record_points(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs,
+        points: &[Light],
+        target: &Target,
+        (strip, extent): (Option<u32>, Option<Extent>),
+    ) -> Result<Vec<u64>> {
+        for light in points {
+            self.check(&Inputs { light, ..*inputs }, target)?;
+        }
+        let count = points.len() as u32;
+        let (mut numbers, mut found) = (Vec::with_capacity(points.len()), false);
+        for (point, light) in (0..).zip(points) {
+            let inputs = Inputs { light, ..*inputs };
+            let extent = extent.unwrap_or_else(|| self.extent(&inputs));
+            let surfaces = surfaces(points.len(), found);
+            let target = if point + 1 == count { *target } else { Target::default() };
+            let part = FramePart { extent, strip, surfaces, point: (count > 1).then_some([point, count]) };
+            numbers.push(self.record_part(encoder, &inputs, &target, part)?);
+            found |= extent != Extent::Nothing;
+        }
+        Ok(numbers)
+    }
+}
+
+/// Who finds what the camera sees, for one of so many lights; `found`: one before has.
+fn surfaces(lights: usize, found: bool) -> Surfaces {
+    match (lights, found) {
+        (1, _) => Surfaces::Own,
+        (_, false) => Surfaces::Shared,
+        (_, true) => Surfaces::Kept,
     }
 }

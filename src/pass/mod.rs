@@ -26,6 +26,7 @@
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
 //!   whole one: each status says for itself whether its frame was complete. Lists of which more than seven eighths are needed grow
 //!   before they overflow; with [`PassConfig::keep_last`] the last complete picture stands meanwhile.
+//! - **Lights of some extent.** [`ShadowPass::record_area`] takes the mean over points of a light: soft shadows at the price of as many lights.
 //! - **What stands is not made again.** While casters and light stand the light maps do, for any camera ([`PassConfig::keep_maps`]).
 //! - **What a frame does not need.** Of casters that stand the pass proves, frame by frame, that none can be seen, or that none can shadow another,
 //!   and leaves out what then changes nothing ([`PassConfig::prove`]).
@@ -152,6 +153,8 @@ pub struct ShadowPass {
     casters: CasterSet,
     image: ImageStrips,
     last: Option<(LastPicture, HeldPicture)>,
+    /// Sums of the visibility of points of a light, strip by strip.
+    sums: Option<Buffer<f32>>,
     faults: Buffer<u32>,
     timer: Option<Timer>,
     in_flight: InFlight,
@@ -276,6 +279,7 @@ impl ShadowPass {
             || Ok::<_, Error>((LastPicture::new(device), HeldPicture::new(device, queue, &settings, &made.image)?));
         Ok(Self {
             last: config.keep_last.then(held).transpose()?,
+            sums: None,
             seen: GbufferStage::new(device, &settings, made.keys)?,
             settings,
             ledger: Ledger::default(),
@@ -372,7 +376,7 @@ impl ShadowPass {
     /// frame is as if there had been no error.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs, target: &Target) -> Result<u64> {
         self.check(inputs, target)?;
-        let part = FramePart { extent: self.extent(inputs), strip: None, surfaces: Surfaces::Own };
+        let part = FramePart { extent: self.extent(inputs), strip: None, surfaces: Surfaces::Own, point: None };
         self.record_part(encoder, inputs, target, part)
     }
 

@@ -12,6 +12,7 @@ use crate::methods::facet_masks::{Extent, MapSource};
 use crate::methods::strip_method::FrameOf;
 use crate::methods::strips::Rows;
 use crate::plan::{asks_for_most, extent_of};
+use crate::stages::visibility_texture::PointShare;
 
 /// The part of a frame that is recorded.
 #[derive(Clone, Copy)]
@@ -22,6 +23,8 @@ pub(crate) struct FramePart {
     pub strip: Option<u32>,
     /// Its place among frames of one camera and several lights.
     pub surfaces: Surfaces,
+    /// Which of several points of a light it is of, and how many they are: visibility is summed, after the last it is the mean.
+    pub point: Option<[u32; 2]>,
 }
 
 /// Who finds what the camera sees.
@@ -65,7 +68,7 @@ impl ShadowPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs,
         target: &Target,
-        FramePart { extent, strip, mut surfaces }: FramePart,
+        FramePart { extent, strip, mut surfaces, point }: FramePart,
     ) -> Result<u64> {
         let bounds = self.check(inputs, target)?;
         let settings = self.image.method.view_settings(&self.settings);
@@ -88,6 +91,9 @@ impl ShadowPass {
         }
         self.image.method.keep_found(&self.maker.device, surfaces == Surfaces::Shared)?;
         self.make_room_for(views.len() as u32)?;
+        if point.is_some() {
+            self.make_sums()?;
+        }
         let part = self.image.strips.part(strip);
         let stands = self.casters.moves.is_none();
         // Of several lights each would find the maps of the one before.
@@ -144,10 +150,9 @@ impl ShadowPass {
         let uploads = uploads.collect::<Result<Vec<_>>>()?;
         let (strips, status) = (part.len() as u32, self.image.method.status());
         let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;
-        encoder.push_debug_group("shadow_pass");
+        // In no debug group: with two in one encoder Mesa 22.3's lavapipe crashes. The passes have labels.
         let recorded =
-            self.record_checked(encoder, inputs, target, (maps, extent, surfaces), (&part, uploads), &staging);
-        encoder.pop_debug_group();
+            self.record_checked(encoder, inputs, target, (maps, extent, surfaces, point), (&part, uploads), &staging);
         let dispatches = recorded?;
         self.frame += 1;
         let (generation, capacities) = (self.generation, self.image.method.capacities());
@@ -161,7 +166,7 @@ impl ShadowPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs,
         target: &Target,
-        (maps, extent, surfaces): (FrameMaps, Extent, Surfaces),
+        (maps, extent, surfaces, point): (FrameMaps, Extent, Surfaces, Option<[u32; 2]>),
         (part, uploads): (&[(u32, Rows)], Vec<Vec<Uploads>>),
         staging: &Staging,
     ) -> Result<u32> {
@@ -193,6 +198,13 @@ impl ShadowPass {
             let offsets = self.settings.samples.offsets();
             let with = With { method, casters, faults, maps, extent, kept, further };
             self.seen.record(rec, &inputs.gbuffer, offsets, with)?;
+            if let (Some([point, points]), Some(sums)) = (point, &self.sums) {
+                // Strips share rows: each has sums of its own.
+                let pixels = method.visibility().len();
+                let share = PointShare { offset: strip * pixels as u32, point, points, ..PointShare::default() };
+                let stage = &mut rec.stage("visibility_texture");
+                self.store.mean.record(stage, method.frame(), method.visibility(), pixels, sums, share)?;
+            }
             match &self.last {
                 Some((with, held)) => {
                     held.record_judge(rec, with, image, faults)?;

@@ -2,6 +2,7 @@
 
 pub mod adjacency;
 pub mod alpha;
+pub mod area_light;
 pub mod camera;
 mod coplanar;
 pub mod light;
@@ -12,6 +13,7 @@ pub(crate) mod weld;
 
 pub use adjacency::{Adjacency, Edge, NO_TRIANGLE};
 pub use alpha::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, TestedTriangle};
+pub use area_light::AreaLight;
 pub use camera::{Camera, Lens, PixelRays};
 pub use light::Light;
 pub use mesh::{Ground, Mesh};

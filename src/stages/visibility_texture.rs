@@ -7,6 +7,7 @@
 //!   to other strips are not written.
 //! - **Last complete picture.** `judge` finds by a frame's counters whether anything is missing in it, `hold` copies a picture, or
 //!   any words, if nothing is. Nothing is read back.
+//! - **Points of a light.** `add` makes of the visibility of several points of one light, frame by frame, their mean.
 //! - **Guarantee.** Bits are copied; of 16 bits it is the nearest number (of a 128th itself), of 8 the nearest 255th.
 //! - **Cost.** One dispatch over pixels; to judge, one workgroup; to hold, 8 bytes a word.
 
@@ -41,6 +42,60 @@ shared_struct! {
         pub pad_0: u32,
         /// Unused.
         pub pad_1: u32,
+    }
+}
+
+shared_struct! {
+    /// A point of a light, whose visibility is added to that of the points before it.
+    "visibility_texture" => pub struct PointShare {
+        /// Where the first pixel lies in the sums.
+        pub offset: u32,
+        /// Number of the point, from 0 on.
+        pub point: u32,
+        /// Points of the light.
+        pub points: u32,
+        /// Unused.
+        pub pad_0: u32,
+    }
+}
+
+/// The pipeline that makes the mean of several points of a light.
+#[derive(Debug)]
+pub struct MeanVisibility {
+    add: kernel::AddProgram,
+    uniforms: Uniforms,
+}
+
+impl MeanVisibility {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let add = kernel::AddProgram::new(device, kernel::Constants::default());
+        Self { add, uniforms: Uniforms::default() }
+    }
+
+    /// Adds the visibility of a point, of `pixels` pixels, to `sums`; after the last `visibility` is the mean of all.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] if `sums` is too short; [`crate::Error::Gpu`] if the device has no memory for parameters.
+    pub fn record(
+        &self,
+        stage: &mut Stage,
+        frame: &Buffer<Frame>,
+        visibility: &Buffer<f32>,
+        pixels: usize,
+        sums: &Buffer<f32>,
+        part: PointShare,
+    ) -> Result<()> {
+        super::holds("visibility_texture", "sums", sums.len(), part.offset as usize + pixels)?;
+        let part = self.uniforms.get(stage.device, &part)?;
+        let bindings = kernel::Add {
+            frame: frame.as_uniform(),
+            part: part.as_uniform(),
+            share: visibility.as_write(),
+            sums: sums.as_write(),
+        };
+        stage.run(&self.add, bindings, Groups::Items(pixels as u64));
+        Ok(())
     }
 }
 

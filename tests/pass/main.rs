@@ -1,6 +1,7 @@
 //! The pass inside an application's own frame, against the renderer: the same bits, and no frame silently wrong.
 
 mod alpha;
+mod area_lights;
 mod filters;
 mod instances;
 mod kept_maps;

@@ -2,10 +2,12 @@
 
 use crate::support::shadow::{folding_gpu, uniform};
 use crate::support::{Random, difference, gpu, read_texture, run, sizes_around, texture, upload};
-use oracle::reference::visibility_texture::{Lengths, byte, half, is_complete, texels};
+use oracle::reference::visibility_texture::{Lengths, byte, half, is_complete, mean, texels};
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::stages::visibility_texture::{LastPicture, Lists, PackedVisibility, Packing, VisibilityTexture};
+use subpixel_shadows::stages::visibility_texture::{
+    LastPicture, Lists, MeanVisibility, PackedVisibility, Packing, PointShare, VisibilityTexture,
+};
 use subpixel_shadows::status::{Need, Status, StatusBand, StatusHead};
 use subpixel_shadows::wgpu;
 use test_support::gpu_test;
@@ -208,6 +210,51 @@ fn rows_are_packed_as_told() {
     let (frame, visibility) = (uniform(gpu(), &Frame::default()), upload(gpu(), &[0.5f32; 8]));
     let short = upload(gpu(), &[0u32; 64]);
     run(gpu(), |s| assert!(stage.record(s, &frame, [8, 2], &visibility, Packing::R8Unorm, &short).is_err()));
+}
+
+/// The sums of the pixels from `offset` on, and the last picture, after all `points` were added.
+fn added(gpu: &Gpu, image: [u32; 2], points: &[Vec<f32>], offset: u32) -> (Vec<f32>, Vec<f32>) {
+    let (frame, pixels) = (uniform(gpu, &Frame { image_size: image, ..Frame::default() }), points[0].len());
+    let sums = upload(gpu, &vec![f32::from_bits(BEFORE); offset as usize + pixels + 3]);
+    let (stage, count) = (MeanVisibility::new(&gpu.device), points.len() as u32);
+    let mut last = Vec::new();
+    for (point, values) in (0..).zip(points) {
+        let part = PointShare { offset, point, points: count, ..PointShare::default() };
+        let visibility = upload(gpu, values);
+        run(gpu, |s| stage.record(s, &frame, &visibility, pixels, &sums, part).expect("sums that suffice"));
+        last = visibility.read(gpu).expect("readback")[..pixels].to_vec();
+        assert!(point + 1 == count || last == *values, "the visibility of point {point} of {count} changes");
+    }
+    (sums.read(gpu).expect("readback")[..offset as usize + pixels + 3].to_vec(), last)
+}
+
+/// The mean over points is that of their sums; where all are lit it is 1, and beside the image nothing is written.
+#[gpu_test]
+fn points_of_a_light_are_averaged() {
+    let mut random = Random::new(83);
+    let close = |a: f32, b: f32| (a - b).abs() <= 1e-6;
+    for (image, count, offset) in [([1, 1], 1, 0), ([9, 8], 3, 5), ([64, 3], 16, 64), ([65, 2], 7, 1), ([24, 24], 2, 0)]
+    {
+        let mut points: Vec<Vec<f32>> = (0..count).map(|_| values(image, &mut random)).collect();
+        points.iter_mut().for_each(|point| point[0] = 1.0);
+        let wanted = mean(&points);
+        for gpu in [gpu(), folding_gpu()] {
+            let (sums, got) = added(gpu, image, &points, offset);
+            assert!(got.iter().zip(&wanted).all(|(a, b)| close(*a, *b)), "{image:?}, {count} points");
+            assert_eq!(got[0], 1.0, "{image:?}, {count} points: all are lit");
+            let (first, last) = (offset as usize, offset as usize + got.len());
+            let stays = |v: &f32| v.to_bits() == BEFORE;
+            assert!(sums[..first].iter().chain(&sums[last..]).all(stays), "{image:?}: beside the image");
+            let whole = sums[first..last].iter().zip(&wanted).all(|(sum, mean)| close(sum / count as f32, *mean));
+            assert!(whole, "{image:?}: the sums");
+            let other = got.iter().zip(&wanted).position(|(a, b)| !close(*a + 1.0 / 32.0, *b));
+            assert_eq!(other, Some(0), "a corrupted picture passes");
+        }
+    }
+    let (frame, few) = (uniform(gpu(), &Frame::default()), upload(gpu(), &[0.5f32; 8]));
+    let short = MeanVisibility::new(&gpu().device);
+    let part = PointShare { offset: 1, points: 2, ..PointShare::default() };
+    run(gpu(), |s| assert!(short.record(s, &frame, &few, 8, &few, part).is_err()));
 }
 
 /// The bits of `k` parts of 128, which need no rounding.

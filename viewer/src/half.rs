@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use subpixel_shadows::gpu::KeptPrograms;
 use subpixel_shadows::methods::Settings;
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
+use subpixel_shadows::scene::AreaLight;
 use subpixel_shadows::{Result, ShadowPass, wgpu};
 
 /// Device, queue and pipelines of all frames.
@@ -46,7 +47,12 @@ pub struct Half {
     pub status: Option<FrameStatus>,
     /// Bytes of all buffers of the pass.
     pub bytes: u64,
-    waits_for: Option<u64>,
+    /// Radius and points of the light.
+    area: (f64, u32),
+    /// The numbers of the first and the last frame that run, a frame a point of the light.
+    waits_for: Option<[u64; 2]>,
+    /// Whether one of them was not complete.
+    lacks: bool,
     tries: u32,
     /// Why there is no picture.
     pub error: Option<String>,
@@ -65,6 +71,7 @@ impl Half {
         context: &egui::Context,
     ) -> Self {
         let options = RenderOptions { size, ..options.clone() };
+        let area = (options.light_radius, options.light_points);
         let compiled = Arc::new(Compiled::default());
         let (of_gpu, scene, told) = (gpu.clone(), scene.clone(), compiled.clone());
         let made = Job::new(context, move || {
@@ -93,7 +100,9 @@ impl Half {
             size,
             status: None,
             bytes: 0,
+            area,
             waits_for: None,
+            lacks: false,
             tries: 0,
             error: None,
         }
@@ -136,10 +145,18 @@ impl Half {
     fn submit(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) {
         let Pass::Made(pass) = &mut self.pass else { return };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        match pass.record(&mut encoder, &Inputs::new(camera, light), &Target::texture(&self.work)) {
-            Ok(frame) => {
+        let (inputs, target) = (Inputs::new(camera, light), Target::texture(&self.work));
+        let recorded = match self.area {
+            (0.0, _) => pass.record(&mut encoder, &inputs, &target).map(|frame| [frame; 2]),
+            (radius, points) => {
+                let light = AreaLight { light: *light, radius, points };
+                pass.record_area(&mut encoder, &inputs, &light, &target).map(|f| [f[0], f[f.len() - 1]])
+            }
+        };
+        match recorded {
+            Ok(frames) => {
                 gpu.queue.submit([encoder.finish()]);
-                self.waits_for = Some(frame);
+                (self.waits_for, self.lacks) = (Some(frames), false);
                 self.error = None;
             }
             // Another camera or light may do.
@@ -153,13 +170,14 @@ impl Half {
     /// Looks whether the frame has run, and begins it again if a list was too short. Whether there is nothing to wait for.
     pub fn is_done(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) -> bool {
         let Pass::Made(pass) = &mut self.pass else { return true };
-        let Some(frame) = self.waits_for else { return true };
+        let Some([first, last]) = self.waits_for else { return true };
         while let Some(status) = pass.status() {
-            if status.frame != frame {
+            self.lacks |= status.frame >= first && !status.complete;
+            if status.frame != last && status.error.is_none() {
                 continue;
             }
             self.waits_for = None;
-            if status.complete {
+            if !self.lacks {
                 self.bytes = pass.memory().iter().map(|buffer| buffer.bytes).sum();
                 self.status = Some(status);
                 return true;

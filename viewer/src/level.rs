@@ -4,6 +4,7 @@ use crate::half::{Gpu, Half};
 use crate::picture::{DrawnMesh, Picture, Shader, Shot};
 use crate::truth::Tracing;
 use crate::view::{Against, View};
+use lab::options::RenderOptions;
 use lab::scene::{Camera, Light, Scene};
 use oracle::truth::Tracer;
 use std::sync::Arc;
@@ -33,6 +34,8 @@ pub struct Level {
     /// Traced truth, where the right half is that.
     pub tracing: Option<Tracing>,
     running: Option<(Moment, f64)>,
+    scene: Arc<Scene>,
+    left: RenderOptions,
 }
 
 impl Level {
@@ -44,7 +47,8 @@ impl Level {
             halves.push(half(options));
         }
         let picture = Picture::new(&gpu.device, size);
-        Self { halves, picture, shown: None, tried: None, seconds: None, tracing: None, running: None }
+        let (scene, left) = (scene.clone(), view.left.clone());
+        Self { halves, picture, shown: None, tried: None, seconds: None, tracing: None, running: None, scene, left }
     }
 
     /// Whether the picture is of this moment, and nothing of it is still computed.
@@ -100,8 +104,9 @@ impl Level {
     pub fn trace(&mut self, gpu: &Gpu, tracer: &Arc<Tracer>, late: impl Fn() -> bool) -> Result<bool> {
         let Some(Moment { camera, light }) = self.shown else { return Ok(false) };
         let size = self.picture.size;
-        if !self.tracing.as_ref().is_some_and(|tracing| tracing.is_of(&camera, &light, size)) {
-            let tracing = Tracing::new((&gpu.device, &gpu.queue), tracer.clone(), (camera, light), size);
+        let points = self.left.points(&light, &self.scene.mesh)?;
+        if !self.tracing.as_ref().is_some_and(|tracing| tracing.is_of(&camera, &points, size)) {
+            let tracing = Tracing::new((&gpu.device, &gpu.queue), tracer.clone(), (camera, points), size);
             self.tracing = Some(tracing);
         }
         match &mut self.tracing {

@@ -89,6 +89,8 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         if matches!(options.facets, FacetsPerPixel::One) {
             changed |= words(ui, half, "validity", &mut options.validity);
         }
+    }
+    if takes("masks") {
         changed |= words(ui, half, "masks", &mut options.masks);
         changed |= words(ui, half, "pairs", &mut options.pairs);
         changed |= words(ui, half, "projection", &mut options.projection);
@@ -137,6 +139,10 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     }
     if takes("exponent") {
         changed |= slider(ui, half, "exponent", &mut options.exponent, 1.0..=42.0);
+    }
+    changed |= slider(ui, half, "light-radius", &mut options.light_radius, 0.0..=5.0);
+    if options.light_radius > 0.0 {
+        changed |= numbers(ui, half, "light-points", &mut options.light_points, &[4, 8, 16, 32, 64]);
     }
     changed
 }

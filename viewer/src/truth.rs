@@ -11,11 +11,11 @@ use subpixel_shadows::{Result, wgpu};
 /// Pixels that are traced before the clock is looked at: a page has one thread, and must stay alive.
 const RUN: u32 = 32;
 
-/// Visibility by 1024 rays a pixel, from the top.
+/// Visibility by 1024 rays a pixel to each point of the light, from the top.
 pub struct Tracing {
     tracer: Arc<Tracer>,
     camera: Camera,
-    light: Light,
+    points: Vec<Light>,
     size: [u32; 2],
     done: u32,
     /// Visibility of the pixels that are traced, below 0 elsewhere.
@@ -35,18 +35,18 @@ impl Tracing {
     pub fn new(
         (device, queue): (&wgpu::Device, &wgpu::Queue),
         tracer: Arc<Tracer>,
-        (camera, light): (Camera, Light),
+        (camera, points): (Camera, Vec<Light>),
         size: [u32; 2],
     ) -> Self {
-        let tracing = Self { tracer, camera, light, size, done: 0, shown: visibility(device, size) };
+        let tracing = Self { tracer, camera, points, size, done: 0, shown: visibility(device, size) };
         let [width, height] = size;
         tracing.write(queue, [0; 2], size, &vec![-1.0; width as usize * height as usize]);
         tracing
     }
 
     /// Whether it is of this view.
-    pub fn is_of(&self, camera: &Camera, light: &Light, size: [u32; 2]) -> bool {
-        self.camera == *camera && self.light == *light && self.size == size
+    pub fn is_of(&self, camera: &Camera, points: &[Light], size: [u32; 2]) -> bool {
+        self.camera == *camera && self.points == points && self.size == size
     }
 
     /// Share of the pixels that are traced.
@@ -66,11 +66,14 @@ impl Tracing {
             return Ok(false);
         }
         let one = Samples::new(Pattern::LowDiscrepancy, 1)?;
-        let truth = SceneTruth::new(&self.tracer, &self.camera, &self.light, &one, width, height)?;
+        let truth = |light| SceneTruth::new(&self.tracer, &self.camera, light, &one, width, height);
+        let truths = self.points.iter().map(truth).collect::<Result<Vec<_>>>()?;
+        let (share, run) = (1.0 / truths.len() as f32, (RUN / truths.len() as u32).max(1));
+        let visible = |pixel| truths.iter().map(|truth| truth.converged_pixel(pixel).0 * share).sum();
         while self.done < all {
             let first = self.done;
-            let end = all.min(first + RUN).min((first / width + 1) * width);
-            let run: Vec<f32> = (first..end).into_par_iter().map(|pixel| truth.converged_pixel(pixel).0).collect();
+            let end = all.min(first + run).min((first / width + 1) * width);
+            let run: Vec<f32> = (first..end).into_par_iter().map(visible).collect();
             self.write(queue, [first % width, first / width], [end - first, 1], &run);
             self.done = end;
             if late() {

@@ -9,9 +9,11 @@ use oracle::engine::{self, CpuRays, CpuTime, RAYS};
 use serde_json::{Map, Value};
 use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::{Gpu, KeptPrograms};
+use subpixel_shadows::methods::strip_method::StripMethod;
 use subpixel_shadows::methods::{DebugViews, MethodName, PixelClass, Prepared};
 use subpixel_shadows::plan::{Extent, Plan};
-use subpixel_shadows::render::{Output, Renderer};
+use subpixel_shadows::render::{Output, Renderer, Rows};
+use subpixel_shadows::scene::Light;
 use subpixel_shadows::{Error, Result};
 
 /// Where frames are computed.
@@ -88,10 +90,11 @@ impl Engine {
         options: &RenderOptions,
         frames: u32,
         plan: &Plan,
-        scene: &Scene,
+        (scene, points): (&Scene, &[Light]),
         prepared: &Prepared,
         console: Console,
     ) -> Result<Rendered> {
+        let several = points.len() > 1;
         let (start, mut aside) = (Instant::now(), Duration::ZERO);
         let settings = &plan.settings;
         let words = settings.samples.words();
@@ -109,7 +112,7 @@ impl Engine {
                 })
             }
             (_, Self::Gpu(gpu)) => {
-                let (camera, light, width) = (&scene.camera, &scene.light, settings.size[0]);
+                let (camera, width) = (&scene.camera, settings.size[0]);
                 let mut renderer = {
                     let task = console.task("compiling");
                     let programs = KeptPrograms::default().telling(move |done, of| task.at(done, of));
@@ -118,7 +121,7 @@ impl Engine {
                 let of_facets = plan.extent == Extent::Facing || options.method == MethodName::FacetMasks;
                 let looked = options.looks && (classes || plan.extent == Extent::Everything);
                 let (mut facets, mut looks) = (None, looked.then(DebugViews::default));
-                let output = renderer.render_and(camera, light, &mut |method, rows| {
+                let mut look = |method: &StripMethod, rows: Rows| {
                     let start = Instant::now();
                     if rows.first == 0 {
                         facets = (options.truth && method.facets().is_some()).then(FacetSet::default);
@@ -130,7 +133,11 @@ impl Engine {
                     })?;
                     aside += start.elapsed();
                     Ok(())
-                })?;
+                };
+                let output = match points {
+                    [light] => renderer.render_and(camera, light, &mut look)?,
+                    _ => renderer.render_mean(camera, points)?,
+                };
                 let setup = start.elapsed().saturating_sub(aside);
                 let (parts, views) = (renderer.parts(), renderer.views());
                 if parts.across() > 1 {
@@ -154,7 +161,7 @@ impl Engine {
                     ));
                 }
                 let looks = looks.filter(|looks| *looks != DebugViews::default());
-                let (output, timed_frames) = timed(output, frames, || renderer.render(camera, light))?;
+                let (output, timed_frames) = timed(output, frames, || renderer.render_mean(camera, points))?;
                 Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
             }
             (_, Self::Cpu) if options.method == MethodName::RayTraced && options.facets == FacetsPerPixel::One => {
@@ -165,7 +172,7 @@ impl Engine {
                 let rays = CpuRays::new(prepared)?;
                 let task = console.task("CPU rays");
                 let progress = |done, total| task.at(done, total);
-                let render = || rays.render(settings, &scene.camera, &scene.light, Some(&progress));
+                let render = || mean(points, |light| rays.render(settings, &scene.camera, light, Some(&progress)));
                 let first = render()?;
                 let setup = start.elapsed();
                 let (output, timed_frames) = timed(first, frames, render)?;
@@ -178,21 +185,49 @@ impl Engine {
             }
             (_, Self::Cpu) => {
                 // Nothing is compiled here, but the first view of all makes the tree of the mesh.
-                settings.light_view(prepared, &scene.light)?;
+                settings.light_view(prepared, &points[0])?;
                 let setup = start.elapsed();
                 let task = console.task("CPU engine");
                 let progress = |done, total| task.at(done, total);
                 let request = engine::CpuRequest {
                     unshadowed: plan.extent == Extent::Facing,
-                    facets: options.truth,
+                    facets: options.truth && !several,
                     looks: options.looks,
                     progress: Some(&progress),
                 };
-                let frame = engine::render(prepared, settings, &scene.camera, &scene.light, request)?;
-                let facets = options.truth.then(|| FacetSet::of_cpu(&frame.facets, words));
-                let cpu_stages = Some(frame.stages);
-                Ok(Rendered { output: frame.output, facets, looks: frame.looks, cpu_stages, timed_frames: 1, setup })
+                let (mut last, mut stages) = (None, Vec::<CpuTime>::new());
+                let output = mean(points, |light| {
+                    let mut frame = engine::render(prepared, settings, &scene.camera, light, request)?;
+                    for more in std::mem::take(&mut frame.stages) {
+                        match stages.iter_mut().find(|stage| stage.name == more.name) {
+                            Some(stage) => stage.ms += more.ms,
+                            None => stages.push(more),
+                        }
+                    }
+                    let output = frame.output.clone();
+                    last = Some(frame);
+                    Ok(output)
+                })?;
+                let (facets, looks) = last.map_or_else(Default::default, |frame| (frame.facets, frame.looks));
+                let facets = (options.truth && !several).then(|| FacetSet::of_cpu(&facets, words));
+                Ok(Rendered { output, facets, looks, cpu_stages: Some(stages), timed_frames: 1, setup })
             }
         }
     }
+}
+
+/// The mean over points of a light: its visibility. Times add up, the rest is of the last.
+fn mean(points: &[Light], mut render: impl FnMut(&Light) -> Result<Output>) -> Result<Output> {
+    let mut all: Option<Output> = None;
+    for light in points {
+        let mut own = render(light)?;
+        if let Some(before) = all {
+            own.visibility.iter_mut().zip(&before.visibility).for_each(|(sum, more)| *sum += more);
+            own.wall_ms += before.wall_ms;
+        }
+        all = Some(own);
+    }
+    let mut all = all.ok_or_else(|| Error::Config("a light without points".to_owned()))?;
+    all.visibility.iter_mut().for_each(|sum| *sum /= points.len() as f32);
+    Ok(all)
 }

@@ -1,9 +1,9 @@
 //! `explain`: the plan of a scene, and which way its pixels take.
 
 use super::engine::Engine;
-use super::opened;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
+use super::{opened, planned};
 use lab::options::RenderOptions;
 use subpixel_shadows::Result;
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared};
@@ -14,10 +14,9 @@ use subpixel_shadows::render::Counts;
 /// prints how many pixels took which way.
 pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     let console = Console::new(options.quiet);
-    let settings = options.settings()?;
     let scene = opened(options, scene, console)?;
     let prepared = scene.prepared()?;
-    let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
+    let (points, plan) = planned(options, &scene, &prepared)?;
     let mut report = Report::default();
     report.line("scene", &scene.name);
     report.line("mesh", &mesh_line(&prepared));
@@ -34,7 +33,7 @@ pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     report.print()?;
     if options.method == MethodName::FacetMasks {
         let engine = Engine::open(options, console)?;
-        let counts = engine.render(options, 0, &plan, &scene, &prepared, console)?.output.counts;
+        let counts = engine.render(options, 0, &plan, (&scene, &points), &prepared, console)?.output.counts;
         let mut report = Report::default();
         ways(&mut report, &counts, &plan);
         report.print()?;

@@ -25,6 +25,9 @@ use lab::scene::Scene;
 use std::io::Write;
 use std::process::ExitCode;
 use subpixel_shadows::Result;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::plan::{Extent, Plan};
+use subpixel_shadows::scene::Light;
 
 /// Reads the command line and runs it. Exit status: 0 done, 1 bad input, 2 usage (by clap), 3 the GPU failed.
 pub fn main() -> ExitCode {
@@ -68,6 +71,21 @@ fn opened(options: &RenderOptions, scene: Option<&str>, console: progress::Conso
     let (scene, note) = options.open(scene)?;
     note.iter().for_each(|note| console.note(note));
     Ok(scene)
+}
+
+/// The points of the light, and a plan that holds for all of them: that of the first that shadows anything, or of the first.
+fn planned(options: &RenderOptions, scene: &Scene, prepared: &Prepared) -> Result<(Vec<Light>, Plan)> {
+    let points = options.points(&scene.light, prepared.mesh())?;
+    let settings = options.settings()?;
+    let of = |light| Plan::of_method(options.method, prepared, &scene.camera, light, &settings, options.force_all);
+    let mut plan = of(&points[0])?;
+    for light in &points[1..] {
+        if plan.extent != Extent::Facing {
+            break;
+        }
+        plan = of(light)?;
+    }
+    Ok((points, plan))
 }
 
 /// Runs `command` with what was given.

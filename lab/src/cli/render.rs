@@ -3,10 +3,10 @@
 use super::engine::{Engine, Rendered};
 use super::explain::mesh_line;
 use super::given::other_mesh;
-use super::opened;
 use super::output::OutFolder;
 use super::progress::Console;
 use super::table::{Report, grouped, percent};
+use super::{opened, planned};
 use lab::options::RenderOptions;
 use lab::report::frame_json::{AdapterReport, ErrorReport, Sources};
 use lab::report::looks::{CLASS_COLOURS, write_classes, write_map};
@@ -16,28 +16,29 @@ use lab::report::{
     write_difference, write_exr, write_png_grey, write_png_rgb,
 };
 use lab::scene::Scene;
-use oracle::truth::{Tracer, TruthImage};
+use oracle::truth::Tracer;
 use std::path::PathBuf;
 use std::time::Instant;
 use subpixel_shadows::Result;
 use subpixel_shadows::methods::{MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
+use subpixel_shadows::scene::Light;
 
 /// Renders, writes the files, prints the table.
 pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     let start = Instant::now();
     let console = Console::new(options.quiet);
-    let settings = options.settings()?;
+    options.settings()?;
     OutFolder::check(&options.out)?;
     let scene = opened(options, scene, console)?;
     let from = Instant::now();
     let prepared = scene.prepared()?;
-    let plan = Plan::of_method(options.method, &prepared, &scene.camera, &scene.light, &settings, options.force_all)?;
+    let (points, plan) = planned(options, &scene, &prepared)?;
     let engine = Engine::open(options, console)?;
     let before = from.elapsed();
-    let rendered = engine.render(options, options.frames, &plan, &scene, &prepared, console)?;
+    let rendered = engine.render(options, options.frames, &plan, (&scene, &points), &prepared, console)?;
     let setup_ms = (before + rendered.setup).as_secs_f64() * 1e3;
-    let compared = || compare(options, &rendered, &plan, &scene, &prepared, console);
+    let compared = || compare(options, &rendered, &plan, (&scene, &points), &prepared, console);
     let truth = options.truth.then(compared).transpose()?;
     let error = truth.as_ref().map(|(error, _)| *error);
     let ((name, backend), asked) = (engine.adapter(), engine.recorded(options, &scene));
@@ -59,13 +60,17 @@ pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
     if let Some(note) = other_mesh(options, &frame) {
         console.note(&note);
     }
-    let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, image)| image), &frame)?;
+    let files = write(options, &scene, &prepared, &rendered, truth.as_ref().map(|(_, traced)| traced), &frame)?;
     let mut report = Report::default();
     report.line("scene", &format!("{}: {}", scene.name, mesh_line(&prepared)));
     report.line("adapter", &engine.describe());
     let [w, h] = options.size;
     let n = options.samples;
     report.line("frame", &format!("{w} x {h} pixels, {n} samples a pixel, light-view map of {0} x {0}", options.map));
+    if points.len() > 1 {
+        let (n, radius) = (points.len(), options.light_radius);
+        report.line("light", &format!("the mean of {n} points within a radius of {radius}; counts are of the last"));
+    }
     stages(&mut report, &frame, &plan, &rendered);
     counts(&mut report, &rendered, u64::from(w) * u64::from(h));
     if let Some(error) = &error {
@@ -88,10 +93,10 @@ fn compare(
     options: &RenderOptions,
     rendered: &Rendered,
     plan: &Plan,
-    scene: &Scene,
+    (scene, points): (&Scene, &[Light]),
     prepared: &Prepared,
     console: Console,
-) -> Result<(ErrorReport, TruthImage)> {
+) -> Result<(ErrorReport, TracedScene)> {
     let settings = &plan.settings;
     let tracer = Tracer::of(prepared)?;
     let facet = match &rendered.facets {
@@ -111,15 +116,15 @@ fn compare(
     let task = console.task("scene truth");
     let progress = |done, total| task.at(done, total);
     let visibility = &rendered.output.visibility;
-    let (camera, light) = (&scene.camera, &scene.light);
-    let traced = TracedScene::new(&tracer, camera, light, settings, Some(&progress))?;
+    let camera = &scene.camera;
+    let traced = TracedScene::of_points(&tracer, camera, points, settings, Some(&progress))?;
     let converged = || {
         let task = console.task("1024 rays a pixel");
         let progress = |done, total| task.at(done, total);
-        ConvergedErrors::of(visibility, &tracer, camera, light, settings, Some(&progress))
+        ConvergedErrors::of(visibility, &tracer, camera, points, settings, Some(&progress))
     };
     let converged = options.converged.then(converged).transpose()?;
-    Ok((ErrorReport { facet, seen, scene: traced.errors(visibility)?, converged }, traced.image))
+    Ok((ErrorReport { facet, seen, scene: traced.errors(visibility)?, converged }, traced))
 }
 
 /// Writes all files, or none.
@@ -128,7 +133,7 @@ fn write(
     scene: &Scene,
     prepared: &Prepared,
     rendered: &Rendered,
-    truth: Option<&TruthImage>,
+    truth: Option<&TracedScene>,
     frame: &FrameReport,
 ) -> Result<Vec<PathBuf>> {
     let [w, h] = options.size;
@@ -148,8 +153,8 @@ fn write(
         write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
         if let Some(truth) = truth {
             let values = truth.visibility();
-            write_exr(&out.file("truth.exr"), w, h, &values, &truth.centre_hits())?;
-            write_difference(&out.file("difference.png"), w, h, visibility, &values)?;
+            write_exr(&out.file("truth.exr"), w, h, values, &truth.image.centre_hits())?;
+            write_difference(&out.file("difference.png"), w, h, visibility, values)?;
         }
         if let Some(looks) = &rendered.looks {
             if !looks.classes.is_empty() {

@@ -12,7 +12,6 @@ pub use recorded::{camera_text, light_text, reason};
 use crate::scene::{Scene, SceneOptions, light_from_text};
 use clap::{Args, Parser};
 use std::path::PathBuf;
-use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
@@ -22,6 +21,8 @@ use subpixel_shadows::methods::{
 };
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::Samples;
+use subpixel_shadows::scene::{AreaLight, Light, Mesh};
+use subpixel_shadows::{Error, Result};
 
 /// A scene and options: the arguments of `render` and `explain`.
 #[derive(Clone, Debug, Parser)]
@@ -138,6 +139,12 @@ pub struct RenderOptions {
     /// directional=X,Y,Z (towards the light), point=X,Y,Z, or spot=X,Y,Z;target=X,Y,Z;angle=DEGREES
     #[arg(long, value_name = "PARTS")]
     pub light: Option<String>,
+    /// Radius of the light, whose shadows are then soft: world units, of a directional light degrees (the sun's is 0.27)
+    #[arg(long, default_value_t = 0.0, value_name = "RADIUS")]
+    pub light_radius: f64,
+    /// Points of a light that has a radius: its visibility is the mean of theirs, and takes as long as so many lights
+    #[arg(long, default_value_t = 16, value_name = "N")]
+    pub light_points: u32,
     /// Add a ground plane under the scene
     #[arg(long)]
     pub ground: bool,
@@ -288,6 +295,26 @@ impl RenderOptions {
             camera: self.camera.as_deref().map(str::parse).transpose()?,
             light: self.light.as_deref().map(light_from_text).transpose()?,
         })
+    }
+
+    /// The points of the light of a scene with these casters: itself where it has no radius.
+    ///
+    /// # Errors
+    /// [`subpixel_shadows::Error::Scene`] for a radius or a number of points that cannot be, [`subpixel_shadows::Error::Config`] for `looks` of several.
+    pub fn points(&self, light: &Light, casters: &Mesh) -> Result<Vec<Light>> {
+        let Self { light_radius: radius, light_points: points, .. } = *self;
+        let area = AreaLight { light: *light, radius, points };
+        area.check()?;
+        if radius == 0.0 {
+            return Ok(vec![*light]);
+        }
+        if self.looks {
+            return Err(Error::Config(format!(
+                "--looks shows one point of a light, not {points} within a radius of {radius}"
+            )));
+        }
+        let (low, high) = casters.bounds().unwrap_or_default();
+        Ok(area.points(0.5 * (low + high)))
     }
 
     /// Memory of the lists.

@@ -26,6 +26,8 @@ impl RenderOptions {
             ("adapter", adapter),
             ("camera", json!(camera_text(&scene.camera))),
             ("light", json!(light_text(&scene.light))),
+            ("light-radius", json!(o.light_radius)),
+            ("light-points", json!(o.light_points)),
             ("ground", json!(o.ground)),
             ("samples", json!(o.samples)),
             ("pattern", word(o.pattern)),

@@ -7,9 +7,9 @@ use oracle::truth::predicate::Plane;
 use oracle::truth::{Progress, SceneTruth, Tracer, TruthImage, full_mask, join_mask};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use subpixel_shadows::Result;
 use subpixel_shadows::methods::Settings;
 use subpixel_shadows::scene::{Camera, Light};
+use subpixel_shadows::{Error, Result};
 
 /// Scene truth of one view, traced once, with what comparing pictures against it needs.
 #[derive(Clone, Debug)]
@@ -32,14 +32,36 @@ impl TracedScene {
         settings: &Settings,
         progress: Progress,
     ) -> Result<Self> {
+        Self::of_points(tracer, camera, &[*light], settings, progress)
+    }
+
+    /// As [`TracedScene::new`], the mean over some points of a light. The image is that of the first.
+    ///
+    /// # Errors
+    /// As [`SceneTruth::new`]; [`Error::Config`] without a point.
+    pub fn of_points(
+        tracer: &Tracer,
+        camera: &Camera,
+        points: &[Light],
+        settings: &Settings,
+        progress: Progress,
+    ) -> Result<Self> {
         let [width, height] = settings.size;
-        let scene = SceneTruth::new(tracer, camera, light, &settings.samples, width, height)?;
-        let image = scene.image(progress);
+        let truth = |light| SceneTruth::new(tracer, camera, light, &settings.samples, width, height);
+        let first = truth(points.first().ok_or_else(|| Error::Config("a light without points".to_owned()))?)?;
+        let image = first.image(part_of(progress, 0, points.len()).as_deref());
+        let weighted = |image: &TruthImage| image.filtered(settings.filter, &settings.samples);
+        let mut visibility = weighted(&image);
+        for (k, point) in points.iter().enumerate().skip(1) {
+            let more = weighted(&truth(point)?.image(part_of(progress, k, points.len()).as_deref()));
+            visibility.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        }
+        visibility.iter_mut().for_each(|sum| *sum /= points.len() as f32);
         let eye = camera.rays(width, height).eye;
         let full = full_mask(settings.samples.count());
         let one_plane =
-            (0..width * height).into_par_iter().map(|pixel| sees_one_plane(&scene, tracer, eye, pixel, full)).collect();
-        Ok(Self { visibility: image.filtered(settings.filter, &settings.samples), image, one_plane })
+            (0..width * height).into_par_iter().map(|pixel| sees_one_plane(&first, tracer, eye, pixel, full)).collect();
+        Ok(Self { visibility, image, one_plane })
     }
 
     /// Visibility of each pixel, row by row from the top.
@@ -123,7 +145,8 @@ pub struct ConvergedErrors {
 }
 
 impl ConvergedErrors {
-    /// Holds a picture of visibility against 1024 rays a pixel, weighted by the filter of `settings` ([`SceneTruth::converged_by`]).
+    /// Holds a picture of visibility against 1024 rays a pixel, weighted by the filter of `settings` ([`SceneTruth::converged_by`]); of several
+    /// points of a light as many to each.
     ///
     /// # Errors
     /// As [`SceneTruth::new`]; [`subpixel_shadows::Error::Config`] if the sizes do not agree.
@@ -131,14 +154,18 @@ impl ConvergedErrors {
         visibility: &[f32],
         tracer: &Tracer,
         camera: &Camera,
-        light: &Light,
+        points: &[Light],
         settings: &Settings,
         progress: Progress,
     ) -> Result<Self> {
         let ([width, height], samples) = (settings.size, &settings.samples);
-        let truth =
-            SceneTruth::new(tracer, camera, light, samples, width, height)?.converged_by(settings.filter, progress);
-        let truth: Vec<f32> = truth.into_iter().map(|(share, _)| share).collect();
+        let mut truth = vec![0.0; visibility.len()];
+        for (k, light) in points.iter().enumerate() {
+            let scene = SceneTruth::new(tracer, camera, light, samples, width, height)?;
+            let own = scene.converged_by(settings.filter, part_of(progress, k, points.len()).as_deref());
+            truth.iter_mut().zip(own).for_each(|(sum, (share, _))| *sum += share);
+        }
+        truth.iter_mut().for_each(|sum| *sum /= points.len() as f32);
         let e = SceneErrors::against(width, height, samples.count(), &truth, visibility)?;
         Ok(Self {
             converged_rmse: e.scene_rmse,
@@ -194,6 +221,12 @@ impl SceneErrors {
             scene_one_plane_match: None,
         })
     }
+}
+
+/// Progress of part `k` of so many alike.
+fn part_of(progress: Progress<'_>, k: usize, of: usize) -> Option<Box<dyn Fn(usize, usize) + Sync + '_>> {
+    let told = progress?;
+    Some(Box::new(move |done, total| told(k * total + done, of * total)))
 }
 
 /// Whether all samples of a pixel see surfaces of one plane.

@@ -359,3 +359,41 @@ fn overflow_is_harmless() {
         assert_eq!(exr(&ample, "visibility.exr").2, exr(&tight, "visibility.exr").2, "{limit:?}");
     }
 }
+
+/// A light with a radius makes soft shadows, those of rays to the same points; what shows one point is refused, and what cannot be.
+#[gpu_test]
+fn a_light_with_a_radius_is_soft() {
+    let folder = Folder::new("soft");
+    let [soft, hard] = ["soft", "hard"].map(|name| folder.path(name));
+    let args = ["spheres", "--samples", "8", "--truth", "--quiet", "--frames", "1"];
+    for method in ["facet-masks", "ray-traced"] {
+        let asked = ["--method", method, "--light-radius", "4", "--light-points", "6"];
+        let done = render(&soft, &[&args[..], &asked].concat());
+        let text = String::from_utf8_lossy(&done.stdout).into_owned();
+        assert!(text.contains("the mean of 6 points within a radius of 4"), "{text}");
+        let f = frame(&soft);
+        assert!(
+            f["error"]["scene_rmse"].as_f64() < Some(1e-4) && f["error"]["facet_samples"].is_null(),
+            "{}",
+            f["error"]
+        );
+        render(&hard, &[&args[..], &["--method", method]].concat());
+        let [soft, hard] =
+            [&soft, &hard].map(|out| exr(out, "visibility.exr").2.iter().map(|v| v[0]).collect::<Vec<f32>>());
+        let partly = |values: &[f32]| values.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
+        assert!(partly(&soft) > partly(&hard) + 100, "{method}: {} and {}", partly(&soft), partly(&hard));
+        let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
+        assert!((mean(&soft) - mean(&hard)).abs() < 0.02, "{method}: {} and {}", mean(&soft), mean(&hard));
+    }
+    let other = folder.path("other");
+    for (asked, word) in [
+        (&["--light-radius", "4", "--looks"][..], "--looks shows one point"),
+        (&["--light-radius", "50"], "less than 45"),
+        (&["--light-radius", "1", "--light-points", "0"], "0 points"),
+    ] {
+        let refused = run(&[&["render", "plane", "--out", &other], asked].concat());
+        let line = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(1), "{line}");
+        assert!(line.contains(word) && !Path::new(&other).exists(), "{line}");
+    }
+}

@@ -26,6 +26,12 @@ pub fn byte(value: f64) -> u8 {
     (value * 255.0).round() as u8
 }
 
+/// The mean of the visibility of several points of a light, each a picture, summed one by one.
+pub fn mean(points: &[Vec<f32>]) -> Vec<f32> {
+    let pixels = points.first().map_or(0, Vec::len);
+    (0..pixels).map(|p| points.iter().fold(0.0, |sum, point| sum + point[p]) / points.len() as f32).collect()
+}
+
 /// How long the lists of a frame are: of pixel-texel pairs, triangle-texel pairs, candidates and triangles over a place of the map, all of a
 /// band; and with a facet for every surface of triangles in the lists of pixels, complex pixels, facets, and triangles over a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
