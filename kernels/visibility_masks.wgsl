@@ -126,17 +126,16 @@ fn cut_facets(
         if is_dark(pair.x) { continue; }
         let i = rising(triangles[pair.y].xyz);
         let g = ground_of(pair.x);
-        let a = point_of(i.x);
-        let b = point_of(i.y);
-        let c = point_of(i.z);
-        let owned = owned_by(i, g.own);
-        let h = vec3(height_of(g, owned.x, a), height_of(g, owned.y, b), height_of(g, owned.z, c));
-        let side = facing_of(a, b, c, frame.light);
-        let turn = select(-1.0, 1.0, side == FRONT);
-        let beside = is_beside(g, i, owned, select(turn, 0.0, side == UNSURE));
+        // Where a cut ends is a ratio of heights, of which single precision may know no more than the signs.
+        let n = full_normal(g.own);
+        let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
+        if all(h <= vec3(0.0)) { continue; }
+        let turn = full_turn_of(i);
+        let beside = is_beside(g, i, owned_by(i, g.own), turn);
         // Facets that are cut are one a pixel.
-        let line = beyond_centre(turn * own_line(g, a, edge_of(i.x, i.y), edge_of(i.x, i.z)).xyz, beside);
-        cut(pair.x, g, line, a, b, c, h);
+        let own = select(turn, 1.0, turn == 0.0) * full_line(g, n, full_normal(i), i.x);
+        let line = beyond_centre(own, beside & (turn != 0.0));
+        cut(pair.x, g, line, point_of(i.x), point_of(i.y), point_of(i.z), h);
     }
 }
 

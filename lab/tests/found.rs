@@ -24,11 +24,15 @@ const ALL: FacetMode = FacetMode::All;
 const LOW: Pattern = Pattern::LowDiscrepancy;
 
 #[rustfmt::skip]
-const FOUND: [Found; 21] = [
+const FOUND: [Found; 23] = [
     // The view of a light held no caster nearer to it than a ten-thousandth of the farthest.
     Found { name: "caster-near-a-light", method: MethodName::FacetMasks, facets: ALL, size: [2, 35], map: 1, samples: (LOW, 16) },
     // A facet goes on beyond its surface and the view of the light, where what the view leaves out shadows or cuts it.
     Found { name: "valley-at-an-end", method: MethodName::FacetMasks, facets: ONE, size: [1, 5], map: 1, samples: (LOW, 8) },
+    // Beside the light's view, but for the box around it, a facet is lit as a whole: truth drops and shadows a sample beneath its neighbour.
+    Found { name: "beyond-the-lights-view", method: MethodName::FacetMasks, facets: ONE, size: [1, 6], map: 1, samples: (Pattern::Grid, 8) },
+    // Of heights over a facet single precision knew the signs, but not the ratio by which a cut ends along an edge.
+    Found { name: "ends-of-a-cut", method: MethodName::FacetMasks, facets: ONE, size: [26, 9], map: 1, samples: (LOW, 8) },
     Found { name: "end-of-a-view", method: MethodName::FacetMasks, facets: ONE, size: [1, 2], map: 8, samples: (LOW, 8) },
     Found { name: "plane-beyond-the-view", method: MethodName::Supersampled, facets: ONE, size: [15, 3], map: 16, samples: (LOW, 8) },
     // Heights over a facet left out how far its point may lie off its plane.

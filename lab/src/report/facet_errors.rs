@@ -93,7 +93,8 @@ impl FacetSet {
 /// surface may lie beneath the scene, where the light view holds no caster, and does not count; with one facet a pixel, which is
 /// followed beyond its triangle, no more does one outside the box around the mesh. Where ours leave none that is
 /// valid and open, evaluation may have ended there, and what is asked is
-/// whether truth leaves one. Of one that is dark, all.
+/// whether truth leaves one. Where ours leave all valid and lit, samples that truth drops beneath a neighbour that rises from the facet do not
+/// count if it leaves all others lit. Of one that is dark, all.
 ///
 /// With a facet for every surface the band is around the edges of what is seen, too: a wrong sample whose answer in scene
 /// truth is another within 1/256 pixel ([`SceneTruth::ambiguous_mask`]) lies in it.
@@ -220,12 +221,16 @@ impl View<'_> {
         // What both drop does not count, whether it is in shadow or not.
         let dropped = if self.validity { masks[2] & !join_mask(truth.valid) } else { 0 };
         let open = join_mask(truth.valid) & !occluded;
+        // A facet that the light's view does not hold is lit as a whole, also beneath a neighbour that rises from it. Where truth drops what lies
+        // there, and leaves no other sample in shadow, the picture is the same.
+        let lit = self.validity && (masks[1] | masks[2]) & met == 0 && join_mask(truth.valid) & occluded & met == 0;
+        let beneath = if lit { occluded & !join_mask(truth.valid) } else { 0 };
         let (asked, ours) = match state {
             s if s == FacetState::Dark as u32 => (met, met),
             s if s == FacetState::Lit as u32 => (own, 0),
             s if s == FacetState::Shadowed as u32 => (own, own),
             _ if closed => (met & open, met),
-            _ => (met & !dropped, masks[1] & met),
+            _ => (met & !dropped & !beneath, masks[1] & met),
         };
         let (doubt, compared) = match state {
             s if s != FacetState::Undecided as u32 => (doubt, asked),
@@ -253,7 +258,7 @@ impl View<'_> {
             _ => {
                 e.facet_wrong_occluded = outside;
                 if self.validity && !closed {
-                    let wrong = (!masks[2] ^ join_mask(truth.valid)) & met;
+                    let wrong = (!masks[2] ^ join_mask(truth.valid)) & met & !beneath;
                     e.facet_wrong_invalid = count(wrong & !doubt_valid);
                     inside |= wrong & doubt_valid;
                     surely_wrong |= wrong & !doubt_valid;
