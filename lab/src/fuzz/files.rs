@@ -78,8 +78,7 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
             Warp::Perspective => "perspective",
             Warp::Fitted => "fitted",
         };
-        let _ =
-            write!(line, " --splits {splits} --warp {warp} --focus {} --split-weight {}", focus as f32, weight as f32);
+        let _ = write!(line, " --splits {splits} --warp {warp} --focus {focus} --split-weight {weight}");
     }
     if how.method == MethodName::RayTraced {
         line += if s.ray_traced.silhouettes { " --rays silhouettes" } else { " --rays all" };

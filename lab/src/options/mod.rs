@@ -88,14 +88,14 @@ pub struct RenderOptions {
     pub splits: Option<u32>,
     /// Where slices end: 1 for depths that grow by a factor, 0 for slices of one length, 0.5 for the mean of both
     #[arg(long, default_value_t = 0.5, value_name = "SHARE")]
-    pub split_weight: f32,
+    pub split_weight: f64,
     /// How the texels of a map lie over its slice: evenly, over a trapezoid by the 80 % rule, by light-space perspective, by that from the
     /// eye itself, or as makes them smallest beside pixels [default: fitted]
     #[arg(long, value_enum, value_name = "HOW")]
     pub warp: Option<WarpBy>,
     /// Share of a slice's depth, nearest the eye, that gets 80 % of a trapezoid's rows (trapezoidal, --warp trapezoid)
     #[arg(long, default_value_t = 0.6, value_name = "SHARE")]
-    pub focus: f32,
+    pub focus: f64,
     /// Share of light that the methods of moments take off against leaks; 0 as in the papers, up to 0.9
     #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
     pub bleeding: f32,
@@ -272,8 +272,8 @@ impl RenderOptions {
         (self.splits.is_some() || warp.is_some() || own.is_some()).then(|| SplitPlan {
             splits: self.splits.or(own.map(|plan| plan.splits)).unwrap_or(1),
             warp: warp.or(own.map(|plan| plan.warp)).unwrap_or_default(),
-            focus: f64::from(self.focus),
-            weight: f64::from(self.split_weight),
+            focus: self.focus,
+            weight: self.split_weight,
         })
     }
 
