@@ -139,11 +139,17 @@ impl Plot {
                 let line = LineSeries::new(series.points.iter().map(place), colour.mix(0.7).stroke_width(1));
                 chart.draw_series(line).map_err(|e| e.to_string())?;
             }
-            // Beyond as many series as there are colours, rings.
-            let mark = if n >= COLOURS.len() + guides { colour.stroke_width(2) } else { colour.filled() };
-            let marks = series.points.iter().map(|p| Circle::new(place(p), 4, mark));
-            chart.draw_series(marks).map_err(|e| e.to_string())?;
-            legend.draw(&Circle::new((13, at), 4, mark)).map_err(|e| e.to_string())?;
+            // Beyond as many series as there are colours rings, beyond twice as many triangles.
+            let points = series.points.iter().map(place);
+            if n < 2 * COLOURS.len() + guides {
+                let mark = if n >= COLOURS.len() + guides { colour.stroke_width(2) } else { colour.filled() };
+                chart.draw_series(points.map(|p| Circle::new(p, 4, mark))).map_err(|e| e.to_string())?;
+                legend.draw(&Circle::new((13, at), 4, mark)).map_err(|e| e.to_string())?;
+            } else {
+                let mark = |p| TriangleMarker::new(p, 5, colour.filled());
+                chart.draw_series(points.map(mark)).map_err(|e| e.to_string())?;
+                legend.draw(&TriangleMarker::new((13, at), 5, colour.filled())).map_err(|e| e.to_string())?;
+            }
             let font = ("sans-serif", 12).into_font().color(&colour);
             let named = series.points.iter().filter(|p| !p.2.is_empty());
             let texts = named.map(|p| EmptyElement::at(place(p)) + Text::new(p.2.clone(), (6, -12), font.clone()));
@@ -260,6 +266,34 @@ mod tests {
         let empty = Plot { title: String::new(), x: Axis::log(""), y: Axis::log(""), series: Vec::new() };
         std::fs::remove_file(&path).unwrap();
         assert!(!empty.write(&path).unwrap() && !path.exists());
+    }
+
+    /// Of 24 series no two have the same mark.
+    #[test]
+    fn every_series_has_a_mark_of_its_own() {
+        let path = std::env::temp_dir().join(format!("subpixel-shadows-marks-{}.svg", std::process::id()));
+        let of = |k: u32| Series {
+            name: format!("series {k}"),
+            points: vec![(f64::from(k + 1), 1.0, String::new())],
+            joined: false,
+            guide: false,
+        };
+        let series = (0..24).map(of).collect();
+        let plot = Plot { title: String::new(), x: Axis::log("time"), y: Axis::log("error"), series };
+        assert!(plot.write(&path).unwrap());
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        // Without the places; each is drawn at its point and in the legend.
+        let is_style = |attribute: &&str| ["fill", "stroke"].iter().any(|style| attribute.starts_with(style));
+        let marks = text.lines().filter(|line| line.starts_with("<circle") || line.starts_with("<polygon"));
+        let kind = |line: &str| {
+            let styles: Vec<String> = line.split(' ').filter(is_style).map(str::to_owned).collect();
+            (line.starts_with("<circle"), styles)
+        };
+        let kinds: Vec<_> = marks.map(kind).collect();
+        assert_eq!(kinds.len(), 48);
+        let different: std::collections::BTreeSet<_> = kinds.iter().collect();
+        assert_eq!(different.len(), 24, "{different:?}");
     }
 
     #[test]
