@@ -130,12 +130,15 @@ fn cut_facets(
         let n = full_normal(g.own);
         let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
         if all(h <= vec3(0.0)) { continue; }
-        let turn = full_turn_of(i);
-        let beside = is_beside(g, i, owned_by(i, g.own), turn);
+        let a = point_of(i.x);
+        let b = point_of(i.y);
+        let c = point_of(i.z);
+        let side = facing_of(a, b, c, frame.light);
+        let turn = select(-1.0, 1.0, side == FRONT);
+        let beside = is_beside(g, i, owned_by(i, g.own), select(turn, 0.0, side == UNSURE));
         // Facets that are cut are one a pixel.
-        let own = select(turn, 1.0, turn == 0.0) * full_line(g, n, full_normal(i), i.x);
-        let line = beyond_centre(own, beside & (turn != 0.0));
-        cut(pair.x, g, line, point_of(i.x), point_of(i.y), point_of(i.z), h);
+        let line = beyond_centre(turn * full_line(g, n, full_normal(i), i.x), beside);
+        cut(pair.x, g, line, a, b, c, h);
     }
 }
 
