@@ -289,7 +289,7 @@ fn status_of(pass: &mut ShadowPass, frames: &[u64]) -> Result<FrameStatus> {
             for stage in &mut own.stages {
                 stage.gpu_ms += before.stages.iter().filter(|s| s.name == stage.name).map(|s| s.gpu_ms).sum::<f64>();
             }
-            // What the first found for all.
+            // Stages that ran for the first alone, which found the surfaces of all.
             let found = |s: &&StageTime| own.stages.iter().all(|own| own.name != s.name);
             let found: Vec<StageTime> = before.stages.iter().filter(found).cloned().collect();
             own.stages.splice(0..0, found);

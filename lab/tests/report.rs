@@ -196,7 +196,7 @@ fn other_methods_keep_their_promises() {
     assert!(compared > 500_000, "{compared} samples");
 }
 
-/// What `stability` wrote, each frame as it must be.
+/// The frames that `stability` wrote, each as it must be.
 fn outcomes(out: &str) -> Vec<Value> {
     let found = json(&Path::new(out).join("stability.json"));
     let outcomes = found["outcomes"].as_array().expect("outcomes").clone();

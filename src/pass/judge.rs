@@ -107,7 +107,7 @@ impl ShadowPass {
             Ok(outcome) => {
                 status.overflowed = outcome.left_out;
                 if outcome.left_out {
-                    // What has grown takes the place of what they hold.
+                    // They hold the buffers that larger ones have replaced.
                     self.bind_groups.forget();
                 }
                 [status.counts.visibility_evaluations, status.counts.refined_evaluations] = outcome.evaluations;

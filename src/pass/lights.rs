@@ -44,7 +44,7 @@ impl ShadowPass {
     /// Appends a frame for each point of a light of some extent, and returns their numbers: what goes to `target`, and to
     /// [`ShadowPass::visibility`], is the mean of their visibility, right where each has a complete status. The light of `inputs` is not read.
     ///
-    /// What the camera sees is found once, as by [`ShadowPass::record_lights`]; the points cost what as many lights do, and 4 bytes a pixel.
+    /// The surfaces that the camera sees are found once, as by [`ShadowPass::record_lights`]; the points cost what as many lights do, and 4 bytes a pixel.
     ///
     /// # Errors
     /// As [`ShadowPass::record_lights`]; [`Error::Scene`] for a light that cannot be; [`Error::Config`] where lit masks are asked for, which several

@@ -125,7 +125,7 @@ impl How {
         Ok(Self { method, setting, pattern, settings, budget, force_all, both })
     }
 
-    /// What is promised of each sample.
+    /// The promise for each sample.
     pub fn promise(&self) -> Promise {
         Promise::of(self.method, &self.settings)
     }

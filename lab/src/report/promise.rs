@@ -1,10 +1,10 @@
-//! What a method promises of its samples.
+//! Promises of methods for their samples.
 
 use serde::Serialize;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{MethodName, ProjectionVariant, Settings};
 
-/// What a method promises of its samples, besides shares in `[0, 1]` and the same bits every time.
+/// The promise of a method for its samples, besides shares in `[0, 1]` and the same bits every time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Promise {

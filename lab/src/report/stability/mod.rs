@@ -25,7 +25,7 @@ pub struct StabilityVariant {
     pub name: String,
     /// The method.
     pub method: MethodName,
-    /// What it promises of every sample.
+    /// Its promise for every sample.
     pub promise: Promise,
     settings: Settings,
 }
@@ -73,7 +73,7 @@ pub struct Outcome {
     pub variant: String,
     /// The method.
     pub method: &'static str,
-    /// What it promises.
+    /// Its promise.
     pub promise: Promise,
     /// Triangles.
     pub triangles: usize,
@@ -129,7 +129,7 @@ impl Outcome {
     }
 }
 
-/// What is traced once for all variants of a step.
+/// Truth of a step, traced once for all variants.
 struct Traced {
     prepared: Prepared,
     tracer: Tracer,

@@ -108,7 +108,7 @@ fn by_step(case: &StiffCase, outcomes: &[&Outcome]) -> Vec<Vec<String>> {
     rows
 }
 
-/// What is not as it must be.
+/// The fault of a frame in a word or two, empty if there is none.
 fn fault(o: &Outcome) -> &'static str {
     match (o.holds(), o.same_bits == Some(false) || !o.repeats) {
         (true, _) => "",
