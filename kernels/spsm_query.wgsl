@@ -21,6 +21,7 @@ override WORDS: u32 = 1u;
 override MANY: u32 = 1u;      // 0: one sample a pixel, at its centre
 override RADIUS: i32 = 1;     // texels searched around a sample's own
 override STRETCH: i32 = 0;    // and beyond these along the border's tangents, to either side
+override RECOVERY: u32 = 1u;  // 0: what no triangle around covers is lit (figure 2, middle)
 override BIAS: f32 = 1e-5;
 override SQUARE: i32 = 2 * RADIUS + 1;
 const WORKGROUP = 64u;
@@ -89,7 +90,7 @@ fn settle(
     let f = footprint_of(r, pixel);
     let open = !any_before(r, f, true);
     let missed_own = missed;
-    var kind = select(CLASS_UNCERTAIN, CLASS_SHADOWED, covered(r, f));
+    var kind = select(CLASS_UNCERTAIN, CLASS_SHADOWED, covered(r, f, RECOVERY == 1u));
     if open {
         kind = CLASS_LIT;
         missed = missed_own;

@@ -7,6 +7,7 @@
 //@needs override RADIUS: i32;
 //@needs override STRETCH: i32;
 //@needs override SQUARE: i32;
+//@needs override RECOVERY: u32;
 //@needs var<uniform> patterns: array<vec4<u32>, 512>;
 
 // Parts of a pixel that the search needs: the place of its centre, which is on the triangle, and which
@@ -109,8 +110,8 @@ fn shadowed_of(
             dark |= hits_of(s, r, pixel, at, middle_of(here), group & ~dark & counting(s, r, here, around));
         }
     }
-    if pattern.w == 1u { return group; }
-    if pattern.y == 0u { return dark; }
+    if RECOVERY == 1u && pattern.w == 1u { return group; }
+    if RECOVERY == 0u || pattern.y == 0u { return dark; }
     for (var w = 0u; w < WORDS; w++) {
         for (var left = group[w] & ~dark[w]; left != 0u; left &= left - 1u) {
             let place = sample_place(r, pixel, 32u * w + firstTrailingBit(left)).xy - centre;

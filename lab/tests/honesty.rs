@@ -51,6 +51,8 @@ fn other_value(option: &str) -> &'static str {
         "list-start" => "1",
         "encoding" => "paper",
         "search" => "near",
+        "recovery" => "off",
+        "slope-power" => "1",
         "rays" => "silhouettes",
         "kernel" => "7",
         "compare" => "midpoint",
@@ -389,6 +391,8 @@ mod gpu {
             "projection" => s.projection = ProjectionVariant::TwoStep,
             "encoding" => s.spsm.encoding = SpsmEncoding::Paper,
             "search" => (s.spsm.radius, s.spsm.stretch) = (1, 0),
+            "recovery" => s.spsm.recovery = false,
+            "slope-power" => s.spsm.exponent = 1,
             "rays" => s.ray_traced.silhouettes = true,
             "kernel" => s.shadow_map.kernel = 7,
             "compare" => s.shadow_map.compared = Some(DepthRule::Midpoint),
@@ -446,6 +450,7 @@ mod gpu {
                 let base = match option {
                     "validity" => with(method, "facets", &default),
                     "split-weight" => with(method, "splits", &default),
+                    "slope-power" => with(method, "encoding", &default),
                     "focus" if method != MethodName::Trapezoidal => with(method, "warp", &default),
                     _ => Some(default.clone()),
                 };

@@ -1843,6 +1843,7 @@ pub mod spsm_query {
         stretch: i32 = 0, "STRETCH",
         many: u32 = 1, "MANY",
         words: u32 = 1, "WORDS",
+        recovery: u32 = 1, "RECOVERY",
     }
     entry_point! { "spsm_query", "classify", [64, 1, 1], SOURCE, Constants => Classify, ClassifyProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,

@@ -113,7 +113,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 24] = [
+pub const METHOD_OPTIONS: [&str; 26] = [
     "facets",
     "validity",
     "masks",
@@ -124,6 +124,8 @@ pub const METHOD_OPTIONS: [&str; 24] = [
     "list-start",
     "encoding",
     "search",
+    "recovery",
+    "slope-power",
     "rays",
     "kernel",
     "compare",
@@ -182,7 +184,7 @@ pub const METHODS: [MethodRow; 17] = [
         ],
         query: TexelQuery::Triangles,
         partition: None,
-        options: &["encoding", "search", "splits", "split-weight", "warp", "focus", "looks"],
+        options: &["encoding", "search", "recovery", "slope-power", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::ShadowMap,

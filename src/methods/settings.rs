@@ -82,6 +82,9 @@ pub struct SpsmSettings {
     /// Texels beyond these that are searched along the border's tangents, to either side, 0 to 2: the anisotropic kernel of
     /// section 6.4, beside a radius of 1.
     pub stretch: u32,
+    /// Whether what no triangle around a sample covers is judged by the border that their outer edges link (section 4.2). Without, as in the
+    /// middle of figure 2, it is lit.
+    pub recovery: bool,
     /// Make only the texels of the map that pixels ask for. The picture is the same; with a map of many more texels than the
     /// image has pixels it costs less, with others more.
     pub seen_only: bool,
@@ -89,7 +92,15 @@ pub struct SpsmSettings {
 
 impl Default for SpsmSettings {
     fn default() -> Self {
-        Self { encoding: SpsmEncoding::Lines, exponent: 5, bias: 1e-5, radius: 1, stretch: 2, seen_only: true }
+        Self {
+            encoding: SpsmEncoding::Lines,
+            exponent: 5,
+            bias: 1e-5,
+            radius: 1,
+            stretch: 2,
+            recovery: true,
+            seen_only: true,
+        }
     }
 }
 

@@ -49,6 +49,7 @@ impl Spsm {
             many: settings.samples.count() > 1,
             radius: settings.spsm.radius,
             stretch: settings.spsm.stretch,
+            recovery: settings.spsm.recovery,
             bias: settings.spsm.bias,
         };
         let texels = SpsmTexels::new(device, queue, settings.map as usize, settings.pixels(), settings.spsm.exponent)?;

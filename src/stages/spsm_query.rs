@@ -48,6 +48,8 @@ pub struct SpsmQueryOptions {
     pub radius: u32,
     /// Texels searched beyond these along the border's tangents, to either side; up to 2, and only with a radius of 1.
     pub stretch: u32,
+    /// Whether what no triangle covers is judged by the border that outer edges link (section 4.2); without, it is lit.
+    pub recovery: bool,
     /// Depth by which a caster must lie before a receiver.
     pub bias: f32,
 }
@@ -55,7 +57,7 @@ pub struct SpsmQueryOptions {
 impl Default for SpsmQueryOptions {
     /// One sample, edge lines, 3 × 3 texels.
     fn default() -> Self {
-        Self { encoding: 1, words: 1, many: false, radius: 1, stretch: 0, bias: 1e-5 }
+        Self { encoding: 1, words: 1, many: false, radius: 1, stretch: 0, recovery: true, bias: 1e-5 }
     }
 }
 
@@ -136,6 +138,7 @@ impl SpsmQuery {
             many: u32::from(options.many),
             radius: options.radius as i32,
             stretch: options.stretch as i32,
+            recovery: u32::from(options.recovery),
             bias: options.bias,
         };
         Self {

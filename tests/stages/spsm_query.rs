@@ -21,10 +21,10 @@ use test_support::gpu_test;
 
 const BIAS: f32 = 1e-5;
 
-/// Texels searched around a place's own, and beyond these along the border's tangents.
-type Search = [u32; 2];
-const NEAR: Search = [1, 0];
-const SEARCHES: [Search; 4] = [NEAR, [2, 0], [1, 1], [1, 2]];
+/// Texels searched around a place's own, beyond these along the border's tangents, and whether the border is recovered.
+type Search = (u32, u32, bool);
+const NEAR: Search = (1, 0, true);
+const SEARCHES: [Search; 5] = [NEAR, (2, 0, true), (1, 1, true), (1, 2, true), (1, 2, false)];
 
 struct Ran {
     made: Made,
@@ -53,8 +53,9 @@ fn ask(world: &World, lines: bool, search: Search) -> Ran {
         encoding: u32::from(lines),
         words: words as u32,
         many: world.samples.count() > 1,
-        radius: search[0],
-        stretch: search[1],
+        radius: search.0,
+        stretch: search.1,
+        recovery: search.2,
         bias: BIAS,
     };
     let query = SpsmQuery::new(&gpu.device, &PrefixScan::new(&gpu.device), options, &made.texels);
@@ -127,8 +128,9 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
     let query = |bias: f64| Query {
         records: &ran.made.records,
         coding: &ran.made.coding,
-        radius: ran.search[0] as i32,
-        stretch: ran.search[1] as i32,
+        radius: ran.search.0 as i32,
+        stretch: ran.search.1 as i32,
+        recovery: ran.search.2,
         bias: f64::from(BIAS) + depth + bias,
         noise: place,
     };
@@ -265,7 +267,7 @@ fn random_seeded() {
             check(
                 &world(gpu(), &mesh, light, [40, 30], [64, 150][k / 2], count),
                 k % 2 == 1,
-                SEARCHES[(k + kind as usize) % 4],
+                SEARCHES[(k + kind as usize) % SEARCHES.len()],
             );
         }
     }
@@ -302,7 +304,7 @@ fn a_bowl_does_not_shade_itself() {
     for map in [128, 512] {
         let world = World::new(gpu(), &mesh, camera, light, [60, 45], map, samples(32));
         for lines in [false, true] {
-            let ran = ask(&world, lines, [1, 2]);
+            let ran = ask(&world, lines, (1, 2, true));
             let dark = ran.visibility.iter().map(|v| 1.0 - f64::from(*v)).sum::<f64>() / ran.visibility.len() as f64;
             println!("lines {lines}, map {map}: {:.4} % of the light is missing", 100.0 * dark);
             assert!(dark < 0.02, "lines {lines}, map {map}: {dark} of the light is missing");

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use egui::{ComboBox, Id, Rect, Response, Slider, Ui};
-use lab::options::{FacetsPerPixel, RenderOptions, WarpBy};
+use lab::options::{Encoding, FacetsPerPixel, RenderOptions, WarpBy};
 use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::pass::FrameStatus;
 
@@ -99,6 +99,10 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     if takes("encoding") {
         changed |= words(ui, half, "encoding", &mut options.encoding);
         changed |= words(ui, half, "search", &mut options.search);
+        changed |= words(ui, half, "recovery", &mut options.recovery);
+        if matches!(options.encoding, Encoding::Paper) {
+            changed |= numbers(ui, half, "slope-power", &mut options.slope_power, &[1, 3, 5, 7, 9]);
+        }
     }
     if takes("rays") {
         changed |= words(ui, half, "rays", &mut options.rays);

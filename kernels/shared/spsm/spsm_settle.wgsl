@@ -51,17 +51,17 @@ fn covered_by_own(r: Receiver, f: Footprint) -> bool {
     return (covers_as(r, f, texel_of(f.at)) & COVERS_ONE) != 0u;
 }
 
-// Whether one triangle around covers the footprint, or all in and around the texels of the footprint lie
-// before it by their planes: then every pattern of depth tests there is the covered one. Of a footprint whose
+// Whether one triangle around covers the footprint, or with `by_all` all in and around the texels of the
+// footprint lie before it by their planes: then every pattern of depth tests there is the covered one. Of a footprint whose
 // middle is outside the texels it was held to, the first alone is asked, so that no loop goes from the one to
 // the other.
-fn covered(r: Receiver, f: Footprint) -> bool {
+fn covered(r: Receiver, f: Footprint, by_all: bool) -> bool {
     let middle = texel_of(f.at);
     let held = all(middle >= f.first) && all(middle <= f.last);
     let low = select(middle - RADIUS, min(f.first - 1, middle - RADIUS), held);
     let high = select(middle + RADIUS, max(f.last + 1, middle + RADIUS), held);
     var one = false;
-    var all_before = held;
+    var all_before = held && by_all;
     for (var y = low.y; y <= high.y; y++) {
         for (var x = low.x; x <= high.x; x++) {
             let texel = vec2(x, y);

@@ -66,6 +66,12 @@ pub struct RenderOptions {
     /// along the shadow's border)
     #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
     pub search: Search,
+    /// Judge what no triangle around covers by the border that their edges link (spsm); without, it is lit
+    #[arg(long, value_enum, default_value_t, value_name = "SWITCH")]
+    pub recovery: Switch,
+    /// Power by which the paper's code of spsm keeps slopes: 1 for even steps of the angle, 3, 5 (the paper's), 7 or 9
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    pub slope_power: u32,
     /// Rays of ray-traced: from all pixels, or from those that are not proved lit or shadowed
     #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
     pub rays: RayChoice,
@@ -231,7 +237,14 @@ impl RenderOptions {
                 Projection::TwoStep => ProjectionVariant::TwoStep,
             },
             filter: self.filter.into(),
-            spsm: SpsmSettings { encoding, radius, stretch, ..SpsmSettings::default() },
+            spsm: SpsmSettings {
+                encoding,
+                exponent: self.slope_power,
+                radius,
+                stretch,
+                recovery: self.recovery == Switch::On,
+                ..SpsmSettings::default()
+            },
             smsr: SmsrSettings {
                 shape: match self.shape {
                     Shape::Corners => SmsrShape::Corners,

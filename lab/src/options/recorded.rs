@@ -48,6 +48,8 @@ impl RenderOptions {
             ("filter", word(o.filter)),
             ("encoding", word(o.encoding)),
             ("search", word(o.search)),
+            ("recovery", word(o.recovery)),
+            ("slope-power", json!(o.slope_power)),
             ("rays", word(o.rays)),
             ("kernel", json!(o.kernel)),
             ("compare", word(o.compare)),

@@ -308,6 +308,7 @@ fn options_choose_what_or_how() {
         ("ray-traced", "--rays", &["all", "silhouettes"], 2),
         ("spsm", "--encoding", &["lines", "paper"], 1),
         ("spsm", "--search", &["along", "wide", "near"], 1),
+        ("spsm", "--recovery", &["on", "off"], 1),
     ];
     for (method, option, values, alike) in options {
         let default = picture(&["--method", method]);

@@ -15,6 +15,8 @@ pub struct Query<'a> {
     pub radius: i32,
     /// And beyond these along the border's tangents, to either side.
     pub stretch: i32,
+    /// Whether what no triangle covers is judged by the border that outer edges link; without, it is lit.
+    pub recovery: bool,
     /// Depth by which a caster must lie before a receiver, rounding of depths included.
     pub bias: f64,
     /// Rounding of places, texels.
@@ -180,7 +182,11 @@ impl Query<'_> {
             .fold(0, |mask, (k, [x, y])| mask | u32::from(before([texel[0] + x, texel[1] + y])) << k);
         let pattern = BorderPattern::of(mask);
         let towards = &pattern.towards_lit[..pattern.count as usize];
-        if pattern.covered || self.around(texel).chain(self.along(texel, towards)).any(hit) {
+        let met = self.around(texel).chain(self.along(texel, towards)).any(hit);
+        if met || !self.recovery {
+            return met;
+        }
+        if pattern.covered {
             return true;
         }
         let mut pieces: Vec<[DVec2; 2]> = Vec::new();
