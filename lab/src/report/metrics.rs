@@ -42,12 +42,15 @@ pub struct Metrics {
     pub whole: Errors,
     /// Over the silhouette band.
     pub band: Errors,
-    /// Pixels that are fully lit in truth, less than that here, and have no pixel of the band within one pixel: surfaces
-    /// that shadow themselves.
+    /// Pixels that are fully lit in truth, less than that here by more than [`SHOWN`], and have no pixel of the band within one pixel:
+    /// surfaces that shadow themselves.
     pub acne_pixels: u64,
-    /// Pixels that are fully dark in truth and lit here at all.
+    /// Pixels that are fully dark in truth and lit here by more than [`SHOWN`].
     pub leak_pixels: u64,
 }
+
+/// The least difference that a picture of 8 bits shows: half a step. Bounds of moments reach neither light nor dark quite.
+pub const SHOWN: f32 = 0.5 / 255.0;
 
 /// A difference that is one sample, give or take the rounding of `f32` shares.
 const ROUNDING: f64 = 1e-6;
@@ -103,9 +106,9 @@ impl Truth<'_> {
             ..Metrics::default()
         };
         for (((&t, &o), _), &near) in pairs().zip(&near_band) {
-            let below = o < 1.0 || o.is_nan();
+            let below = o < 1.0 - SHOWN || o.is_nan();
             metrics.acne_pixels += u64::from(t == 1.0 && below && !near);
-            metrics.leak_pixels += u64::from(t == 0.0 && o > 0.0);
+            metrics.leak_pixels += u64::from(t == 0.0 && o > SHOWN);
         }
         Ok(metrics)
     }
@@ -206,6 +209,8 @@ mod tests {
         assert_eq!((acne.acne_pixels, acne.leak_pixels, acne.band.max), (1, 0, Some(0.0)));
         assert_eq!(with(4, 0.9).acne_pixels, 0, "next to the band it is an edge");
         assert_eq!(with(0, 0.1).leak_pixels, 1);
+        assert_eq!((with(0, 0.001).leak_pixels, with(6, 0.999).acne_pixels), (0, 0), "no picture shows it");
+        assert_eq!((with(0, 0.002).leak_pixels, with(6, 0.998).acne_pixels), (1, 1));
         let broken = with(7, f32::NAN);
         assert_eq!((broken.whole.max, broken.acne_pixels), (Some(1.0), 1));
     }

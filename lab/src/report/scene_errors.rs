@@ -113,9 +113,9 @@ pub struct SceneErrors {
     pub scene_band_max: Option<f64>,
     /// Share of the band's pixels within 1/N of truth.
     pub scene_band_pixel_match: Option<f64>,
-    /// Pixels that are lit in truth, less than that here, and not near the band.
+    /// Pixels that are lit in truth, less than that here by half a step of 8 bits or more, and not near the band.
     pub scene_acne_pixels: u64,
-    /// Pixels that are dark in truth and lit here at all.
+    /// Pixels that are dark in truth and lit here by half a step of 8 bits or more.
     pub scene_leak_pixels: u64,
     /// Mean of the FLIP map.
     pub scene_flip: f64,
