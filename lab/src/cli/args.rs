@@ -3,12 +3,13 @@
 use clap::{Args, Parser, Subcommand};
 use lab::options::{RenderOptions, method_name, size};
 use lab::report::comparison::Scope;
+use lab::report::experiments::{Experiment, experiment, experiments};
 use lab::scene::BUILTIN_NAMES;
 use std::path::PathBuf;
-use subpixel_shadows::Result;
 use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::methods::facet_masks::Settings;
 use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::{Error, Result};
 
 /// Sub-pixel antialiased hard shadows, computed entirely in wgpu compute kernels.
 #[derive(Debug, Parser)]
@@ -37,8 +38,11 @@ pub enum Command {
         #[command(flatten)]
         options: RenderOptions,
     },
-    /// Error against run time: scenes x methods x settings, as tables and plots
+    /// Error against run time: scenes x methods x settings, as tables and plots; or figures of the papers
+    #[command(args_conflicts_with_subcommands = true)]
     Report {
+        #[command(subcommand)]
+        figure: Option<ReportCommand>,
         #[command(flatten)]
         options: ReportOptions,
     },
@@ -70,6 +74,61 @@ pub enum Command {
         #[arg(long)]
         check: bool,
     },
+}
+
+/// What else `report` does.
+#[derive(Debug, Subcommand)]
+pub enum ReportCommand {
+    /// Measure experiments of the papers again: a page each, with the paper's figures beside ours
+    Figure {
+        #[command(flatten)]
+        options: FigureOptions,
+    },
+}
+
+/// The options of `report figure`.
+#[derive(Debug, Args)]
+pub struct FigureOptions {
+    /// Figures, by name, or `all` [default: list them]
+    pub names: Vec<String>,
+    /// Image size, pixels
+    #[arg(long, default_value = "400x300", value_name = "WxH", value_parser = size)]
+    pub size: [u32; 2],
+    /// Frames of each row that count
+    #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: u32,
+    /// Seconds of frames after which a row has enough, fewer than N but one at the least
+    #[arg(long, default_value_t = 10, value_name = "S", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub row_seconds: u32,
+    /// Begin anew, without the rows that an earlier run left in the folder
+    #[arg(long)]
+    pub fresh: bool,
+    /// Pick an adapter whose name contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// Folder for the files that are written, one in it for each figure
+    #[arg(long, default_value = "out/figures", value_name = "DIR")]
+    pub out: PathBuf,
+    /// No progress, no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl FigureOptions {
+    /// The experiments that are asked for, each once; none to have them listed.
+    pub fn experiments(&self) -> Result<Vec<&'static Experiment>> {
+        let mut found: Vec<&Experiment> = Vec::new();
+        for name in &self.names {
+            let these = match name.as_str() {
+                "all" => experiments().collect(),
+                name => vec![experiment(name).map_err(Error::Config)?],
+            };
+            found.extend(
+                these.into_iter().filter(|e| found.iter().all(|known| known.name != e.name)).collect::<Vec<_>>(),
+            );
+        }
+        Ok(found)
+    }
 }
 
 /// The options of `report`.

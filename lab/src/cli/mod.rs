@@ -4,6 +4,7 @@ mod adapters;
 mod args;
 mod engine;
 mod explain;
+mod figure;
 mod fuzz;
 mod given;
 mod held;
@@ -14,10 +15,11 @@ mod progress;
 mod render;
 mod repeat;
 mod report;
+mod rows;
 mod stability;
 mod table;
 
-use args::{Cli, Command};
+use args::{Cli, Command, ReportCommand};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use given::given;
 use lab::options::RenderOptions;
@@ -41,7 +43,8 @@ pub fn main() -> ExitCode {
         Some(Command::Fuzz { options }) => return finish(fuzz::run(&options)),
         Some(Command::Render { scene, options }) => with(matches, scene, options, render::run),
         Some(Command::Explain { scene, options }) => with(matches, scene, options, explain::run),
-        Some(Command::Report { options }) => report::run(&options),
+        Some(Command::Report { figure: Some(ReportCommand::Figure { options }), .. }) => figure::run(&options),
+        Some(Command::Report { options, .. }) => report::run(&options),
         Some(Command::Stability { options }) => stability::run(&options),
         Some(Command::Methods { json }) => methods::run(json),
         Some(Command::Kernels { out }) => kernels::run(&out),

@@ -2,13 +2,14 @@
 
 use super::args::ReportOptions;
 use super::held::FolderLock;
-use super::progress::{Console, Task};
+use super::progress::Console;
+use super::rows::{Job, JobSheet, Rows};
 use super::table::Report;
 use lab::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
 use lab::report::comparison::html::{PictureSheet, html};
 use lab::report::comparison::page::{Page, csv, markdown};
-use lab::report::comparison::pictures::{Panel, side_by_side};
-use lab::report::comparison::{Journal, Machine, Measuring, ReportVariant, Row, SceneCase, Scope, variants};
+use lab::report::comparison::pictures::Cut;
+use lab::report::comparison::{Journal, Machine, Measuring, ReportVariant, Row, Scope, variants};
 use lab::report::{or_dash, write_text};
 use lab::scene::{Scene, SceneOptions};
 use std::path::{Path, PathBuf};
@@ -20,15 +21,6 @@ use subpixel_shadows::{Error, Result};
 /// How long a run waits for another one to leave the folder.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A scene of the report with its rows.
-struct Job {
-    scene: String,
-    tessellation: u32,
-    variants: Vec<ReportVariant>,
-    /// Samples of which the error that sampling leaves is stated.
-    truths: Vec<ReportVariant>,
-}
-
 /// Measures every row that is missing, then writes tables and plots.
 pub fn run(options: &ReportOptions) -> Result<()> {
     let start = Instant::now();
@@ -39,9 +31,8 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     let machine = Machine::of(&gpu.adapter);
     let jobs = jobs(options, &scope)?;
     // A scene that cannot be opened is found before hours are spent on the others.
-    for job in &jobs {
-        let (_, note) = open(options, &job.scene)?;
-        note.iter().filter(|_| job.tessellation == 0).for_each(|note| console.note(note));
+    for scene in options.scenes() {
+        open(options, &scene)?.1.iter().for_each(|note| console.note(note));
     }
     // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does
     // both.
@@ -53,13 +44,13 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     let mut journal = Journal::open(&at, &machine)?;
     let bench =
         Measuring { gpu: &gpu, repeats: options.repeats(), row_ms: options.row_ms(), budget: Budget::default() };
-    let all: usize = jobs.iter().map(|j| j.variants.len() + j.truths.len()).sum();
-    let mut done = 0;
     let mut rows = Vec::new();
     {
-        let task = console.task("report");
+        let (task, reference) = (console.task("report"), scope.reference()?);
+        let all = jobs.iter().map(Job::len).sum();
+        let mut measuring = Rows { bench: &bench, journal: &mut journal, reference, task: &task, done: 0, all };
         for job in &jobs {
-            rows.extend(measure(options, &scope, &bench, job, &mut journal, (&task, &mut done, all))?);
+            rows.extend(measuring.of(job)?);
         }
     }
     let written = write(options, &machine, &rows)?;
@@ -71,8 +62,9 @@ fn open(options: &ReportOptions, scene: &str) -> Result<(Scene, Option<String>)>
 }
 
 /// Jobs to measure, in order.
-fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
+fn jobs<'a>(options: &'a ReportOptions, scope: &'a Scope) -> Result<Vec<Job<'a>>> {
     let all = variants(scope)?;
+    let usual = scope.reference()?;
     let truths: Vec<ReportVariant> = {
         let mut seen = Vec::new();
         let first = |v: &&ReportVariant| {
@@ -83,12 +75,25 @@ fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
         };
         all.iter().filter(first).cloned().collect()
     };
-    let mut jobs: Vec<Job> = options
-        .scenes()
-        .into_iter()
-        .map(|scene| Job { scene, tessellation: 0, variants: all.clone(), truths: truths.clone() })
-        .collect();
-    let usual = scope.reference()?;
+    let like_usual = |(samples, map): (u32, u32)| {
+        move |v: &ReportVariant| v.settings.samples.count() == samples && v.settings.map == map
+    };
+    let opened = |scene: String| Box::new(move || Ok(open(options, &scene)?.0));
+    let mut jobs: Vec<Job> = Vec::new();
+    for scene in options.scenes() {
+        jobs.push(Job {
+            tessellation: 0,
+            variants: all.clone(),
+            truths: truths.clone(),
+            converged: true,
+            sheet: Some(JobSheet {
+                path: picture_path(&options.out, &scene),
+                cut: Cut::middle(scope.size),
+                shown: Box::new(like_usual((usual.settings.samples.count(), usual.settings.map))),
+            }),
+            open: opened(scene),
+        });
+    }
     let ladder: Vec<ReportVariant> = all
         .into_iter()
         .filter(|v| v.method == usual.method && v.settings.samples == usual.settings.samples)
@@ -96,79 +101,11 @@ fn jobs(options: &ReportOptions, scope: &Scope) -> Result<Vec<Job>> {
         .collect();
     for tessellation in 1..=options.tessellation() {
         if let Some(scene) = options.scenes().into_iter().next() {
-            jobs.push(Job { scene, tessellation, variants: ladder.clone(), truths: Vec::new() });
+            let (open, variants) = (opened(scene), ladder.clone());
+            jobs.push(Job { open, tessellation, variants, truths: Vec::new(), converged: true, sheet: None });
         }
     }
     Ok(jobs)
-}
-
-/// The rows of a job: from the journal, or measured.
-fn measure(
-    options: &ReportOptions,
-    scope: &Scope,
-    bench: &Measuring,
-    job: &Job,
-    journal: &mut Journal,
-    (task, done, all): (&Task, &mut usize, usize),
-) -> Result<Vec<Row>> {
-    let mut case = SceneCase::new(open(options, &job.scene)?.0, job.tessellation, scope.size)?;
-    let picture = (job.tessellation == 0).then(|| picture_path(&options.out, &job.scene));
-    let reference = scope.reference()?;
-    let shown = |v: &ReportVariant| {
-        v.settings.samples == reference.settings.samples && v.settings.map == reference.settings.map
-    };
-    let draw = picture.as_ref().is_some_and(|p| !p.exists());
-    let missing: Vec<ReportVariant> =
-        job.variants.iter().filter(|v| !journal.has(&case.row(v).key())).cloned().collect();
-    *done += job.variants.len() - missing.len();
-    task.at(*done, all);
-    // Of each variant that the picture shows what it rendered.
-    let mut pictures: Vec<Option<Vec<f32>>> = vec![None; job.variants.len()];
-    let place = |v: &ReportVariant| job.variants.iter().position(|o| o == v);
-    for group in missing.chunks(Measuring::GROUP) {
-        for (variant, mut found) in group.iter().zip(bench.measure(&case, &reference, group)?) {
-            if found.row.failed.is_none() {
-                (found.row.matched, found.row.converged) = case.errors(&variant.settings, &found.visibility, None)?;
-                if let Some(n) = place(variant).filter(|_| shown(variant)) {
-                    pictures[n] = Some(found.visibility);
-                }
-            }
-            journal.add(found.row)?;
-            *done += 1;
-            task.at(*done, all);
-        }
-    }
-    if let Some(path) = picture
-        && (draw || pictures.iter().any(Option::is_some))
-    {
-        // Rows of former runs are in it, too.
-        for (n, variant) in job.variants.iter().enumerate().filter(|(_, v)| shown(v)) {
-            if pictures[n].is_none() && journal.get(&case.row(variant).key()).is_some_and(|r| r.failed.is_none()) {
-                pictures[n] = bench.picture(&case, variant)?;
-            }
-        }
-        let truth = case.matched(&reference.settings, None)?.visibility();
-        let panel = |ours| Panel { ours, truth: truth.to_vec() };
-        let mut panels: Vec<Panel> = pictures.into_iter().flatten().map(panel).collect();
-        if !panels.is_empty() {
-            panels.push(panel(truth.to_vec()));
-            side_by_side(&path, scope.size, &panels)?;
-        }
-    }
-    let mut rows = Vec::new();
-    for like in &job.truths {
-        let key = Row { method: SceneCase::TRUTH.to_owned(), setting: String::new(), ..case.row(like) }.key();
-        if !journal.has(&key) {
-            journal.add(case.row_of_truth(&like.settings, None)?)?;
-        }
-        *done += 1;
-        task.at(*done, all);
-        rows.extend(journal.get(&key).cloned());
-    }
-    let keys = job.variants.iter().map(|v| case.row(v).key());
-    let mut found: Vec<Row> = keys.filter_map(|key| journal.get(&key).cloned()).collect();
-    found.extend(rows);
-    Ok(found)
 }
 
 fn picture_path(out: &Path, scene: &str) -> PathBuf {

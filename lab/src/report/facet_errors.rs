@@ -73,6 +73,17 @@ impl FacetSet {
         Ok(())
     }
 
+    /// Mean number of valid samples of the facets that no test in the light's view settled; `None` without any.
+    pub fn valid_samples(&self) -> Option<f64> {
+        let open = self.facets.iter().enumerate().filter(|(_, facet)| facet.state == FacetState::Undecided as u32);
+        let valid = open.map(|(f, _)| {
+            let [coverage, _, invalid] = self.masks_of(f);
+            f64::from((coverage & !invalid).count_ones())
+        });
+        let (sum, count) = valid.fold((0.0, 0u32), |(sum, count), valid| (sum + valid, count + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
     /// Coverage, occluded and invalid samples of facet `f`.
     pub(crate) fn masks_of(&self, f: usize) -> [u128; 3] {
         let words = self.words as usize;

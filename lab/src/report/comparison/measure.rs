@@ -2,7 +2,7 @@
 
 use super::row::{ListRow, Row, Timing};
 use super::variant::ReportVariant;
-use crate::report::{SceneErrors, TracedScene};
+use crate::report::{FacetSet, SceneErrors, TracedScene};
 use crate::scene::Scene;
 use oracle::truth::{Progress, SceneTruth, Tracer};
 use std::collections::BTreeMap;
@@ -102,6 +102,14 @@ impl SceneCase {
 
     /// The method name of [`SceneCase::row_of_truth`].
     pub const TRUTH: &'static str = "scene-truth";
+
+    /// A picture against rays through its samples.
+    ///
+    /// # Errors
+    /// As [`SceneCase::matched`].
+    pub fn matched_errors(&mut self, settings: &Settings, visibility: &[f32]) -> Result<SceneErrors> {
+        self.matched(settings, None)?.errors(visibility)
+    }
 
     /// A picture against both truths.
     ///
@@ -229,6 +237,8 @@ impl Measuring<'_> {
         row.memory = before.zip(self.allocated()).map(|(before, after)| after.saturating_sub(before));
         row.counts = output.counts;
         row.lists = output.lists.iter().map(ListRow::from).collect();
+        let facets = FacetSet::read(self.gpu, subject.facets(), variant.settings.samples.words())?;
+        row.valid_samples = facets.valid_samples();
         Ok((subject, output))
     }
 

@@ -245,26 +245,28 @@ const PAPER: [(&str, [&str; 8]); 7] = [
     ("plant (paper)", ["20926", "15263", "59692", "1446287", "32", "2.1", "6.2", "10.8"]),
 ];
 
-/// Stages of the three steps that the paper times.
-const STEPS: [&[&str]; 3] = [
+/// Stages of the three steps that Pan 2009 times: mask map, pairs, shadows.
+pub const STEPS: [&[&str]; 3] = [
     &["requested_blocks", "light_layers", "silhouette_mask", "front_layer", "summed_area"],
     &["facet_classify", "pixel_texel_pairs", "triangle_texel_pairs"],
     &["candidate_pairs", "visibility_masks", "visibility_refine", "resolve"],
 ];
+
+/// Milliseconds of some stages of a row.
+pub fn step_ms(row: &Row, names: &[&str]) -> f64 {
+    row.stages.iter().filter(|s| names.contains(&s.name.as_str())).map(|s| s.gpu_ms).sum()
+}
 
 fn stage_table(out: &mut String, rows: &[&Row]) {
     let usual = rows.first().map_or((0, 0), |r| (r.samples, r.map));
     let ours = rows.iter().filter(|r| r.series() == "facet-masks facets=one" && (r.samples, r.map) == usual);
     let lines = ours.map(|r| {
         let c = &r.counts;
-        let step = |names: &[&str]| -> f64 {
-            r.stages.iter().filter(|s| names.contains(&s.name.as_str())).map(|s| s.gpu_ms).sum()
-        };
         let counts = [r.triangles, c.silhouette_texels, c.silhouette_pixels, c.visibility_evaluations];
         let mut line = vec![r.scene.clone()];
         line.extend(counts.iter().map(u64::to_string));
         line.push(r.samples.to_string());
-        line.extend(STEPS.map(|names| format!("{:.1}", step(names))));
+        line.extend(STEPS.map(|names| format!("{:.1}", step_ms(r, names))));
         line
     });
     let paper = PAPER.iter().map(|(name, cells)| {

@@ -135,6 +135,8 @@ pub struct Row {
     pub memory: Option<u64>,
     /// Counts.
     pub counts: Counts,
+    /// Valid samples of a facet that no test in the light's view settles, on average; `None` without any, and of methods without facets.
+    pub valid_samples: Option<f64>,
     /// The lists.
     pub lists: Vec<ListRow>,
     /// Against rays through the same samples.

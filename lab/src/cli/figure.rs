@@ -1,0 +1,136 @@
+//! `report figure`: the experiments of the papers.
+
+use super::args::FigureOptions;
+use super::held::FolderLock;
+use super::progress::Console;
+use super::rows::{Job, JobSheet, Rows};
+use super::table::Report;
+use lab::report::comparison::figures::slug;
+use lab::report::comparison::pictures::Cut;
+use lab::report::comparison::{Journal, Machine, Measuring, Row};
+use lab::report::experiments::{Experiment, Place, experiments, markdown};
+use lab::report::write_text;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use subpixel_shadows::gpu::Gpu;
+use subpixel_shadows::render::Budget;
+use subpixel_shadows::{Error, Result};
+
+/// How long a run waits for another one to leave a folder.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Measures what is missing of each experiment, then writes its page; without a name, lists all.
+pub fn run(options: &FigureOptions) -> Result<()> {
+    let start = Instant::now();
+    let asked = options.experiments()?;
+    if asked.is_empty() {
+        return list();
+    }
+    for experiment in &asked {
+        FolderLock::check(&options.out.join(experiment.name))?;
+        experiment.variants(options.size)?.iter().try_for_each(|v| v.settings.check())?;
+    }
+    let console = Console::new(options.quiet);
+    let gpu = Gpu::open(options.adapter.as_deref())?;
+    let mut report = Report::default();
+    report.line("adapter", &Machine::of(&gpu.adapter).line());
+    for experiment in asked {
+        let page = measure(options, experiment, &gpu, &console)?;
+        report.text(&format!("{}, {}: {}", experiment.name, experiment.title, page.display()));
+    }
+    report.text(&format!("in {:.0} s", start.elapsed().as_secs_f64()));
+    report.print()
+}
+
+fn list() -> Result<()> {
+    let mut report = Report::default();
+    let mut lines = vec![["figure", "source", "shows"].map(String::from).to_vec()];
+    lines.extend(experiments().map(|e| [e.name, e.source, e.title].map(String::from).to_vec()));
+    report.table(&lines, &[]);
+    report.text("\n`report figure NAME…` measures some again, `report figure all` every one.");
+    report.print()
+}
+
+/// Measures an experiment and writes its page; returns the page's path.
+fn measure(options: &FigureOptions, experiment: &Experiment, gpu: &Gpu, console: &Console) -> Result<PathBuf> {
+    let out = options.out.join(experiment.name);
+    let machine = Machine::of(&gpu.adapter);
+    // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does both.
+    let _held = FolderLock::open(&out, PATIENCE)?;
+    let at = out.join("rows.jsonl");
+    if options.fresh && at.exists() {
+        std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
+    }
+    let mut journal = Journal::open(&at, &machine)?;
+    let row_ms = 1e3 * f64::from(options.row_seconds);
+    let bench = Measuring { gpu, repeats: options.repeats, row_ms, budget: Budget::default() };
+    let jobs = jobs(options, experiment, &out)?;
+    let mut rows: Vec<Row> = Vec::new();
+    {
+        let task = console.task(experiment.name);
+        let reference = experiment.reference(options.size)?;
+        let all = jobs.iter().map(Job::len).sum();
+        let mut measuring = Rows { bench: &bench, journal: &mut journal, reference, task: &task, done: 0, all };
+        for job in &jobs {
+            rows.extend(measuring.of(job)?);
+        }
+    }
+    write(options, experiment, &machine, &rows, &out)
+}
+
+fn jobs<'a>(options: &FigureOptions, experiment: &'a Experiment, out: &Path) -> Result<Vec<Job<'a>>> {
+    let mut jobs = Vec::new();
+    for place in experiment.places {
+        for tessellation in 0..=experiment.tessellation {
+            let sheet = experiment.sheet.filter(|_| tessellation == 0).map(|sheet| JobSheet {
+                path: sheet_path(out, place),
+                cut: Cut::part(options.size, sheet.part, sheet.zoom, sheet.gain),
+                shown: Box::new(|v| v.settings.map == experiment.maps[0]),
+            });
+            let variants = experiment.variants(options.size)?;
+            let (open, converged) = (Box::new(|| Experiment::open(place)), experiment.converged);
+            jobs.push(Job { open, tessellation, variants, truths: Vec::new(), converged, sheet });
+        }
+    }
+    Ok(jobs)
+}
+
+fn sheet_path(out: &Path, place: &Place) -> PathBuf {
+    out.join(format!("pictures-{}.png", slug(place.label)))
+}
+
+fn write(
+    options: &FigureOptions,
+    experiment: &Experiment,
+    machine: &Machine,
+    rows: &[Row],
+    out: &Path,
+) -> Result<PathBuf> {
+    let measured: Vec<&Row> = rows.iter().filter(|r| r.failed.is_none()).collect();
+    let mut plots = Vec::new();
+    for (name, plot) in (experiment.plots)(&measured) {
+        if plot.write(&out.join(format!("{name}.svg")))? {
+            plots.push(name);
+        }
+    }
+    let many = experiment.samples.len() > 1;
+    let name = |r: &&&Row| if many { format!("{}, {} samples", r.series(), r.samples) } else { r.series() };
+    let pictured: Vec<(&str, Vec<String>)> = experiment
+        .places
+        .iter()
+        .filter(|place| sheet_path(out, place).exists())
+        .map(|place| {
+            let own = measured.iter().filter(|r| r.scene == place.label && r.tessellation == 0);
+            let names = own.filter(|r| r.map == experiment.maps[0]).map(|r| name(&r));
+            (place.label, names.chain(["rays".to_owned()]).collect())
+        })
+        .collect();
+    let [w, h] = options.size;
+    let command = format!(
+        "cargo run --release -- report figure {} --size {w}x{h} --repeats {} --row-seconds {}",
+        experiment.name, options.repeats, options.row_seconds
+    );
+    let page = out.join("page.md");
+    write_text(&page, &markdown(experiment, &command, machine, rows, &plots, &pictured))?;
+    Ok(page)
+}

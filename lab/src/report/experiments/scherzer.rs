@@ -1,0 +1,157 @@
+//! Scherzer, Wimmer, Purgathofer 2011: A Survey of Real-Time Hard Shadow Mapping Methods.
+
+use super::columns::{ACNE, BAND, LEAKS, MAP, MEMORY, METHOD, RMSE, SAMPLES, SCENE, TIME, TIMES, plot, table};
+use super::{Experiment, PLAIN, Place, Sheet};
+use crate::report::comparison::Row;
+use crate::report::comparison::plots::Axis;
+
+/// What its experiments have in common.
+const BASE: Experiment = Experiment {
+    places: &[OVERHEAD],
+    tables: |rows| vec![table("", rows, &[SCENE, METHOD, TIME, TIMES, RMSE, BAND, LEAKS, ACNE])],
+    ..PLAIN
+};
+
+/// A long view with the light overhead: what warps are made for.
+const OVERHEAD: Place = Place {
+    label: "light overhead",
+    scene: "city",
+    options: "--camera eye=43.5,30,220;target=43.5,8,-200;fov=50 --light directional=0.25,1,0.05",
+};
+/// The same view with the light behind the eye, where no warp helps.
+const BEHIND: Place = Place {
+    label: "light behind",
+    scene: "city",
+    options: "--camera eye=43.5,30,220;target=43.5,8,-200;fov=50 --light directional=0.05,0.35,1",
+};
+
+pub const ALL: [Experiment; 6] = [
+    Experiment {
+        name: "scherzer-11",
+        source: "Scherzer, Wimmer, Purgathofer 2011, figure 11",
+        title: "Uniform, perspective and light-space perspective maps",
+        shows: "Shadows near the eye are coarse with a uniform map; perspective maps are fine near the eye and very coarse farther away; light-space \
+                perspective maps are even. Each with a map of 1024 x 1024.",
+        differs: "Errors are means over the image, most of which is far from the eye: what a warp takes from there weighs more than what it gives near by.",
+        rows: &["shadow-map warp=even", "perspective", "lispsm", "trapezoidal", "shadow-map warp=fitted"],
+        maps: &[1024],
+        sheet: Some(Sheet { part: [0.3, 0.55, 0.4, 0.4], zoom: 2, gain: 1.0 }),
+        ..BASE
+    },
+    Experiment {
+        name: "scherzer-15",
+        source: "Scherzer, Wimmer, Purgathofer 2011, figures 14 and 15",
+        title: "The light behind the eye: warps against slices",
+        shows: "With the light from behind a warp gives unsatisfactory results, while slices of the view work as well as anywhere.",
+        differs: "A warp that finds no room for a perspective falls back to an even map, so it loses nothing here: its error is that of the even map.",
+        places: &[BEHIND],
+        rows: &[
+            "shadow-map warp=even",
+            "perspective",
+            "lispsm",
+            "shadow-map splits=3 warp=even",
+            "shadow-map splits=3 warp=lispsm",
+            "shadow-map splits=3 warp=fitted",
+        ],
+        maps: &[1024],
+        ..BASE
+    },
+    Experiment {
+        name: "scherzer-17",
+        source: "Scherzer, Wimmer, Purgathofer 2011, figure 17",
+        title: "Three slices with and without a warp in each",
+        shows: "Light-space perspective warps within slices of the view make the result of slices finer still, with the light overhead.",
+        differs: "Within a slice near and far differ little, so there is little that a warp can move; that the paper shows a difference at all is of a view that \
+                  begins at the feet.",
+        places: &[OVERHEAD, BEHIND],
+        rows: &[
+            "shadow-map splits=3 warp=even",
+            "shadow-map splits=3 warp=lispsm",
+            "shadow-map splits=3 warp=perspective",
+            "shadow-map splits=3 warp=fitted",
+        ],
+        sheet: Some(Sheet { part: [0.3, 0.55, 0.4, 0.4], zoom: 2, gain: 1.0 }),
+        ..BASE
+    },
+    Experiment {
+        name: "scherzer-18",
+        source: "Scherzer, Wimmer, Purgathofer 2011, figure 18",
+        title: "Error over the number of maps, by scheme",
+        shows: "The factor of texels that a scheme needs for one error, over the number of maps: slices need fewer and fewer, with a warp in each they begin \
+                lower with the light overhead; with the light behind only slices help.",
+        differs: "Here the maps' size is fixed and the error is what is seen of the picture, not a bound of the worst texel. Frustum faces are not built.",
+        places: &[OVERHEAD, BEHIND],
+        rows: &[
+            "shadow-map splits=1 warp=even",
+            "shadow-map splits=2 warp=even",
+            "shadow-map splits=3 warp=even",
+            "shadow-map splits=4 warp=even",
+            "shadow-map splits=1 warp=lispsm",
+            "shadow-map splits=2 warp=lispsm",
+            "shadow-map splits=3 warp=lispsm",
+            "shadow-map splits=4 warp=lispsm",
+            "shadow-map splits=1 warp=fitted",
+            "shadow-map splits=2 warp=fitted",
+            "shadow-map splits=3 warp=fitted",
+            "shadow-map splits=4 warp=fitted",
+        ],
+        plots: |rows| {
+            let word = |r: &Row, name: &str| {
+                let of = |part: &str| part.strip_prefix(name).map(str::to_owned);
+                r.setting.split_whitespace().find_map(of).unwrap_or_default()
+            };
+            let by_maps: Vec<Row> = rows
+                .iter()
+                .map(|r| Row {
+                    setting: word(r, "warp="),
+                    map: word(r, "splits=").parse().unwrap_or(0),
+                    ..(*r).clone()
+                })
+                .collect();
+            let by_maps: Vec<&Row> = by_maps.iter().collect();
+            let maps = (Axis::linear("maps"), (|r: &Row| f64::from(r.map)) as fn(&Row) -> f64);
+            let error = (Axis::linear("RMSE"), (|r: &Row| Some(r.matched.scene_rmse)) as fn(&Row) -> Option<f64>);
+            vec![("error-maps", plot("error over the number of maps", maps, error, &by_maps))]
+        },
+        ..BASE
+    },
+    Experiment {
+        name: "scherzer-23",
+        source: "Scherzer, Wimmer, Purgathofer 2011, figure 23",
+        title: "Percentage-closer filtering",
+        shows: "An undersampled map has hard jagged edges; a box of 2 x 2 results removes them.",
+        differs: "With several samples a pixel part of the filtering is the pixel's own. Wider boxes are smoother and farther from the truth: the shadow's edge is \
+                  as wide as the box.",
+        places: &[Place::of("windmill"), Place::of("knot")],
+        rows: &["shadow-map", "pcf kernel=2", "pcf kernel=3", "pcf kernel=5", "pcf kernel=7"],
+        samples: &[1, 8],
+        maps: &[256],
+        sheet: Some(Sheet { part: [0.35, 0.5, 0.25, 0.25], zoom: 4, gain: 1.0 }),
+        tables: |rows| vec![table("", rows, &[SCENE, SAMPLES, METHOD, TIME, TIMES, RMSE, BAND])],
+        ..BASE
+    },
+    Experiment {
+        name: "scherzer-24",
+        source: "Scherzer, Wimmer, Purgathofer 2011, figure 24 and section 6",
+        title: "Light that leaks through filtered depths",
+        shows: "Variance maps leak light where a footprint holds several depths; convolution maps do not, and cost 16 pairs of textures; layers of variance \
+                remove most leaks.",
+        differs: "Leaks are pixels that are dark in truth and lit by half a step of eight bits or more. Light taken off against leaks (`bleeding`) \
+                  darkens edges.",
+        places: &[Place::of("windmill"), Place::of("plant"), Place::of("cage")],
+        rows: &[
+            "variance",
+            "variance bleeding=0.2",
+            "layered-variance layers=2",
+            "layered-variance layers=4",
+            "layered-variance layers=8",
+            "exponential exponent=10",
+            "exponential exponent=40",
+            "exponential-variance exponent=40",
+            "four-moments",
+        ],
+        tables: |rows| vec![table("", rows, &[SCENE, MAP, METHOD, LEAKS, ACNE, RMSE, BAND, TIME, TIMES, MEMORY])],
+        sheet: Some(Sheet { part: [0.35, 0.5, 0.25, 0.25], zoom: 3, gain: 1.0 }),
+        ..BASE
+    },
+];
