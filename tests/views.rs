@@ -242,7 +242,7 @@ fn mean_difference(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / a.len() as f32
 }
 
-/// Methods that ask one view a pixel and have no slices of their own, but `exponential`: what leaks beneath casters that are near outweighs all else
+/// Methods that ask one view a pixel and have no slices of their own, but `exponential` and `convolution`: what leaks beneath casters that are near outweighs all else
 /// (`tests/stages/moment_shadows.rs` holds it in slices against its definition).
 const ASK_ONE: [MethodName; 8] = [
     MethodName::ShadowMap,
@@ -319,9 +319,9 @@ fn other_methods_take_slices() {
             let [one, several] = [&settings, &sliced].map(|s| visibility(&near, method, s).expect("a frame"));
             let [one, several] = [one, several].map(|picture| mean_difference(&picture, &want));
             // A trapezoid by focus alone may stretch what is far away.
-            let better = several < one || warp == Warp::Trapezoid;
+            let (better, most) = if warp == Warp::Trapezoid { (true, 0.009) } else { (several < one, 0.007) };
             assert!(
-                several < 0.007 * blur(method) && better,
+                several < most * blur(method) && better,
                 "{splits} {warp:?}, {}: {several}, {one} in one view",
                 method.name()
             );
@@ -348,9 +348,8 @@ fn slices_tell_what_the_whole_view_does() {
             let seen = |(visibility, lit)| (visibility, if facets == FacetMode::All { lit } else { Vec::new() });
             let output = render(&scene, &wanted);
             let whole = seen(picture(&output));
-            for (splits, warp) in
-                [(1, Warp::Box), (1, Warp::Fitted), (2, Warp::Trapezoid), (3, Warp::Perspective), (4, Warp::Fitted)]
-            {
+            use Warp::{Box, Fitted, Perspective, Stable, Trapezoid};
+            for (splits, warp) in [(1, Box), (1, Fitted), (2, Trapezoid), (3, Perspective), (4, Fitted), (2, Stable)] {
                 let plan = SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() };
                 let sliced = render(&scene, &Settings { partition: Some(plan), ..wanted.clone() });
                 assert!(seen(picture(&sliced)) == whole, "{name} {facets:?}: {plan:?}");
@@ -358,7 +357,7 @@ fn slices_tell_what_the_whole_view_does() {
                 let views = wanted.light_views(&prepared, &scene.light).expect("views");
                 let slices = views[0].slices(&scene.camera, SIZE, bounds, &plan, 0.0);
                 assert_eq!(slices.len(), splits as usize);
-                if facets == FacetMode::All && splits > 1 {
+                if facets == FacetMode::All && splits > 1 && warp != Stable {
                     assert!(seen(through(&scene, &wanted, &slices)) == whole, "{name}: {plan:?} by themselves");
                     for k in 0..slices.len() {
                         let mut fewer = slices.clone();

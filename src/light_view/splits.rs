@@ -16,6 +16,9 @@ pub enum Warp {
     Whole,
     /// Evenly, over the box around what is seen.
     Box,
+    /// Evenly, over a square around the sphere that holds the slice, whose size changes by steps and whose place by whole texels: while the
+    /// camera moves, what stands keeps its texels (Valient 2008: Stable Rendering of Cascaded Shadow Maps, in ShaderX6).
+    Stable,
     /// Over a trapezoid around it: the first part of the slice, a share of its depth, gets 80 % of the rows, as far as the last row
     /// is not stretched beyond what depths in it can be told by their slope.
     Trapezoid,
@@ -87,8 +90,10 @@ struct SplitView {
     warp: DMat3,
     /// Rows that take a point `(p, 1)` to texel x, y (times the third) and the divisor.
     rows: [DVec4; 3],
-    /// View depth at which the slice ends.
+    /// View depth at which the slice ends; the last has no end.
     end: f64,
+    /// View depths that it was made for.
+    range: [f64; 2],
 }
 
 /// Where the slices of depths `near` to `far` end (Oliveira, section 3.3.1, the practical scheme with `b = 0`), by a
@@ -120,9 +125,9 @@ impl LightView {
         let near = near.max(seen.near);
         let mut from = near;
         let slice = |end: f64| {
-            let made = self.slice(seen, plan, (from * (1.0 - overlap)).max(near), end);
+            let range = [(from * (1.0 - overlap)).max(near), end];
             from = end;
-            made
+            SplitView { range, ..self.slice(seen, plan, range, 0.0) }
         };
         let mut views: Vec<SplitView> = ends(near, far.max(near), splits, plan.weight).into_iter().map(slice).collect();
         if let Some(last) = views.last_mut() {
@@ -133,7 +138,8 @@ impl LightView {
 
     /// A view of this light for each slice of what a camera sees between two corners of a box, near to far, in world units as this one's
     /// rows are: together they hold every point there that this view holds. Depth along a ray of light still grows, as the divisor of a
-    /// warp is the same all along it. Of a light at a point texels lie evenly. Texels are no smaller than single precision tells points apart.
+    /// warp is the same all along it. Of a light at a point texels lie evenly. Texels are no smaller than single precision tells points apart:
+    /// warps are as much weaker as that takes.
     /// Each slice begins before the end of the one in front of it by a share `overlap` of its depth.
     pub fn slices(
         &self,
@@ -164,9 +170,29 @@ impl LightView {
             (slice, (allowed / noise).min(1.0))
         };
         let even = whole.split(&seen, &SplitPlan { warp: Warp::Box, ..plan }, overlap);
+        // The strongest warp whose texels are large enough, if one of them has such.
+        let weaker = |warped: &SplitView| {
+            let by = |weaker: f64| match of_slice(&whole.slice(&seen, &plan, warped.range, weaker)) {
+                (slice, 1.0) => Some(slice),
+                _ => None,
+            };
+            let (mut low, mut high, mut found) = (0.0, WEAKEST, by(WEAKEST)?);
+            for _ in 0..16 {
+                let middle = 0.5 * (low + high);
+                match by(middle) {
+                    Some(slice) => (high, found) = (middle, slice),
+                    None => low = middle,
+                }
+            }
+            Some(found)
+        };
+        let bends = !matches!(plan.warp, Warp::Whole | Warp::Box | Warp::Stable);
         let coarse_enough = |(warped, even): (SplitView, &SplitView)| match of_slice(&warped) {
             (slice, 1.0) => slice,
             _ => {
+                if let Some(slice) = bends.then(|| weaker(&warped)).flatten() {
+                    return slice;
+                }
                 // Where a map without a warp holds more than the slice, no point of it has another divisor.
                 let (slice, by) = of_slice(if plan.warp == Warp::Whole { &warped } else { even });
                 let about_middle = |row: DVec4| {
@@ -179,14 +205,17 @@ impl LightView {
         whole.split(&seen, &plan, overlap).into_iter().zip(&even).map(coarse_enough).collect()
     }
 
-    /// The view of what is seen between two view depths.
-    fn slice(&self, seen: &SeenBox, plan: &SplitPlan, from: f64, end: f64) -> SplitView {
+    /// The view of what is seen between two view depths, whose warp is that of the plan and, by a power of 2, `weaker`.
+    fn slice(&self, seen: &SeenBox, plan: &SplitPlan, [from, end]: [f64; 2], weaker: f64) -> SplitView {
         let slack = 1e-6 * end;
         let [from, to] = [(from - slack).max(seen.near), end + slack];
         let part = seen.part(self, from, to);
         let texels: Vec<DVec2> = part.iter().filter_map(|&p| self.project(p)).map(DVec3::truncate).collect();
         if texels.is_empty() {
             return split_view(self, DMat3::IDENTITY, end);
+        }
+        if plan.warp == Warp::Stable && !self.perspective {
+            return split_view(self, onto_texels(self.map_size) * self.over_sphere(seen, [from, to]), end);
         }
         let axis = |share: f64| self.project(seen.forward * (from + (to - from) * share)).map(DVec3::truncate);
         let probes = if plan.warp == Warp::Fitted { seen.probes(self, from, to) } else { Vec::new() };
@@ -195,14 +224,14 @@ impl LightView {
             Warp::LightSpace => along.by_light_space(self, seen.forward, [from, to], |n, f| n + (n * f).sqrt()),
             Warp::Perspective => along.by_light_space(self, seen.forward, [from, to], |n, _| n),
             Warp::Fitted => along.by_probes(&texels, &probes),
-            Warp::Whole | Warp::Box => None,
+            Warp::Whole | Warp::Box | Warp::Stable => None,
         };
         let along = axis(0.0).zip(axis(1.0)).and_then(|(near, far)| Along::new(&texels, near, far));
         // From a row to the next the divisor then changes by at most a tenth, and in all by a factor of at most 11.
         let least = (10.0 / f64::from(self.map_size)).max(0.1);
         let warp = along.and_then(|along| {
             let distance = distance(&along)?.max(least * (along.high - along.low));
-            Some(along.trapezoid(&texels, distance))
+            Some(along.trapezoid(&texels, distance * weaker.exp2()))
         });
         let boxed = over_box(&texels);
         let warp = match (plan.warp, warp) {
@@ -213,12 +242,39 @@ impl LightView {
     }
 }
 
+impl LightView {
+    /// From the square around the sphere that holds what an image sees between two view depths to the unit square. The depths are taken to the next
+    /// steps of a fourth root of 2, so that the sphere keeps its size for a while, and its middle to whole texels of the map that this makes.
+    fn over_sphere(&self, seen: &SeenBox, [from, to]: [f64; 2]) -> DMat3 {
+        let step = |depth: f64, up: f64| ((4.0 * depth.max(1e-9).log2() + up).floor() / 4.0).exp2();
+        let [near, far] = [step(from, 0.0), step(to, 1.0)];
+        // Corners of the image lie this far from its axis, squared, at view depth 1.
+        let wide = seen.corners.iter().map(|c| c.length_squared() - 1.0).fold(0.0, f64::max);
+        let middle = (0.5 * (near + far) * (1.0 + wide)).min(far);
+        let reach = |depth: f64| (depth - middle).powi(2) + wide * depth * depth;
+        let radius = reach(near).max(reach(far)).sqrt();
+        let across = onto_texels(self.map_size).x_axis.x.max(1e-9);
+        let place = self.project(seen.forward * middle).unwrap_or_default();
+        let axis = |row: DVec4, at: f64| {
+            // A texel more on each side, for the steps of the middle.
+            let side = 2.0 * radius * row.truncate().length() * (1.0 + 2.0 / across);
+            let texel = side / across;
+            (1.0 / side, (0.5 * side - (at / texel).round() * texel) / side)
+        };
+        let ((x, left), (y, top)) = (axis(self.u, place.x), axis(self.v, place.y));
+        rows(DVec3::new(x, 0.0, left), DVec3::new(0.0, y, top), DVec3::Z)
+    }
+}
+
+/// The weakest warp that is tried where texels would be too small: by two to this the distance at which its sides meet.
+const WEAKEST: f64 = 10.0;
+
 fn split_view(view: &LightView, warp: DMat3, end: f64) -> SplitView {
     let row = |k: usize| {
         let by = warp.row(k);
         view.u * by.x + view.v * by.y + view.w * by.z
     };
-    SplitView { warp, rows: [row(0), row(1), row(2)], end }
+    SplitView { warp, rows: [row(0), row(1), row(2)], end, range: [0.0, end] }
 }
 
 /// The matrix of these rows.

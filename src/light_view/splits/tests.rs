@@ -5,7 +5,8 @@ use crate::light_view::unit_scale;
 use crate::scene::{Camera, Light, Mesh};
 use crate::test_scenes::{Scene, builtin};
 
-const WARPS: [Warp; 6] = [Warp::Whole, Warp::Box, Warp::Trapezoid, Warp::LightSpace, Warp::Perspective, Warp::Fitted];
+const WARPS: [Warp; 7] =
+    [Warp::Whole, Warp::Box, Warp::Stable, Warp::Trapezoid, Warp::LightSpace, Warp::Perspective, Warp::Fitted];
 
 /// A view and what a camera sees, in the camera's space.
 fn setup(light: &Light, camera: &Camera, mesh: &Mesh, size: u32) -> (LightView, SeenBox) {
@@ -342,4 +343,77 @@ fn the_fitted_warp_follows_the_camera() {
     moves.sort_by(f64::total_cmp);
     let (median, most) = (moves[moves.len() / 2], moves[moves.len() - 1]);
     assert!(median > 0.1 && most < 3.0 * median, "{most} texels where {median} are usual");
+}
+
+/// Where single precision bounds texels a warp gets weaker, and is not given up: near the eye it still has more of them than an even map, and
+/// a larger map never has much fewer.
+#[test]
+fn a_warp_is_weaker_where_texels_would_be_too_small() {
+    let half = 2400.0;
+    let positions =
+        vec![[-half, 0.0, -half], [half, 0.0, -half], [half, 0.0, half], [-half, 0.0, half], [0.0, 30.0, 0.0]];
+    let mesh = Mesh { positions, triangles: vec![[0, 2, 1], [0, 3, 2], [0, 1, 4]] };
+    let camera = Camera { eye: [30.0, 34.0, 190.0], target: [-6.0, 0.0, 20.0], ..builtin("windmill").camera };
+    let light = Light::Directional { direction: [0.15, 0.5, 1.0] };
+    let bounds = mesh.bounds().unwrap();
+    // Texels a metre on the ground before the eye, across and along the view, the fewer of them.
+    let texels = |map: u32, warp: Warp| {
+        let view = LightView::fit(&mesh, &light, map).unwrap();
+        let plan = SplitPlan { splits: 1, warp, ..SplitPlan::default() };
+        let slice = view.slices(&camera, [400, 300], bounds, &plan, 0.0)[0];
+        let at = |x: f64, z: f64| slice.project(DVec3::new(x, 0.0, z)).unwrap().truncate();
+        let step = |d: DVec2| (at(18.0 + d.x, 133.0 + d.y) - at(18.0, 133.0)).length();
+        step(DVec2::X).min(step(DVec2::Y))
+    };
+    let mut bounded = 0;
+    for warp in [Warp::Trapezoid, Warp::LightSpace, Warp::Perspective, Warp::Fitted] {
+        let mut before = 0.0;
+        for map in [256, 512, 724, 1024, 1448, 2048, 4096] {
+            let (even, warped) = (texels(map, Warp::Box), texels(map, warp));
+            assert!(warped > 1.05 * even, "{warp:?}, a map of {map}: {warped} texels a metre, {even} without a warp");
+            assert!(
+                warped > 0.7 * before,
+                "{warp:?}, a map of {map}: {warped} texels a metre, {before} with a smaller map"
+            );
+            bounded += usize::from(warped < 1.3 * before);
+            before = warped;
+        }
+    }
+    assert!(bounded > 2, "single precision bounds nothing");
+}
+
+/// While a camera moves and turns, the places of points that stand change by whole texels, but for the few steps in which a slice gets another
+/// size; over a box they change as they like.
+#[test]
+fn stable_slices_move_by_whole_texels() {
+    let scene = builtin("windmill");
+    let light = &lights()[1];
+    let bounds = scene.mesh.bounds().unwrap();
+    let view = LightView::fit(&scene.mesh, light, 512).unwrap();
+    let points = [DVec3::new(0.3, 0.1, 0.4), DVec3::new(-0.7, 0.5, 0.1), DVec3::new(1.3, 0.0, -0.9)];
+    let moves = |warp: Warp| {
+        let (mut whole, mut steps, mut before) = (0, 0, None::<Vec<[DVec2; 3]>>);
+        for k in 0..200 {
+            let t = f64::from(k) * 0.01;
+            let eye = [(3.0 * t.cos()) as f32, 1.5, (3.0 * t.sin()) as f32];
+            let camera = Camera { eye, target: [0.1 * (2.0 * t).sin() as f32, 0.4, 0.0], ..scene.camera };
+            let plan = SplitPlan { splits: 3, warp, ..SplitPlan::default() };
+            let slices = view.slices(&camera, [64, 48], bounds, &plan, 0.0);
+            let now: Vec<_> =
+                slices.iter().map(|s| points.map(|p| s.project(p).map_or(DVec2::ZERO, DVec3::truncate))).collect();
+            for (old, new) in before.iter().flatten().zip(&now) {
+                let by = new[0] - old[0];
+                let rigid = (0..3).all(|p| (new[p] - old[p] - by).length() < 1e-5);
+                steps += 1;
+                whole += usize::from(rigid && (by - by.round()).length() < 1e-5);
+            }
+            before = Some(now);
+        }
+        (whole, steps)
+    };
+    let ((stable, all), (boxed, _)) = (moves(Warp::Stable), moves(Warp::Box));
+    assert!(
+        all == 597 && stable > all * 9 / 10 && boxed < all / 10,
+        "{stable} and {boxed} of {all} steps are of whole texels"
+    );
 }
