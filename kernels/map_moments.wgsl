@@ -1,11 +1,11 @@
 // map_moments: mean and variance of the depths of ever larger squares of texels of a map (Donnelly and
 // Lauritzen 2006, whose two moments they are: kept apart, so that nothing cancels), or of exponentials of
 // them (WARP: Annen et al. 2008; Lauritzen and McCool 2008), or of one of LAYERS of them (WARP: its number;
-// Lauritzen and McCool 2008). A cell of level k is a square of 2^k texels a side, cut at the map's border; a
-// texel without a caster is as deep as `levels.far`. `reduce` makes up to
-// five levels above level FIRST, which is the texels (`nearest_keys`) or was made by a run before. Writes
-// `moments`, level after level; with FOUR also third and fourth central moments (Peters and Klein 2015),
-// behind all of those.
+// Lauritzen and McCool 2008); or the means of sine and cosine of one of TERMS waves of depth (WARP: its
+// number; Annen et al. 2007). A cell of level k is a square of 2^k texels a side, cut at the map's border; a
+// texel without a caster is as deep as `levels.far`. `reduce` makes up to five levels above level FIRST,
+// which is the texels (`nearest_keys`) or was made by a run before. Writes `moments`, level after level; with
+// FOUR also third and fourth central moments (Peters and Klein 2015), behind all of those.
 
 //@import frame dispatch front_split moments
 
@@ -17,6 +17,7 @@ const LEVELS = 5u;   // that it makes of them
 override FIRST: u32 = 0u;
 override WARP: f32 = 0.0;
 override LAYERS: u32 = 0u;
+override TERMS: u32 = 0u;
 override FOUR: u32 = 0u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -7,6 +7,7 @@
 // rising ones over the receiver's own (Annen et al. 2008). Where the receiver turns less than GRAZING (sine
 // of its elevation) to the light, half of it is lit (Oliveira 2009, section 4.2.2). Writes `visibility`.
 // QUERY_LAYERS: of the layer of depths that the receiver is in (Lauritzen and McCool 2008, section 4).
+// QUERY_WAVES: by the Fourier series of the comparison itself, of TERMS pairs of waves (Annen et al. 2007).
 // QUERY_FOUR: at most the share that some depths with these four moments have behind the receiver, or at it
 // (Peters and Klein 2015).
 
@@ -22,7 +23,10 @@ const QUERY_MEAN = 1u;
 const QUERY_BOTH = 2u;
 const QUERY_FOUR = 3u;
 const QUERY_LAYERS = 4u;
+const QUERY_WAVES = 5u;
 override LAYERS: u32 = 0u;
+override TERMS: u32 = 0u;
+override RINGING: f32 = 1.0;    // the last term is weakened to exp(-RINGING)
 override FLATTEST: f32 = 0.001;  // of the fourth moment, what it is above that of two depths at the least
 const MOST_PROBES = 16u;
 const LONGEST_STEP = 65536.0;  // texels: a plane seen edge-on has no end
@@ -89,6 +93,10 @@ fn lit_share(r: Receiver, at: vec3<f32>, wanted: vec2<f32>, level: f32) -> f32 {
     let last = (floor(f32(frame.map_size) / cell) - 0.5) * cell;
     let place = clamp(wanted, vec2(0.5 * cell), vec2(last));
     let depth = at.z + dot(r.slope, place - at.xy) - BIAS_CONSTANT;
+    if QUERY == QUERY_WAVES {
+        let share = share_of_waves(level, place, depth);
+        return select(max(share - BLEEDING, 0.0) / (1.0 - BLEEDING), 1.0, share == 1.0);
+    }
     var warp = EXPONENT;
     var other = -EXPONENT;
     var weight = 0.0;
@@ -108,6 +116,21 @@ fn lit_share(r: Receiver, at: vec3<f32>, wanted: vec2<f32>, level: f32) -> f32 {
         share = select(min(share, second), mix(share, second, weight), QUERY == QUERY_LAYERS);
     }
     return select(max(share - BLEEDING, 0.0) / (1.0 - BLEEDING), 1.0, share == 1.0);
+}
+
+// Mean of the step between depths and the receiver's, 0 before it, 1 behind, a half at it: its series, the
+// later terms the weaker, so that it does not ring. Twice that, as much as 1: the receiver is a depth, too.
+fn share_of_waves(level: f32, at: vec2<f32>, depth: f32) -> f32 {
+    var sum = 0.0;
+    for (var term = 0u; term < TERMS; term++) {
+        let k = f32(term);
+        let found = trilinear(level, at, k);
+        let own = wave(depth, k);
+        let place = (k + 1.0) / f32(max(TERMS, 1u));
+        let faded = exp(-RINGING * place * place);
+        sum += faded / ((k + 0.5) * TURN) * (own.y * found.x - own.x * found.y);
+    }
+    return clamp(1.0 + 4.0 * sum, 0.0, 1.0);
 }
 
 // Of measures with these moments, the share that is not less than the receiver's `own`, as far as they tell.

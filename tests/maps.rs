@@ -40,6 +40,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
     let fitted = [
         (MethodName::Variance, 1),
         (MethodName::LayeredVariance, 8),
+        (MethodName::Convolution, 1),
         (MethodName::Exponential, 1),
         (MethodName::ExponentialVariance, 8),
         (MethodName::FourMoments, 1),

@@ -91,7 +91,7 @@ fn case(found: &Found) -> FuzzCase {
         force_all: false,
         both: found.method == MethodName::FacetMasks,
     };
-    let world = World { mesh, ground: scene.ground.is_some(), camera, light: scene.light };
+    let world = World { mesh, alpha: Default::default(), ground: scene.ground.is_some(), camera, light: scene.light };
     assert_eq!(world.scene().expect("a scene").camera, scene.camera, "{}", found.name);
     FuzzCase { seed: 0, number: 0, kind: Kind::ALL[0], world, how }
 }

@@ -67,6 +67,7 @@ fn other_value(option: &str) -> &'static str {
         "exponent" => "8",
         "filter" => "tent",
         "layers" => "2",
+        "terms" => "3",
         _ => panic!("--{option} is new: give it a value here"),
     }
 }
@@ -407,6 +408,7 @@ mod gpu {
             "exponent" => s.moments.exponent = 8.0,
             "filter" => s.filter = PixelFilter::Mitchell,
             "layers" => s.moments.layers = 2,
+            "terms" => s.moments.terms = 3,
             // Of the renderer's memory and of what is written.
             "memory-limit" | "list-start" | "looks" => return None,
             _ => panic!("--{option} is new: set it here"),

@@ -26,7 +26,7 @@ fn case(name: &str, facets: FacetMode, lens: Lens) -> FuzzCase {
     let mut camera = CameraOverride::from(scene.camera);
     (camera.shift, camera.pixel_aspect, camera.mirrored) =
         (Some(lens.shift), Some(lens.pixel_aspect), Some(lens.mirrored));
-    let world = World { mesh: scene.mesh, ground: false, camera, light: scene.light };
+    let world = World { mesh: scene.mesh, alpha: Default::default(), ground: false, camera, light: scene.light };
     FuzzCase { seed: 0, number: 0, kind: Kind::ALL[0], world, how }
 }
 

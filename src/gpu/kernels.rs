@@ -546,6 +546,7 @@ pub mod map_moments {
     }
     overrides! {
         layers: u32 = 0, "LAYERS",
+        terms: u32 = 0, "TERMS",
         first: u32 = 0, "FIRST",
         warp: f32 = 0.0, "WARP",
         four: u32 = 0, "FOUR",
@@ -577,15 +578,17 @@ pub mod moment_shadows {
         FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
         NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
         SEEN_DARK = 1, SEEN_OPEN = 2, QUERY_DEPTHS = 0, QUERY_MEAN = 1, QUERY_BOTH = 2, QUERY_FOUR = 3,
-        QUERY_LAYERS = 4, MOST_PROBES = 16, WORKGROUP = 64,
+        QUERY_LAYERS = 4, QUERY_WAVES = 5, MOST_PROBES = 16, WORKGROUP = 64,
     }
     overrides! {
         layers: u32 = 0, "LAYERS",
+        terms: u32 = 0, "TERMS",
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
         bleeding: f32 = 0.0, "BLEEDING",
         grazing: f32 = 0.0, "GRAZING",
         query: u32 = 0, "QUERY",
         exponent: f32 = 0.0, "EXPONENT",
+        ringing: f32 = 1.0, "RINGING",
         flattest: f32 = 0.001, "FLATTEST",
     }
     entry_point! { "moment_shadows", "filter_moments", [64, 1, 1], SOURCE, Constants => FilterMoments, FilterMomentsProgram {

@@ -21,6 +21,8 @@ pub enum MethodName {
     Variance,
     /// `layered-variance`: Lauritzen and McCool 2008.
     LayeredVariance,
+    /// `convolution`: Annen, Mertens, Bekaert, Seidel, Kautz 2007.
+    Convolution,
     /// `exponential`: Annen, Mertens, Seidel, Flerackers, Kautz 2008.
     Exponential,
     /// `exponential-variance`: Lauritzen and McCool 2008.
@@ -71,6 +73,8 @@ pub enum MapQuery {
     Moments,
     /// The same in layers of depth.
     LayeredMoments,
+    /// The same with the means of sines and cosines of them.
+    Waves,
     /// The same with the mean of an exponential of them.
     Exponentials,
     /// The same with mean and variance of a rising and a falling exponential of them.
@@ -113,7 +117,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 26] = [
+pub const METHOD_OPTIONS: [&str; 27] = [
     "facets",
     "validity",
     "masks",
@@ -139,11 +143,12 @@ pub const METHOD_OPTIONS: [&str; 26] = [
     "grazing",
     "exponent",
     "layers",
+    "terms",
     "looks",
 ];
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 17] = [
+pub const METHODS: [MethodRow; 18] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -251,6 +256,20 @@ pub const METHODS: [MethodRow; 17] = [
         query: TexelQuery::Map(MapQuery::LayeredMoments),
         partition: None,
         options: &["splits", "split-weight", "warp", "focus", "bleeding", "grazing", "layers", "looks"],
+    },
+    MethodRow {
+        method: MethodName::Convolution,
+        name: "convolution",
+        paper: "Annen, Mertens, Bekaert, Seidel, Kautz 2007: Convolution Shadow Maps",
+        section: "Scherzer 2011: 6",
+        parts: [
+            "over casters and receivers; slices, warps; a cube",
+            "mean sine and cosine of depth, of up to 16 frequencies",
+            "the Fourier series of the comparison over the pixel's footprint",
+        ],
+        query: TexelQuery::Map(MapQuery::Waves),
+        partition: None,
+        options: &["splits", "split-weight", "warp", "focus", "bleeding", "grazing", "terms", "looks"],
     },
     MethodRow {
         method: MethodName::Exponential,

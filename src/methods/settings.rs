@@ -231,7 +231,7 @@ impl SmsrSettings {
 }
 
 /// Options of the methods that filter maps by their moments, whose bias is [`ShadowMapSettings::constant`]: `variance`, `layered-variance`,
-/// `exponential`, `exponential-variance`, `four-moments` and `remix`.
+/// `convolution`, `exponential`, `exponential-variance`, `four-moments` and `remix`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MomentSettings {
     /// Share of light that is taken off against leaks; 0 in the papers.
@@ -243,11 +243,13 @@ pub struct MomentSettings {
     pub exponent: f32,
     /// Layers of depth of `layered-variance`: 2 to [`MomentMeasures::LAYERS`].
     pub layers: u32,
+    /// Terms of the series of `convolution`: 1 to [`MomentMeasures::TERMS`].
+    pub terms: u32,
 }
 
 impl Default for MomentSettings {
     fn default() -> Self {
-        Self { bleeding: 0.0, grazing: 0.0, exponent: 40.0, layers: 4 }
+        Self { bleeding: 0.0, grazing: 0.0, exponent: 40.0, layers: 4, terms: MomentMeasures::TERMS }
     }
 }
 
@@ -257,7 +259,7 @@ impl MomentSettings {
     /// # Errors
     /// [`Error::Config`] with the numbers.
     pub fn check(&self) -> Result<()> {
-        let Self { bleeding, grazing, exponent, layers } = *self;
+        let Self { bleeding, grazing, exponent, layers, terms } = *self;
         let refuse = |text: String| Err(Error::Config(text));
         if !(0.0..=0.9).contains(&bleeding) {
             return refuse(format!("{bleeding} of the light taken off against leaks; 0 to 0.9 are possible"));
@@ -272,6 +274,10 @@ impl MomentSettings {
         let most = MomentMeasures::LAYERS;
         if !(2..=most).contains(&layers) {
             return refuse(format!("{layers} layers of depth; 2 to {most} are possible"));
+        }
+        let most = MomentMeasures::TERMS;
+        if !(1..=most).contains(&terms) {
+            return refuse(format!("{terms} terms of a series; 1 to {most} are possible"));
         }
         Ok(())
     }

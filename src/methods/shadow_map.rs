@@ -52,12 +52,13 @@ impl Ask {
             }
             _ => {
                 let constant = settings.shadow_map.constant;
-                let MomentSettings { bleeding, grazing, exponent, layers } = settings.moments;
+                let MomentSettings { bleeding, grazing, exponent, layers, terms } = settings.moments;
                 let measures = match query {
                     MapQuery::Exponentials => MomentMeasures::Rising(exponent),
                     MapQuery::ExponentialMoments => MomentMeasures::Both(exponent),
                     MapQuery::FourMoments => MomentMeasures::Four,
                     MapQuery::LayeredMoments => MomentMeasures::Layers(layers),
+                    MapQuery::Waves => MomentMeasures::Waves(terms),
                     _ => MomentMeasures::Depths,
                 };
                 let grazing = grazing.to_radians().sin();

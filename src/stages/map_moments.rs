@@ -1,14 +1,16 @@
-//! Mean and variance of the depths of ever larger squares of texels, or of exponentials of them, or their first four moments: filtering a map of depths takes these.
+//! Mean and variance of the depths of ever larger squares of texels, or of exponentials of them, or their first four moments, or means of waves of
+//! them: filtering a map of depths takes these.
 //!
 //! - **Purpose.** Variance shadow maps (Donnelly and Lauritzen 2006), prefiltered as mip maps are (Oliveira 2009, section 3.4). Mean and
 //!   variance stand for the two moments: the same numbers, of which nothing cancels in single precision.
 //!   Of exponentials: exponential shadow maps (Annen et al. 2008) and exponential variance shadow maps (Lauritzen and McCool 2008), whose two
 //!   warps, rising and falling, have moments each. Of four moments: moment shadow maps (Peters and Klein 2015).
+//!   Of waves: convolution shadow maps (Annen, Mertens, Bekaert, Seidel, Kautz 2007).
 //! - **Reads** the nearest depths of [`light_layers`](super::light_layers).
 //! - **Writes** `moments`, level after level from the first above the texels, row by row. A cell of level `k` is the square of `2^k` texels
 //!   a side, cut at the map's border; a texel without a caster is as deep as [`MapLevels::far`].
 //! - **Guarantee.** Bit-equal from run to run.
-//! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory. Twice that for both exponentials and for four moments, as many times as there are layers.
+//! - **Cost.** A third of 8 bytes a texel; a dispatch for every five levels, which go through workgroup memory. Twice that for both exponentials and for four moments, as many times as there are layers or terms.
 
 use crate::frame::Frame;
 use crate::gpu::kernels::map_moments as kernel;
@@ -20,11 +22,11 @@ use glam::DVec3;
 shared_struct! {
     /// Levels of moments of a map.
     "shared/raster/moments" => pub struct MapLevels {
-        /// Depth where there is no caster: not less than that of anything.
+        /// Depth where there is no caster: 1 more than that of anything.
         pub far: f32,
         /// Levels above the texels.
         pub count: u32,
-        /// Moments of a set: mean and variance of a warp or layer; third and fourth moments are a set behind these.
+        /// Moments of a set: mean and variance of a warp or layer, means of a wave; third and fourth moments are a set behind these.
         pub second: u32,
         /// Unused.
         pub pad: u32,
@@ -94,6 +96,8 @@ pub enum MomentMeasures {
     Four,
     /// Depths in so many layers, even parts of those of casters: in each as far as it reaches (Lauritzen and McCool 2008, section 4).
     Layers(u32),
+    /// Means of sine and cosine of so many terms of the Fourier series of a step over the depths of all that is there, and a tenth more (Annen et al. 2007).
+    Waves(u32),
 }
 
 impl MomentMeasures {
@@ -101,8 +105,21 @@ impl MomentMeasures {
     pub const STEEPEST: f32 = 42.0;
     /// Most layers.
     pub const LAYERS: u32 = 8;
+    /// Most terms, those of the paper.
+    pub const TERMS: u32 = 16;
+    /// The last term is weakened to `exp` of minus this, the others by the square of their number less, so that the series does not ring.
+    pub const RINGING: f32 = 1.0;
     /// Of four moments, the fourth is above that of two depths by this share at the least, so that rounding is no shadow.
     pub const FLATTEST: f32 = 1e-3;
+
+    /// Layers and terms, 0 where there are none.
+    pub(super) fn counts(self) -> (u32, u32) {
+        match self {
+            Self::Layers(layers) => (layers, 0),
+            Self::Waves(terms) => (0, terms),
+            _ => (0, 0),
+        }
+    }
 }
 
 /// The pipelines.
@@ -116,16 +133,19 @@ impl MapMoments {
     /// Builds the pipelines, for the measures of depth that moments are to be of.
     pub fn new(device: &wgpu::Device, measures: MomentMeasures) -> Self {
         let four = u32::from(measures == MomentMeasures::Four);
-        let layers = if let MomentMeasures::Layers(layers) = measures { layers } else { 0 };
-        let from =
-            |first: u32, warp: f32| kernel::ReduceProgram::new(device, kernel::Constants { first, warp, layers, four });
+        let (layers, terms) = measures.counts();
+        let from = |first: u32, warp: f32| {
+            kernel::ReduceProgram::new(device, kernel::Constants { first, warp, layers, terms, four })
+        };
         let of = |warp: f32| [0, 1, 2].map(|k| from(k * kernel::LEVELS, warp));
         Self {
             reduce: match measures {
                 MomentMeasures::Depths | MomentMeasures::Four => vec![of(0.0)],
                 MomentMeasures::Rising(exponent) => vec![of(exponent)],
                 MomentMeasures::Both(exponent) => vec![of(exponent), of(-exponent)],
-                MomentMeasures::Layers(layers) => (0..layers).map(|layer| of(layer as f32)).collect(),
+                MomentMeasures::Layers(sets) | MomentMeasures::Waves(sets) => {
+                    (0..sets).map(|set| of(set as f32)).collect()
+                }
             },
             measures,
         }
@@ -139,7 +159,7 @@ impl MapMoments {
         let sets = match self.measures {
             MomentMeasures::Depths | MomentMeasures::Rising(_) => 1,
             MomentMeasures::Both(_) | MomentMeasures::Four => 2,
-            MomentMeasures::Layers(layers) => layers as usize,
+            MomentMeasures::Layers(sets) | MomentMeasures::Waves(sets) => sets as usize,
         };
         Buffer::storage(device, "map_moments.moments", MapLevels::moments_of(size) * sets)
     }

@@ -1,11 +1,11 @@
 //! Shadows by mean and variance of the depths in a pixel's footprint (Donnelly and Lauritzen 2006), of exponentials of them (Annen et al. 2008;
-//! Lauritzen and McCool 2008), or by four moments (Peters and Klein 2015).
+//! Lauritzen and McCool 2008), by four moments (Peters and Klein 2015), or by the Fourier series of the comparison (Annen et al. 2007).
 //!
 //! - **Reads** the triangle at each pixel centre, triangles, projected vertices, the nearest depths of
 //!   [`light_layers`](super::light_layers) and their [moments](super::map_moments).
 //! - **Writes** `visibility`: that of one lookup, whatever the samples; 1 where the pixel sees nothing.
 //! - **Guarantee.** Bit-equal from run to run. Nothing is exact: the moments of what lies behind each other leak light.
-//! - **Cost.** One dispatch over pixels; per pixel up to 16 lookups of eight cells.
+//! - **Cost.** One dispatch over pixels; per pixel up to 16 lookups of eight cells, as many times as there are terms.
 
 use super::PrimaryHits;
 use super::map_moments::{MapLevels, MomentMeasures};
@@ -23,7 +23,7 @@ pub struct MomentShadowsOptions {
     /// Sine of the elevation of the light over a receiver below which half of it is lit; 0 for none.
     pub grazing: f32,
     /// Measure that the moments are of, and so how they are asked: of depths, the share of light is at most variance / (variance + difference²)
-    /// (Chebyshev); of the rising exponential alone, their mean over the receiver's; of both, the less of either bound; of four, the bound that they have (Hamburger's problem).
+    /// (Chebyshev); of the rising exponential alone, their mean over the receiver's; of both, the less of either bound; of four, the bound that they have (Hamburger's problem); of waves, the series of the comparison.
     pub measures: MomentMeasures,
 }
 
@@ -54,14 +54,18 @@ impl MomentShadows {
             MomentMeasures::Both(exponent) => (kernel::QUERY_BOTH, exponent),
             MomentMeasures::Four => (kernel::QUERY_FOUR, 0.0),
             MomentMeasures::Layers(_) => (kernel::QUERY_LAYERS, 0.0),
+            MomentMeasures::Waves(_) => (kernel::QUERY_WAVES, 0.0),
         };
+        let (layers, terms) = measures.counts();
         let constants = kernel::Constants {
             bias_constant: constant,
             bleeding,
             grazing,
             query,
             exponent,
-            layers: if let MomentMeasures::Layers(layers) = measures { layers } else { 0 },
+            layers,
+            terms,
+            ringing: MomentMeasures::RINGING,
             flattest: MomentMeasures::FLATTEST,
         };
         Self { filter: kernel::FilterMomentsProgram::new(device, constants) }

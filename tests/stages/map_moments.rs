@@ -3,13 +3,13 @@
 use crate::support::shadow::folding_gpu;
 use crate::support::{POISON, Random, gpu, sizes_around};
 use oracle::reference::map_moments::moments;
-use oracle::reference::moment_shadows::Measure;
+use oracle::reference::moment_shadows::{Measure, Wave};
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::stages::map_moments::{MapLevels, MapMoments, MomentMeasures};
 use test_support::gpu_test;
 
-const FAR: f32 = 1.25;
+const FAR: f32 = 2.25;
 
 struct Ran {
     size: u32,
@@ -41,17 +41,21 @@ fn fault(ran: &Ran) -> Option<String> {
     let Ran { size, measures, keys, moments: made } = ran;
     let mut got = made.iter();
     let depth = |&key: &u32| f64::from(if key == 0 { FAR } else { f32::from_bits(!key) });
+    if let MomentMeasures::Waves(terms) = *measures {
+        return fault_of_waves(ran, terms);
+    }
     let exponents = match *measures {
         MomentMeasures::Depths | MomentMeasures::Four => vec![(0.0, None)],
         MomentMeasures::Rising(c) => vec![(c, None)],
         MomentMeasures::Both(c) => vec![(c, None), (-c, None)],
         MomentMeasures::Layers(count) => (0..count).map(|k| (0.0, Some([k, count]))).collect(),
+        MomentMeasures::Waves(_) => Vec::new(),
     };
     let four = *measures == MomentMeasures::Four;
     let mut high = made[if four { MapLevels::moments_of(*size) } else { 0 }..].iter();
     for (exponent, layer) in exponents {
         let exponent = f64::from(exponent);
-        let measure = Measure { far: f64::from(FAR), exponent, layer };
+        let measure = Measure { far: f64::from(FAR), exponent, layer, wave: None };
         let values: Vec<f64> = keys.iter().map(|key| measure.of(depth(key))).collect();
         // Of the exponentials a driver may be wrong in the last places of e to the forty-second.
         let share = if exponent == 0.0 { 1e-5 } else { 3e-4 };
@@ -82,6 +86,33 @@ fn fault(ran: &Ran) -> Option<String> {
     }
     let more = if four { high.next() } else { got.next() };
     more.map(|_| "too many cells".to_owned())
+}
+
+/// Of waves every set holds two means.
+fn fault_of_waves(ran: &Ran, terms: u32) -> Option<String> {
+    let Ran { size, keys, moments: made, .. } = ran;
+    let depth = |&key: &u32| f64::from(if key == 0 { FAR } else { f32::from_bits(!key) });
+    let mut got = made.iter();
+    for term in 0..terms {
+        let [sines, cosines] = [Wave::Sine(term), Wave::Cosine(term)].map(|wave| {
+            let measure = Measure { far: f64::from(FAR), exponent: 0.0, layer: None, wave: Some(wave) };
+            keys.iter().map(|key| measure.of(depth(key))).collect::<Vec<f64>>()
+        });
+        for level in 1..=MapLevels::count_of(*size) {
+            let cells = moments(&sines, *size, level).into_iter().zip(moments(&cosines, *size, level));
+            for (cell, (sine, cosine)) in cells.enumerate() {
+                let Some(&[s, c]) = got.next() else { return Some("too few cells".to_owned()) };
+                // WGSL allows sine and cosine to be off by 2^-11 within half a turn.
+                if (f64::from(s) - sine[0]).abs() > 6e-4 || (f64::from(c) - cosine[0]).abs() > 6e-4 {
+                    return Some(format!(
+                        "term {term}, level {level}, cell {cell}: {s} {c}, {} {}",
+                        sine[0], cosine[0]
+                    ));
+                }
+            }
+        }
+    }
+    got.next().map(|_| "too many cells".to_owned())
 }
 
 #[track_caller]
@@ -141,6 +172,8 @@ fn other_measures() {
         MomentMeasures::Four,
         MomentMeasures::Layers(2),
         MomentMeasures::Layers(7),
+        MomentMeasures::Waves(1),
+        MomentMeasures::Waves(16),
     ] {
         for size in [1, 2, 45, 64, 257] {
             let ran = reduce_of(gpu(), size, keys(size, &mut random), measures);
@@ -167,7 +200,14 @@ fn other_measures() {
         fault(&ran).is_some()
     };
     assert!(!layers(&|_| {}) && layers(&|r| r.measures = MomentMeasures::Layers(3)));
+    let waves = |spoil: &dyn Fn(&mut Ran)| {
+        let mut ran = reduce_of(gpu(), 45, keys(45, &mut Random::new(8)), MomentMeasures::Waves(4));
+        spoil(&mut ran);
+        fault(&ran).is_some()
+    };
+    assert!(!waves(&|_| {}) && waves(&|r| r.measures = MomentMeasures::Waves(3)));
     let second = MapLevels::moments_of(45);
+    assert!(waves(&|r| r.moments[second + 3][0] += 1e-3) && waves(&|r| r.moments[3 * second + 3][1] -= 1e-3));
     assert!(layers(&|r| r.moments[2 * second + 3][0] += 1e-2));
     assert!(spoilt(&|r| r.moments[second + 3][0] *= 1.002) && spoilt(&|r| r.moments[second + 3][1] *= 1.01));
     let four = |spoil: &dyn Fn(&mut Ran)| {

@@ -141,6 +141,9 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     if takes("layers") {
         changed |= slider(ui, half, "layers", &mut options.layers, 2..=8);
     }
+    if takes("terms") {
+        changed |= slider(ui, half, "terms", &mut options.terms, 1..=16);
+    }
     if takes("exponent") {
         changed |= slider(ui, half, "exponent", &mut options.exponent, 1.0..=42.0);
     }

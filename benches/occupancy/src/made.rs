@@ -73,6 +73,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("reach", &[&|s| s.smsr.reach = SmsrSettings::LONGEST]);
     vary("exponent", &[&|s| s.moments.exponent = 8.0]);
     vary("layers", &[&|s| s.moments.layers = 7]);
+    vary("terms", &[&|s| s.moments.terms = 5]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
     // Holes add the same code whatever the number of samples.
     if plain.samples.count() != SAMPLES[SAMPLES.len() - 1] {

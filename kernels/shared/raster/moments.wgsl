@@ -4,13 +4,17 @@
 //@import frame front_split
 //@needs var<uniform> frame: Frame;
 //@needs override LAYERS: u32;
+//@needs override TERMS: u32;
 
 const LAP = 0.25;
+const TURN = 6.2831853;
+const WAVE_MARGIN = 1.1;
 
 struct MapLevels {
     far: f32,      // depth where there is no caster: well beyond that of anything
     count: u32,    // levels above the texels
-    second: u32,   // moments of a set: mean and variance of a warp or layer, or third and fourth moments
+    // Moments of a set: mean and variance of a warp or layer, third and fourth moments, or means of a wave
+    second: u32,
     pad: u32,
     starts: array<vec4<u32>, 4>,  // where each begins among the moments
 }
@@ -41,14 +45,25 @@ fn measure(depth: f32, warp: f32) -> f32 {
     return select(-exp(warp * share), depth, warp == 0.0);
 }
 
-// Of a texel by itself.
+// Sine and cosine of term `term` of the step's Fourier series (Annen et al. 2007): of odd halves of a turn
+// over WAVE_MARGIN times the depths of all that is there, beyond which the series would turn back; brought to
+// half a turn to either side, where they are exact enough.
+fn wave(depth: f32, term: f32) -> vec2<f32> {
+    let turns = (term + 0.5) * min(depth / (WAVE_MARGIN * (levels.far - 1.0)), 1.0);
+    let angle = TURN * (turns - round(turns));
+    return vec2(sin(angle), cos(angle));
+}
+
+// Of a texel by itself: its measure and no variance, or with TERMS its wave of number `warp`.
 fn texel_moments(key: u32, warp: f32) -> vec2<f32> {
-    return vec2(measure(select(depth_of_key(key), levels.far, key == 0u), warp), 0.0);
+    let depth = select(depth_of_key(key), levels.far, key == 0u);
+    if TERMS > 0u { return wave(depth, warp); }
+    return vec2(measure(depth, warp), 0.0);
 }
 
 // The set of moments of a warp, behind the first.
 fn set_of(warp: f32) -> u32 {
-    return select(select(0u, 1u, warp < 0.0), u32(warp), LAYERS > 0u);
+    return select(select(0u, 1u, warp < 0.0), u32(warp), LAYERS > 0u || TERMS > 0u);
 }
 
 // Third and fourth central moments of four parts, `offs` of their means from the mean of all.
@@ -65,9 +80,10 @@ fn mixed_high(
     return vec2(dot(third, shares), dot(fourth, shares));
 }
 
-// Of four parts, whose shares add up to 1. Equal means stay what they are, to the bit.
+// Of four parts, whose shares add up to 1. Equal means stay what they are, to the bit. With TERMS both are
+// means.
 fn mixed(means: vec4<f32>, variances: vec4<f32>, shares: vec4<f32>) -> vec2<f32> {
     let mean = means.x + dot(means - means.x, shares);
     let off = means - mean;
-    return vec2(mean, dot(variances + off * off, shares));
+    return vec2(mean, dot(variances + select(off * off, vec4(0.0), TERMS > 0u), shares));
 }

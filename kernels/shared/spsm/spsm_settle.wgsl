@@ -52,9 +52,9 @@ fn covered_by_own(r: Receiver, f: Footprint) -> bool {
 }
 
 // Whether one triangle around covers the footprint, or with `by_all` all in and around the texels of the
-// footprint lie before it by their planes: then every pattern of depth tests there is the covered one. Of a footprint whose
-// middle is outside the texels it was held to, the first alone is asked, so that no loop goes from the one to
-// the other.
+// footprint lie before it by their planes: then every pattern of depth tests there is the covered one. Of a
+// footprint whose middle is outside the texels it was held to, the first alone is asked, so that no loop goes
+// from the one to the other.
 fn covered(r: Receiver, f: Footprint, by_all: bool) -> bool {
     let middle = texel_of(f.at);
     let held = all(middle >= f.first) && all(middle <= f.last);

@@ -1,16 +1,20 @@
 //! A case as files: the scene, its mesh, and the command that repeats it.
 
 use super::{Fault, FuzzCase};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use image::ImageEncoder as _;
+use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{FacetMode, MethodName, PairVariant};
 use subpixel_shadows::samples::Pattern;
-use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Light, Mesh, TestedTriangle};
 use subpixel_shadows::{Error, Result};
 
-/// Writes `scene.toml`, `mesh.ply` and `command.txt` into `folder`; returns the command.
+/// Writes `scene.toml`, `mesh.ply` (with holes `mesh.gltf`) and `command.txt` into `folder`; returns the command.
 ///
 /// # Errors
 /// [`Error::File`] if that cannot be done.
@@ -31,7 +35,12 @@ pub fn write(folder: &Path, case: &FuzzCase, faults: &[(Fault, u64, String)]) ->
     for (fault, count, at) in faults {
         let _ = writeln!(about, "{}: {count}. {at}", fault.name());
     }
-    for (name, text) in [("mesh.ply", ply(&case.world.mesh)), ("scene.toml", toml(case)), ("command.txt", about)] {
+    let mesh = if case.world.alpha.is_empty() {
+        ("mesh.ply", ply(&case.world.mesh))
+    } else {
+        ("mesh.gltf", gltf(&case.world.mesh, &case.world.alpha)?)
+    };
+    for (name, text) in [mesh, ("scene.toml", toml(case)), ("command.txt", about)] {
         let path: PathBuf = folder.join(name);
         std::fs::write(&path, text).map_err(|e| Error::file(&path, format!("cannot be written: {e}")))?;
     }
@@ -73,6 +82,7 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
     if let Some(SplitPlan { splits, warp, focus, weight }) = s.partition.filter(|_| !told) {
         let warp = match warp {
             Warp::Whole | Warp::Box => "even",
+            Warp::Stable => "stable",
             Warp::Trapezoid => "trapezoid",
             Warp::LightSpace => "lispsm",
             Warp::Perspective => "perspective",
@@ -90,7 +100,8 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
 /// The scene file.
 fn toml(case: &FuzzCase) -> String {
     let world = &case.world;
-    let mut text = "mesh = \"mesh.ply\"\n".to_owned();
+    let mesh = if world.alpha.is_empty() { "mesh.ply" } else { "mesh.gltf" };
+    let mut text = format!("mesh = \"{mesh}\"\n");
     if world.ground {
         text += "ground = true\n";
     }
@@ -158,4 +169,74 @@ fn ply(mesh: &Mesh) -> String {
         let _ = writeln!(text, "3 {a} {b} {c}");
     }
     text
+}
+
+/// The mesh with its holes: a primitive of the triangles without, and one for each map.
+fn gltf(mesh: &Mesh, alpha: &AlphaTested) -> Result<String> {
+    let mut tested = vec![None; mesh.triangles.len()];
+    alpha.triangles.iter().for_each(|of| tested[of.triangle as usize] = Some(of));
+    let (mut bytes, mut views, mut accessors, mut primitives) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for map in std::iter::once(None).chain((0..alpha.maps.len() as u32).map(Some)) {
+        let own = mesh.triangles.iter().zip(&tested).filter(|(_, of)| of.map(|of| of.map) == map);
+        let own: Vec<(&[u32; 3], Option<&TestedTriangle>)> = own.map(|(t, of)| (t, *of)).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let mut add = |kind: &str, count: usize, floats: &mut dyn Iterator<Item = f32>| {
+            let start = bytes.len();
+            bytes.extend(floats.flat_map(f32::to_le_bytes));
+            views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": bytes.len() - start }));
+            accessors
+                .push(json!({ "bufferView": views.len() - 1, "componentType": 5126, "count": count, "type": kind }));
+            accessors.len() - 1
+        };
+        let corners = own.iter().flat_map(|(t, _)| t.map(|v| mesh.positions[v as usize]));
+        let positions = add("VEC3", 3 * own.len(), &mut corners.flatten());
+        let mut primitive = json!({ "attributes": { "POSITION": positions } });
+        if let Some(map) = map {
+            let uv = own.iter().filter_map(|(_, of)| of.map(|of| of.uv)).flatten().flatten();
+            primitive["attributes"]["TEXCOORD_0"] = json!(add("VEC2", 3 * own.len(), &mut uv.into_iter()));
+            primitive["material"] = json!(map);
+        }
+        primitives.push(primitive);
+    }
+    let data = |kind: &str, bytes: &[u8]| format!("data:{kind};base64,{}", STANDARD.encode(bytes));
+    let mut images = Vec::new();
+    for map in &alpha.maps {
+        let pixels: Vec<u8> = map.alpha.iter().flat_map(|&a| [255, 255, 255, a]).collect();
+        let mut png = Vec::new();
+        let encoder = image::codecs::png::PngEncoder::new(&mut png);
+        let written = encoder.write_image(&pixels, map.size[0], map.size[1], image::ExtendedColorType::Rgba8);
+        written.map_err(|e| Error::Config(format!("a map of alpha: {e}")))?;
+        images.push(json!({ "uri": data("image/png", &png) }));
+    }
+    let wrap = |wrap: AlphaWrap| match wrap {
+        AlphaWrap::Repeat => 10497,
+        AlphaWrap::Mirror => 33648,
+        AlphaWrap::Clamp => 33071,
+    };
+    let sampler = |map: &AlphaMap| {
+        let filter = if map.filter == AlphaFilter::Nearest { 9728 } else { 9729 };
+        json!({ "magFilter": filter, "wrapS": wrap(map.wrap[0]), "wrapT": wrap(map.wrap[1]) })
+    };
+    let material = |(k, map): (usize, &AlphaMap)| {
+        let texture = json!({ "baseColorTexture": { "index": k } });
+        json!({ "alphaMode": "MASK", "alphaCutoff": f64::from(map.cutoff), "pbrMetallicRoughness": texture })
+    };
+    let texture = |k: usize| json!({ "source": k, "sampler": k });
+    let root = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": primitives }],
+        "materials": alpha.maps.iter().enumerate().map(material).collect::<Vec<_>>(),
+        "textures": (0..alpha.maps.len()).map(texture).collect::<Vec<_>>(),
+        "samplers": alpha.maps.iter().map(sampler).collect::<Vec<_>>(),
+        "images": images,
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{ "byteLength": bytes.len(), "uri": data("application/octet-stream", &bytes) }],
+    });
+    Ok(root.to_string())
 }

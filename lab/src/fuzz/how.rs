@@ -93,6 +93,7 @@ impl How {
         let (splits, focus) = (slices.whole(1, SplitPlan::MOST), slices.pick([0.1, 0.6, 1.0]));
         let sliced = slices.chance(0.3);
         let warp = if slices.chance(0.2) { Warp::Perspective } else { warp };
+        let warp = if Random::of(seed ^ 0x57ab_1e00, number).chance(0.15) { Warp::Stable } else { warp };
         let plan = SplitPlan { splits, warp, focus, weight: slices.pick([SplitPlan::WEIGHT, 0.0, 1.0]) };
         let row = if method == MethodName::FacetMasks && slices.chance(0.12) { Some(texels(slices)?) } else { None };
         let method = row.as_ref().map_or(method, |row| row.0);

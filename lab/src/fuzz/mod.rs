@@ -6,6 +6,7 @@
 
 pub mod check;
 pub mod files;
+mod holes;
 pub mod how;
 pub mod judge;
 pub mod random;
@@ -27,13 +28,15 @@ use crate::scene::{CameraOverride, Scene};
 use random::Random;
 use subpixel_shadows::Result;
 use subpixel_shadows::methods::MethodName;
-use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::scene::{AlphaTested, Light, Mesh};
 
 /// Mesh, camera and light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
     /// The mesh, without the ground.
     pub mesh: Mesh,
+    /// Its triangles that have holes.
+    pub alpha: AlphaTested,
     /// Whether a ground is put under it.
     pub ground: bool,
     /// The camera, all parts given; near and far follow from the mesh.
@@ -51,6 +54,7 @@ impl World {
         let name = "fuzz";
         let mut mesh = self.mesh.clone();
         mesh.check(name)?;
+        self.alpha.check(&mesh)?;
         let camera = self.camera.apply(None, &mesh)?;
         self.light.check()?;
         let ground = if self.ground { mesh.ground_below() } else { None };
@@ -58,7 +62,7 @@ impl World {
             mesh.add_ground(ground);
             mesh.check(name)?;
         }
-        Ok(Scene { name: name.into(), mesh, alpha: Default::default(), camera, light: self.light, ground })
+        Ok(Scene { name: name.into(), mesh, alpha: self.alpha.clone(), camera, light: self.light, ground })
     }
 }
 
@@ -92,7 +96,11 @@ impl FuzzCase {
         let camera = view::camera(r, &mesh);
         let outside = how.method == MethodName::Supersampled;
         let light = view::light(r, &mesh, camera.eye.unwrap_or_default(), outside);
-        let world = World { mesh, ground, camera, light };
+        // Of a stream of its own, as slices are.
+        let cut = &mut Random::of(seed ^ 0xa1fa_0000, number);
+        let tested = cut.chance(0.12) && how.method != MethodName::Spsm;
+        let alpha = if tested { holes::holes(cut, &mesh) } else { AlphaTested::default() };
+        let world = World { mesh, alpha, ground, camera, light };
         if outside && !in_one_view(&world, &how) {
             // It refuses a light that is nearer to a caster than it tells.
             how.method = MethodName::RayTraced;
@@ -124,6 +132,7 @@ mod tests {
     use crate::scene::{Scene, SceneOptions};
     use std::collections::HashSet;
     use subpixel_shadows::mask_table::MaskVariant;
+    use subpixel_shadows::scene::TestedTriangle;
 
     #[test]
     fn a_case_is_a_function_of_seed_and_number() {
@@ -154,17 +163,19 @@ mod tests {
                 Light::Spot { .. } => "spot",
             };
             seen.insert(format!("{light} {} {}", case.world.ground, how.both));
+            seen.insert(format!("alpha {}", case.world.alpha.is_empty()));
             assert!((1..=300).contains(&s.map) && case.world.mesh.triangles.len() <= 1500, "{case:?}");
         }
         assert!(refused <= 30, "{refused} refused");
-        let all = [6, Kind::ALL.len(), 2 * 3 * 2, 2 * MethodName::ALL.len(), 3 * 2, 2 * 2, 3 * 2 * 2];
+        let all = [6, Kind::ALL.len(), 2 * 3 * 2, 2 * MethodName::ALL.len(), 3 * 2, 2 * 2, 3 * 2 * 2, 2];
         assert_eq!(seen.len(), all.iter().sum::<usize>(), "{seen:?}");
     }
 
     #[test]
     fn a_case_that_is_written_reads_back_as_it_is() {
         let folder = std::env::temp_dir().join(format!("subpixel-shadows-fuzz-{}", std::process::id()));
-        for number in 0..Kind::ALL.len() as u64 * 4 {
+        let mut holes = 0;
+        for number in 0..Kind::ALL.len() as u64 * 6 {
             let case = FuzzCase::of(3, number).unwrap();
             let Ok(made) = case.world.scene() else { continue };
             files::write(&folder, &case, &[]).unwrap();
@@ -173,7 +184,26 @@ mod tests {
             assert_eq!((read.camera, read.light), (made.camera, made.light), "{number}");
             let canonical = |scene: &Scene| scene.prepared().unwrap().mesh().clone();
             assert_eq!(canonical(&read), canonical(&made), "{number}");
+            // Maps without a hole are not read; equal triangles have no order.
+            let solid = |scene: &Scene| {
+                let prepared = scene.prepared().unwrap();
+                let (mesh, alpha) = (prepared.mesh(), prepared.alpha());
+                let holed = |t: &&TestedTriangle| {
+                    let map = &alpha.maps[t.map as usize];
+                    map.alpha.iter().any(|&a| f32::from(a) < map.threshold())
+                };
+                let of = |t: &TestedTriangle| {
+                    let corners = mesh.triangles[t.triangle as usize].map(|v| mesh.positions[v as usize]);
+                    format!("{corners:?} {:?} {:?}", t.uv, alpha.maps[t.map as usize])
+                };
+                let mut found: Vec<String> = alpha.triangles.iter().filter(holed).map(of).collect();
+                found.sort();
+                found
+            };
+            assert_eq!(solid(&read), solid(&made), "{number}");
+            holes += usize::from(!solid(&made).is_empty());
         }
+        assert!(holes > 3, "{holes} with holes");
         std::fs::remove_dir_all(folder).unwrap();
     }
 }

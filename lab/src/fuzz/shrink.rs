@@ -7,7 +7,7 @@ use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{FacetMode, PairVariant, RayTracedSettings, Settings};
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::Mesh;
+use subpixel_shadows::scene::{AlphaTested, Mesh};
 
 /// Shrinks with a bound in time.
 struct Shrinker<'a> {
@@ -22,6 +22,7 @@ pub fn shrink(case: &FuzzCase, patience: Duration, fails: &mut dyn FnMut(&FuzzCa
     let mut s = Shrinker { case: case.clone(), fails, end: Instant::now() + patience };
     // The ground follows the bounds of the mesh, so with it nothing can be taken off without moving it.
     s.ground();
+    s.holes();
     s.triangles();
     s.image();
     s.settings();
@@ -62,6 +63,23 @@ impl Shrinker<'_> {
         }
     }
 
+    /// Closes all holes, or one after the other.
+    fn holes(&mut self) {
+        let mut closed = self.case.clone();
+        closed.world.alpha = AlphaTested::default();
+        if self.takes(closed) {
+            return;
+        }
+        let mut k = 0;
+        while k < self.case.world.alpha.triangles.len() {
+            let mut fewer = self.case.clone();
+            fewer.world.alpha.triangles.remove(k);
+            if !self.takes(fewer) {
+                k += 1;
+            }
+        }
+    }
+
     /// Takes triangles out, in ever smaller parts (Zeller, Hildebrandt 2002).
     fn triangles(&mut self) {
         let mut part = self.case.world.mesh.triangles.len().div_ceil(2);
@@ -77,6 +95,13 @@ impl Shrinker<'_> {
                 let mesh = Mesh { positions: positions.clone(), triangles: rest };
                 let mut smaller = self.case.clone();
                 smaller.world.mesh = mesh;
+                smaller.world.alpha.triangles.retain_mut(|of| {
+                    let place = of.triangle as usize;
+                    if place >= last {
+                        of.triangle -= (last - first) as u32;
+                    }
+                    place < first || place >= last
+                });
                 match self.takes(smaller) {
                     true => any = true,
                     false => first = last,

@@ -54,6 +54,8 @@ pub struct Summary {
     pub methods: BTreeMap<&'static str, u64>,
     /// Frames that were rendered a second time with everything run.
     pub forced: u64,
+    /// Worlds with alpha-tested triangles.
+    pub holes: u64,
     /// Why cases were refused, numbers left out, and how often.
     pub refusals: BTreeMap<String, u64>,
     /// Failures, in order.
@@ -67,6 +69,7 @@ impl Summary {
     pub fn judged(&mut self, case: &FuzzCase, verdict: &Verdict) {
         let one = Tally { cases: 1, refused: 0, failed: u64::from(verdict.fails()), figures: verdict.figures };
         self.forced += u64::from(case.how.both);
+        self.holes += u64::from(!case.world.alpha.is_empty());
         self.count(case, &one);
     }
 
@@ -124,12 +127,13 @@ impl Summary {
         let own = [MethodName::FacetMasks, MethodName::RayTraced, MethodName::Supersampled]
             .map(|method| self.methods.get(method.name()).copied().unwrap_or(0));
         format!(
-            "{} frames of facet-masks, {} of ray-traced, {} of supersampled, {} of methods of texels, {} also with everything run; {:.0} s, {:.1} cases a second",
+            "{} frames of facet-masks, {} of ray-traced, {} of supersampled, {} of methods of texels, {} also with everything run; {} worlds with alpha-tested triangles; {:.0} s, {:.1} cases a second",
             own[0],
             own[1],
             own[2],
             cases - own.iter().sum::<u64>(),
             self.forced,
+            self.holes,
             self.seconds,
             cases as f64 / self.seconds.max(1e-9)
         )

@@ -78,6 +78,8 @@ pub enum Shape {
 pub enum WarpBy {
     /// Evenly, over the box around what is seen
     Even,
+    /// Evenly, over a square that moves by whole texels as the camera moves
+    Stable,
     /// Over a trapezoid around it, 80 % of whose rows go to the first part
     Trapezoid,
     /// As is best for a frustum and a light from the side

@@ -95,7 +95,7 @@ pub struct RenderOptions {
     /// Where slices end: 1 for depths that grow by a factor, 0 for slices of one length, 0.5 for the mean of both
     #[arg(long, default_value_t = 0.5, value_name = "SHARE")]
     pub split_weight: f64,
-    /// How the texels of a map lie over its slice: evenly, over a trapezoid by the 80 % rule, by light-space perspective, by that from the
+    /// How the texels of a map lie over its slice: evenly, evenly and standing while the camera moves, over a trapezoid by the 80 % rule, by light-space perspective, by that from the
     /// eye itself, or as makes them smallest beside pixels [default: fitted]
     #[arg(long, value_enum, value_name = "HOW")]
     pub warp: Option<WarpBy>,
@@ -116,6 +116,9 @@ pub struct RenderOptions {
     /// Layers of depth of layered-variance: 2 to 8; the more, the less light leaks
     #[arg(long, default_value_t = 4, value_name = "N")]
     pub layers: u32,
+    /// Terms of the series of convolution: 1 to 16; the more, the nearer to casters shadows begin
+    #[arg(long, default_value_t = 16, value_name = "N")]
+    pub terms: u32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: MaskChoice,
@@ -259,6 +262,7 @@ impl RenderOptions {
                 grazing: self.grazing,
                 exponent: self.exponent,
                 layers: self.layers,
+                terms: self.terms,
             },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             shadow_map: ShadowMapSettings {
@@ -277,6 +281,7 @@ impl RenderOptions {
         let own = self.method.row().partition;
         let warp = self.warp.map(|warp| match warp {
             WarpBy::Even => Warp::Box,
+            WarpBy::Stable => Warp::Stable,
             WarpBy::Trapezoid => Warp::Trapezoid,
             WarpBy::Lispsm => Warp::LightSpace,
             WarpBy::Perspective => Warp::Perspective,

@@ -63,6 +63,7 @@ impl RenderOptions {
             ("grazing", number(o.grazing)),
             ("exponent", number(o.exponent)),
             ("layers", json!(o.layers)),
+            ("terms", json!(o.terms)),
         ];
         all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
     }

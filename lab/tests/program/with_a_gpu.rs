@@ -42,6 +42,7 @@ fn every_method_keeps_the_contract() {
         ("smsr", "smsr"),
         ("variance", "map_moments"),
         ("layered-variance", "map_moments"),
+        ("convolution", "map_moments"),
         ("exponential", "map_moments"),
         ("exponential-variance", "moment_shadows"),
         ("four-moments", "moment_shadows"),

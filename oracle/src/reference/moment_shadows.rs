@@ -1,4 +1,4 @@
-//! Shadows by mean and variance of the depths in a footprint, or of exponentials of them.
+//! Shadows by mean and variance of the depths in a footprint, or of exponentials of them, or by the series of the comparison.
 
 use super::map_moments;
 use glam::{DMat2, DVec2};
@@ -12,6 +12,8 @@ pub enum MomentBound {
     Mean,
     /// As by [`MomentBound::Variance`], in the layer that the receiver is in, and near the layer's end in the next beside.
     Layers,
+    /// The Fourier series of the comparison, the last term weakened by `exp` of minus this (Annen et al. 2007, section 4).
+    Waves(f64),
     /// All four bound it (Hamburger); the fourth is above that of two depths by this share at the least.
     Four(f64),
 }
@@ -25,18 +27,44 @@ pub struct Measure {
     pub exponent: f64,
     /// A layer of depth, and of how many: the depth in it, as far as it reaches, [`LAP`] of its thickness into the next.
     pub layer: Option<[u32; 2]>,
+    /// A wave in place of these.
+    pub wave: Option<Wave>,
+}
+
+/// A wave over depths, by its term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wave {
+    /// Its sine.
+    Sine(u32),
+    /// Its cosine.
+    Cosine(u32),
+}
+
+/// Frequency of a term of the step's series, over depths from 0 to 1.
+fn frequency(term: u32) -> f64 {
+    std::f64::consts::PI * f64::from(2 * term + 1)
 }
 
 /// Part of its thickness by which a layer reaches into the next.
 pub const LAP: f64 = 0.25;
 
 impl Measure {
+    /// Place of a depth in the half period of the series: a tenth more than what is there, so that nothing lies a whole half period apart.
+    fn wave_share(&self, depth: f64) -> f64 {
+        (depth / (1.1 * (self.far - 1.0))).min(1.0)
+    }
+
     /// Of a depth.
     pub fn of(&self, depth: f64) -> f64 {
         if let Some([layer, of]) = self.layer {
             let place = depth * f64::from(of) - f64::from(layer);
             let low = if layer == 0 { f64::NEG_INFINITY } else { -LAP };
             return place.clamp(low, if layer + 1 == of { f64::INFINITY } else { 1.0 + LAP });
+        }
+        match self.wave {
+            Some(Wave::Sine(term)) => return (frequency(term) * self.wave_share(depth)).sin(),
+            Some(Wave::Cosine(term)) => return (frequency(term) * self.wave_share(depth)).cos(),
+            None => {}
         }
         let (share, c) = (depth / self.far, self.exponent);
         match c {
@@ -146,8 +174,24 @@ impl Moments {
             _ if off <= 0.0 => 1.0,
             MomentBound::Four(flattest) => share_of_four(found, off, flattest),
             MomentBound::Mean => mean / own,
-            MomentBound::Variance | MomentBound::Layers => variance / (variance + off * off),
+            MomentBound::Variance | MomentBound::Layers | MomentBound::Waves(_) => variance / (variance + off * off),
         }
+    }
+
+    /// Share of light by the waves of a map, sine and cosine of each term in turns: twice the mean of the step from 0 before the receiver to 1
+    /// behind it.
+    fn share_of_waves(waves: &[Self], r: &Receiver, wanted: DVec2, level: f64, ask: &MomentQuery) -> f64 {
+        let at = waves[0].place(wanted, level);
+        let own = waves[0].measure.wave_share(r.depth + r.rise_to(at) - ask.constant);
+        let fading = if let MomentBound::Waves(fading) = ask.by { fading } else { 0.0 };
+        let terms = waves.len() / 2;
+        let term = |k: usize| {
+            let [sine, cosine] = [2 * k, 2 * k + 1].map(|n| waves[n].of_square(level, at)[0]);
+            let c = frequency(k as u32);
+            let weakened = (-fading * ((k + 1) as f64 / terms as f64).powi(2)).exp();
+            weakened / c * ((c * own).cos() * sine - (c * own).sin() * cosine)
+        };
+        (1.0 + 4.0 * (0..terms).map(term).sum::<f64>()).clamp(0.0, 1.0)
     }
 
     /// Share of light in the footprint of a pixel, the least that any of several `moments` of one map tells; `steps` are the texels that a pixel to
@@ -186,6 +230,7 @@ impl Moments {
                         () => of(&moments[own]),
                     }
                 }
+                MomentBound::Waves(_) => Self::share_of_waves(moments, r, r.at + off, level, ask),
                 _ => moments.iter().map(of).fold(1.0, f64::min),
             };
             (share - ask.bleeding).max(0.0) / (1.0 - ask.bleeding)

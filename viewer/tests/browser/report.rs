@@ -5,7 +5,7 @@ use crate::chromium::Chromium;
 use crate::site;
 use lab::report::comparison::html::{PictureSheet, html};
 use lab::report::comparison::page::Page;
-use lab::report::comparison::pictures::{Cut, Panel, side_by_side};
+use lab::report::comparison::pictures::{Panel, PanelCut, side_by_side};
 use lab::report::comparison::{Row, Spread};
 use serde_json::json;
 use test_support::Folder;
@@ -36,7 +36,7 @@ fn a_report_is_looked_at() {
     let picture = folder.path("pictures.png");
     let light = vec![1.0; 48 * 32];
     let panels = [0.0, 0.25, 0.5, 1.0].map(|v| Panel { ours: vec![v; 48 * 32], truth: light.clone() });
-    side_by_side(picture.as_ref(), [48, 32], Cut::middle([48, 32]), &panels).expect("a picture");
+    side_by_side(picture.as_ref(), [48, 32], PanelCut::middle([48, 32]), &panels).expect("a picture");
     let sheet = PictureSheet { scene: "plane".to_owned(), png: std::fs::read(&picture).expect("it") };
     let text = html(&Page { command: "as told".to_owned(), ..Page::default() }, &rows(), &[sheet], false);
     std::fs::write(folder.path("index.html"), text).expect("written");

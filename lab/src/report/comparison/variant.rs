@@ -1,5 +1,6 @@
 //! Methods and settings that are compared.
 
+use super::row::Row;
 use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
@@ -34,6 +35,14 @@ pub struct ReportVariant {
     pub setting: String,
     /// Everything that is set. The plan of a scene may leave out more.
     pub settings: Settings,
+}
+
+impl ReportVariant {
+    /// Whether a row is of it, on whatever scene.
+    pub fn made(&self, row: &Row) -> bool {
+        let own = (self.settings.map, self.settings.samples.count(), self.method.name(), self.setting.as_str());
+        own == (row.map, row.samples, row.method.as_str(), row.setting.as_str())
+    }
 }
 
 impl Scope {
@@ -140,6 +149,14 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 if layers == 4 || more {
                     let moments = MomentSettings { layers, ..settings.moments };
                     add(&format!("layers={layers}"), Settings { moments, ..settings.clone() });
+                }
+            }
+        }
+        MethodName::Convolution => {
+            for terms in [16, 8, 4] {
+                if terms == 16 || more {
+                    let moments = MomentSettings { terms, ..settings.moments };
+                    add(&format!("terms={terms}"), Settings { moments, ..settings.clone() });
                 }
             }
         }
