@@ -5,9 +5,12 @@
 
 #[path = "shared/median.rs"]
 mod median;
+#[path = "shared/read.rs"]
+mod read;
 
 use lab::scene::{Camera, Light, Mesh, builtin};
 use median::median;
+use read::read;
 use std::time::Instant;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Settings};
@@ -164,20 +167,4 @@ fn main() -> Result<()> {
 
 fn moved(p: &[f32; 3], t: &Transform) -> [f32; 3] {
     t.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
-}
-
-fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<f32>> {
-    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("instances.read"),
-        size: buffer.size(),
-        usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.encoder();
-    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
-    gpu.queue.submit([encoder.finish()]);
-    staging.map_async(wgpu::MapMode::Read, .., |_| {});
-    gpu.wait(None)?;
-    let bytes = staging.get_mapped_range(..).map_err(|e| Error::Gpu(e.to_string()))?;
-    Ok(bytemuck::pod_collect_to_vec(&bytes))
 }

@@ -1,4 +1,4 @@
-//! Light or camera moved in small steps: error against truth of each frame, and flicker, as a table and a plot a scene:
+//! Light or camera moved in small steps: error against truth of each frame, and flicker, of every method, as a table and two plots a scene:
 //! `cargo run --release --example temporal -- [--plots FOLDER] [--pictures FOLDER] [--frames N] [--size WxH] [--samples N]
 //! [--map N] [--ground] [SCENE …]`
 //!
@@ -8,6 +8,7 @@
 //! at its target. Truth is scene truth at the same samples.
 
 use lab::arguments::Arguments;
+use lab::options::{FrameArguments, RenderOptions};
 use lab::report::comparison::plots::{Axis, Plot, Series};
 use lab::report::write_png_grey;
 use lab::scene::{Scene, SceneOptions};
@@ -17,17 +18,36 @@ use std::path::PathBuf;
 use std::time::Instant;
 use subpixel_shadows::glam::{DQuat, DVec3, Vec3};
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light};
 use subpixel_shadows::{Error, Result};
 
-const VARIANTS: [(&str, MethodName, FacetMode); 4] = [
-    ("shadow-map", MethodName::ShadowMap, FacetMode::One),
-    ("spsm", MethodName::Spsm, FacetMode::One),
-    ("facet-masks --facets one", MethodName::FacetMasks, FacetMode::One),
-    ("facet-masks --facets all", MethodName::FacetMasks, FacetMode::All),
+/// Every method, and how texels lie that stand or do not, as `render` takes them.
+const VARIANTS: [&str; 23] = [
+    "shadow-map",
+    "spsm",
+    "shadow-map --splits 3 --warp even",
+    "shadow-map --splits 3 --warp stable",
+    "spsm --splits 3 --warp stable",
+    "pcf",
+    "smsr",
+    "variance",
+    "layered-variance",
+    "convolution",
+    "exponential",
+    "exponential-variance",
+    "four-moments",
+    "trapezoidal",
+    "lispsm",
+    "perspective",
+    "parallel-split",
+    "remix",
+    "remix --warp stable",
+    "ray-traced",
+    "supersampled",
+    "facet-masks --facets one",
+    "facet-masks",
 ];
 
 /// The light of frame `k`: turned about the upright axis nearest to it that is square to it.
@@ -125,11 +145,12 @@ fn main() -> Result<()> {
         let mut series = Vec::new();
         for moved in ["light", "camera"] {
             let mut renderers = Vec::new();
-            for (_, method, facets) in VARIANTS {
-                let settings = Settings { facets, cull_back: true, ..Settings::new(size, map, samples.clone()) };
-                renderers.push(Renderer::of_method(&gpu, &prepared, method, &settings, Budget::default())?);
+            for variant in VARIANTS {
+                let options = FrameArguments::of_line(&format!("render --method {variant}"))?.options;
+                let settings = RenderOptions { size, map, samples: samples.count(), ..options.clone() }.settings()?;
+                renderers.push(Renderer::of_method(&gpu, &prepared, options.method, &settings, Budget::default())?);
             }
-            let mut courses: [Course; 4] = Default::default();
+            let mut courses: Vec<Course> = VARIANTS.iter().map(|_| Course::default()).collect();
             let (mut before, mut change) = (Vec::new(), Vec::new());
             for k in 0..frames {
                 let (camera, light) = match moved {
@@ -147,7 +168,7 @@ fn main() -> Result<()> {
                 }
                 before = truth;
             }
-            for ((label, ..), course) in VARIANTS.iter().zip(&courses) {
+            for (label, course) in VARIANTS.iter().zip(&courses) {
                 println!(
                     "| {name} | {moved} | `{label}` | {:.4} | {:.4} | {:.5} | {:.5} | {:.5} | {:.3} % |",
                     mean(&course.squares).sqrt(),
@@ -159,7 +180,7 @@ fn main() -> Result<()> {
                 );
                 let point = |(k, v): (usize, &f64)| (k as f64 + 1.0, *v, String::new());
                 let points = course.flicker.iter().enumerate().map(point).collect();
-                series.push(Series { name: format!("{label}, {moved}"), points, joined: true, guide: false });
+                series.push(Series { name: (*label).to_owned(), points, joined: true, guide: false });
             }
             if let Some(folder) = pictures.as_ref().filter(|_| moved == "light") {
                 let steps = frames.saturating_sub(1).max(1) as f32;
@@ -167,18 +188,18 @@ fn main() -> Result<()> {
                 let both: Vec<f32> = both.collect();
                 write_png_grey(&folder.join(format!("flicker-{}.png", scene.name)), size[0], 2 * size[1], &both)?;
             }
+            if let Some(folder) = &plots {
+                let plot = Plot {
+                    title: format!("{name}, {moved} moved: flicker, {} x {} pixels, map {map}", size[0], size[1]),
+                    x: Axis::linear("step of a tenth of a texel (light) or pixel (camera)"),
+                    y: Axis::log("mean of |change of ours - change of truth|"),
+                    series: std::mem::take(&mut series),
+                };
+                plot.write(&folder.join(format!("temporal-{}-{moved}.svg", scene.name)))?;
+            }
             println!("| {name} | {moved} | truth's own change | | | | {:.5} | {:.5} | |", mean(&change), most(&change));
             let _ = std::io::stdout().flush();
             eprintln!("{name}, {moved} moved: {:.0} s", start.elapsed().as_secs_f64());
-        }
-        if let Some(folder) = &plots {
-            let plot = Plot {
-                title: format!("{name}: flicker, {} x {} pixels, map {map}", size[0], size[1]),
-                x: Axis::linear("step of a tenth of a texel (light) or pixel (camera)"),
-                y: Axis::log("mean of |change of ours - change of truth|"),
-                series,
-            };
-            plot.write(&folder.join(format!("temporal-{}.svg", scene.name)))?;
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! Options of the program.
 
+use super::rows::RowPart;
 use clap::{Args, Parser, Subcommand};
 use lab::options::{RenderOptions, method_name, size};
 use lab::report::comparison::Scope;
@@ -42,7 +43,7 @@ pub enum Command {
     #[command(args_conflicts_with_subcommands = true)]
     Report {
         #[command(subcommand)]
-        figure: Option<ReportCommand>,
+        command: Option<ReportCommand>,
         #[command(flatten)]
         options: ReportOptions,
     },
@@ -76,7 +77,7 @@ pub enum Command {
     },
 }
 
-/// What else `report` does.
+/// The other things that `report` does.
 #[derive(Debug, Subcommand)]
 pub enum ReportCommand {
     /// Measure experiments of the papers again: a page each, with the paper's figures beside ours
@@ -84,6 +85,50 @@ pub enum ReportCommand {
         #[command(flatten)]
         options: FigureOptions,
     },
+    /// Everything that is measured: the whole report, the stability cases and all figures; goes on where it stopped
+    Everything {
+        #[command(flatten)]
+        options: EverythingOptions,
+    },
+    /// Put the parts of a report or of figures together, and write their pages
+    Merge {
+        #[command(flatten)]
+        options: MergeOptions,
+    },
+}
+
+/// The options of `report everything`.
+#[derive(Debug, Args)]
+pub struct EverythingOptions {
+    /// Fewer rows of smaller pictures
+    #[arg(long)]
+    pub quick: bool,
+    /// Measure a part of the rows, such as 3/8, and write no page: `report merge` makes them of all parts
+    #[arg(long, value_name = "K/N")]
+    pub part: Option<RowPart>,
+    /// Pick an adapter whose name contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// Folder for the files that are written: `comparison`, `stability`, and `figures` in it
+    #[arg(long, default_value = "out/everything", value_name = "DIR")]
+    pub out: PathBuf,
+    /// No progress, no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// The options of `report merge`.
+#[derive(Debug, Args)]
+pub struct MergeOptions {
+    /// Folders that parts were measured into
+    #[arg(required = true, value_name = "DIR")]
+    pub parts: Vec<PathBuf>,
+    /// Folder for the files that are written
+    #[arg(long, default_value = "out/merged", value_name = "DIR")]
+    pub out: PathBuf,
+    /// The scenes had a ground plane added
+    #[arg(long)]
+    pub ground: bool,
 }
 
 /// The options of `report figure`.
@@ -103,6 +148,9 @@ pub struct FigureOptions {
     /// Begin anew, without the rows that an earlier run left in the folder
     #[arg(long)]
     pub fresh: bool,
+    /// Measure a part of the rows, such as 3/8, and write no page: `report merge` makes them of all parts
+    #[arg(long, value_name = "K/N")]
+    pub part: Option<RowPart>,
     /// Pick an adapter whose name contains TEXT
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
@@ -166,6 +214,9 @@ pub struct ReportOptions {
     /// Begin anew, without the rows that an earlier run left in the folder
     #[arg(long)]
     pub fresh: bool,
+    /// Measure a part of the rows, such as 3/8, and write no page: `report merge` makes them of all parts
+    #[arg(long, value_name = "K/N")]
+    pub part: Option<RowPart>,
     /// Pick an adapter whose name contains TEXT
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,

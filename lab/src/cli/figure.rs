@@ -3,10 +3,10 @@
 use super::args::FigureOptions;
 use super::held::FolderLock;
 use super::progress::Console;
-use super::rows::{Job, JobSheet, Rows};
+use super::rows::{Job, JobRows, JobSheet, RowPart};
 use super::table::Report;
 use lab::report::comparison::figures::slug;
-use lab::report::comparison::pictures::Cut;
+use lab::report::comparison::pictures::PanelCut;
 use lab::report::comparison::{Journal, Machine, Measuring, Row};
 use lab::report::experiments::{Experiment, Place, experiments, markdown};
 use lab::report::write_text;
@@ -70,12 +70,28 @@ fn measure(options: &FigureOptions, experiment: &Experiment, gpu: &Gpu, console:
         let task = console.task(experiment.name);
         let reference = experiment.reference(options.size)?;
         let all = jobs.iter().map(Job::len).sum();
-        let mut measuring = Rows { bench: &bench, journal: &mut journal, reference, task: &task, done: 0, all };
+        let part = (options.part.unwrap_or(RowPart::WHOLE), 0);
+        let mut measuring =
+            JobRows { bench: &bench, journal: &mut journal, reference, task: &task, part, done: 0, all };
         for job in &jobs {
             rows.extend(measuring.of(job)?);
         }
     }
-    write(options, experiment, &machine, &rows, &out)
+    if options.part.is_some_and(|part| part != RowPart::WHOLE) {
+        return Ok(out);
+    }
+    let [w, h] = options.size;
+    let command = format!(
+        "cargo run --release -- report figure {} --size {w}x{h} --repeats {} --row-seconds {}",
+        experiment.name, options.repeats, options.row_seconds
+    );
+    write(experiment, &command, &machine, &rows, &out)
+}
+
+/// The command that runs.
+pub fn command_line() -> String {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    format!("cargo run --release -- {}", arguments.join(" "))
 }
 
 fn jobs<'a>(options: &FigureOptions, experiment: &'a Experiment, out: &Path) -> Result<Vec<Job<'a>>> {
@@ -84,7 +100,7 @@ fn jobs<'a>(options: &FigureOptions, experiment: &'a Experiment, out: &Path) -> 
         for tessellation in 0..=experiment.tessellation {
             let sheet = experiment.sheet.filter(|_| tessellation == 0).map(|sheet| JobSheet {
                 path: sheet_path(out, place),
-                cut: Cut::part(options.size, sheet.part, sheet.zoom, sheet.gain),
+                cut: PanelCut::part(options.size, sheet.part, sheet.zoom, sheet.gain),
                 shown: Box::new(|v| v.settings.map == experiment.maps[0]),
             });
             let variants = experiment.variants(options.size)?;
@@ -99,13 +115,9 @@ fn sheet_path(out: &Path, place: &Place) -> PathBuf {
     out.join(format!("pictures-{}.png", slug(place.label)))
 }
 
-fn write(
-    options: &FigureOptions,
-    experiment: &Experiment,
-    machine: &Machine,
-    rows: &[Row],
-    out: &Path,
-) -> Result<PathBuf> {
+/// Writes the page of an experiment and its plots; returns the page's path.
+pub fn write(experiment: &Experiment, command: &str, machine: &Machine, rows: &[Row], out: &Path) -> Result<PathBuf> {
+    let rows = experiment.in_order(rows)?;
     let measured: Vec<&Row> = rows.iter().filter(|r| r.failed.is_none()).collect();
     let mut plots = Vec::new();
     for (name, plot) in (experiment.plots)(&measured) {
@@ -125,12 +137,7 @@ fn write(
             (place.label, names.chain(["rays".to_owned()]).collect())
         })
         .collect();
-    let [w, h] = options.size;
-    let command = format!(
-        "cargo run --release -- report figure {} --size {w}x{h} --repeats {} --row-seconds {}",
-        experiment.name, options.repeats, options.row_seconds
-    );
     let page = out.join("page.md");
-    write_text(&page, &markdown(experiment, &command, machine, rows, &plots, &pictured))?;
+    write_text(&page, &markdown(experiment, command, machine, &rows, &plots, &pictured))?;
     Ok(page)
 }

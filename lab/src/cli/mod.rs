@@ -3,12 +3,14 @@
 mod adapters;
 mod args;
 mod engine;
+mod everything;
 mod explain;
 mod figure;
 mod fuzz;
 mod given;
 mod held;
 mod kernels;
+mod merge;
 mod methods;
 mod output;
 mod progress;
@@ -43,8 +45,12 @@ pub fn main() -> ExitCode {
         Some(Command::Fuzz { options }) => return finish(fuzz::run(&options)),
         Some(Command::Render { scene, options }) => with(matches, scene, options, render::run),
         Some(Command::Explain { scene, options }) => with(matches, scene, options, explain::run),
-        Some(Command::Report { figure: Some(ReportCommand::Figure { options }), .. }) => figure::run(&options),
-        Some(Command::Report { options, .. }) => report::run(&options),
+        Some(Command::Report { command, options }) => match command {
+            Some(ReportCommand::Figure { options }) => figure::run(&options),
+            Some(ReportCommand::Everything { options }) => everything::run(&options),
+            Some(ReportCommand::Merge { options }) => merge::run(&options),
+            None => report::run(&options),
+        },
         Some(Command::Stability { options }) => stability::run(&options),
         Some(Command::Methods { json }) => methods::run(json),
         Some(Command::Kernels { out }) => kernels::run(&out),

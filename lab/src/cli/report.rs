@@ -1,14 +1,14 @@
 //! `report`: error against run time.
 
-use super::args::ReportOptions;
+use super::args::{ReportOptions, or_all};
 use super::held::FolderLock;
 use super::progress::Console;
-use super::rows::{Job, JobSheet, Rows};
+use super::rows::{Job, JobRows, JobSheet, RowPart};
 use super::table::Report;
 use lab::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
 use lab::report::comparison::html::{PictureSheet, html};
 use lab::report::comparison::page::{Page, csv, markdown};
-use lab::report::comparison::pictures::Cut;
+use lab::report::comparison::pictures::PanelCut;
 use lab::report::comparison::{Journal, Machine, Measuring, ReportVariant, Row, Scope, variants};
 use lab::report::{or_dash, write_text};
 use lab::scene::{Scene, SceneOptions};
@@ -48,12 +48,17 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     {
         let (task, reference) = (console.task("report"), scope.reference()?);
         let all = jobs.iter().map(Job::len).sum();
-        let mut measuring = Rows { bench: &bench, journal: &mut journal, reference, task: &task, done: 0, all };
+        let part = (options.part.unwrap_or(RowPart::WHOLE), 0);
+        let mut measuring =
+            JobRows { bench: &bench, journal: &mut journal, reference, task: &task, part, done: 0, all };
         for job in &jobs {
             rows.extend(measuring.of(job)?);
         }
     }
-    let written = write(options, &machine, &rows)?;
+    if options.part.is_some_and(|part| part != RowPart::WHOLE) {
+        return told_of_part(&rows, &options.out);
+    }
+    let written = write(&options.out, options.ground, &machine, &rows)?;
     summary(&machine, &rows, &written, start)
 }
 
@@ -88,7 +93,7 @@ fn jobs<'a>(options: &'a ReportOptions, scope: &'a Scope) -> Result<Vec<Job<'a>>
             converged: true,
             sheet: Some(JobSheet {
                 path: picture_path(&options.out, &scene),
-                cut: Cut::middle(scope.size),
+                cut: PanelCut::middle(scope.size),
                 shown: Box::new(like_usual((usual.settings.samples.count(), usual.settings.map))),
             }),
             open: opened(scene),
@@ -112,9 +117,46 @@ fn picture_path(out: &Path, scene: &str) -> PathBuf {
     out.join(format!("pictures-{}.png", slug(scene)))
 }
 
+/// Tells that a part was measured.
+pub fn told_of_part(rows: &[Row], out: &Path) -> Result<()> {
+    let mut report = Report::default();
+    report.text(&format!("{} rows are in {}; `report merge` makes pages of all parts", rows.len(), out.display()));
+    report.print()
+}
+
+/// Rows scene by scene, each as they are measured; those that are not known last.
+pub fn in_order(rows: &[Row]) -> Result<Vec<Row>> {
+    let first = |of: &dyn Fn(&Row) -> u32| {
+        let mut found: Vec<u32> = Vec::new();
+        rows.iter().map(of).for_each(|value| {
+            if !found.contains(&value) {
+                found.push(value)
+            }
+        });
+        found
+    };
+    let (samples, mut maps) = (first(&|r| r.samples), first(&|r| r.map));
+    // The first of the maps is the one that has every number of samples.
+    maps.sort_by_key(|map| usize::MAX - rows.iter().filter(|r| r.map == *map).count());
+    let size = rows.first().map_or([1; 2], |r| r.size);
+    let all = variants(&Scope { methods: or_all(&[]), samples, maps, size, all_settings: true })?;
+    let mut known = Vec::new();
+    rows.iter().for_each(|r| {
+        if !known.contains(&&r.scene) {
+            known.push(&r.scene)
+        }
+    });
+    let place = |row: &Row| {
+        let scene = known.iter().position(|scene| **scene == row.scene);
+        (row.tessellation, scene, all.iter().position(|v| v.made(row)).unwrap_or(usize::MAX), row.samples)
+    };
+    let mut sorted = rows.to_vec();
+    sorted.sort_by_key(place);
+    Ok(sorted)
+}
+
 /// Writes tables, plots and the page; returns their paths.
-fn write(options: &ReportOptions, machine: &Machine, rows: &[Row]) -> Result<Vec<PathBuf>> {
-    let out = &options.out;
+pub fn write(out: &Path, ground: bool, machine: &Machine, rows: &[Row]) -> Result<Vec<PathBuf>> {
     let mut written = Vec::new();
     let mut plots = Vec::new();
     for (name, plot) in figures(rows) {
@@ -139,7 +181,7 @@ fn write(options: &ReportOptions, machine: &Machine, rows: &[Row]) -> Result<Vec
     let page = Page { command, machine: machine.clone(), plots, pictured };
     let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "rows": rows }));
     let json = json.map_err(|e| Error::file(out, e.to_string()))?;
-    let index = html(&page, rows, &sheets, options.ground);
+    let index = html(&page, rows, &sheets, ground);
     let texts =
         [("rows.csv", csv(rows)), ("rows.json", json), ("report.md", markdown(&page, rows)), ("index.html", index)];
     for (name, text) in texts {

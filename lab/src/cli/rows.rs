@@ -1,10 +1,11 @@
 //! Rows of reports and of experiments: measured, or taken from the journal of an earlier run.
 
 use super::progress::Task;
-use lab::report::comparison::pictures::{Cut, Panel, side_by_side};
+use lab::report::comparison::pictures::{Panel, PanelCut, side_by_side};
 use lab::report::comparison::{Journal, Measuring, ReportVariant, Row, SceneCase};
 use lab::scene::Scene;
 use std::path::PathBuf;
+use std::str::FromStr;
 use subpixel_shadows::Result;
 
 /// A scene with its rows.
@@ -27,8 +28,8 @@ pub struct Job<'a> {
 pub struct JobSheet<'a> {
     /// The file.
     pub path: PathBuf,
-    /// What is shown of each picture.
-    pub cut: Cut,
+    /// The part of each picture that is shown.
+    pub cut: PanelCut,
     /// The rows that are on it.
     pub shown: Box<dyn Fn(&ReportVariant) -> bool + 'a>,
 }
@@ -40,30 +41,75 @@ impl Job<'_> {
     }
 }
 
+/// A part of the rows of a run: every so many-th group that is measured together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RowPart {
+    /// Which, from 1 on.
+    number: usize,
+    /// Of how many.
+    of: usize,
+}
+
+impl RowPart {
+    /// All rows.
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
+
+    /// Whether it is the first.
+    pub fn is_first(self) -> bool {
+        self.number == 1
+    }
+
+    /// Whether it has a group.
+    fn takes(self, group: usize) -> bool {
+        group % self.of + 1 == self.number
+    }
+}
+
+impl FromStr for RowPart {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let refuse = || format!("'{text}' is no part such as 3/8");
+        let (number, of) = text.split_once('/').ok_or_else(refuse)?;
+        let [number, of] = [number, of].map(|n| n.parse::<usize>().ok());
+        match (number, of) {
+            (Some(number), Some(of)) if (1..=of).contains(&number) && of <= 10_000 => Ok(Self { number, of }),
+            _ => Err(refuse()),
+        }
+    }
+}
+
 /// The rows of many jobs, one after the other.
-pub struct Rows<'a> {
+pub struct JobRows<'a> {
     /// How they are measured.
     pub bench: &'a Measuring<'a>,
-    /// What is known already, and what becomes known.
+    /// Rows that are known already, and that become known.
     pub journal: &'a mut Journal,
     /// The row that times are over.
     pub reference: ReportVariant,
     /// Where progress is shown.
     pub task: &'a Task,
+    /// Which rows are measured, and how many groups came before.
+    pub part: (RowPart, usize),
     /// Rows that are there.
     pub done: usize,
     /// Rows in all.
     pub all: usize,
 }
 
-impl Rows<'_> {
+impl JobRows<'_> {
     /// The rows of a job, in order; those of truth last.
     pub fn of(&mut self, job: &Job) -> Result<Vec<Row>> {
         let size = self.reference.settings.size;
         let mut case = SceneCase::new((job.open)()?, job.tessellation, size)?;
         let shown = |v: &ReportVariant| job.sheet.as_ref().is_some_and(|sheet| (sheet.shown)(v));
-        let missing: Vec<ReportVariant> =
-            job.variants.iter().filter(|v| !self.journal.has(&case.row(v).key())).cloned().collect();
+        let (part, before) = self.part;
+        let whole = part == RowPart::WHOLE;
+        let last = before + job.variants.len().div_ceil(Measuring::GROUP);
+        self.part.1 = last + usize::from(!job.truths.is_empty());
+        let groups = job.variants.chunks(Measuring::GROUP).enumerate().filter(|(k, _)| part.takes(before + k));
+        let own = groups.flat_map(|(_, group)| group);
+        let missing: Vec<ReportVariant> = own.filter(|v| !self.journal.has(&case.row(v).key())).cloned().collect();
         self.step(job.variants.len() - missing.len());
         // Of each variant that the picture shows what it rendered.
         let mut pictures: Vec<Option<Vec<f32>>> = vec![None; job.variants.len()];
@@ -86,6 +132,7 @@ impl Rows<'_> {
             }
         }
         if let Some(sheet) = &job.sheet
+            && whole
             && (!sheet.path.exists() || pictures.iter().any(Option::is_some))
         {
             self.draw(&mut case, job, sheet, pictures)?;
@@ -93,7 +140,7 @@ impl Rows<'_> {
         let mut truths = Vec::new();
         for like in &job.truths {
             let key = Row { method: SceneCase::TRUTH.to_owned(), setting: String::new(), ..case.row(like) }.key();
-            if !self.journal.has(&key) {
+            if !self.journal.has(&key) && part.takes(last) {
                 self.journal.add(case.row_of_truth(&like.settings, None)?)?;
             }
             self.step(1);
@@ -133,5 +180,24 @@ impl Rows<'_> {
     fn step(&mut self, rows: usize) {
         self.done += rows;
         self.task.at(self.done, self.all);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_take_every_group_once() {
+        for of in [1, 2, 3, 8] {
+            let parts: Vec<RowPart> = (1..=of).map(|k| format!("{k}/{of}").parse().unwrap()).collect();
+            for group in 0..40 {
+                assert_eq!(parts.iter().filter(|part| part.takes(group)).count(), 1, "group {group} of {of} parts");
+            }
+        }
+        assert_eq!("1/1".parse(), Ok(RowPart::WHOLE));
+        for text in ["", "3", "0/4", "5/4", "a/b", "1/0", "-1/2", "1/2/3", "1/100000"] {
+            assert!(text.parse::<RowPart>().is_err_and(|e| e.contains(text)), "{text}");
+        }
     }
 }

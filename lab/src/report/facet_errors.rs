@@ -5,7 +5,7 @@ use oracle::engine::CpuFacet;
 use oracle::truth::facet_truth::FacetResult;
 use oracle::truth::{FacetInput, FacetTruth, Progress, SceneTruth, Tracer, bits, full_mask, join_mask, split_mask};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::facet_masks::{FacetMode, Settings};
 use subpixel_shadows::methods::strips::Rows;
@@ -22,6 +22,15 @@ pub struct FacetSet {
     pub facets: Vec<Facet>,
     /// Coverage, occluded and invalid mask of each facet, `words` words each.
     pub masks: Vec<u32>,
+}
+
+/// The facets where a shadow ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Boundary {
+    /// How many.
+    pub facets: u64,
+    /// Mean number of their valid samples.
+    pub valid_samples: f64,
 }
 
 impl FacetSet {
@@ -73,15 +82,17 @@ impl FacetSet {
         Ok(())
     }
 
-    /// Mean number of valid samples of the facets that no test in the light's view settled; `None` without any.
-    pub fn valid_samples(&self) -> Option<f64> {
-        let open = self.facets.iter().enumerate().filter(|(_, facet)| facet.state == FacetState::Undecided as u32);
-        let valid = open.map(|(f, _)| {
-            let [coverage, _, invalid] = self.masks_of(f);
-            f64::from((coverage & !invalid).count_ones())
+    /// The facets of which some valid sample is lit and some is not, and their valid samples; `None` without any. Of no other facet is every
+    /// sample's validity known: evaluation ends where none is left that is valid and lit.
+    pub fn boundary(&self) -> Option<Boundary> {
+        let open = (0..).zip(&self.facets).filter(|(_, facet)| facet.state == FacetState::Undecided as u32);
+        let valid = open.filter_map(|(f, _)| {
+            let [coverage, occluded, invalid] = self.masks_of(f);
+            let valid = coverage & !invalid;
+            (valid & occluded != 0 && valid & !occluded != 0).then(|| u64::from(valid.count_ones()))
         });
-        let (sum, count) = valid.fold((0.0, 0u32), |(sum, count), valid| (sum + valid, count + 1));
-        (count > 0).then(|| sum / f64::from(count))
+        let (facets, sum) = valid.fold((0, 0), |(facets, sum), valid| (facets + 1, sum + valid));
+        (facets > 0).then(|| Boundary { facets, valid_samples: sum as f64 / facets as f64 })
     }
 
     /// Coverage, occluded and invalid samples of facet `f`.

@@ -14,7 +14,7 @@ pub mod seen_errors;
 pub mod shaded;
 pub mod stability;
 
-pub use facet_errors::{FacetErrors, FacetSet};
+pub use facet_errors::{Boundary, FacetErrors, FacetSet};
 pub use flip::{flip, mean_flip};
 pub use frame_json::FrameReport;
 pub use metrics::{Errors, Metrics, Truth, wrong_samples};

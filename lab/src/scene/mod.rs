@@ -5,7 +5,7 @@ pub mod load;
 mod open;
 pub mod options;
 
-pub use builtin::{ALPHA_NAMES, BUILTIN_NAMES, builtin, names};
+pub use builtin::{ALPHA_NAMES, BUILTIN_NAMES, PAPER_NAMES, builtin, names};
 pub use load::{Loaded, load, scene_file};
 pub use options::{CameraOverride, DEFAULT_LIGHT, SceneOptions, light_from_text};
 

@@ -40,6 +40,23 @@ impl Journal {
         Ok(journal)
     }
 
+    /// The machine and the rows of a journal, as they were added. It is not changed; a last line that was cut off is not read.
+    ///
+    /// # Errors
+    /// As [`Journal::open`].
+    pub fn read_rows(path: &Path) -> Result<(Machine, Vec<Row>)> {
+        let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e.to_string()))?;
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        let mut lines = whole.lines().enumerate();
+        let fault = |n: usize, what: &str, e: serde_json::Error| {
+            Error::file(path, format!("line {} is no {what} ({e})", n + 1))
+        };
+        let Some((_, first)) = lines.next() else { return Err(Error::file(path, "holds no machine")) };
+        let machine = serde_json::from_str(first).map_err(|e| fault(0, "machine", e))?;
+        let rows = lines.map(|(n, line)| serde_json::from_str(line).map_err(|e| fault(n, "row", e)));
+        Ok((machine, rows.collect::<Result<_>>()?))
+    }
+
     fn read(&mut self, bytes: &[u8], machine: &Machine) -> Result<()> {
         for (n, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
             let what = if n == 0 { "machine" } else { "row" };

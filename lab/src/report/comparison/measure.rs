@@ -238,7 +238,7 @@ impl Measuring<'_> {
         row.counts = output.counts;
         row.lists = output.lists.iter().map(ListRow::from).collect();
         let facets = FacetSet::read(self.gpu, subject.facets(), variant.settings.samples.words())?;
-        row.valid_samples = facets.valid_samples();
+        row.boundary = facets.boundary();
         Ok((subject, output))
     }
 

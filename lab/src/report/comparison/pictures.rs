@@ -23,20 +23,20 @@ pub fn middle_of(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| side.div_ceil(2))
 }
 
-/// What is shown of each panel.
+/// The part of each panel that is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
+pub struct PanelCut {
     /// Its corner on the left at the top, pixels.
     pub corner: [u32; 2],
     /// Its width and height, pixels.
     pub size: [u32; 2],
     /// Pixels of the picture to one of it, in each direction.
     pub zoom: u32,
-    /// What differences are multiplied with.
+    /// Factor of differences.
     pub gain: f32,
 }
 
-impl Cut {
+impl PanelCut {
     /// The middle quarter of an image: half its width, half its height, so that pixels show.
     pub fn middle(size: [u32; 2]) -> Self {
         let cut = middle_of(size);
@@ -56,7 +56,7 @@ impl Cut {
 ///
 /// # Errors
 /// [`subpixel_shadows::Error::Config`] if a panel is of another size; [`subpixel_shadows::Error::File`] naming `path` if it cannot be written.
-pub fn side_by_side(path: &Path, size: [u32; 2], cut: Cut, panels: &[Panel]) -> Result<()> {
+pub fn side_by_side(path: &Path, size: [u32; 2], cut: PanelCut, panels: &[Panel]) -> Result<()> {
     let [w, h] = size.map(|s| s as usize);
     if panels.is_empty() || panels.iter().any(|p| p.ours.len() != w * h || p.truth.len() != w * h) {
         return Err(subpixel_shadows::Error::Config(format!(
@@ -97,25 +97,25 @@ mod tests {
         ours[8 * 2 + 2] = 1.0;
         let panel = Panel { ours, truth: vec![0.0; 64] };
         let blank = Panel { ours: vec![0.0; 64], truth: vec![0.0; 64] };
-        side_by_side(&path, [8, 8], Cut::middle([8, 8]), &[blank, panel]).unwrap();
+        side_by_side(&path, [8, 8], PanelCut::middle([8, 8]), &[blank, panel]).unwrap();
         let image = image::open(&path).unwrap().to_rgb8();
         assert_eq!(image.dimensions(), (12, 12));
         let many = vec![Panel { ours: vec![1.0; 64], truth: vec![1.0; 64] }; 5];
-        side_by_side(&path, [8, 8], Cut::middle([8, 8]), &many).unwrap();
+        side_by_side(&path, [8, 8], PanelCut::middle([8, 8]), &many).unwrap();
         assert_eq!(image::open(&path).unwrap().to_rgb8().dimensions(), (28, 28));
         assert_eq!(image.get_pixel(8, 0).0, [255; 3]);
         assert_eq!(image.get_pixel(9, 0).0, [0; 3]);
         assert_ne!(image.get_pixel(8, 8).0, image.get_pixel(9, 8).0);
         assert_eq!(image.get_pixel(4, 0).0, [255; 3], "the gap");
-        let large = Cut { zoom: 3, ..Cut::part([8, 8], [0.25, 0.25, 0.125, 0.125], 3, 1.0) };
+        let large = PanelCut { zoom: 3, ..PanelCut::part([8, 8], [0.25, 0.25, 0.125, 0.125], 3, 1.0) };
         assert_eq!((large.corner, large.size), ([2, 2], [1, 1]));
         side_by_side(&path, [8, 8], large, &many[..1]).unwrap();
         let image = image::open(&path).unwrap().to_rgb8();
         assert_eq!(image.dimensions(), (3, 6 + GAP as u32));
         assert!((0..9).all(|k| image.get_pixel(k % 3, k / 3).0 == [255; 3]));
-        assert_eq!(Cut::part([4, 4], [2.0, 0.0, 9.0, 9.0], 1, 1.0).size, [1, 4]);
+        assert_eq!(PanelCut::part([4, 4], [2.0, 0.0, 9.0, 9.0], 1, 1.0).size, [1, 4]);
         std::fs::remove_file(&path).unwrap();
-        assert!(side_by_side(&path, [8, 8], Cut::middle([8, 8]), &[Panel::default()]).is_err());
-        assert!(side_by_side(&path, [8, 8], Cut::middle([8, 8]), &[]).is_err());
+        assert!(side_by_side(&path, [8, 8], PanelCut::middle([8, 8]), &[Panel::default()]).is_err());
+        assert!(side_by_side(&path, [8, 8], PanelCut::middle([8, 8]), &[]).is_err());
     }
 }

@@ -1,6 +1,6 @@
 //! Results of one method with one setting on one scene.
 
-use crate::report::SceneErrors;
+use crate::report::{Boundary, SceneErrors};
 use serde::{Deserialize, Serialize};
 use subpixel_shadows::gpu::{AdapterSummary, StageTime};
 use subpixel_shadows::render::{Counts, ListUse};
@@ -135,8 +135,8 @@ pub struct Row {
     pub memory: Option<u64>,
     /// Counts.
     pub counts: Counts,
-    /// Valid samples of a facet that no test in the light's view settles, on average; `None` without any, and of methods without facets.
-    pub valid_samples: Option<f64>,
+    /// The facets where a shadow ends; `None` without any, and of methods without facets.
+    pub boundary: Option<Boundary>,
     /// The lists.
     pub lists: Vec<ListRow>,
     /// Against rays through the same samples.

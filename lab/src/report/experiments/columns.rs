@@ -1,4 +1,4 @@
-//! What tables and plots of experiments are made of.
+//! Columns, tables and plots of experiments.
 
 use super::Table;
 use crate::report::comparison::Row;

@@ -39,12 +39,12 @@ impl Place {
 
 /// Pictures of all rows of a scene side by side, below each its difference from rays through the same samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sheet {
+pub struct CloseUp {
     /// The part of the image: left, top, width and height as shares of it.
     pub part: [f32; 4],
     /// Pixels of the sheet to one of the image.
     pub zoom: u32,
-    /// What differences are multiplied with.
+    /// Factor of differences.
     pub gain: f32,
 }
 
@@ -68,7 +68,7 @@ pub struct Experiment {
     pub source: &'static str,
     /// Its title.
     pub title: &'static str,
-    /// What the paper shows, with its figures.
+    /// The finding of the paper, with its figures.
     pub shows: &'static str,
     /// Why what is measured here differs.
     pub differs: &'static str,
@@ -85,7 +85,7 @@ pub struct Experiment {
     /// Whether errors against 1024 rays a pixel are found, too.
     pub converged: bool,
     /// Pictures.
-    pub sheet: Option<Sheet>,
+    pub sheet: Option<CloseUp>,
     /// Its tables.
     pub tables: fn(&[&Row]) -> Vec<Table>,
     /// Its plots, each with the name of its file.
@@ -125,7 +125,7 @@ pub fn experiments() -> impl Iterator<Item = &'static Experiment> {
 pub fn experiment(name: &str) -> std::result::Result<&'static Experiment, String> {
     experiments().find(|e| e.name == name).ok_or_else(|| {
         let names: Vec<&str> = experiments().map(|e| e.name).collect();
-        format!("no such figure; there are {}", names.join(", "))
+        format!("no figure '{name}'; there are {}", names.join(", "))
     })
 }
 
@@ -155,6 +155,21 @@ impl Experiment {
             }
         }
         Ok(found)
+    }
+
+    /// Rows scene by scene, each as they are measured, whatever order they were.
+    ///
+    /// # Errors
+    /// As [`Experiment::variants`].
+    pub fn in_order(&self, rows: &[Row]) -> Result<Vec<Row>> {
+        let all = self.variants(rows.first().map_or([1; 2], |r| r.size))?;
+        let place = |row: &Row| {
+            let scene = self.places.iter().position(|place| place.label == row.scene);
+            (scene, row.tessellation, all.iter().position(|v| v.made(row)))
+        };
+        let mut sorted = rows.to_vec();
+        sorted.sort_by_key(place);
+        Ok(sorted)
     }
 
     /// The row that ratios of time are over: `facet-masks` with one facet a pixel, at the first number of samples and map.
@@ -206,7 +221,7 @@ mod tests {
         assert!(refused.contains("pan-10") && refused.lines().count() == 1, "{refused}");
     }
 
-    /// What a table or plot says is of rows: without any, and with every row alike, it is still made.
+    /// Tables and plots are made of every row there is, and of none.
     #[test]
     fn tables_and_plots_are_made_of_any_rows() {
         for e in experiments() {

@@ -12,7 +12,7 @@ const ABOUT: &str = "Wrong samples are those farther than 1/256 pixel from every
     a second frame, and where the scene is the same. Band: samples within 1/256 pixel. Elsewhere: samples that were given another surface than \
     they see (seen truth), which there must be none of; with one facet a pixel its centre is asked. RMSE and largest error are of visibility \
     against rays through the same samples, in the silhouette band: with one facet a pixel that is the model's own error. Acne: pixels lit in \
-    truth and not wholly here, away from the band; leaks: dark in truth and lit here; either however little. Refined: evaluations that needed 46 bits.";
+    truth and not wholly here, away from the band; leaks: dark in truth and lit here; either by half a step of 8 bits or more. Refined: evaluations that needed 46 bits.";
 
 fn is_own(o: &Outcome) -> bool {
     o.method == MethodName::FacetMasks.name()

@@ -13,7 +13,9 @@ mod leaves;
 mod plane;
 mod plant;
 mod random;
+mod sparse_city;
 mod spheres;
+mod treeline;
 mod windmill;
 
 use super::options::camera_at;
@@ -27,9 +29,12 @@ pub const BUILTIN_NAMES: [&str; 9] =
 /// Names of the built-in scenes in which casters are alpha-tested, which not all methods take.
 pub const ALPHA_NAMES: [&str; 1] = ["leaves"];
 
+/// Names of the built-in scenes that are made as a paper describes its own, for its experiments.
+pub const PAPER_NAMES: [&str; 2] = ["treeline", "sparse-city"];
+
 /// Names of all built-in scenes.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    BUILTIN_NAMES.into_iter().chain(ALPHA_NAMES)
+    BUILTIN_NAMES.into_iter().chain(ALPHA_NAMES).chain(PAPER_NAMES)
 }
 
 /// The built-in scene of this name, if there is one. Lengths are in metres, y is up.
@@ -45,6 +50,8 @@ pub fn builtin(name: &str) -> Option<Scene> {
         "bumpy" => bumpy::bumpy(),
         "plane" => plane::plane(),
         "leaves" => leaves::leaves(),
+        "treeline" => treeline::treeline(),
+        "sparse-city" => sparse_city::sparse_city(),
         _ => return None,
     };
     let camera = camera_at(&view.build.mesh, view.eye, view.target, view.fov);
@@ -69,8 +76,8 @@ mod tests {
 
     #[test]
     fn scenes_have_about_the_triangles_that_are_stated() {
-        let stated = [40_000, 60_000, 30_000, 21_000, 12_000, 155_000, 2_300_000, 460_000, 113];
-        for (name, stated) in BUILTIN_NAMES.iter().zip(stated) {
+        let stated = [40_000, 60_000, 30_000, 21_000, 12_000, 155_000, 2_300_000, 460_000, 113, 111_000, 33_000];
+        for (name, stated) in BUILTIN_NAMES.iter().chain(&PAPER_NAMES).zip(stated) {
             let scene = builtin(name).unwrap();
             let n = scene.mesh.triangles.len();
             assert!(n.abs_diff(stated) * 20 <= stated, "{name}: {n} triangles");
@@ -94,7 +101,7 @@ mod tests {
 
     #[test]
     fn scenes_are_wound_consistently_without_shared_or_collapsed_faces() {
-        for name in BUILTIN_NAMES {
+        for name in BUILTIN_NAMES.into_iter().chain(PAPER_NAMES) {
             let adjacency = Adjacency::of(&builtin(name).unwrap().mesh);
             let faults = (adjacency.non_manifold, adjacency.inconsistent, adjacency.collapsed);
             assert_eq!(faults, (0, 0, 0), "{name}");
