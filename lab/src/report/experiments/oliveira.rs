@@ -20,7 +20,7 @@ pub const ALL: [Experiment; 2] = [
         title: "Where light grazes: half of it taken as lit",
         shows: "Black stripes on walls along the light, which a shadow map cannot resolve, before; a solid shade after, where the light stands less than five \
                 degrees over a surface.",
-        differs: "The rule hides stripes and does not find the shadow: walls that are wholly lit or dark become half so. Where light runs along walls it doubles the error; elsewhere hardly a surface that is seen lies so, and nothing changes. There are few stripes to hide here, as depths are compared with the receiver's plane.",
+        differs: "The rule hides stripes and does not find the shadow: walls that are wholly lit or dark become half so. Where light runs along walls it doubles the error of one map and quadruples that of three; elsewhere hardly a surface that is seen lies so, and nothing changes. There are few stripes to hide here, as depths are compared with the receiver's plane.",
         places: &[ALONG, SCENES[0], SCENES[1]],
         rows: &["variance", "variance grazing=5", "remix warp=trapezoid", "remix warp=trapezoid grazing=5", "remix"],
         sheet: Some(CloseUp { part: [0.35, 0.45, 0.25, 0.25], zoom: 3, gain: 1.0 }),
