@@ -97,24 +97,31 @@ pub enum ReportCommand {
     },
 }
 
-/// The options of `report everything`.
-#[derive(Debug, Args)]
-pub struct EverythingOptions {
-    /// Fewer rows of smaller pictures
-    #[arg(long)]
-    pub quick: bool,
+/// The options of every way to measure rows.
+#[derive(Clone, Debug, Args)]
+pub struct RowOptions {
     /// Measure a part of the rows, such as 3/8, and write no page: `report merge` makes them of all parts
     #[arg(long, value_name = "K/N")]
     pub part: Option<RowPart>,
     /// Pick an adapter whose name contains TEXT
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
-    /// Folder for the files that are written: `comparison`, `stability`, and `figures` in it
-    #[arg(long, default_value = "out/everything", value_name = "DIR")]
-    pub out: PathBuf,
     /// No progress, no notes
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// The options of `report everything`.
+#[derive(Debug, Args)]
+pub struct EverythingOptions {
+    /// Fewer rows of smaller pictures
+    #[arg(long)]
+    pub quick: bool,
+    #[command(flatten)]
+    pub rows: RowOptions,
+    /// Folder for the files that are written: `comparison`, `stability`, and `figures` in it
+    #[arg(long, default_value = "out/everything", value_name = "DIR")]
+    pub out: PathBuf,
 }
 
 /// The options of `report merge`.
@@ -148,18 +155,11 @@ pub struct FigureOptions {
     /// Begin anew, without the rows that an earlier run left in the folder
     #[arg(long)]
     pub fresh: bool,
-    /// Measure a part of the rows, such as 3/8, and write no page: `report merge` makes them of all parts
-    #[arg(long, value_name = "K/N")]
-    pub part: Option<RowPart>,
-    /// Pick an adapter whose name contains TEXT
-    #[arg(long, value_name = "TEXT")]
-    pub adapter: Option<String>,
+    #[command(flatten)]
+    pub rows: RowOptions,
     /// Folder for the files that are written, one in it for each figure
     #[arg(long, default_value = "out/figures", value_name = "DIR")]
     pub out: PathBuf,
-    /// No progress, no notes
-    #[arg(long)]
-    pub quiet: bool,
 }
 
 impl FigureOptions {
@@ -214,18 +214,11 @@ pub struct ReportOptions {
     /// Begin anew, without the rows that an earlier run left in the folder
     #[arg(long)]
     pub fresh: bool,
-    /// Measure a part of the rows, such as 3/8, and write no page: `report merge` makes them of all parts
-    #[arg(long, value_name = "K/N")]
-    pub part: Option<RowPart>,
-    /// Pick an adapter whose name contains TEXT
-    #[arg(long, value_name = "TEXT")]
-    pub adapter: Option<String>,
+    #[command(flatten)]
+    pub rows: RowOptions,
     /// Folder for the files that are written
     #[arg(long, default_value = "out/report", value_name = "DIR")]
     pub out: PathBuf,
-    /// No progress, no notes
-    #[arg(long)]
-    pub quiet: bool,
 }
 
 /// The options of `stability`.

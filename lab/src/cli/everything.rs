@@ -1,6 +1,6 @@
 //! `report everything`: all that is measured, by one command.
 
-use super::args::{EverythingOptions, FigureOptions, ReportOptions, StabilityOptions};
+use super::args::{EverythingOptions, FigureOptions, ReportOptions, RowOptions, StabilityOptions};
 use super::rows::RowPart;
 use super::{figure, report, stability};
 use clap::Parser;
@@ -19,17 +19,18 @@ fn plain<T: clap::Args>() -> Result<T> {
 
 /// Measures the report, the figures and, as part of the first part, the stability cases.
 pub fn run(options: &EverythingOptions) -> Result<()> {
-    let EverythingOptions { quick, part, ref adapter, ref out, quiet } = *options;
-    let adapter = || adapter.clone();
+    let EverythingOptions { quick, ref rows, ref out } = *options;
     let names = vec!["all".to_owned()];
-    let mut figures = FigureOptions { names, out: out.join("figures"), part, adapter: adapter(), quiet, ..plain()? };
+    let mut figures = FigureOptions { names, out: out.join("figures"), rows: rows.clone(), ..plain()? };
     if quick {
         (figures.size, figures.repeats, figures.row_seconds) = ([160, 120], 2, 1);
     }
     figure::run(&figures)?;
-    report::run(&ReportOptions { quick, part, adapter: adapter(), out: out.join("comparison"), quiet, ..plain()? })?;
+    report::run(&ReportOptions { quick, out: out.join("comparison"), rows: rows.clone(), ..plain()? })?;
+    let RowOptions { part, ref adapter, quiet } = *rows;
     if part.is_none_or(RowPart::is_first) {
-        stability::run(&StabilityOptions { adapter: adapter(), out: out.join("stability"), quiet, ..plain()? })?;
+        let adapter = adapter.clone();
+        stability::run(&StabilityOptions { adapter, out: out.join("stability"), quiet, ..plain()? })?;
     }
     Ok(())
 }

@@ -3,18 +3,18 @@
 use super::args::FigureOptions;
 use super::held::FolderLock;
 use super::progress::Console;
-use super::rows::{Job, JobRows, JobSheet, RowPart};
+use super::rows::{Job, JobRows, JobSheet, RowPart, journal_of};
 use super::table::Report;
 use lab::report::comparison::figures::slug;
 use lab::report::comparison::pictures::PanelCut;
-use lab::report::comparison::{Journal, Machine, Measuring, Row};
+use lab::report::comparison::{Machine, Measuring, Row};
 use lab::report::experiments::{Experiment, Place, experiments, markdown};
 use lab::report::write_text;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use subpixel_shadows::Result;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::render::Budget;
-use subpixel_shadows::{Error, Result};
 
 /// How long a run waits for another one to leave a folder.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -30,8 +30,8 @@ pub fn run(options: &FigureOptions) -> Result<()> {
         FolderLock::check(&options.out.join(experiment.name))?;
         experiment.variants(options.size)?.iter().try_for_each(|v| v.settings.check())?;
     }
-    let console = Console::new(options.quiet);
-    let gpu = Gpu::open(options.adapter.as_deref())?;
+    let console = Console::new(options.rows.quiet);
+    let gpu = Gpu::open(options.rows.adapter.as_deref())?;
     let mut report = Report::default();
     report.line("adapter", &Machine::of(&gpu.adapter).line());
     for experiment in asked {
@@ -57,27 +57,15 @@ fn measure(options: &FigureOptions, experiment: &Experiment, gpu: &Gpu, console:
     let machine = Machine::of(&gpu.adapter);
     // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does both.
     let _held = FolderLock::open(&out, PATIENCE)?;
-    let at = out.join("rows.jsonl");
-    if options.fresh && at.exists() {
-        std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
-    }
-    let mut journal = Journal::open(&at, &machine)?;
+    let mut journal = journal_of(&out, options.fresh, &machine)?;
     let row_ms = 1e3 * f64::from(options.row_seconds);
     let bench = Measuring { gpu, repeats: options.repeats, row_ms, budget: Budget::default() };
     let jobs = jobs(options, experiment, &out)?;
-    let mut rows: Vec<Row> = Vec::new();
-    {
-        let task = console.task(experiment.name);
-        let reference = experiment.reference(options.size)?;
-        let all = jobs.iter().map(Job::len).sum();
-        let part = (options.part.unwrap_or(RowPart::WHOLE), 0);
-        let mut measuring =
-            JobRows { bench: &bench, journal: &mut journal, reference, task: &task, part, done: 0, all };
-        for job in &jobs {
-            rows.extend(measuring.of(job)?);
-        }
-    }
-    if options.part.is_some_and(|part| part != RowPart::WHOLE) {
+    let rows = {
+        let (task, reference) = (console.task(experiment.name), experiment.reference(options.size)?);
+        JobRows::of_all((&bench, &mut journal), reference, options.rows.part, &task, &jobs)?
+    };
+    if RowPart::lacks(options.rows.part) {
         return Ok(out);
     }
     let [w, h] = options.size;
@@ -86,12 +74,6 @@ fn measure(options: &FigureOptions, experiment: &Experiment, gpu: &Gpu, console:
         experiment.name, options.repeats, options.row_seconds
     );
     write(experiment, &command, &machine, &rows, &out)
-}
-
-/// The command that runs.
-pub fn command_line() -> String {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    format!("cargo run --release -- {}", arguments.join(" "))
 }
 
 fn jobs<'a>(options: &FigureOptions, experiment: &'a Experiment, out: &Path) -> Result<Vec<Job<'a>>> {
@@ -105,7 +87,7 @@ fn jobs<'a>(options: &FigureOptions, experiment: &'a Experiment, out: &Path) -> 
             });
             let variants = experiment.variants(options.size)?;
             let (open, converged) = (Box::new(|| Experiment::open(place)), experiment.converged);
-            jobs.push(Job { open, tessellation, variants, truths: Vec::new(), converged, sheet });
+            jobs.push(Job { view: place.options, open, tessellation, variants, truths: Vec::new(), converged, sheet });
         }
     }
     Ok(jobs)

@@ -66,8 +66,7 @@ pub fn run(options: &FuzzOptions) -> Result<ExitCode> {
         report.text(&format!("failed: {how}"));
     }
     if let Some(page) = &options.page {
-        let arguments: Vec<String> = std::env::args().skip(1).collect();
-        let command = format!("cargo run --release -- {}", arguments.join(" "));
+        let command = super::command_line();
         write_text(page, &summary.markdown(&command, &machine.line(), grouped))?;
         report.text(&format!("wrote {}", page.display()));
     }

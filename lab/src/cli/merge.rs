@@ -3,7 +3,7 @@
 use super::args::MergeOptions;
 use super::held::FolderLock;
 use super::table::Report;
-use super::{figure, report};
+use super::{command_line, figure, report};
 use lab::report::comparison::{Journal, Machine, Row};
 use lab::report::experiments::experiments;
 use std::collections::{BTreeMap, BTreeSet};
@@ -47,7 +47,7 @@ pub fn run(options: &MergeOptions) -> Result<()> {
         let name = below.file_name().and_then(|name| name.to_str());
         match experiments().find(|e| Some(e.name) == name) {
             Some(experiment) => {
-                let page = figure::write(experiment, &figure::command_line(), &machine, &rows, &out)?;
+                let page = figure::write(experiment, &command_line(), &machine, &rows, &out)?;
                 told.text(&format!("{}: {} rows, {}", experiment.name, rows.len(), page.display()));
             }
             None => {

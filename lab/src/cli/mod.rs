@@ -60,6 +60,12 @@ pub fn main() -> ExitCode {
     finish(done.map(|()| ExitCode::SUCCESS))
 }
 
+/// The command that runs, as a page tells it.
+fn command_line() -> String {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    format!("cargo run --release -- {}", arguments.join(" "))
+}
+
 /// The exit status, after a line about what failed.
 fn status(done: Result<()>) -> ExitCode {
     finish(done.map(|()| ExitCode::SUCCESS))

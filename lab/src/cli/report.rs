@@ -1,15 +1,16 @@
 //! `report`: error against run time.
 
 use super::args::{ReportOptions, or_all};
+use super::command_line;
 use super::held::FolderLock;
 use super::progress::Console;
-use super::rows::{Job, JobRows, JobSheet, RowPart};
+use super::rows::{Job, JobRows, JobSheet, RowPart, journal_of};
 use super::table::Report;
 use lab::report::comparison::figures::{error, figures, measured, pareto_front, scenes, slug};
 use lab::report::comparison::html::{PictureSheet, html};
 use lab::report::comparison::page::{Page, csv, markdown};
 use lab::report::comparison::pictures::PanelCut;
-use lab::report::comparison::{Journal, Machine, Measuring, ReportVariant, Row, Scope, variants};
+use lab::report::comparison::{Machine, Measuring, ReportVariant, Row, Scope, variants};
 use lab::report::{or_dash, write_text};
 use lab::scene::{Scene, SceneOptions};
 use std::path::{Path, PathBuf};
@@ -24,10 +25,10 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Measures every row that is missing, then writes tables and plots.
 pub fn run(options: &ReportOptions) -> Result<()> {
     let start = Instant::now();
-    let console = Console::new(options.quiet);
+    let console = Console::new(options.rows.quiet);
     let scope = options.scope()?;
     FolderLock::check(&options.out)?;
-    let gpu = Gpu::open(options.adapter.as_deref())?;
+    let gpu = Gpu::open(options.rows.adapter.as_deref())?;
     let machine = Machine::of(&gpu.adapter);
     let jobs = jobs(options, &scope)?;
     // A scene that cannot be opened is found before hours are spent on the others.
@@ -37,25 +38,14 @@ pub fn run(options: &ReportOptions) -> Result<()> {
     // Until the end: rows of two runs at once would be measured twice, and their times be those of a machine that does
     // both.
     let _held = FolderLock::open(&options.out, PATIENCE)?;
-    let at = options.out.join("rows.jsonl");
-    if options.fresh && at.exists() {
-        std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
-    }
-    let mut journal = Journal::open(&at, &machine)?;
+    let mut journal = journal_of(&options.out, options.fresh, &machine)?;
     let bench =
         Measuring { gpu: &gpu, repeats: options.repeats(), row_ms: options.row_ms(), budget: Budget::default() };
-    let mut rows = Vec::new();
-    {
-        let (task, reference) = (console.task("report"), scope.reference()?);
-        let all = jobs.iter().map(Job::len).sum();
-        let part = (options.part.unwrap_or(RowPart::WHOLE), 0);
-        let mut measuring =
-            JobRows { bench: &bench, journal: &mut journal, reference, task: &task, part, done: 0, all };
-        for job in &jobs {
-            rows.extend(measuring.of(job)?);
-        }
-    }
-    if options.part.is_some_and(|part| part != RowPart::WHOLE) {
+    let rows = {
+        let task = console.task("report");
+        JobRows::of_all((&bench, &mut journal), scope.reference()?, options.rows.part, &task, &jobs)?
+    };
+    if RowPart::lacks(options.rows.part) {
         return told_of_part(&rows, &options.out);
     }
     let written = write(&options.out, options.ground, &machine, &rows)?;
@@ -84,9 +74,11 @@ fn jobs<'a>(options: &'a ReportOptions, scope: &'a Scope) -> Result<Vec<Job<'a>>
         move |v: &ReportVariant| v.settings.samples.count() == samples && v.settings.map == map
     };
     let opened = |scene: String| Box::new(move || Ok(open(options, &scene)?.0));
+    let view = if options.ground { "--ground" } else { "" };
     let mut jobs: Vec<Job> = Vec::new();
     for scene in options.scenes() {
         jobs.push(Job {
+            view,
             tessellation: 0,
             variants: all.clone(),
             truths: truths.clone(),
@@ -107,7 +99,7 @@ fn jobs<'a>(options: &'a ReportOptions, scope: &'a Scope) -> Result<Vec<Job<'a>>
     for tessellation in 1..=options.tessellation() {
         if let Some(scene) = options.scenes().into_iter().next() {
             let (open, variants) = (opened(scene), ladder.clone());
-            jobs.push(Job { open, tessellation, variants, truths: Vec::new(), converged: true, sheet: None });
+            jobs.push(Job { view, open, tessellation, variants, truths: Vec::new(), converged: true, sheet: None });
         }
     }
     Ok(jobs)
@@ -176,9 +168,7 @@ pub fn write(out: &Path, ground: bool, machine: &Machine, rows: &[Row]) -> Resul
         }
     }
     let pictured = sheets.iter().map(|sheet| sheet.scene.clone()).collect();
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let command = format!("cargo run --release -- {}", arguments.join(" "));
-    let page = Page { command, machine: machine.clone(), plots, pictured };
+    let page = Page { command: command_line(), machine: machine.clone(), plots, pictured };
     let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "rows": rows }));
     let json = json.map_err(|e| Error::file(out, e.to_string()))?;
     let index = html(&page, rows, &sheets, ground);

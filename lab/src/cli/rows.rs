@@ -2,14 +2,16 @@
 
 use super::progress::Task;
 use lab::report::comparison::pictures::{Panel, PanelCut, side_by_side};
-use lab::report::comparison::{Journal, Measuring, ReportVariant, Row, SceneCase};
+use lab::report::comparison::{Journal, Machine, Measuring, ReportVariant, Row, SceneCase};
 use lab::scene::Scene;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use subpixel_shadows::Result;
+use subpixel_shadows::{Error, Result};
 
 /// A scene with its rows.
 pub struct Job<'a> {
+    /// Options beside the scene's name that it is opened with: rows of others are not taken for its own.
+    pub view: &'a str,
     /// Opens the scene.
     pub open: Box<dyn Fn() -> Result<Scene> + 'a>,
     /// How often its triangles are split into four.
@@ -36,7 +38,7 @@ pub struct JobSheet<'a> {
 
 impl Job<'_> {
     /// Rows that it adds to a report.
-    pub fn len(&self) -> usize {
+    fn len(&self) -> usize {
         self.variants.len() + self.truths.len()
     }
 }
@@ -53,6 +55,11 @@ pub struct RowPart {
 impl RowPart {
     /// All rows.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
+
+    /// Whether it lacks rows of other parts.
+    pub fn lacks(part: Option<Self>) -> bool {
+        part.is_some_and(|part| part != Self::WHOLE)
+    }
 
     /// Whether it is the first.
     pub fn is_first(self) -> bool {
@@ -79,29 +86,54 @@ impl FromStr for RowPart {
     }
 }
 
+/// The journal of a folder; `fresh` begins it anew.
+pub fn journal_of(out: &Path, fresh: bool, machine: &Machine) -> Result<Journal> {
+    let at = out.join("rows.jsonl");
+    if fresh && at.exists() {
+        std::fs::remove_file(&at).map_err(|e| Error::file(&at, e.to_string()))?;
+    }
+    Journal::open(&at, machine)
+}
+
 /// The rows of many jobs, one after the other.
 pub struct JobRows<'a> {
     /// How they are measured.
-    pub bench: &'a Measuring<'a>,
+    bench: &'a Measuring<'a>,
     /// Rows that are known already, and that become known.
-    pub journal: &'a mut Journal,
+    journal: &'a mut Journal,
     /// The row that times are over.
-    pub reference: ReportVariant,
-    /// Where progress is shown.
-    pub task: &'a Task,
+    reference: ReportVariant,
     /// Which rows are measured, and how many groups came before.
-    pub part: (RowPart, usize),
-    /// Rows that are there.
-    pub done: usize,
-    /// Rows in all.
-    pub all: usize,
+    part: (RowPart, usize),
+    /// Where progress is shown.
+    task: &'a Task,
+    /// Rows that are there, and in all.
+    done: [usize; 2],
 }
 
-impl JobRows<'_> {
+impl<'a> JobRows<'a> {
+    /// The rows of all jobs, of a part those that are known; `reference` is the row that times are over.
+    pub fn of_all(
+        (bench, journal): (&'a Measuring<'a>, &'a mut Journal),
+        reference: ReportVariant,
+        part: Option<RowPart>,
+        task: &'a Task,
+        jobs: &[Job],
+    ) -> Result<Vec<Row>> {
+        let done = [0, jobs.iter().map(Job::len).sum()];
+        let mut rows = Self { bench, journal, reference, part: (part.unwrap_or(RowPart::WHOLE), 0), task, done };
+        let mut found = Vec::new();
+        for job in jobs {
+            found.extend(rows.of(job)?);
+        }
+        Ok(found)
+    }
+
     /// The rows of a job, in order; those of truth last.
-    pub fn of(&mut self, job: &Job) -> Result<Vec<Row>> {
+    fn of(&mut self, job: &Job) -> Result<Vec<Row>> {
         let size = self.reference.settings.size;
         let mut case = SceneCase::new((job.open)()?, job.tessellation, size)?;
+        case.view = job.view.to_owned();
         let shown = |v: &ReportVariant| job.sheet.as_ref().is_some_and(|sheet| (sheet.shown)(v));
         let (part, before) = self.part;
         let whole = part == RowPart::WHOLE;
@@ -178,8 +210,8 @@ impl JobRows<'_> {
     }
 
     fn step(&mut self, rows: usize) {
-        self.done += rows;
-        self.task.at(self.done, self.all);
+        self.done[0] += rows;
+        self.task.at(self.done[0], self.done[1]);
     }
 }
 

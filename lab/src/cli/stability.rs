@@ -30,8 +30,7 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
             task.at(k + 1, cases.len());
         }
     }
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let command = format!("cargo run --release -- {}", arguments.join(" "));
+    let command = super::command_line();
     let json = serde_json::to_string_pretty(&serde_json::json!({ "machine": machine, "outcomes": outcomes }));
     let json = json.map_err(|e| Error::file(&options.out, e.to_string()))?;
     let files = OutFolder::fill(&options.out, |out| {

@@ -16,6 +16,8 @@ use subpixel_shadows::render::{Budget, Output, Renderer};
 pub struct SceneCase {
     /// The scene.
     pub scene: Scene,
+    /// Options that it was opened with, for its rows to tell.
+    pub view: String,
     /// How often its triangles were split into four.
     pub tessellation: u32,
     /// Its mesh as the methods take it.
@@ -40,7 +42,16 @@ impl SceneCase {
         }
         let prepared = scene.prepared()?;
         let tracer = Tracer::of(&prepared)?;
-        Ok(Self { scene, tessellation, prepared, size, tracer, traced: BTreeMap::new(), converged: None })
+        Ok(Self {
+            scene,
+            view: String::new(),
+            tessellation,
+            prepared,
+            size,
+            tracer,
+            traced: BTreeMap::new(),
+            converged: None,
+        })
     }
 
     /// Scene truth at the samples of `settings`.
@@ -78,6 +89,7 @@ impl SceneCase {
     pub fn row(&self, variant: &ReportVariant) -> Row {
         Row {
             scene: self.scene.name.clone(),
+            view: self.view.clone(),
             tessellation: self.tessellation,
             triangles: self.prepared.mesh().triangles.len() as u64,
             size: variant.settings.size,

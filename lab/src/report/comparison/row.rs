@@ -103,6 +103,9 @@ impl From<&ListUse> for ListRow {
 pub struct Row {
     /// The scene: a built-in name or a path.
     pub scene: String,
+    /// Options that the scene was opened with: ground, camera, light.
+    #[serde(default)]
+    pub view: String,
     /// How often its triangles were split into four.
     pub tessellation: u32,
     /// Triangles, ground included.
@@ -154,8 +157,8 @@ impl Row {
     pub fn key(&self) -> String {
         let [w, h] = self.size;
         format!(
-            "{}@{} {w}x{h} map {} {} [{}] {} samples",
-            self.scene, self.tessellation, self.map, self.method, self.setting, self.samples
+            "{}@{} {} {w}x{h} map {} {} [{}] {} samples",
+            self.scene, self.tessellation, self.view, self.map, self.method, self.setting, self.samples
         )
     }
 
@@ -224,6 +227,17 @@ mod tests {
         assert_eq!(Spread::of(&[3.0]), Spread { median: 3.0, low: 3.0, high: 3.0 });
         assert_eq!(Spread::of(&[5.0, 1.0, 2.0, 4.0, 3.0]), Spread { median: 3.0, low: 2.0, high: 4.0 });
         assert_eq!(Spread::of(&[1.0, 2.0]).median, 1.5);
+    }
+
+    #[test]
+    fn rows_of_another_view_are_others() {
+        let row = Row { scene: "city".to_owned(), ..Row::default() };
+        let lit = Row { view: "--light directional=0,1,0".to_owned(), ..row.clone() };
+        assert_ne!(row.key(), lit.key());
+        // Rows of earlier versions tell none.
+        let mut old = serde_json::to_value(&row).unwrap();
+        old.as_object_mut().unwrap().remove("view");
+        assert_eq!(serde_json::from_value::<Row>(old).unwrap(), row);
     }
 
     #[test]
