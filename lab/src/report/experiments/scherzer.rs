@@ -28,7 +28,7 @@ pub const ALL: [Experiment; 6] = [
         differs: "Both warps reach the bound that is put on them here, a factor of 11 between the largest and the least texel, and so are one. Errors are means over the image, in which far and near weigh alike.",
         rows: &["shadow-map warp=even", "perspective", "lispsm", "trapezoidal", "shadow-map warp=fitted"],
         maps: &[1024],
-        sheet: Some(CloseUp { part: [0.3, 0.55, 0.4, 0.4], zoom: 2, gain: 1.0 }),
+        sheet: Some(CloseUp { part: [0.0, 0.3, 0.5, 0.5], zoom: 2, gain: 1.0 }),
         ..BASE
     },
     Experiment {
@@ -62,7 +62,7 @@ pub const ALL: [Experiment; 6] = [
             "shadow-map splits=3 warp=perspective",
             "shadow-map splits=3 warp=fitted",
         ],
-        sheet: Some(CloseUp { part: [0.3, 0.55, 0.4, 0.4], zoom: 2, gain: 1.0 }),
+        sheet: Some(CloseUp { part: [0.0, 0.3, 0.5, 0.5], zoom: 2, gain: 1.0 }),
         ..BASE
     },
     Experiment {
