@@ -128,7 +128,7 @@ fn share_of_waves(level: f32, at: vec2<f32>, depth: f32) -> f32 {
         let own = wave(depth, k);
         let place = (k + 1.0) / f32(max(TERMS, 1u));
         let faded = exp(-RINGING * place * place);
-        sum += faded / ((k + 0.5) * TURN) * (own.y * found.x - own.x * found.y);
+        sum += faded / ((k + 0.5) * 4.0 * QUARTER_TURN) * (own.y * found.x - own.x * found.y);
     }
     return clamp(1.0 + 4.0 * sum, 0.0, 1.0);
 }

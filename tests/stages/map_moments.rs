@@ -102,8 +102,7 @@ fn fault_of_waves(ran: &Ran, terms: u32) -> Option<String> {
             let cells = moments(&sines, *size, level).into_iter().zip(moments(&cosines, *size, level));
             for (cell, (sine, cosine)) in cells.enumerate() {
                 let Some(&[s, c]) = got.next() else { return Some("too few cells".to_owned()) };
-                // WGSL allows sine and cosine to be off by 2^-11 within half a turn.
-                if (f64::from(s) - sine[0]).abs() > 6e-4 || (f64::from(c) - cosine[0]).abs() > 6e-4 {
+                if (f64::from(s) - sine[0]).abs() > 2e-5 || (f64::from(c) - cosine[0]).abs() > 2e-5 {
                     return Some(format!(
                         "term {term}, level {level}, cell {cell}: {s} {c}, {} {}",
                         sine[0], cosine[0]

@@ -108,9 +108,7 @@ fn wanted(world: &World, ran: &Ran, moments: &[Moments], pixel: u32, t: u32) -> 
         }
     }
     let (low, high) = found.into_iter().fold((1.0f64, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
-    // WGSL allows sine and cosine to be off by 2^-11, and four times 16 terms of them are summed.
-    let rounding = if matches!(measures, MomentMeasures::Waves(_)) { 8e-3 } else { 2e-3 };
-    Some([low - rounding, high + rounding])
+    Some([low - 2e-3, high + 2e-3])
 }
 
 /// The measures that moments are of.
