@@ -8,7 +8,7 @@ use crate::methods::facet_masks::{Extent, Pipelines};
 pub use crate::methods::output::{Budget, Counts, ListUse, Output};
 use crate::methods::strip_method::{MethodPipelines, StripMethod};
 pub use crate::methods::strips::{Rows, Strips};
-use crate::methods::{MethodName, Prepared, Settings};
+use crate::methods::{HistorySettings, MethodName, Prepared, Settings};
 use crate::pass::{FrameStatus, Inputs, ShadowPass, Target};
 use crate::plan::Plan;
 use crate::scene::{Camera, Light};
@@ -167,6 +167,13 @@ impl<'a> Renderer<'a> {
         let Some(pass) = &mut self.pass else { return Ok(Output::nothing_seen(settings)) };
         let first = points.first().ok_or_else(|| Error::Config("a light without points".to_owned()))?;
         let inputs = Inputs::new(camera, first);
+        let history = settings.history.filter(|history| history.frames > 0 && pass.method().keeps_history());
+        if let Some(HistorySettings { frames, .. }) = history {
+            pass.forget_history();
+            for _ in 1..frames {
+                render_strip(gpu, pass, &inputs, points, (extent, 0))?;
+            }
+        }
         'image: loop {
             let mut image: Option<Output> = None;
             for (k, rows) in (0..).zip(pass.image_strips().rows()) {

@@ -13,9 +13,9 @@ use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
-    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, instance_positions, map_moments,
-    pixel_coverage, pixel_receivers, pixel_triangles, pixel_views, prefix_scan, radix_sort, sample_surfaces,
-    sorted_pairs, summed_area, texel_group, triangle_ids, visibility_texture, work_owners,
+    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, history, instance_positions,
+    map_moments, pixel_coverage, pixel_receivers, pixel_triangles, pixel_views, prefix_scan, radix_sort,
+    sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids, visibility_texture, work_owners,
 };
 use subpixel_shadows::status::{Need, StatusBand, StatusHead};
 
@@ -95,6 +95,7 @@ fn registry() -> Vec<Registered> {
         of::<facet_classify::Facet>(),
         of::<facet_classify::Undecided>(),
         of::<gbuffer_triangles::GbufferTrianglesParams>(),
+        of::<history::FrameBefore>(),
         of::<map_moments::MapLevels>(),
         of::<pixel_coverage::Covering>(),
         of::<pixel_receivers::PixelReceiversParams>(),
@@ -263,9 +264,10 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 11] = [
+const WITHOUT_A_LIST: [&str; 12] = [
     "compared_depths",
     "front_layer",
+    "history",
     "light_layers",
     "map_moments",
     "moment_shadows",

@@ -3,10 +3,12 @@
 
 use lab::scene::{Scene, builtin};
 use subpixel_shadows::gpu::{Buffer, Recorder};
+use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::methods::fixed_memory::{FixedMethod, MethodParts, OUTCOME_WORDS};
 use subpixel_shadows::methods::spsm::Spsm;
 use subpixel_shadows::methods::{
-    MethodName, Prepared, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    HistorySettings, MethodName, Prepared, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding,
+    SpsmSettings,
 };
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -70,6 +72,31 @@ fn render(scene: &Scene, method: MethodName, settings: &Settings) -> Output {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let mut renderer = Renderer::of_method(gpu(), &prepared, method, settings, Budget::default()).expect("a renderer");
     renderer.render(&scene.camera, &scene.light).expect("a frame")
+}
+
+/// Frames of jittered maps come nearer to rays, the more the nearer, and the same bits come of the same frames.
+#[gpu_test]
+fn a_history_of_frames_comes_nearer_to_rays() {
+    let scene = scene("spheres");
+    let usual = settings([160, 120], 1);
+    let rays = render(&scene, MethodName::RayTraced, &usual).visibility;
+    for (method, splits) in
+        [(MethodName::ShadowMap, None), (MethodName::Lispsm, None), (MethodName::ShadowMap, Some(3))]
+    {
+        let partition = splits.map(|splits| SplitPlan { splits, warp: Warp::Box, ..SplitPlan::default() });
+        let of = |frames: u32| {
+            let history = (frames > 1).then_some(HistorySettings { frames, ..HistorySettings::default() });
+            render(&scene, method, &Settings { history, partition, ..usual.clone() })
+        };
+        let error = |frames: u32| {
+            let differs = of(frames).visibility.iter().zip(&rays).map(|(v, r)| f64::from((v - r).powi(2))).sum::<f64>();
+            differs.sqrt()
+        };
+        let errors = [1, 8, 48].map(error);
+        assert!(errors[1] < 0.8 * errors[0] && errors[2] < 0.6 * errors[0], "{} {splits:?}: {errors:?}", method.name());
+        let [one, other] = [5, 5].map(|frames| of(frames).visibility);
+        assert!(one == other && one != of(6).visibility, "{} {splits:?}", method.name());
+    }
 }
 
 /// Without a bias a surface shadows itself in the map of its nearest depths, and hardly where another depth is compared.

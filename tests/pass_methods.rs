@@ -3,13 +3,13 @@
 use lab::scene::{Scene, builtin};
 use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
-use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
+use subpixel_shadows::methods::{FacetMode, HistorySettings, MethodName, Prepared, Settings};
 use subpixel_shadows::pass::{
     Casters, FrameStatus, GBuffer, Inputs, Moved, PassConfig, Target, TriangleTexture, Vertices,
 };
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{AreaLight, Camera, Light, Mesh};
 use subpixel_shadows::{Error, ShadowPass, wgpu};
 use test_support::gpu;
 use test_support::gpu_test;
@@ -75,6 +75,54 @@ fn frame(pass: &mut ShadowPass, inputs: &Inputs) -> (Picture, FrameStatus) {
         }
     }
     panic!("no complete frame");
+}
+
+/// Frames before count while the light stands, whatever the camera does; of another light there are none, nor after they are forgotten.
+#[gpu_test]
+fn a_history_is_that_of_one_light() {
+    let scene = scene("spheres");
+    let history = Some(HistorySettings::default());
+    let made = || {
+        let settings = Settings { history, ..settings(1) };
+        pass(&PassConfig { method: MethodName::ShadowMap, ..PassConfig::new(settings, casters(&scene.mesh)) })
+    };
+    let other = Light::Directional { direction: [-0.3, 1.0, 0.2] };
+    let (here, there) = (Inputs::new(&scene.camera, &scene.light), Inputs::new(&scene.camera, &other));
+    let mut turned = scene.camera;
+    turned.eye[0] += 0.05;
+    let moved = Inputs::new(&turned, &scene.light);
+    let mut kept = made();
+    let first = frame(&mut kept, &here).0;
+    let second = frame(&mut kept, &here).0;
+    assert!(first != second, "the second frame is the first");
+    // The same maps without a past: a pass that had another light before.
+    let after_other = |inputs: &Inputs| {
+        let mut pass = made();
+        for _ in 0..2 {
+            frame(&mut pass, &there);
+        }
+        frame(&mut pass, inputs).0
+    };
+    let third = frame(&mut kept, &moved).0;
+    assert!(third != after_other(&moved), "nothing is left of the frames before");
+    // Its fourth frame, of another light.
+    let alone = || {
+        let mut pass = made();
+        for _ in 0..3 {
+            frame(&mut pass, &here);
+        }
+        frame(&mut pass, &there).0
+    };
+    assert!(frame(&mut kept, &there).0 == alone(), "something is left of another light");
+    kept.forget_history();
+    assert!(frame(&mut kept, &here).0 == first, "something is left of what is forgotten");
+    let mut encoder = gpu().encoder();
+    let both = [(scene.light, Target::default()), (other, Target::default())];
+    let refused = kept.record_lights(&mut encoder, &here, &both);
+    assert!(matches!(&refused, Err(Error::Config(text)) if text.contains("2 lights")), "{refused:?}");
+    let area = AreaLight { light: scene.light, radius: 0.1, points: 3 };
+    let refused = kept.record_area(&mut encoder, &here, &area, &Target::default());
+    assert!(matches!(&refused, Err(Error::Config(text)) if text.contains("3 points")), "{refused:?}");
 }
 
 fn rendered(scene: &Scene, method: MethodName, settings: &Settings) -> Picture {

@@ -21,6 +21,7 @@ mod facet_classify;
 mod front_layer;
 mod gbuffer_triangles;
 mod harness;
+mod history;
 mod instance_positions;
 mod light_layers;
 mod map_moments;
@@ -75,7 +76,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 38] = [
+    let without_textures: [Maker; 39] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -113,6 +114,7 @@ fn run(options: &Options) -> Result<()> {
         requested_blocks::cases,
         resolve::cases,
         pixel_filter::cases,
+        history::cases,
         instance_positions::cases,
     ];
     let with_textures: [Maker; 4] =

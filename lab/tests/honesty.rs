@@ -68,6 +68,8 @@ fn other_value(option: &str) -> &'static str {
         "filter" => "tent",
         "layers" => "2",
         "terms" => "3",
+        "history" => "5",
+        "confidence-power" => "2",
         _ => panic!("--{option} is new: give it a value here"),
     }
 }
@@ -379,7 +381,9 @@ mod gpu {
     fn with(method: MethodName, option: &str, s: &Settings) -> Option<Settings> {
         use subpixel_shadows::light_view::{SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
-        use subpixel_shadows::methods::{PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding};
+        use subpixel_shadows::methods::{
+            HistorySettings, PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding,
+        };
         use subpixel_shadows::stages::compared_depths::DepthRule;
         let mut s = s.clone();
         let one = SplitPlan { splits: 1, warp: Warp::Fitted, focus: SplitPlan::FOCUS, ..SplitPlan::default() };
@@ -409,6 +413,8 @@ mod gpu {
             "filter" => s.filter = PixelFilter::Mitchell,
             "layers" => s.moments.layers = 2,
             "terms" => s.moments.terms = 3,
+            "history" => s.history = Some(HistorySettings { frames: 5, ..HistorySettings::default() }),
+            "confidence-power" => s.history = s.history.map(|history| HistorySettings { power: 1, ..history }),
             // Of the renderer's memory and of what is written.
             "memory-limit" | "list-start" | "looks" => return None,
             _ => panic!("--{option} is new: set it here"),
@@ -453,6 +459,7 @@ mod gpu {
                     "validity" => with(method, "facets", &default),
                     "split-weight" => with(method, "splits", &default),
                     "slope-power" => with(method, "encoding", &default),
+                    "confidence-power" => with(method, "history", &default),
                     "focus" if method != MethodName::Trapezoidal => with(method, "warp", &default),
                     _ => Some(default.clone()),
                 };

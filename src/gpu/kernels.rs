@@ -439,6 +439,42 @@ pub mod gbuffer_triangles {
     }
 }
 
+/// `kernels/history.wgsl`.
+pub mod history {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/facet/view_choice", "history",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+    }
+    overrides! {
+        reach: f32 = 1.0, "REACH",
+        power: u32 = 8, "POWER",
+    }
+    entry_point! { "history", "blend", [64, 1, 1], SOURCE, Constants => Blend, BlendProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 views: Uniform<'a, crate::stages::pixel_views::LightViews>,
+        2 before: Uniform<'a, crate::stages::history::FrameBefore>,
+        4 id_keys: Read<'a, u32>,
+        5 triangles: Read<'a, [u32; 4]>,
+        6 points: Read<'a, [f32; 4]>,
+        7 past: Read<'a, [f32; 4]>,
+        8 visibility: Write<'a, f32>,
+        9 kept: Write<'a, [f32; 4]>,
+    } }
+    entries! {
+        Blend,
+    }
+}
+
 /// `kernels/instance_positions.wgsl`.
 pub mod instance_positions {
     use crate::entry_point;
@@ -906,7 +942,8 @@ pub mod pixel_views {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/frame/facing",
-        "shared/math/divide", "shared/frame/pixel_ray", "shared/facet/receiver", "pixel_views",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/facet/receiver", "shared/facet/view_choice",
+        "pixel_views",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2368,6 +2405,7 @@ pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
     ("facet_classify", facet_classify::SOURCE, facet_classify::ENTRIES),
     ("front_layer", front_layer::SOURCE, front_layer::ENTRIES),
     ("gbuffer_triangles", gbuffer_triangles::SOURCE, gbuffer_triangles::ENTRIES),
+    ("history", history::SOURCE, history::ENTRIES),
     ("instance_positions", instance_positions::SOURCE, instance_positions::ENTRIES),
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),

@@ -108,6 +108,15 @@ impl LightView {
         (w > self.near).then(|| DVec3::new(self.u.dot(p), self.v.dot(p), self.z.dot(p)) / w)
     }
 
+    /// The view with its texels moved by shares of one, each within a half to either side; all that it held it holds, in texels larger by one in the
+    /// map's side.
+    pub fn jittered(&self, [x, y]: [f64; 2]) -> Self {
+        let side = f64::from(self.map_size);
+        let [middle, by] = [0.5 * side, (side - 1.0).max(1.0) / side];
+        let moved = |row: DVec4, off: f64| (row - self.w * middle) * by + self.w * (middle + off);
+        Self { u: moved(self.u, x), v: moved(self.v, y), ..*self }
+    }
+
     /// The same rows for points given as `(world - origin) * scale`, which are taken to lie within the unit cube. The
     /// nearest divisor may grow: see [`LightView::noise_in_texels`].
     pub fn relative_to(&self, origin: DVec3, scale: f64) -> Self {

@@ -5,6 +5,7 @@ use super::by_views::{ByViews, Left};
 use super::debug_views::DebugViews;
 use super::facet_masks::{Capacities, FacetSource};
 use super::geometry::{Geometry, GeometryPipelines, SetupOf};
+use super::history::MethodHistory;
 use super::names::{MethodName, TexelQuery};
 use super::output::Counts;
 use super::prepared::{CasterBuffers, Prepared};
@@ -17,6 +18,7 @@ use crate::frame::{Frame, sample_words};
 use crate::gpu::{Buffer, Gpu, Recorder, StagedUploads, Uploads};
 use crate::light_view::{LightView, SplitPlan, unit_scale};
 use crate::scene::{Camera, Light};
+use crate::stages::PrimaryHits;
 use crate::stages::facet_classify::Facets;
 use crate::stages::pixel_views::LightViews;
 use crate::status::{Status, StatusHead};
@@ -188,6 +190,7 @@ pub struct FixedMemory {
     status: Buffer<u32>,
     method: Box<dyn FixedMethod>,
     by_views: Option<ByViews>,
+    history: Option<MethodHistory>,
     views: usize,
 }
 
@@ -215,6 +218,7 @@ impl FixedMemory {
         samples.write(queue, &sample_words(&settings.samples));
         let status = Buffer::storage(device, "status", Self::outcome_at(Self::MOST_VIEWS))?;
         let settings = Settings { partition: method.partition(settings), ..settings.clone() };
+        let asks_map = matches!(method.row().query, TexelQuery::Map(_));
         let method: Box<dyn FixedMethod> = match method.row().query {
             TexelQuery::Facets => {
                 let text = format!("{}: what its lists take is not known before a frame", method.name());
@@ -225,6 +229,12 @@ impl FixedMemory {
             TexelQuery::Rays => Box::new(RayTraced::new(parts)?),
             TexelQuery::Samples => Box::new(Supersampled::new(parts)?),
         };
+        let history = match (method.asks(), settings.history) {
+            (AskedViews::One(reach), Some(history)) if asks_map => {
+                Some(MethodHistory::new(device, reach, history, settings.pixels())?)
+            }
+            _ => None,
+        };
         Ok(Self {
             with: GeometryPipelines::new(device, settings.alpha_tested),
             geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.map as usize)?,
@@ -234,6 +244,7 @@ impl FixedMemory {
             status,
             method,
             by_views: None,
+            history,
             views: 1,
         })
     }
@@ -265,6 +276,21 @@ impl FixedMemory {
         self.views
     }
 
+    /// The views of the next frame, whose texels lie otherwise than those of the last where frames before are kept.
+    pub fn jittered(&self, views: Vec<LightView>) -> Vec<LightView> {
+        self.history.as_ref().map_or(views.clone(), |history| history.jittered(&views))
+    }
+
+    /// Whether frames before are kept.
+    pub fn keeps_history(&self) -> bool {
+        self.history.is_some()
+    }
+
+    /// Forgets the frames before.
+    pub fn forget_history(&mut self) {
+        self.history.iter_mut().for_each(MethodHistory::forget);
+    }
+
     fn left(&self) -> Left<'_> {
         let method = &self.method;
         Left { visibility: method.visibility(), lit: method.lit(), classes: method.classes() }
@@ -276,7 +302,7 @@ impl FixedMemory {
     /// # Errors
     /// [`Error::Scene`] if camera or light cannot be used, [`Error::Config`] for too many views.
     pub fn uploads(
-        &self,
+        &mut self,
         casters: &CasterBuffers,
         (camera, light): (&Camera, &Light),
         views: &[LightView],
@@ -316,16 +342,20 @@ impl FixedMemory {
             Ok(uploads)
         };
         let mut uploads = asked.iter().map(of_view).collect::<Result<Vec<_>>>()?;
+        let [w, h] = self.settings.size;
+        let rays = camera.rays(w, h);
+        let scale = unit_scale(rays.eye, bounds);
+        // In front of a view is what its run takes to be there.
+        let relative = |view: &LightView| {
+            let near = f64::from(nearest(view, bounds, camera));
+            LightView { near, ..view.relative_to(rays.eye, scale) }
+        };
+        let relative: Vec<LightView> = asked.iter().map(relative).collect();
         if let (Some(by_views), [first, _, ..]) = (&self.by_views, &mut uploads[..]) {
-            let eye = camera.rays(1, 1).eye;
-            let scale = unit_scale(eye, bounds);
-            // In front of a view is what its run takes to be there.
-            let relative = |view: &LightView| {
-                let near = f64::from(nearest(view, bounds, camera));
-                LightView { near, ..view.relative_to(eye, scale) }
-            };
-            let relative: Vec<LightView> = asked.iter().map(relative).collect();
             first.write(&by_views.choice().views, &[LightViews::new(&relative)]);
+        }
+        if let (Some(history), Some(first)) = (&mut self.history, uploads.first_mut()) {
+            history.upload(first, (rays, scale), light, &relative);
         }
         Ok(uploads)
     }
@@ -371,6 +401,11 @@ impl FixedMemory {
         }
         if let Some(by) = by_views {
             by.record_put(rec, self.left());
+        }
+        if let Some(history) = &self.history {
+            let Geometry { id_keys, points, .. } = geometry;
+            let seen = PrimaryHits { samples, id_keys, triangles: &casters.triangles, points };
+            history.record(rec, frame, seen, method.visibility());
         }
         // After all else.
         let (stamp, finished) = (offset_of!(Frame, stamp) as u64 / 4, status_word!(finished) as u64);

@@ -11,6 +11,7 @@ pub mod facet_masks;
 #[cfg(feature = "baselines")]
 pub mod fixed_memory;
 pub mod geometry;
+pub mod history;
 pub mod light_maps;
 pub mod list_sizing;
 pub mod names;
@@ -32,6 +33,7 @@ pub use crate::pixel_filter::PixelFilter;
 #[cfg(feature = "baselines")]
 pub use debug_views::{DebugMap, DebugViews, PixelClass};
 pub use facet_masks::FacetMasks;
+pub use history::HistorySettings;
 pub use names::{METHOD_OPTIONS, METHODS, MapQuery, MethodName, MethodRow, TexelQuery};
 pub use prepared::Prepared;
 pub use settings::{

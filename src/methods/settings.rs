@@ -1,5 +1,6 @@
 //! Uniform of a frame.
 
+use super::history::HistorySettings;
 use super::prepared::Prepared;
 use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;
@@ -343,6 +344,8 @@ pub struct Settings {
     pub moments: MomentSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,
+    /// Temporal reprojection, of the methods of maps of depths; `None`: each frame by itself.
+    pub history: Option<HistorySettings>,
 }
 
 impl Settings {
@@ -457,6 +460,7 @@ impl Settings {
             shadow_map: ShadowMapSettings::default(),
             moments: MomentSettings::default(),
             ray_traced: RayTracedSettings::default(),
+            history: None,
         }
     }
 
@@ -486,6 +490,7 @@ impl Settings {
         self.spsm.check()?;
         self.smsr.check()?;
         self.moments.check()?;
+        self.history.map_or(Ok(()), |history| history.check())?;
         self.shadow_map.check()
     }
 }

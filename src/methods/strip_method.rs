@@ -134,7 +134,7 @@ impl StripMethod {
     ///
     /// # Errors
     /// As [`FacetMasks::frames_for`].
-    pub fn uploads(&self, casters: &CasterBuffers, of: FrameOf, strip: Strip) -> Result<Vec<Uploads>> {
+    pub fn uploads(&mut self, casters: &CasterBuffers, of: FrameOf, strip: Strip) -> Result<Vec<Uploads>> {
         let FrameOf { camera, light, views, bounds, stamp, maps, margins, flags, origins } = of;
         match self {
             Self::FacetMasks(method) => {
@@ -284,6 +284,33 @@ impl StripMethod {
             Self::FacetMasks(_) => false,
             #[cfg(feature = "baselines")]
             Self::Fixed(method) => matches!(method.method().asks(), AskedViews::One(_)),
+        }
+    }
+
+    /// The views of the next frame, moved by shares of a texel where [frames before](Settings::history) are kept.
+    pub fn jittered(&self, views: Vec<LightView>) -> Vec<LightView> {
+        match self {
+            Self::FacetMasks(_) => views,
+            #[cfg(feature = "baselines")]
+            Self::Fixed(method) => method.jittered(views),
+        }
+    }
+
+    /// Whether frames before are kept, of one light.
+    pub fn keeps_history(&self) -> bool {
+        match self {
+            Self::FacetMasks(_) => false,
+            #[cfg(feature = "baselines")]
+            Self::Fixed(method) => method.keeps_history(),
+        }
+    }
+
+    /// Forgets the frames before.
+    pub fn forget_history(&mut self) {
+        match self {
+            Self::FacetMasks(_) => {}
+            #[cfg(feature = "baselines")]
+            Self::Fixed(method) => method.forget_history(),
         }
     }
 

@@ -26,6 +26,7 @@ impl ShadowPass {
             let count = lights.len();
             return Err(Error::Config(format!("{count} lights: a pass that keeps the last picture keeps that of one")));
         }
+        self.check_history(lights.len(), "lights")?;
         for (light, target) in lights {
             self.check(&Inputs { light, ..*inputs }, target)?;
         }
@@ -69,6 +70,19 @@ impl ShadowPass {
         self.record_points(encoder, inputs, &light.points(0.5 * (low + high)), target, (None, None))
     }
 
+    /// Refuses several lights where frames before are kept.
+    fn check_history(&self, count: usize, of: &str) -> Result<()> {
+        if count > 1 && self.image.method.keeps_history() {
+            return Err(Error::Config(format!("{count} {of}: a history of frames is that of one light")));
+        }
+        Ok(())
+    }
+
+    /// Forgets the frames that [`Settings::history`](crate::methods::Settings::history) keeps: the next begins anew.
+    pub fn forget_history(&mut self) {
+        self.image.method.forget_history();
+    }
+
     /// Makes room for sums over points where there is none.
     pub(super) fn make_sums(&mut self) -> Result<()> {
         let pixels = self.image.strips.count() as usize * self.image.method.visibility().len();
@@ -89,6 +103,7 @@ impl ShadowPass {
         target: &Target,
         (strip, extent): (Option<u32>, Option<Extent>),
     ) -> Result<Vec<u64>> {
+        self.check_history(points.len(), "points of a light")?;
         for light in points {
             self.check(&Inputs { light, ..*inputs }, target)?;
         }

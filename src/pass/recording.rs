@@ -76,7 +76,7 @@ impl ShadowPass {
         // These may show what lies beside the casters.
         let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_) | GBuffer::SampleIds(_));
         let views = settings.in_slices(views, inputs.camera, bounds, (beyond, self.image.method.asks_one()));
-        let mut views = self.maker.parts.of(views);
+        let mut views = self.maker.parts.of(self.image.method.jittered(views));
         if extent != Extent::Everything {
             views.truncate(1);
         }
@@ -144,9 +144,8 @@ impl ShadowPass {
             origins: [inputs.origin, target.visibility.and_then(|texture| texture.origin)]
                 .map(Option::unwrap_or_default),
         };
-        let method = &self.image.method;
-        let uploads =
-            part.iter().map(|&(_, rows)| method.uploads(&self.casters.buffers, of, self.image.strips.strip(rows)));
+        let (method, strips) = (&mut self.image.method, self.image.strips);
+        let uploads = part.iter().map(|&(_, rows)| method.uploads(&self.casters.buffers, of, strips.strip(rows)));
         let uploads = uploads.collect::<Result<Vec<_>>>()?;
         let (strips, status) = (part.len() as u32, self.image.method.status());
         let staging = self.in_flight.staging(&self.maker.device, status.len() as u64 * u64::from(strips))?;

@@ -20,7 +20,7 @@ use crate::{Result, shared_struct};
 
 shared_struct! {
     /// The views of a frame.
-    "pixel_views" => pub struct LightViews {
+    "shared/facet/view_choice" => pub struct LightViews {
         /// Of each view four rows: of a point to texel x and y, times the third; last the least divisor of points in front.
         pub rows: [[f32; 4]; 24],
         /// Views.

@@ -11,6 +11,7 @@ mod dispatch_args;
 mod facet_classify;
 mod front_layer;
 mod gbuffer_triangles;
+mod history;
 mod instance_positions;
 mod light_layers;
 mod map_moments;

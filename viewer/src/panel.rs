@@ -144,6 +144,12 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     if takes("terms") {
         changed |= slider(ui, half, "terms", &mut options.terms, 1..=16);
     }
+    if takes("history") {
+        changed |= slider(ui, half, "history", &mut options.history, 1..=64);
+        if options.history > 1 {
+            changed |= slider(ui, half, "confidence-power", &mut options.confidence_power, 1..=32);
+        }
+    }
     if takes("exponent") {
         changed |= slider(ui, half, "exponent", &mut options.exponent, 1.0..=42.0);
     }

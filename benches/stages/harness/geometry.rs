@@ -10,7 +10,7 @@ use subpixel_shadows::light_view::{LightView, unit_scale};
 use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::prepared::CasterBuffers;
 use subpixel_shadows::samples::Samples;
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Light, Mesh, PixelRays};
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use subpixel_shadows::stages::front_layer::FrontLayer;
@@ -42,6 +42,8 @@ pub struct Setup {
     pub prepared: Prepared,
     /// The light's view, whose rows take points of the frame.
     pub view: LightView,
+    /// Rays of the image, and the scale of the frame's points.
+    pub rays: (PixelRays, f64),
     pub frame: Buffer<Frame>,
     pub casters: CasterBuffers,
     pub points: Buffer<[f32; 4]>,
@@ -219,7 +221,9 @@ impl Setup {
             Ok(())
         })?;
         let edge_work = Work::of(gpu, &edge_items, kernels::silhouette_mask::WORKGROUP)?;
+        let rays = (camera.rays(IMAGE[0], IMAGE[1]), unit_scale(eye, bounds));
         let setup = Self {
+            rays,
             frame,
             points,
             map_points,

@@ -16,8 +16,8 @@ use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
-    SpsmEncoding, SpsmSettings,
+    HistorySettings, MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings,
+    SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::Samples;
@@ -119,6 +119,13 @@ pub struct RenderOptions {
     /// Terms of the series of convolution: 1 to 16; the more, the nearer to casters shadows begin
     #[arg(long, default_value_t = 16, value_name = "N")]
     pub terms: u32,
+    /// Frames, each with the light's texels elsewhere, of which each is mixed into those before where it is surest (temporal reprojection); 1 for
+    /// none. Of methods of maps of depths
+    #[arg(long, default_value_t = 1, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub history: u32,
+    /// Power by which frames of a history count the more the nearer a place lies to its texel's centre: 1 to 64
+    #[arg(long, default_value_t = HistorySettings::POWER, value_name = "N")]
+    pub confidence_power: u32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: MaskChoice,
@@ -265,6 +272,7 @@ impl RenderOptions {
                 terms: self.terms,
             },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
+            history: self.history(),
             shadow_map: ShadowMapSettings {
                 kernel: self.kernel,
                 compared: self.compare.into(),
@@ -274,6 +282,12 @@ impl RenderOptions {
         };
         settings.check()?;
         Ok(settings)
+    }
+
+    /// Frames before that are kept.
+    fn history(&self) -> Option<HistorySettings> {
+        let Self { history: frames, confidence_power: power, .. } = *self;
+        (frames > 1).then_some(HistorySettings { frames, power })
     }
 
     /// Slices of what the camera sees: those of the method, with what is said of them.

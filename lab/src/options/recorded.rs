@@ -64,6 +64,8 @@ impl RenderOptions {
             ("exponent", number(o.exponent)),
             ("layers", json!(o.layers)),
             ("terms", json!(o.terms)),
+            ("history", json!(o.history)),
+            ("confidence-power", json!(o.confidence_power)),
         ];
         all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
     }

@@ -11,6 +11,7 @@ pub mod dispatch_args;
 pub mod facet_classify;
 pub mod front_layer;
 pub mod gbuffer_triangles;
+pub mod history;
 pub mod instance_positions;
 pub mod light_layers;
 pub mod map_moments;

@@ -5,8 +5,8 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
-    FacetMode, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, Settings,
-    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    FacetMode, HistorySettings, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings,
+    Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -120,6 +120,8 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                     let shadow_map = ShadowMapSettings { compared: Some(rule), ..settings.shadow_map };
                     add(&format!("compare={name}"), Settings { shadow_map, ..settings.clone() });
                 }
+                let history = Some(HistorySettings { frames: 16, ..HistorySettings::default() });
+                add("history=16", Settings { history, ..settings.clone() });
             }
         }
         MethodName::Pcf => {

@@ -1,6 +1,8 @@
 //! Scherzer, Wimmer, Purgathofer 2011: A Survey of Real-Time Hard Shadow Mapping Methods.
 
-use super::columns::{ACNE, BAND, LEAKS, MAP, MEMORY, METHOD, RMSE, SAMPLES, SCENE, TIME, TIMES, plot, table};
+use super::columns::{
+    ACNE, BAND, FEWER, LEAKS, MAP, MEMORY, METHOD, RMSE, SAMPLES, SCENE, TIME, TIMES, WRONG, plot, table,
+};
 use super::{CloseUp, Experiment, PLAIN, Place};
 use crate::report::comparison::Row;
 use crate::report::comparison::plots::Axis;
@@ -18,7 +20,7 @@ const OVERHEAD: Place =
 /// The same view with the light behind the eye, where no warp helps.
 const BEHIND: Place = Place { label: "light behind", scene: "sparse-city", options: "--light directional=0.21,0.2,1" };
 
-pub const ALL: [Experiment; 6] = [
+pub const ALL: [Experiment; 7] = [
     Experiment {
         name: "scherzer-11",
         source: "Scherzer, Wimmer, Purgathofer 2011, figure 11",
@@ -105,6 +107,29 @@ pub const ALL: [Experiment; 6] = [
             let error = (Axis::linear("RMSE"), (|r: &Row| Some(r.matched.scene_rmse)) as fn(&Row) -> Option<f64>);
             vec![("error-maps", plot("error over the number of maps", maps, error, &by_maps))]
         },
+        ..BASE
+    },
+    Experiment {
+        name: "scherzer-20",
+        source: "Scherzer, Wimmer, Purgathofer 2011, figure 20 and section 4.6",
+        title: "Temporal reprojection beside light-space perspective",
+        shows: "Light-space perspective maps of 1024 x 1024 are good; frames of jittered maps, mixed by the confidence of each look-up, are better, as the \
+                map's resolution does not bound them: visibility converges to that of every pixel.",
+        differs: "",
+        places: &[OVERHEAD, Place::of("cage"), Place::of("knot")],
+        rows: &[
+            "shadow-map",
+            "lispsm",
+            "shadow-map history=4",
+            "shadow-map history=16",
+            "shadow-map history=64",
+            "lispsm history=64",
+            "shadow-map history=64 confidence-power=3",
+            "shadow-map history=64 confidence-power=16",
+        ],
+        samples: &[1],
+        sheet: Some(CloseUp { part: [0.3, 0.4, 0.3, 0.3], zoom: 3, gain: 1.0 }),
+        tables: |rows| vec![table("", rows, &[SCENE, METHOD, TIME, TIMES, WRONG, FEWER, RMSE])],
         ..BASE
     },
     Experiment {
