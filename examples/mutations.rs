@@ -82,6 +82,7 @@ fn run() -> Result<()> {
     let (mut sum, mut listed) = ([0; 4], String::new());
     for stem in &asked.kernels {
         let Some((_, source, _)) = kernels::ALL.iter().find(|(name, ..)| name == stem) else { continue };
+        let source = &source.text();
         let start = Instant::now();
         let stage = Suite::new(stem, stages.clone(), Some(format!("{stem}::")))?;
         let changes = chosen(stem, source, asked.per_kernel, asked.seed)?;

@@ -7,6 +7,7 @@ use std::mem::offset_of;
 use std::path::Path;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::layout::{Field, Shared};
+use subpixel_shadows::gpu::source::write_bare;
 use subpixel_shadows::gpu::{Profile, kernels};
 use subpixel_shadows::scene::Edge;
 use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
@@ -164,12 +165,44 @@ fn parse(stem: &str, source: &str) -> Module {
     naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{stem}: {}", e.emit_to_string(source)))
 }
 
+/// The text that a web page has of a file.
+fn bare(text: &str) -> String {
+    let mut bytes = vec![0; text.len()];
+    let length = write_bare(text, &mut bytes);
+    bytes.truncate(length);
+    String::from_utf8(bytes).expect("text")
+}
+
+/// What a compiler reads of a kernel, without where it stands.
+fn meaning(stem: &str, text: &str) -> String {
+    let known = format!("{:?}", parse(stem, text));
+    let mut parts = known.split("Span { start: ");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + part.split_once(" }").map_or(part, |(_, rest)| rest))
+}
+
+/// Kernels without comments are the same kernels.
+#[test]
+fn bare_kernels_are_the_kernels() {
+    let (mut sum, mut left) = (0, 0);
+    for (stem, source, _) in kernels::ALL {
+        let (whole, page) = (source.text(), source.0.iter().map(|text| bare(text)).collect::<String>());
+        assert!(!page.contains("//") && !page.contains("\n "), "{stem}");
+        assert_eq!(meaning(stem, &whole), meaning(stem, &page), "{stem}");
+        if let Some(other) = Some(page.replacen("+ 1u", "+ 2u", 1)).filter(|other| *other != page) {
+            assert_ne!(meaning(stem, &whole), meaning(stem, &other), "{stem}");
+        }
+        (sum, left) = (sum + whole.len(), left + page.len());
+    }
+    assert!(3 * left < 2 * sum, "{left} of {sum} bytes are left");
+}
+
 #[test]
 fn shared_structs_agree() {
     let registry = registry();
     let mut used = BTreeSet::new();
     for (stem, source, _) in kernels::ALL {
-        let module = parse(stem, source);
+        let module = parse(stem, &source.text());
         for name in bound_structs(&module) {
             let twin = registry
                 .iter()
@@ -214,7 +247,7 @@ fn disagreement_is_found() {
 #[test]
 fn kernels_fit_default_limits() {
     for ((stem, source, entries), profile) in kernels::ALL.iter().flat_map(|k| Profile::ALL.map(|p| (*k, p))) {
-        let module = parse(stem, &profile.text(source));
+        let module = parse(stem, &profile.text(&source.text()));
         assert_eq!(module.entry_points.len(), entries.len());
         for (point, entry) in module.entry_points.iter().zip(entries) {
             let at = format!("kernels/{stem}.wgsl: {}", entry.name);

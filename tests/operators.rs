@@ -108,6 +108,7 @@ fn mixings(text: &str) -> Vec<String> {
 fn operators_are_not_mixed() {
     let mut checked = 0;
     for (stem, source, _) in kernels::ALL {
+        let source = &source.text();
         checked += tokens(source).iter().filter(|(_, t)| ["&", "|", "<<", ">>"].contains(&t.as_str())).count();
         let found = mixings(source);
         let text = |at: &str| source.lines().nth(at.parse::<usize>().unwrap_or(1) - 1).unwrap_or_default().to_owned();
@@ -235,6 +236,7 @@ fn all_without_value(source: &str, entry: &str, values: &[(&str, f64)]) -> Vec<S
 fn constants_have_values() {
     // Those of 64 bits are no plain WGSL: no browser gets them.
     for (stem, source, entries) in kernels::ALL.iter().filter(|(stem, ..)| !stem.ends_with("_64")) {
+        let source = &source.text();
         for entry in *entries {
             let found = all_without_value(source, entry.name, &[]);
             assert!(found.is_empty(), "kernels/{stem}.wgsl: {}: {found:?} with the defaults", entry.name);

@@ -50,6 +50,7 @@ fn both_profiles_give_one_picture() {
 fn a_gpu_copies_nothing_that_is_uniform() {
     let mut other = 0;
     for (stem, source, _) in kernels::ALL {
+        let source = &source.text();
         let [gpu, software] = Profile::ALL.map(|profile| profile.text(source));
         assert_eq!(software, *source);
         assert!(!gpu.contains("_given") && !gpu.contains("var<private> frame:"), "{stem}");

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::fmt;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::gpu::bindings::{Read, Write};
-use subpixel_shadows::gpu::{AdapterSummary, Buffer, Gpu, Groups, Recorder, Stage, Timer};
+use subpixel_shadows::gpu::{AdapterSummary, Buffer, Gpu, Groups, Recorder, Source, Stage, Timer};
 use subpixel_shadows::{Error, Result, wgpu};
 
 /// What the command line asks for.
@@ -160,20 +160,20 @@ const PROBES: &str = "
 @compute @workgroup_size(1) fn step() { atomicAdd(&words[0], 1u); }
 ";
 
-entry_point! { "probe", "copy", [64, 1, 1], PROBES, () => Copying, CopyingProgram {
+entry_point! { "probe", "copy", [64, 1, 1], Source(&[PROBES]), () => Copying, CopyingProgram {
     0 source: Read<'a, [u32; 4]>,
     1 target_quads: Write<'a, [u32; 4]>,
 } }
 
-entry_point! { "probe", "scatter", [64, 1, 1], PROBES, () => Scatter, ScatterProgram {
+entry_point! { "probe", "scatter", [64, 1, 1], Source(&[PROBES]), () => Scatter, ScatterProgram {
     2 words: Write<'a, u32>,
 } }
 
-entry_point! { "probe", "multiply", [64, 1, 1], PROBES, () => Multiply, MultiplyProgram {
+entry_point! { "probe", "multiply", [64, 1, 1], Source(&[PROBES]), () => Multiply, MultiplyProgram {
     2 words: Write<'a, u32>,
 } }
 
-entry_point! { "probe", "step", [1, 1, 1], PROBES, () => Step, StepProgram {
+entry_point! { "probe", "step", [1, 1, 1], Source(&[PROBES]), () => Step, StepProgram {
     2 words: Write<'a, u32>,
 } }
 

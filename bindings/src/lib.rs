@@ -34,7 +34,7 @@ pub fn generate(root: &Path) -> Result<String, String> {
     }
     let _ = writeln!(
         out,
-        "/// Stem, text and entry points of every kernel.\npub const ALL: &[(&str, &str, &[super::program::Entry])] = &[\n{all}];"
+        "/// Stem, text and entry points of every kernel.\npub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[\n{all}];"
     );
     Ok(out)
 }

@@ -134,8 +134,7 @@ macro_rules! entry_point {
 macro_rules! source {
     ($($file:literal,)*) => {
         /// The kernel's text, imports first.
-        pub const SOURCE: &str =
-            concat!($(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/kernels/", $file, ".wgsl"))),*);
+        pub const SOURCE: crate::gpu::Source = crate::gpu::Source(&[$(crate::gpu::source::kernel_file!($file)),*]);
     };
 }
 pub(super) use source;

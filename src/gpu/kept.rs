@@ -3,6 +3,7 @@
 use super::batch;
 use super::profile::Profile;
 use super::program::{Compiled, Entry};
+use super::source::Source;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fmt;
@@ -23,7 +24,7 @@ struct Key {
 struct Kept {
     programs: HashMap<Key, Compiled>,
     /// Modules by device, what they are built for, and text.
-    modules: HashMap<(wgpu::Device, Profile, &'static str), wgpu::ShaderModule>,
+    modules: HashMap<(wgpu::Device, Profile, Source), wgpu::ShaderModule>,
 }
 
 /// Who hears how many programs of a batch are compiled, and of how many.
@@ -132,7 +133,7 @@ impl KeptPrograms {
         let key = Key {
             device: device.clone(),
             profile,
-            source: entry.source.as_ptr() as usize,
+            source: entry.source.0.as_ptr() as usize,
             entry: entry.name,
             constants,
         };
@@ -148,7 +149,7 @@ impl KeptPrograms {
     /// Likewise the module of a kernel's text.
     pub(super) fn module_or_make(
         device: &wgpu::Device,
-        source: &'static str,
+        source: Source,
         make: impl FnOnce() -> wgpu::ShaderModule,
     ) -> wgpu::ShaderModule {
         let Some(store) = IN_USE.with_borrow(Clone::clone) else { return make() };

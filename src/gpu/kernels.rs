@@ -2395,7 +2395,7 @@ pub mod work_owners {
 }
 
 /// Stem, text and entry points of every kernel.
-pub const ALL: &[(&str, &str, &[super::program::Entry])] = &[
+pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("camera_visibility", camera_visibility::SOURCE, camera_visibility::ENTRIES),
     ("candidate_pairs", candidate_pairs::SOURCE, candidate_pairs::ENTRIES),
     ("caster_positions", caster_positions::SOURCE, caster_positions::ENTRIES),

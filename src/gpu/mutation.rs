@@ -1,16 +1,12 @@
 //! One token of one kernel changed at run time, to test the tests: `cargo run --release --features mutations --example mutations`.
 
-use std::borrow::Cow;
-
 /// The variable of the environment that names the change: `KERNEL:BYTE:LENGTH:TEXT`, in the kernel's joined text.
 pub const VARIABLE: &str = "SUBPIXEL_SHADOWS_MUTATION";
 
 /// The text of a kernel, with the change that [`VARIABLE`] names.
-pub fn mutated<'a>(kernel: &str, source: &'a str) -> Cow<'a, str> {
-    std::env::var(VARIABLE)
-        .ok()
-        .and_then(|change| apply(&change, kernel, source))
-        .map_or(Cow::Borrowed(source), Cow::Owned)
+pub fn mutated(kernel: &str, source: String) -> String {
+    let change = std::env::var(VARIABLE).ok();
+    change.and_then(|change| apply(&change, kernel, &source)).unwrap_or(source)
 }
 
 /// `None` if the change is of another kernel, or none.

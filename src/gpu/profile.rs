@@ -1,5 +1,6 @@
 //! Devices that kernels are built for. The pictures are the same, to the bit.
 
+use super::source::kernel_file;
 use std::borrow::Cow;
 use std::cell::Cell;
 
@@ -19,14 +20,8 @@ thread_local! {
 
 /// Files of kernels, as they stand in their texts, and what takes their place on a GPU.
 const IN_PLACE: [[&str; 2]; 2] = [
-    [
-        include_str!("../../kernels/shared/frame/frame_copy.wgsl"),
-        include_str!("../../kernels/shared/frame/frame_in_place.wgsl"),
-    ],
-    [
-        include_str!("../../kernels/shared/frame/sample_copy.wgsl"),
-        include_str!("../../kernels/shared/frame/sample_in_place.wgsl"),
-    ],
+    [kernel_file!("shared/frame/frame_copy"), kernel_file!("shared/frame/frame_in_place")],
+    [kernel_file!("shared/frame/sample_copy"), kernel_file!("shared/frame/sample_in_place")],
 ];
 
 impl Profile {

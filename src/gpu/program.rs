@@ -5,6 +5,7 @@ use super::bindings::{EntryPoint, Overrides};
 use super::kept::KeptPrograms;
 use super::profile::Profile;
 use super::scope::caught;
+use super::source::Source;
 use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
@@ -92,8 +93,8 @@ pub struct Entry {
     pub kernel: &'static str,
     /// The entry point.
     pub name: &'static str,
-    /// The kernel's text, imports joined.
-    pub source: &'static str,
+    /// The kernel's text, imports first.
+    pub source: Source,
     /// The workgroup size.
     pub workgroup: [u32; 3],
     /// The bindings it uses, in the order of the kernel.
@@ -151,11 +152,10 @@ impl Compiled {
         MADE.set(MADE.get() + 1);
         log::debug!(target: LOG, "{}", described(entry, constants));
         let module = KeptPrograms::module_or_make(device, entry.source, || {
-            #[cfg(not(feature = "mutations"))]
-            let source = entry.source;
+            let source = entry.source.text();
             #[cfg(feature = "mutations")]
-            let source = &*super::mutation::mutated(entry.kernel, entry.source);
-            let source = wgpu::ShaderSource::Wgsl(Profile::of(device).text(source));
+            let source = super::mutation::mutated(entry.kernel, source);
+            let source = wgpu::ShaderSource::Wgsl(Profile::of(device).text(&source));
             device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(entry.kernel), source })
         });
         let entries: Vec<_> = entry

@@ -4,7 +4,7 @@ use crate::support::{POISON, Random, assert_same, difference, gpu, poisoned, run
 use oracle::reference::dispatch_args::{MAX_GROUPS, fold};
 use subpixel_shadows::entry_point;
 use subpixel_shadows::gpu::bindings::{Read, Write};
-use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder, Source};
 use subpixel_shadows::stages::DispatchArgs;
 use subpixel_shadows::stages::dispatch_args::ArgsRequest;
 use test_support::gpu_test;
@@ -22,7 +22,7 @@ const TOUCH: &str = concat!(
         }"
 );
 
-entry_point! { "touch", "touch", [64, 1, 1], TOUCH, () => Touch, TouchProgram {
+entry_point! { "touch", "touch", [64, 1, 1], Source(&[TOUCH]), () => Touch, TouchProgram {
     0 counts: Read<'a, u32>,
     1 touched: Write<'a, u32>,
 } }

@@ -6,7 +6,7 @@ use oracle::reference::work_owners::{owners, table};
 use std::sync::OnceLock;
 use subpixel_shadows::entry_point;
 use subpixel_shadows::gpu::bindings::{Read, Write};
-use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder};
+use subpixel_shadows::gpu::{Buffer, Gpu, Groups, Recorder, Source};
 use subpixel_shadows::stages::WorkOwners;
 use subpixel_shadows::stages::work_owners::STRIDE;
 use test_support::gpu_test;
@@ -26,7 +26,7 @@ const FIND: &str = concat!(
         }"
 );
 
-entry_point! { "find", "find", [64, 1, 1], FIND, () => Find, FindProgram {
+entry_point! { "find", "find", [64, 1, 1], Source(&[FIND]), () => Find, FindProgram {
     0 work_offsets: Read<'a, u32>,
     1 found: Write<'a, u32>,
     2 owners: Read<'a, u32>,

@@ -26,7 +26,8 @@ impl Job {
     /// Pipelines of the library's kernels, as they are for a GPU.
     pub fn of(pipelines: Vec<Pipeline>) -> Self {
         let texts = kernels::ALL.iter().map(|(stem, text, _)| {
-            let text = Profile::Gpu.text(text);
+            let text = text.text();
+            let text = Profile::Gpu.text(&text);
             ((*stem).to_owned(), text.into_owned())
         });
         Self { texts: texts.collect(), pipelines }

@@ -11,7 +11,7 @@ use subpixel_shadows::gpu::kernels::ALL;
 pub fn run(out: &Path) -> Result<()> {
     OutFolder::check(out)?;
     let files = OutFolder::fill(out, |out| {
-        ALL.iter().try_for_each(|(stem, source, _)| write_text(&out.file(&format!("{stem}.wgsl")), source))
+        ALL.iter().try_for_each(|(stem, source, _)| write_text(&out.file(&format!("{stem}.wgsl")), &source.text()))
     })?;
     let entries: usize = ALL.iter().map(|(_, _, entries)| entries.len()).sum();
     let mut report = Report::default();

@@ -18,7 +18,9 @@ pub use facet_errors::{Boundary, FacetErrors, FacetSet};
 pub use flip::{flip, mean_flip};
 pub use frame_json::FrameReport;
 pub use metrics::{Errors, Metrics, Truth, wrong_samples};
-pub use picture::{part_of_dead, write_difference, write_exr, write_png_grey, write_png_rgb, write_text};
+#[cfg(not(target_family = "wasm"))]
+pub use picture::write_exr;
+pub use picture::{part_of_dead, write_difference, write_png_grey, write_png_rgb, write_text};
 pub use promise::Promise;
 pub use scene_errors::{ConvergedErrors, SceneErrors, TracedScene};
 pub use seen_errors::SeenErrors;

@@ -1,6 +1,7 @@
 //! Pictures as files: written beside their place under another name and moved there when complete, so that no
 //! half-written file is ever found.
 
+#[cfg(not(target_family = "wasm"))]
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
@@ -36,6 +37,7 @@ pub fn write_png_rgb(path: &Path, width: u32, height: u32, pixels: &[[u8; 3]]) -
 ///
 /// # Errors
 /// As [`write_png_grey`].
+#[cfg(not(target_family = "wasm"))]
 pub fn write_exr(path: &Path, width: u32, height: u32, visibility: &[f32], centre_hit: &[bool]) -> Result<()> {
     check(width, height, visibility.len())?;
     check(width, height, centre_hit.len())?;

@@ -1,6 +1,7 @@
 //! Divisions, codes and edge tests of the records, exactly.
 
 use super::*;
+use subpixel_shadows::gpu::Source;
 
 const DIVIDE: &str = concat!(
     "@group(0) @binding(0) var<storage, read> inputs: array<vec2<u32>>;
@@ -14,7 +15,7 @@ const DIVIDE: &str = concat!(
 "
 );
 
-entry_point! { "test", "work", [64, 1, 1], DIVIDE, () => Divide, DivideProgram {
+entry_point! { "test", "work", [64, 1, 1], Source(&[DIVIDE]), () => Divide, DivideProgram {
     0 inputs: Read<'a, [u32; 2]>,
     1 outputs: Write<'a, [u32; 2]>,
 } }
@@ -70,7 +71,7 @@ const CODES: &str = concat!(
 "
 );
 
-entry_point! { "test", "work", [64, 1, 1], CODES, () => Codes, CodesProgram {
+entry_point! { "test", "work", [64, 1, 1], Source(&[CODES]), () => Codes, CodesProgram {
     0 frame: Uniform<'a, Frame>,
     1 slopes: Uniform<'a, [f32; 4]>,
     2 inputs: Read<'a, f32>,
@@ -168,7 +169,7 @@ const SIDES: &str = concat!(
 "
 );
 
-entry_point! { "test", "work", [64, 1, 1], SIDES, () => Sides, SidesProgram {
+entry_point! { "test", "work", [64, 1, 1], Source(&[SIDES]), () => Sides, SidesProgram {
     0 frame: Uniform<'a, Frame>,
     1 slopes: Uniform<'a, [f32; 4]>,
     2 inputs: Read<'a, [u32; 4]>,

@@ -1,6 +1,7 @@
 //! Pairs of single-precision numbers.
 
 use super::*;
+use subpixel_shadows::gpu::Source;
 
 const ARITHMETIC: &str = concat!(
     include_str!("../../../kernels/shared/frame/frame.wgsl"),
@@ -21,7 +22,7 @@ const ARITHMETIC: &str = concat!(
 "
 );
 
-entry_point! { "test", "work", [64, 1, 1], ARITHMETIC, () => Arithmetic, ArithmeticProgram {
+entry_point! { "test", "work", [64, 1, 1], Source(&[ARITHMETIC]), () => Arithmetic, ArithmeticProgram {
     0 frame: Uniform<'a, Frame>,
     1 inputs: Read<'a, [f32; 4]>,
     2 outputs: Write<'a, [f32; 2]>,

@@ -161,6 +161,7 @@ fn every_kernel_is_accepted() {
     let pipelines = occupancy::made::pipelines().expect("an adapter");
     let mut made = 0;
     for (stem, text, _) in kernels::ALL {
+        let text = &text.text();
         // Needs what WebGPU does not have; the library takes another kernel there.
         if *stem == "spsm_map_64" {
             assert_eq!(take(stem, text, json!([])).len(), 1, "{stem}");
@@ -179,8 +180,27 @@ fn every_kernel_is_accepted() {
     assert!(made > 100, "{made} pipelines");
     // A wrong type and an entry point that is not there are told of.
     let (stem, text, _) = kernels::ALL[0];
+    let text = &text.text();
     assert!(!take(stem, &text.replacen("u32", "f32", 3), json!([])).is_empty());
     assert_eq!(take(stem, text, json!([["nothing", {}]])).len(), 1);
+}
+
+/// A plain server, which compresses what it sends, sends little.
+#[test]
+#[ignore = "in a browser: ./web.sh --test"]
+fn the_page_is_small() {
+    let sent = |names: &[&str], level: &str| -> usize {
+        let paths = names.iter().map(|name| SITE.0.path(&format!("web/{name}")));
+        let done = Command::new("gzip").args([level, "-c"]).args(paths).output().expect("gzip");
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        done.stdout.len()
+    };
+    LazyLock::force(&SITE);
+    let code = ["viewer_bg.wasm", "viewer.js", "index.html"];
+    let bytes = sent(&code, "-9");
+    println!("{bytes} bytes");
+    assert!((500_000..=2_000_000).contains(&bytes), "{bytes} bytes");
+    assert!(sent(&[&code[..], &["viewer.png"]].concat(), "-9") > bytes + 100_000);
 }
 
 /// All built-in scenes look as they do natively: exact methods to the last sample.
