@@ -15,7 +15,7 @@ use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
     caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, history, instance_positions,
-    map_moments, pixel_coverage, pixel_receivers, pixel_triangles, pixel_views, prefix_scan, radix_sort,
+    map_moments, pixel_counts, pixel_coverage, pixel_receivers, pixel_triangles, pixel_views, prefix_scan, radix_sort,
     sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids, visibility_texture, work_owners,
 };
 use subpixel_shadows::status::{Need, StatusBand, StatusHead};
@@ -98,6 +98,7 @@ fn registry() -> Vec<Registered> {
         of::<gbuffer_triangles::GbufferTrianglesParams>(),
         of::<history::FrameBefore>(),
         of::<map_moments::MapLevels>(),
+        of::<pixel_counts::PixelCounts>(),
         of::<pixel_coverage::Covering>(),
         of::<pixel_receivers::PixelReceiversParams>(),
         of::<pixel_triangles::PixelPair>(),

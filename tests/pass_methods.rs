@@ -382,7 +382,7 @@ fn what_a_method_cannot_do_is_refused() {
             usage: wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let kept = record(&plain.light, &Target { visibility: None, lit: Some(&lit) });
+        let kept = record(&plain.light, &Target { lit: Some(&lit), ..Target::default() });
         let keeps = !rendered(&plain, method, &settings(8)).1.is_empty();
         assert_eq!(kept.is_ok(), keeps, "{name}: {kept:?}");
     }

@@ -26,6 +26,7 @@ mod instance_positions;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;
+mod pixel_counts;
 mod pixel_coverage;
 mod pixel_filter;
 mod pixel_receivers;
@@ -103,6 +104,7 @@ fn run(options: &Options) -> Result<()> {
         spsm_query::cases,
         front_layer::cases,
         pixel_triangles::cases,
+        pixel_counts::cases,
         pixel_coverage::cases,
         sample_surfaces::cases,
         pixel_views::cases,

@@ -642,6 +642,57 @@ pub mod moment_shadows {
     }
 }
 
+/// `kernels/pixel_counts.wgsl`.
+pub mod pixel_counts {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/facet/facet", "shared/raster/candidates", "pixel_counts",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
+        STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1,
+        TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, WORKGROUP = 64,
+    }
+    overrides! {
+        tile_shift: u32 = 1, "TILE_SHIFT",
+    }
+    entry_point! { "pixel_counts", "count_pairs", [64, 1, 1], SOURCE, Constants => CountPairs, CountPairsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        4 pairs: Read<'a, [u32; 2]>,
+        5 candidates: Write<'a, u32>,
+        7 counts: Write<'a, crate::stages::pixel_counts::PixelCounts>,
+    } }
+    entry_point! { "pixel_counts", "count_candidates", [64, 1, 1], SOURCE, Constants => CountCandidates, CountCandidatesProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        3 undecided: Read<'a, crate::stages::facet_classify::Undecided>,
+        5 candidates: Write<'a, u32>,
+        7 counts: Write<'a, crate::stages::pixel_counts::PixelCounts>,
+    } }
+    entry_point! { "pixel_counts", "count_facets", [64, 1, 1], SOURCE, Constants => CountFacets, CountFacetsProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 facets: Read<'a, crate::stages::facet_classify::Facet>,
+        2 pixel_facets: Read<'a, u32>,
+        7 counts: Write<'a, crate::stages::pixel_counts::PixelCounts>,
+    } }
+    entry_point! { "pixel_counts", "count_classes", [64, 1, 1], SOURCE, Constants => CountClasses, CountClassesProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        6 classes: Read<'a, u32>,
+        7 counts: Write<'a, crate::stages::pixel_counts::PixelCounts>,
+    } }
+    subset! { CountPairs => CountCandidates { frame, undecided, candidates, counts } }
+    entries! {
+        CountPairs, CountCandidates, CountFacets, CountClasses,
+    }
+}
+
 /// `kernels/pixel_coverage.wgsl`.
 pub mod pixel_coverage {
     use crate::entry_point;
@@ -2410,6 +2461,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
     ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),
+    ("pixel_counts", pixel_counts::SOURCE, pixel_counts::ENTRIES),
     ("pixel_coverage", pixel_coverage::SOURCE, pixel_coverage::ENTRIES),
     ("pixel_filter", pixel_filter::SOURCE, pixel_filter::ENTRIES),
     ("pixel_receivers", pixel_receivers::SOURCE, pixel_receivers::ENTRIES),

@@ -18,6 +18,7 @@ use crate::scene::{Camera, Light};
 use crate::stages::Count;
 use crate::stages::facet_classify::{ClassifyInputs, Facets};
 use crate::stages::light_layers::Layers;
+use crate::stages::pixel_counts::PixelCounts;
 use crate::stages::pixel_texel_pairs::{PairLists, TALLY_COUNTERS, TALLY_WORDS};
 use crate::status::{Status, StatusBand};
 use crate::{Error, Result};
@@ -58,7 +59,8 @@ impl FacetMasks {
         settings.check()?;
         if !pipelines.serve(settings) {
             return Err(Error::Config(
-                "the pipelines were made for other numbers of samples or facets, masks, pairs or filter".to_owned(),
+                "the pipelines were made for other numbers of samples or facets, masks, pairs, filter or counts"
+                    .to_owned(),
             ));
         }
         let every_surface = match settings.facets {
@@ -228,6 +230,7 @@ impl FacetMasks {
         let m = &self.memory;
         let frame = &m.frames[0];
         rec.clear(m.status.raw());
+        m.counts.iter().for_each(|counts| rec.clear(counts.raw()));
         if extent == Extent::Nothing {
             rec.clear(m.geometry.id_keys.raw());
             rec.clear(m.facets.pixel_facets.raw());
@@ -285,6 +288,9 @@ impl FacetMasks {
         }
         self.record_resolve(rec);
         self.record_filter(rec);
+        if let (Some(counted), Some(counts)) = (&self.with.counted, &m.counts) {
+            counted.record_facets(&mut rec.stage("pixel_counts"), frame, &m.facets, counts);
+        }
         Ok(())
     }
 
@@ -420,6 +426,11 @@ impl FacetMasks {
     /// Lit samples of every pixel.
     pub fn lit(&self) -> &Buffer<u32> {
         &self.memory.lit
+    }
+
+    /// Counts of every pixel, where [`Settings::count_pixels`] is set.
+    pub fn counts(&self) -> Option<&Buffer<PixelCounts>> {
+        self.memory.counts.as_ref()
     }
 
     /// Complement of the triangle at every pixel centre; 0 where there is none.

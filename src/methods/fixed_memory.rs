@@ -20,6 +20,7 @@ use crate::light_view::{LightView, SplitPlan, unit_scale};
 use crate::scene::{Camera, Light};
 use crate::stages::PrimaryHits;
 use crate::stages::facet_classify::Facets;
+use crate::stages::pixel_counts::{CountedPixels, PixelCounts};
 use crate::stages::pixel_views::LightViews;
 use crate::status::{Status, StatusHead};
 use crate::{Error, Result, status_word};
@@ -189,6 +190,8 @@ pub struct FixedMemory {
     samples: Buffer<[f32; 4]>,
     status: Buffer<u32>,
     method: Box<dyn FixedMethod>,
+    /// Where pixels are counted.
+    counted: Option<(CountedPixels, Buffer<PixelCounts>)>,
     by_views: Option<ByViews>,
     history: Option<MethodHistory>,
     views: usize,
@@ -235,7 +238,13 @@ impl FixedMemory {
             }
             _ => None,
         };
+        let counts = settings.count_pixels && (method.facets().is_some() || method.classes().is_some());
+        let counted = || {
+            let counts = Buffer::storage(device, "pixel_counts.counts", settings.pixels())?;
+            Ok::<_, Error>((CountedPixels::new(device), counts))
+        };
         Ok(Self {
+            counted: counts.then(counted).transpose()?,
             with: GeometryPipelines::new(device, settings.alpha_tested),
             geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.map as usize)?,
             settings,
@@ -407,6 +416,12 @@ impl FixedMemory {
             let seen = PrimaryHits { samples, id_keys, triangles: &casters.triangles, points };
             history.record(rec, frame, seen, method.visibility());
         }
+        if let Some((counted, counts)) = &self.counted {
+            rec.clear(counts.raw());
+            let stage = &mut rec.stage("pixel_counts");
+            method.facets().iter().for_each(|facets| counted.record_facets(stage, frame, facets, counts));
+            method.classes().iter().for_each(|classes| counted.record_classes(stage, frame, classes, counts));
+        }
         // After all else.
         let (stamp, finished) = (offset_of!(Frame, stamp) as u64 / 4, status_word!(finished) as u64);
         rec.copy_words(frame.raw(), stamp, status.raw(), finished, 1);
@@ -451,6 +466,11 @@ impl FixedMemory {
     /// Complement of the triangle at every pixel centre; 0 where there is none.
     pub fn id_keys(&self) -> &Buffer<u32> {
         &self.geometry.id_keys
+    }
+
+    /// Counts of every pixel, where they are asked for and there is something to count.
+    pub fn counts(&self) -> Option<&Buffer<PixelCounts>> {
+        self.counted.as_ref().map(|(_, counts)| counts)
     }
 
     /// The method.

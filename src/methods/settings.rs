@@ -334,6 +334,10 @@ pub struct Settings {
     pub partition: Option<SplitPlan>,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
+    /// Count the work of each pixel ([`PixelCounts`](crate::stages::pixel_counts::PixelCounts)), for [`Target::counts`](crate::pass::Target::counts): of
+    /// `facet-masks` all of it, of `ray-traced` and `supersampled` classes and facets, of `spsm` classes, with 0 or 1 facets; others have nothing to
+    /// count. No picture changes.
+    pub count_pixels: bool,
     /// Options of `spsm`.
     pub spsm: SpsmSettings,
     /// Options of `smsr`.
@@ -455,6 +459,7 @@ impl Settings {
             projection: ProjectionVariant::Pencil,
             partition: None,
             settle: true,
+            count_pixels: false,
             spsm: SpsmSettings::default(),
             smsr: SmsrSettings::default(),
             shadow_map: ShadowMapSettings::default(),

@@ -12,6 +12,7 @@ use crate::gpu::{Buffer, Recorder, StagedUploads, Uploads};
 use crate::light_view::{LightView, Margins};
 use crate::scene::{Camera, Light};
 use crate::stages::facet_classify::Facets;
+use crate::stages::pixel_counts::PixelCounts;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::sync::Arc;
@@ -368,6 +369,15 @@ impl StripMethod {
             Self::FacetMasks(method) => Some(method.facets()),
             #[cfg(feature = "baselines")]
             Self::Fixed(method) => method.method().facets(),
+        }
+    }
+
+    /// Counts of every pixel, where they are kept.
+    pub fn counts(&self) -> Option<&Buffer<PixelCounts>> {
+        match self {
+            Self::FacetMasks(method) => method.counts(),
+            #[cfg(feature = "baselines")]
+            Self::Fixed(method) => method.counts(),
         }
     }
 

@@ -14,6 +14,7 @@ impl ShadowPass {
         inputs.camera.check()?;
         inputs.light.check()?;
         target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
+        target.check_counts(self.settings.pixels(), self.image.method.counts().is_some())?;
         self.check_gbuffer(inputs)?;
         self.bounds_of(inputs)
     }

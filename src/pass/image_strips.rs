@@ -13,6 +13,7 @@ use crate::methods::prepared::{MeshBuffers, surfaces};
 use crate::methods::strip_method::{MethodPipelines, StripMethod};
 use crate::methods::strips::{Rows, Strips};
 use crate::methods::{Settings, list_sizing};
+use crate::stages::pixel_counts::PixelCounts;
 use crate::stages::visibility_texture::{MeanVisibility, PackedVisibility, Packing, VisibilityTexture};
 use crate::{Error, Result};
 
@@ -207,8 +208,8 @@ impl ImageStrips {
         Ok(())
     }
 
-    /// Copies a strip's own rows to where they belong, here and in the application's buffer.
-    pub fn record_copies(&self, rec: &mut Recorder, rows: Rows, target: Option<&wgpu::Buffer>) {
+    /// Copies a strip's own rows to where they belong, here and in the application's buffers of lit masks and counts.
+    pub fn record_copies(&self, rec: &mut Recorder, rows: Rows, [target, counts]: [Option<&wgpu::Buffer>; 2]) {
         let (width, pixels) = (u64::from(self.strips.size()[0]), self.method.visibility().len() as u64);
         let lit = self.method.lit();
         let words = lit.map_or(0, |lit| lit.len() as u64 / pixels.max(1));
@@ -224,6 +225,9 @@ impl ImageStrips {
         }
         if let Some((lit, target)) = lit.zip(target) {
             copy(lit.raw(), target, width * words);
+        }
+        if let Some((ours, target)) = self.method.counts().zip(counts) {
+            copy(ours.raw(), target, width * size_of::<PixelCounts>() as u64 / 4);
         }
     }
 }

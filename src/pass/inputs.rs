@@ -5,6 +5,7 @@ use super::textures::{ImagePart, check_sampled};
 use crate::scene::{AlphaTested, Camera, Light};
 use crate::stages::caster_positions::Vertices;
 use crate::stages::instance_positions::Transforms;
+use crate::stages::pixel_counts::PixelCounts;
 use crate::stages::visibility_texture::Packing;
 use crate::{Error, Result};
 
@@ -186,12 +187,35 @@ pub struct Target<'a> {
     /// Lit samples of each pixel, one bit a sample, [`words`](crate::samples::Samples::words) words a pixel, row by row from
     /// the top; all ones where nothing is seen. Usage `COPY_DST`; written from its start.
     pub lit: Option<&'a wgpu::Buffer>,
+    /// Work of each pixel, a [`PixelCounts`] a pixel, row by row from the top: for passes with [`count_pixels`](crate::methods::Settings::count_pixels). Usage
+    /// `COPY_DST`; written from its start. They are of the frame itself, also where [`keep_last`](super::PassConfig::keep_last) shows another, and of
+    /// the last of several points of a light.
+    pub counts: Option<&'a wgpu::Buffer>,
 }
 
 impl<'a> Target<'a> {
     /// The first level and layer of a texture of the size of the image.
     pub fn texture(texture: &'a wgpu::Texture) -> Self {
-        Self { visibility: Some(TargetTexture::new(texture)), lit: None }
+        Self { visibility: Some(TargetTexture::new(texture)), ..Self::default() }
+    }
+
+    /// Checks the buffer of counts; `kept`: the method has them.
+    pub(super) fn check_counts(&self, pixels: usize, kept: bool) -> Result<()> {
+        let Some(counts) = self.counts else { return Ok(()) };
+        let refuse = |text: String| Err(Error::Config(format!("counts of pixels: {text}")));
+        let (usage, bytes) = (counts.usage(), (pixels * size_of::<PixelCounts>()) as u64);
+        if !kept {
+            return refuse(
+                "the pass has none (settings: count_pixels, and a method that has facets or classes)".to_owned(),
+            );
+        }
+        if !usage.contains(wgpu::BufferUsages::COPY_DST) {
+            return refuse(format!("the usage {usage:?} of the buffer lacks COPY_DST"));
+        }
+        if counts.size() < bytes {
+            return refuse(format!("a buffer of {} bytes, {bytes} are needed", counts.size()));
+        }
+        Ok(())
     }
 
     pub(super) fn check(&self, size: [u32; 2], lit_bytes: Option<u64>) -> Result<()> {

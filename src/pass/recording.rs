@@ -207,11 +207,11 @@ impl ShadowPass {
             match &self.last {
                 Some((with, held)) => {
                     held.record_judge(rec, with, image, faults)?;
-                    image.record_copies(rec, rows, None);
+                    image.record_copies(rec, rows, [None, target.counts]);
                 }
                 None => {
                     image.record_store(rec, &self.store, rows, target)?;
-                    image.record_copies(rec, rows, target.lit);
+                    image.record_copies(rec, rows, [target.lit, target.counts]);
                 }
             }
             staging.record(rec, method.status(), k);

@@ -2,6 +2,7 @@
 
 mod alpha;
 mod area_lights;
+mod counts;
 mod filters;
 mod instances;
 mod kept_maps;

@@ -62,7 +62,7 @@ fn bad_input_is_refused() {
         [("bytes", pixels - 4, BufferUsages::COPY_DST), ("lacks COPY_DST", pixels, BufferUsages::STORAGE)]
     {
         let buffer = buffer(size, usage);
-        refused(what, with(&inputs, &Target { visibility: None, lit: Some(&buffer) }));
+        refused(what, with(&inputs, &Target { lit: Some(&buffer), ..Target::default() }));
     }
     for (what, size, format, usage) in [
         ("format", SIZE, TextureFormat::R32Float, TextureUsages::TEXTURE_BINDING),

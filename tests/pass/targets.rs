@@ -90,7 +90,7 @@ fn every_format_level_and_layer_takes_the_picture() {
             let texture = array(format, usage);
             let target = TargetTexture { level: 1, layer: 2, origin: Some(ORIGIN), ..TargetTexture::new(&texture) };
             let mut encoder = gpu().encoder();
-            let target = Target { visibility: Some(target), lit: None };
+            let target = Target { visibility: Some(target), ..Target::default() };
             pass.record(&mut encoder, &inputs, &target).expect("recorded");
             gpu().submit_and_wait(encoder).expect("the frame runs");
             gpu().check().expect("no error of the device");
@@ -122,7 +122,7 @@ fn four_lights_lie_in_one_texture() {
             let mut encoder = gpu().encoder();
             for &(channel, ref light) in lights {
                 let to = TargetTexture { level: 1, channel, origin: Some(ORIGIN), ..TargetTexture::new(&texture) };
-                let target = Target { visibility: Some(to), lit: None };
+                let target = Target { visibility: Some(to), ..Target::default() };
                 pass.record(&mut encoder, &Inputs::new(&scene.camera, light), &target).expect("recorded");
             }
             gpu().submit_and_wait(encoder).expect("the frames run");
@@ -202,7 +202,7 @@ fn bad_targets_are_refused() {
         ("COPY_SRC", TargetTexture::new(&unread)),
         ("COPY_DST", TargetTexture::new(&unwritten)),
     ] {
-        let refused = pass.record(&mut encoder, &inputs, &Target { visibility: Some(target), lit: None });
+        let refused = pass.record(&mut encoder, &inputs, &Target { visibility: Some(target), ..Target::default() });
         assert!(refused.as_ref().is_err_and(|e| e.to_string().contains(what)), "{what}: {refused:?}");
     }
 }

@@ -16,6 +16,7 @@ mod instance_positions;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;
+mod pixel_counts;
 mod pixel_coverage;
 mod pixel_filter;
 mod pixel_receivers;

@@ -16,6 +16,7 @@ pub mod instance_positions;
 pub mod light_layers;
 pub mod map_moments;
 pub mod moment_shadows;
+pub mod pixel_counts;
 pub mod pixel_coverage;
 pub mod pixel_filter;
 pub mod pixel_receivers;

@@ -63,6 +63,11 @@ impl FacetMasks {
             let args = (m.args.raw(), Arg::Doubts.word());
             with.masks.record_refine(stage, frame, casters, &m.facets, &m.lists, args);
         }
+        if let (Some(counted), Some(counts)) = (&with.counted, &m.counts) {
+            let stage = &mut rec.stage("pixel_counts");
+            let args = [Arg::Pairs, Arg::Candidates].map(|arg| (m.args.raw(), arg.word()));
+            counted.record(stage, frame, &m.facets, &m.lists, args, counts);
+        }
         let slot = self.capacities.status_band(view, band) as u64;
         let at = |field: usize| slot + field as u64 / 4;
         rec.copy_words(

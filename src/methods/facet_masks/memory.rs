@@ -13,6 +13,7 @@ use crate::pixel_filter::PixelFilter;
 use crate::stages::candidate_pairs::tally;
 use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::stages::facet_classify::Facets;
+use crate::stages::pixel_counts::PixelCounts;
 use crate::stages::pixel_filter::FilterMemory;
 use crate::stages::pixel_texel_pairs::PairLists;
 use crate::stages::{PrefixScan, SortedPairs, WorkOwners, prefix_scan, sorted_pairs};
@@ -115,6 +116,8 @@ pub struct Memory {
     pub lit: Buffer<u32>,
     /// With a filter other than a box.
     pub filter: Option<FilterMemory>,
+    /// Where pixels are counted.
+    pub counts: Option<Buffer<PixelCounts>>,
 }
 
 impl Memory {
@@ -152,6 +155,9 @@ impl Memory {
             lit: words_of("resolve.lit", pixels * words)?,
             filter: (settings.filter != PixelFilter::Box)
                 .then(|| FilterMemory::new(device, queue, settings.filter, &settings.samples, pixels))
+                .transpose()?,
+            counts: (settings.count_pixels)
+                .then(|| Buffer::storage(device, "pixel_counts.counts", pixels))
                 .transpose()?,
         })
     }

@@ -9,6 +9,7 @@ use crate::mask_table::MaskVariant;
 use crate::pixel_filter::PixelFilter;
 use crate::stages::candidate_pairs::CandidatePairs;
 use crate::stages::facet_classify::FacetClassify;
+use crate::stages::pixel_counts::{CountedPairs, CountedPixels};
 use crate::stages::pixel_filter::FilterMasks;
 use crate::stages::pixel_texel_pairs::PixelTexelPairs;
 use crate::stages::requested_blocks::RequestedBlocks;
@@ -19,7 +20,7 @@ use crate::stages::work_owners::ListWork;
 use crate::stages::{DispatchArgs, PrefixScan, SortedPairs};
 
 /// The pipelines, which may serve any number of meshes, images and settings with as many samples, facets alike and the same
-/// variants of masks, pairs, projection and filter.
+/// variants of masks, pairs, projection and filter, and counts of pixels or none.
 #[derive(Debug)]
 pub struct Pipelines {
     pub(super) samples: u32,
@@ -41,6 +42,8 @@ pub struct Pipelines {
     pub(super) resolve: Resolve,
     /// With a filter other than a box.
     pub(super) filter: Option<FilterMasks>,
+    /// Where pixels are counted.
+    pub(super) counted: Option<CountedPixels>,
     pub(super) scan: PrefixScan,
     pub(super) work: ListWork,
     pub(super) fold: DispatchArgs,
@@ -54,6 +57,7 @@ pub struct PairPipelines {
     pub(super) candidates: CandidatePairs,
     pub(super) masks: VisibilityMasks,
     pub(super) sorted: Option<SortedPairs>,
+    pub(super) counted: Option<CountedPairs>,
 }
 
 impl Pipelines {
@@ -102,9 +106,11 @@ impl Pipelines {
                     Casting { two_step, cuts: !clamp, alpha },
                 ),
                 sorted: sorted.then(|| SortedPairs::new(device, &scan)),
+                counted: settings.count_pixels.then(|| CountedPairs::new(device, places)),
             }),
             resolve: Resolve::new(device, words),
             filter: (settings.filter != PixelFilter::Box).then(|| FilterMasks::new(device, words, settings.filter)),
+            counted: settings.count_pixels.then(|| CountedPixels::new(device)),
             work: ListWork::new(device, &scan),
             scan,
             fold: DispatchArgs::new(device),
@@ -116,5 +122,6 @@ impl Pipelines {
         let ours = (self.samples, self.facets, self.masks_by, self.pairs_by, self.lines_by);
         ours == (settings.samples.count(), settings.facets, settings.masks, settings.pairs, settings.projection)
             && (self.filter_by, self.alpha) == (settings.filter, settings.alpha_tested)
+            && self.counted.is_some() == settings.count_pixels
     }
 }
