@@ -1,7 +1,7 @@
 //! A half of the picture: one method's pass, made in the background, and the last of its frames that was complete.
 
 use crate::job::Job;
-use crate::picture::{extent, visibility};
+use crate::picture::{Shown, counts, extent, visibility};
 use lab::options::RenderOptions;
 use lab::scene::{Camera, Light, Scene};
 use std::sync::Arc;
@@ -42,6 +42,8 @@ pub struct Half {
     work: wgpu::Texture,
     /// Visibility of the last frame that was complete.
     pub shown: wgpu::Texture,
+    /// Counts of the frame that runs, and of the last one that was complete.
+    counts: Option<[wgpu::Buffer; 2]>,
     size: [u32; 2],
     /// Status of the last frame that was complete.
     pub status: Option<FrameStatus>,
@@ -62,14 +64,16 @@ pub struct Half {
 const TRIES: u32 = 10;
 
 impl Half {
-    /// Begins to make a pass of the options' method for pictures of `size` pixels.
+    /// Begins to make a pass of the options' method for pictures of `size` pixels; `counted`: which counts their pixels.
     pub fn new(
         gpu: &Gpu,
         scene: &Arc<Scene>,
         options: &RenderOptions,
         size: [u32; 2],
+        counted: bool,
         context: &egui::Context,
     ) -> Self {
+        let counts = counted.then(|| [counts(&gpu.device, size), counts(&gpu.device, size)]);
         let options = RenderOptions { size, ..options.clone() };
         let area = (options.light_radius, options.light_points);
         let compiled = Arc::new(Compiled::default());
@@ -81,7 +85,7 @@ impl Half {
             });
             let mesh = &scene.mesh;
             let casters = Casters::Static { positions: &mesh.positions, triangles: &mesh.triangles };
-            let settings = Settings { settle: !options.force_all, ..options.settings()? };
+            let settings = Settings { settle: !options.force_all, count_pixels: counted, ..options.settings()? };
             let config = PassConfig {
                 method: options.method,
                 budget: options.budget(),
@@ -97,6 +101,7 @@ impl Half {
             pass: Pass::Making(made, compiled),
             work,
             shown,
+            counts,
             size,
             status: None,
             bytes: 0,
@@ -145,7 +150,8 @@ impl Half {
     fn submit(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) {
         let Pass::Made(pass) = &mut self.pass else { return };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let (inputs, target) = (Inputs::new(camera, light), Target::texture(&self.work));
+        let counts = self.counts.as_ref().map(|[work, _]| work);
+        let (inputs, target) = (Inputs::new(camera, light), Target { counts, ..Target::texture(&self.work) });
         let recorded = match self.area {
             (0.0, _) => pass.record(&mut encoder, &inputs, &target).map(|frame| [frame; 2]),
             (radius, points) => {
@@ -196,5 +202,13 @@ impl Half {
     /// Shows the frame that has run, which must be complete.
     pub fn show(&mut self, encoder: &mut wgpu::CommandEncoder) {
         encoder.copy_texture_to_texture(self.work.as_image_copy(), self.shown.as_image_copy(), extent(self.size));
+        if let Some([work, shown]) = &self.counts {
+            encoder.copy_buffer_to_buffer(work, 0, shown, 0, shown.size());
+        }
+    }
+
+    /// The last frame that was complete, as the picture reads it.
+    pub fn as_shown(&self) -> Shown<'_> {
+        Shown { visibility: &self.shown, counts: self.counts.as_ref().map(|[_, shown]| shown) }
     }
 }

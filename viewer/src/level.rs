@@ -1,7 +1,8 @@
 //! One resolution: two halves that show the same moment, and the picture of both.
 
 use crate::half::{Gpu, Half};
-use crate::picture::{DrawnMesh, Picture, Shader, Shot};
+use crate::overlay::Overlay;
+use crate::picture::{DrawnMesh, Picture, Shader, Shot, Shown};
 use crate::truth::Tracing;
 use crate::view::{Against, View};
 use lab::options::RenderOptions;
@@ -33,6 +34,10 @@ pub struct Level {
     pub seconds: Option<f64>,
     /// Traced truth, where the right half is that.
     pub tracing: Option<Tracing>,
+    /// The moment that it is of.
+    traced: Option<Moment>,
+    /// What is shown needs counts of pixels.
+    pub counted: bool,
     running: Option<(Moment, f64)>,
     scene: Arc<Scene>,
     left: RenderOptions,
@@ -41,14 +46,32 @@ pub struct Level {
 impl Level {
     /// Begins to make the passes for pictures of `size` pixels.
     pub fn new(gpu: &Gpu, scene: &Arc<Scene>, view: &View, size: [u32; 2], context: &egui::Context) -> Self {
-        let half = |options| Half::new(gpu, scene, options, size, context);
+        let half = |options: &RenderOptions| {
+            let counted = view.overlay.counted().is_some() && Overlay::Classes.is_of(options.method);
+            // Pictures show counts by one binding.
+            let fits =
+                gpu.device.limits().max_storage_buffer_binding_size >= u64::from(size[0]) * u64::from(size[1]) * 16;
+            Half::new(gpu, scene, options, size, counted && fits, context)
+        };
         let mut halves = vec![half(&view.left)];
         if let Against::Method(options) = &view.right {
             halves.push(half(options));
         }
         let picture = Picture::new(&gpu.device, size);
         let (scene, left) = (scene.clone(), view.left.clone());
-        Self { halves, picture, shown: None, tried: None, seconds: None, tracing: None, running: None, scene, left }
+        Self {
+            halves,
+            picture,
+            shown: None,
+            tried: None,
+            seconds: None,
+            tracing: None,
+            traced: None,
+            counted: view.overlay.counted().is_some(),
+            running: None,
+            scene,
+            left,
+        }
     }
 
     /// Whether the picture is of this moment, and nothing of it is still computed.
@@ -97,6 +120,11 @@ impl Level {
         false
     }
 
+    /// Takes over what another level of the same size has traced.
+    pub fn keep_traced(&mut self, tracing: Option<Tracing>) {
+        self.tracing = tracing.filter(|tracing| tracing.size() == self.picture.size);
+    }
+
     /// Traces some pixels of what is shown. Whether there is something new to draw.
     ///
     /// # Errors
@@ -109,8 +137,9 @@ impl Level {
             let tracing = Tracing::new((&gpu.device, &gpu.queue), tracer.clone(), (camera, points), size);
             self.tracing = Some(tracing);
         }
+        let known = std::mem::replace(&mut self.traced, self.shown) == self.shown;
         match &mut self.tracing {
-            Some(tracing) => tracing.advance(&gpu.queue, late),
+            Some(tracing) => Ok(tracing.advance(&gpu.queue, late)? || !known),
             None => Ok(false),
         }
     }
@@ -119,11 +148,19 @@ impl Level {
     ///
     /// # Errors
     /// As [`Picture::draw`].
-    pub fn draw(&self, gpu: &Gpu, shader: &Shader, mesh: &DrawnMesh, view: &View, shot: &Shot) -> Result<()> {
-        let left = &self.halves[0].shown;
+    pub fn draw<'a>(&'a self, gpu: &Gpu, shader: &Shader, mesh: &DrawnMesh, view: &View, shot: &Shot) -> Result<()> {
+        let of = |options: &RenderOptions, half: &'a Half| {
+            let shown = half.as_shown();
+            Shown { counts: shown.counts.filter(|_| shot.overlay.is_of(options.method)), ..shown }
+        };
+        let left = of(&view.left, &self.halves[0]);
         let right = match (&view.right, &self.tracing) {
-            (Against::Truth, Some(tracing)) => &tracing.shown,
-            _ => self.halves.get(1).map_or(left, |half| &half.shown),
+            // Of another moment it is none.
+            (Against::Truth, Some(tracing)) if self.traced == self.shown => {
+                Shown { visibility: &tracing.shown, counts: None }
+            }
+            (Against::Truth, _) => Shown { counts: None, ..left },
+            (Against::Method(options), _) => self.halves.get(1).map_or(left, |half| of(options, half)),
         };
         self.picture.draw((&gpu.device, &gpu.queue), shader, mesh, [left, right], shot)
     }

@@ -20,6 +20,7 @@ pub mod control;
 pub mod half;
 pub mod job;
 pub mod level;
+pub mod overlay;
 mod panel;
 pub mod picture;
 pub mod read;

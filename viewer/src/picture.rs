@@ -1,10 +1,12 @@
 //! The picture: the mesh drawn with four samples a pixel, its shading times the visibility of either half.
 
+use crate::overlay::Overlay;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use lab::scene::{Camera, Light, Mesh};
 use subpixel_shadows::Result;
 use subpixel_shadows::pass::DepthTerms;
+use subpixel_shadows::stages::pixel_counts::PixelCounts;
 use subpixel_shadows::wgpu;
 use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
@@ -12,24 +14,6 @@ use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
-
-/// Quantity that the picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Overlay {
-    /// The shaded scene.
-    #[default]
-    Shaded,
-    /// Visibility alone, white where lit.
-    Visibility,
-    /// By how much the right half is brighter (orange) or darker (blue) than the left one.
-    Difference,
-}
-
-impl Overlay {
-    /// All of them, with a name.
-    pub const ALL: [(Self, &'static str); 3] =
-        [(Self::Shaded, "shaded"), (Self::Visibility, "visibility"), (Self::Difference, "difference")];
-}
 
 /// Inputs of a picture beside the mesh and the two visibilities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,10 +38,28 @@ struct Uniform {
     size: [f32; 2],
     wipe: f32,
     overlay: u32,
+    /// Whether each half has counts, and which of them is shown.
+    counted: [u32; 4],
+    palette: [[f32; 4]; 12],
+}
+
+/// The light that a byte of sRGB means.
+fn linear(byte: u8) -> f32 {
+    let v = f32::from(byte) / 255.0;
+    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+/// A half as the picture reads it.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// Visibility of each pixel, below 0 where it is not known yet.
+    pub visibility: &'a wgpu::Texture,
+    /// Counts of each pixel, where there are some.
+    pub counts: Option<&'a wgpu::Buffer>,
 }
 
 impl Uniform {
-    fn new(shot: &Shot, size: [u32; 2]) -> Result<Self> {
+    fn new(shot: &Shot, size: [u32; 2], halves: [Shown; 2]) -> Result<Self> {
         let Shot { camera, light, wipe, overlay } = *shot;
         let projection = DepthTerms::reversed_infinite(camera.near).projection(&camera, size)?;
         let clip = Mat4::from_cols_array_2d(&projection) * Mat4::from_cols_array_2d(&camera.view());
@@ -73,6 +75,11 @@ impl Uniform {
             }
         };
         let [w, h] = size.map(|side| side as f32);
+        let [left, right] = halves.map(|half| u32::from(overlay.counted().is_some() && half.counts.is_some()));
+        let mut palette = [[0.0; 4]; 12];
+        for (entry, (_, [r, g, b])) in palette.iter_mut().zip(overlay.legend()) {
+            *entry = [linear(r), linear(g), linear(b), 1.0];
+        }
         Ok(Self {
             clip: clip.to_cols_array(),
             eye: [ex, ey, ez, 0.0],
@@ -81,6 +88,8 @@ impl Uniform {
             size: [w, h],
             wipe: (wipe * w).round(),
             overlay: overlay as u32,
+            counted: [left, right, overlay.counted().unwrap_or(0), 0],
+            palette,
         })
     }
 }
@@ -92,6 +101,9 @@ pub struct Shader {
     halves: wgpu::BindGroupLayout,
     draw: wgpu::RenderPipeline,
     sky: wgpu::RenderPipeline,
+    counts: wgpu::RenderPipeline,
+    /// Bound where a half has no counts.
+    none: wgpu::Buffer,
 }
 
 fn buffer_entry(
@@ -107,7 +119,8 @@ impl Shader {
     /// Compiles it.
     pub fn new(device: &wgpu::Device) -> Self {
         let module = device.create_shader_module(wgpu::include_wgsl!("shade.wgsl"));
-        let (vertex, both) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::VERTEX_FRAGMENT);
+        let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
+        let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let read = wgpu::BufferBindingType::Storage { read_only: true };
         let mesh = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("viewer.mesh"),
@@ -119,7 +132,7 @@ impl Shader {
         });
         let texture = |binding| wgpu::BindGroupLayoutEntry {
             binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
+            visibility: fragment,
             ty: wgpu::BindingType::Texture {
                 sample_type: wgpu::TextureSampleType::Float { filterable: false },
                 view_dimension: wgpu::TextureViewDimension::D2,
@@ -129,14 +142,14 @@ impl Shader {
         };
         let halves = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("viewer.halves"),
-            entries: &[texture(0), texture(1)],
+            entries: &[texture(0), texture(1), buffer_entry(2, read, fragment), buffer_entry(3, read, fragment)],
         });
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("viewer"),
             bind_group_layouts: &[Some(&mesh), Some(&halves)],
             immediate_size: 0,
         });
-        let pipeline = |label, vertex, fragment, writes| {
+        let pipeline = |label, vertex, fragment, writes, compare| {
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(label),
                 layout: Some(&layout),
@@ -150,7 +163,7 @@ impl Shader {
                 depth_stencil: Some(wgpu::DepthStencilState {
                     format: DEPTH,
                     depth_write_enabled: Some(writes),
-                    depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+                    depth_compare: Some(compare),
                     stencil: Default::default(),
                     bias: Default::default(),
                 }),
@@ -165,9 +178,20 @@ impl Shader {
                 cache: None,
             })
         };
-        let draw = pipeline("viewer.draw", "draw", "shade", true);
-        let sky = pipeline("viewer.sky", "sky_corner", "sky", false);
-        Self { mesh, halves, draw, sky }
+        use wgpu::CompareFunction::{Always, GreaterEqual};
+        Self {
+            draw: pipeline("viewer.draw", "draw", "shade", true, GreaterEqual),
+            sky: pipeline("viewer.sky", "sky_corner", "sky", false, GreaterEqual),
+            counts: pipeline("viewer.counts", "sky_corner", "counted", false, Always),
+            none: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("viewer.no counts"),
+                size: size_of::<PixelCounts>() as u64,
+                usage: BufferUsages::STORAGE,
+                mapped_at_creation: false,
+            }),
+            mesh,
+            halves,
+        }
     }
 }
 
@@ -256,19 +280,21 @@ impl Picture {
         (device, queue): (&wgpu::Device, &wgpu::Queue),
         shader: &Shader,
         mesh: &DrawnMesh,
-        [left, right]: [&wgpu::Texture; 2],
+        halves: [Shown; 2],
         shot: &Shot,
     ) -> Result<()> {
-        queue.write_buffer(&mesh.uniform, 0, bytemuck::bytes_of(&Uniform::new(shot, self.size)?));
-        let views = [left, right].map(|texture| texture.create_view(&Default::default()));
-        let entry = |binding: u32| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(&views[binding as usize]),
-        };
+        queue.write_buffer(&mesh.uniform, 0, bytemuck::bytes_of(&Uniform::new(shot, self.size, halves)?));
+        let views = halves.map(|half| half.visibility.create_view(&Default::default()));
+        let counts = halves.map(|half| half.counts.unwrap_or(&shader.none).as_entire_binding());
+        let [left, right] = [&views[0], &views[1]].map(wgpu::BindingResource::TextureView);
+        let [left_counts, right_counts] = counts;
+        let resources = [left, right, left_counts, right_counts];
+        let entries: Vec<_> =
+            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
         let halves = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("viewer.halves"),
             layout: &shader.halves,
-            entries: &[entry(0), entry(1)],
+            entries: &entries,
         });
         let resolved = self.colour.create_view(&Default::default());
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -293,10 +319,24 @@ impl Picture {
         pass.draw(0..3, 0..1);
         pass.set_pipeline(&shader.draw);
         pass.draw(0..mesh.corners, 0..1);
+        if shot.overlay.counted().is_some() {
+            pass.set_pipeline(&shader.counts);
+            pass.draw(0..3, 0..1);
+        }
         drop(pass);
         queue.submit([encoder.finish()]);
         Ok(())
     }
+}
+
+/// A buffer of counts, as a pass writes them.
+pub fn counts(device: &wgpu::Device, [width, height]: [u32; 2]) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("viewer.counts"),
+        size: u64::from(width) * u64::from(height) * size_of::<PixelCounts>() as u64,
+        usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
 }
 
 /// A texture of visibility, as a pass writes it.

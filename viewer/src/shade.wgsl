@@ -11,6 +11,9 @@ struct View {
     // Pixels left of it show the left half.
     wipe: f32,
     overlay: u32,
+    // Whether the left and the right half have counts, and which of them is shown: 0 classes.
+    counted: vec4<u32>,
+    palette: array<vec4<f32>, 12>,
 }
 
 const SHADED = 0u;
@@ -23,6 +26,8 @@ const DIFFERENCE = 2u;
 @group(1) @binding(0) var left_visibility: texture_2d<f32>;
 // Below 0: not known yet.
 @group(1) @binding(1) var right_visibility: texture_2d<f32>;
+@group(1) @binding(2) var<storage, read> left_counts: array<vec4<u32>>;
+@group(1) @binding(3) var<storage, read> right_counts: array<vec4<u32>>;
 
 struct Corner {
     @builtin(position) clip: vec4<f32>,
@@ -76,6 +81,8 @@ fn shade(at: Corner) -> @location(0) vec4<f32> {
     let diffuse = max(dot(normal, to_light), 0.0) * spot(to_light);
     let ambient = mix(vec3(0.16, 0.15, 0.13), vec3(0.30, 0.36, 0.45), 0.5 + 0.5 * normal.y);
     var colour = vec3(0.70, 0.67, 0.62) * (ambient + vec3(0.95, 0.90, 0.80) * diffuse * seen.shown);
+    // A half without counts.
+    if view.overlay > DIFFERENCE { return vec4(vec3(0.25 * dot(colour, vec3(0.3, 0.6, 0.1))), 1.0); }
     if view.overlay == DIFFERENCE {
         let grey = vec3(0.15 * dot(colour, vec3(0.3, 0.6, 0.1)));
         let more = vec3(1.0, 0.45, 0.05) * max(seen.difference, 0.0);
@@ -96,5 +103,23 @@ fn sky_corner(@builtin(vertex_index) i: u32) -> Sky {
 @fragment
 fn sky(at: Sky) -> @location(0) vec4<f32> {
     let colour = mix(vec3(0.42, 0.47, 0.54), vec3(0.70, 0.73, 0.76), at.clip.y / view.size.y);
-    return vec4(colour * select(1.0, 0.15, view.overlay == DIFFERENCE), 1.0);
+    return vec4(colour * select(1.0, 0.15, view.overlay >= DIFFERENCE), 1.0);
+}
+
+// The step of the scale that a number is on: 0, 1, 2, then up to each power of two.
+fn step_of(n: u32) -> u32 {
+    if n == 0u { return 0u; }
+    return min(33u - countLeadingZeros(n - 1u), 10u);
+}
+
+@fragment
+fn counted(at: Sky) -> @location(0) vec4<f32> {
+    let of_right = at.clip.x >= view.wipe;
+    if select(view.counted.x, view.counted.y, of_right) == 0u { discard; }
+    let texel = vec2<u32>(at.clip.xy);
+    let pixel = texel.y * u32(view.size.x) + texel.x;
+    var counts = vec4(0u);
+    if of_right { counts = right_counts[pixel]; } else { counts = left_counts[pixel]; }
+    let n = counts[view.counted.z];
+    return view.palette[select(step_of(n), min(n, 4u), view.counted.z == 0u)];
 }

@@ -49,6 +49,11 @@ impl Tracing {
         self.camera == *camera && self.points == points && self.size == size
     }
 
+    /// Its width and height.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
     /// Share of the pixels that are traced.
     pub fn share(&self) -> f32 {
         let [width, height] = self.size;

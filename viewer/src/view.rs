@@ -1,5 +1,6 @@
 //! Views: a scene by one method, beside another or traced truth; as a command line, and back.
 
+use crate::overlay::Overlay;
 use clap::Parser;
 use lab::options::{FrameArguments, RenderOptions};
 use lab::scene::Scene;
@@ -20,6 +21,9 @@ pub struct ViewArguments {
     /// Where the two halves meet, 0 at the left end to 1 at the right one
     #[arg(long, default_value_t = 0.5, value_name = "SHARE")]
     pub wipe: f32,
+    /// What is shown of both halves
+    #[arg(long, value_enum, default_value_t, value_name = "QUANTITY")]
+    pub show: Overlay,
 }
 
 /// The right half.
@@ -42,6 +46,8 @@ pub struct View {
     pub right: Against,
     /// Where they meet, 0 to 1.
     pub wipe: f32,
+    /// Quantity that is shown of both.
+    pub overlay: Overlay,
 }
 
 impl View {
@@ -50,7 +56,7 @@ impl View {
     /// # Errors
     /// [`Error::Config`], one line.
     pub fn new(given: ViewArguments) -> Result<Self> {
-        let ViewArguments { frame: FrameArguments { scene, options }, against, wipe } = given;
+        let ViewArguments { frame: FrameArguments { scene, options }, against, wipe, show: overlay } = given;
         options.settings()?;
         if !(0.0..=1.0).contains(&wipe) {
             return Err(Error::Config(format!("--wipe {wipe}: 0 to 1 are possible")));
@@ -70,7 +76,7 @@ impl View {
         if let Against::Method(options) = &right {
             options.settings()?;
         }
-        Ok(Self { scene, left: options, right, wipe })
+        Ok(Self { scene, left: options, right, wipe, overlay })
     }
 
     /// The view that shows most where none is asked for: bicycle by a shadow map and by facet masks.
@@ -79,7 +85,8 @@ impl View {
     /// As [`RenderOptions::of_method`].
     pub fn first() -> Result<Self> {
         let [left, right] = [MethodName::ShadowMap, MethodName::FacetMasks].map(RenderOptions::of_method);
-        Ok(Self { scene: Some("bicycle".to_owned()), left: left?, right: Against::Method(Box::new(right?)), wipe: 0.5 })
+        let (left, right) = (left?, Against::Method(Box::new(right?)));
+        Ok(Self { scene: Some("bicycle".to_owned()), left, right, wipe: 0.5, overlay: Overlay::Shaded })
     }
 
     /// The view of a command line; words before its arguments are passed over.
@@ -106,7 +113,11 @@ impl View {
             }
         };
         let against = shlex::try_quote(&against).unwrap_or_default().into_owned();
-        format!("{left} --against {against} --wipe {}", self.wipe)
+        let show = match self.overlay {
+            Overlay::Shaded => String::new(),
+            overlay => format!(" --show {}", overlay.name()),
+        };
+        format!("{left} --against {against} --wipe {}{show}", self.wipe)
     }
 }
 
@@ -118,7 +129,7 @@ mod tests {
     fn lines_read_back() {
         for line in [
             "plane",
-            "viewer spheres --method pcf --kernel 5 --against truth --wipe 0.25",
+            "viewer spheres --method pcf --kernel 5 --against truth --wipe 0.25 --show pairs",
             "cargo run --release -p subpixel-shadows-viewer -- plane --method spsm --against '--method remix --splits 2 --samples 8' --light 'point=1,7,0.5'",
         ] {
             let view = View::of_line(line).unwrap();
@@ -126,6 +137,7 @@ mod tests {
             let again = View::of_line(&view.line(&scene)).unwrap();
             assert_eq!(again.scene, view.scene);
             assert_eq!((again.wipe, again.left.method), (view.wipe, view.left.method));
+            assert_eq!((again.overlay, again.overlay != Overlay::Shaded), (view.overlay, line.contains("--show")));
             assert_eq!(again.left.settings().unwrap(), view.left.settings().unwrap());
             match (&again.right, &view.right) {
                 (Against::Truth, Against::Truth) => {}
@@ -142,6 +154,7 @@ mod tests {
         for (line, part) in [
             ("plane --wipe 2", "0 to 1"),
             ("plane --against 'truths'", "truths"),
+            ("plane --show nothing", "nothing"),
             ("plane --against '--samples 3'", "3"),
             ("plane --samples 7", "7"),
         ] {

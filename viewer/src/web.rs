@@ -34,14 +34,14 @@ pub fn take_dropped() -> Option<(String, Result<Vec<u8>, String>)> {
     DROPPED.take()
 }
 
-/// Offers a PNG file to be kept.
+/// Offers a file to be kept.
 ///
 /// # Errors
 /// One line, if the browser refuses.
-pub fn offer(name: &str, png: &[u8]) -> Result<(), String> {
+pub fn offer(name: &str, bytes: &[u8]) -> Result<(), String> {
     let offered = || -> Result<(), JsValue> {
         let document = web_sys::window().and_then(|w| w.document()).ok_or("no document")?;
-        let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(png));
+        let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(bytes));
         let url = Url::create_object_url_with_blob(&Blob::new_with_u8_array_sequence(&parts)?)?;
         let link: HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
         link.set_href(&url);

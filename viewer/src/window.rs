@@ -84,8 +84,11 @@ pub fn main() -> ExitCode {
 fn run(arguments: Arguments) -> Result<ExitCode> {
     let given = std::env::args().len() > 1;
     let bare = arguments.view.frame.scene.is_none() && arguments.view.against.is_none();
-    let view =
-        if given && !bare { View::new(arguments.view)? } else { View { wipe: arguments.view.wipe, ..View::first()? } };
+    let view = if given && !bare {
+        View::new(arguments.view)?
+    } else {
+        View { wipe: arguments.view.wipe, overlay: arguments.view.show, ..View::first()? }
+    };
     let (scene, note) = view.left.open(view.scene.as_deref())?;
     note.iter().for_each(|note| eprintln!("note: {note}"));
     let [width, height] = arguments.window.map(|side| side as f32);

@@ -12,7 +12,7 @@ use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use test_support::{Folder, gpu_test};
 use viewer::View;
-use viewer::picture::Overlay;
+use viewer::overlay::Overlay;
 use viewer::view::Against;
 
 /// Visibility by the library, bits, of what the window shows by the left half's settings or the right half's.
@@ -121,6 +121,58 @@ fn visibility_is_shown_pixel_by_pixel() {
     let wrong = ground.clone().filter(|p| colours[*p][0].abs_diff(wanted(visibility[*p])) > 1).count();
     let dark = ground.clone().filter(|p| visibility[*p] == 0).count();
     assert!(wrong == 0 && dark > 50, "{wrong} of {} pixels are wrong, {dark} dark", ground.len());
+}
+
+/// Classes and numbers have the colours of their legend, pixel by pixel; a half that has none is grey.
+#[gpu_test]
+fn counts_are_shown_pixel_by_pixel() {
+    let mut window = Window::new("bicycle --samples 8 --map 64 --against '--method spsm --samples 8 --map 64'");
+    window.settle();
+    let shaded = window.colours();
+    let mut pictures = Vec::new();
+    for (pressed, overlay) in [
+        (Key::Num4, Overlay::Classes),
+        (Key::Num5, Overlay::Facets),
+        (Key::Num6, Overlay::Texels),
+        (Key::Num7, Overlay::Pairs),
+    ] {
+        window.frame(vec![key(pressed, true)]);
+        window.frame(vec![key(pressed, false)]);
+        window.settle();
+        assert_eq!((window.viewer.view().overlay, window.viewer.complaint()), (overlay, None));
+        assert!(window.viewer.command_line().ends_with(&format!("--show {}", overlay.name())));
+        let (colours, counts, legend) = (window.colours(), [0, 1].map(|half| window.counts(half)), overlay.legend());
+        let which = overlay.counted().expect("a number") as usize;
+        // The powers of two that are less.
+        let step =
+            |n: u32| if which == 0 { n } else { (0..9).filter(|k| n > 1 << k).count() as u32 + u32::from(n > 0) };
+        let near = |colour: [u8; 4], wanted: [u8; 3]| (0..3).all(|k| colour[k].abs_diff(wanted[k]) <= 1);
+        let wrong = |shift: usize| {
+            let wrong = |pixel: &usize| {
+                let left = *pixel as u32 % WIDE < WIDE / 2;
+                let n = counts[usize::from(!left)][(pixel + shift) % colours.len()][which];
+                let colour = colours[*pixel];
+                match left || which == 0 {
+                    true => !near(colour, legend[step(n) as usize].1),
+                    false => colour[0].abs_diff(colour[1]).max(colour[1].abs_diff(colour[2])) > 60,
+                }
+            };
+            (0..colours.len()).filter(wrong).count()
+        };
+        assert_eq!(wrong(0), 0, "{overlay:?}");
+        assert!(wrong(WIDE as usize) > 200, "{overlay:?}");
+        let most = counts[0].iter().map(|c| c[which]).max().unwrap_or(0);
+        assert!(most >= 2, "{overlay:?}: {most}");
+        assert!(window.texts.iter().any(|text| text.contains(overlay.meaning())), "{:?}", window.texts);
+        assert_eq!(window.texts.iter().any(|text| text.contains("right: spsm, none")), which > 0);
+        pictures.push(colours);
+    }
+    assert!(pictures.windows(2).all(|two| differing(&two[0], &two[1]) > 1000));
+    window.frame(vec![key(Key::Num1, true)]);
+    window.frame(vec![key(Key::Num1, false)]);
+    window.settle();
+    assert_eq!(differing(&window.colours(), &shaded), 0);
+    assert!(window.viewer.counts(0).is_none(), "nothing is counted that is not shown");
 }
 
 /// A light that no pass takes is told of; the picture of before stays as it is, and the next light that it takes is shown.

@@ -75,6 +75,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("layers", &[&|s| s.moments.layers = 7]);
     vary("terms", &[&|s| s.moments.terms = 5]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
+    all.push(Settings { count_pixels: true, ..plain.clone() });
     // Holes add the same code whatever the number of samples.
     if plain.samples.count() != SAMPLES[SAMPLES.len() - 1] {
         return all;

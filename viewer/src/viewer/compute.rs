@@ -17,10 +17,18 @@ impl Viewer {
         if self.size_at.1 != size {
             self.size_at = (now, size);
         }
+        // What another overlay needs is made anew, but for what was traced.
+        let mut traced = None;
+        if self.full.as_ref().is_some_and(|level| level.counted != self.view.overlay.counted().is_some()) {
+            traced = self.full.take().and_then(|level| level.tracing);
+            self.forget_levels();
+        }
         let grown = self.full.as_ref().is_none_or(|level| level.picture.size != size);
         // A window that is being dragged is not followed step by step.
         if grown && (self.full.is_none() || now - self.size_at.0 > REST) {
-            self.full = Some(Level::new(&self.gpu, &self.scene, &self.view, size, context));
+            let mut full = Level::new(&self.gpu, &self.scene, &self.view, size, context);
+            full.keep_traced(traced);
+            self.full = Some(full);
             self.rough = None;
             self.of_rough = false;
         }
@@ -48,7 +56,7 @@ impl Viewer {
         new |= !self.of_rough && self.trace(context, now);
         let level = if self.of_rough { &self.rough } else { &self.full };
         let Some((level, shown)) = level.as_ref().and_then(|level| Some((level, level.shown?))) else { return };
-        let shot = Shot { camera: shown.camera, light: shown.light, wipe: self.view.wipe, overlay: self.overlay };
+        let shot = Shot { camera: shown.camera, light: shown.light, wipe: self.view.wipe, overlay: self.view.overlay };
         if !new && self.drawn == Some(shot) {
             return;
         }

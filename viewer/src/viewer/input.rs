@@ -3,6 +3,7 @@
 use super::{Drag, REACH, Viewer};
 use crate::control::{fly, orbit, pan, turn_light, zoom};
 use crate::level::Moment;
+use crate::overlay::Overlay;
 use egui::{Key, Pos2, Rect};
 use glam::Vec3;
 
@@ -70,6 +71,10 @@ impl Viewer {
         let pressed = |key| context.input(|input| input.key_pressed(key));
         if pressed(Key::R) {
             self.moment = self.home;
+        }
+        const NUMBERS: [Key; 7] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7];
+        if let Some((_, (overlay, _))) = NUMBERS.into_iter().zip(Overlay::ALL).find(|(key, _)| pressed(*key)) {
+            self.view.overlay = overlay;
         }
         if pressed(Key::Z) {
             self.magnified = if self.magnified.is_some() { None } else { Some(12.0) };

@@ -10,7 +10,8 @@ use crate::control::Extent;
 use crate::half::Gpu;
 use crate::job::Job;
 use crate::level::{Level, Moment};
-use crate::picture::{DrawnMesh, Overlay, Shader, Shot};
+use crate::overlay::Overlay;
+use crate::picture::{DrawnMesh, Shader, Shot};
 use crate::trouble::Trouble;
 use crate::view::View;
 use crate::{fonts, panel, read};
@@ -65,7 +66,6 @@ pub struct Viewer {
     of_rough: bool,
     texture: Option<TextureId>,
     drawn: Option<Shot>,
-    overlay: Overlay,
     magnified: Option<f32>,
     divisor: u32,
     moved_at: f64,
@@ -85,6 +85,8 @@ pub struct Viewer {
     path: String,
     image: Rect,
     shots: u32,
+    #[cfg(target_family = "wasm")]
+    files: u32,
 }
 
 impl Viewer {
@@ -112,7 +114,6 @@ impl Viewer {
             of_rough: false,
             texture: None,
             drawn: None,
-            overlay: Overlay::default(),
             magnified: None,
             divisor: 1,
             moved_at: f64::NEG_INFINITY,
@@ -132,6 +133,8 @@ impl Viewer {
             path: String::new(),
             image: Rect::NOTHING,
             shots: 0,
+            #[cfg(target_family = "wasm")]
+            files: 0,
         }
     }
 
@@ -202,6 +205,11 @@ impl Viewer {
         }
     }
 
+    /// Counts of a half of the whole resolution, where an overlay shows some.
+    pub fn counts(&self, half: usize) -> Option<&wgpu::Buffer> {
+        self.full.as_ref()?.halves.get(half)?.as_shown().counts
+    }
+
     /// [`Viewer::visibility`], read back with its width and height before it, row by row from the top.
     pub fn read_visibility(&self, half: usize) -> Option<impl Future<Output = Result<Vec<f32>, String>> + use<>> {
         let texture = self.visibility(half)?;
@@ -222,7 +230,7 @@ impl Viewer {
 
     /// Shows another quantity.
     pub fn set_overlay(&mut self, overlay: Overlay) {
-        self.overlay = overlay;
+        self.view.overlay = overlay;
     }
 
     /// Opens a built-in scene or a file beside the window; what is shown stays until it is there.

@@ -66,6 +66,7 @@ impl Viewer {
         };
         tag(pos2(rect.left() + 8.0, rect.top() + 8.0), egui::Align2::LEFT_TOP, name(&self.view.left));
         tag(pos2(rect.right() - 8.0, rect.top() + 8.0), egui::Align2::RIGHT_TOP, right);
+        self.draw_legend(&painter, rect);
         let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
         if let (Some(factor), Some(at), Some(texture)) = (self.magnified, pointer, self.texture) {
             let side = 240.0f32.min(rect.width()).min(rect.height());
@@ -79,6 +80,47 @@ impl Viewer {
             let seen = Rect::from_min_max((share - half).to_pos2(), (share + half).to_pos2());
             painter.image(texture, lens, seen, Color32::WHITE);
             painter.rect_stroke(lens, 2.0, line, egui::StrokeKind::Outside);
+        }
+    }
+
+    /// Height of the legend, points.
+    fn legend_height(&self) -> f32 {
+        if self.view.overlay.counted().is_some() { 56.0 } else { 0.0 }
+    }
+
+    /// Colours of an overlay of numbers with their words, and which half has none, along the lower end of the picture.
+    fn draw_legend(&self, painter: &egui::Painter, rect: Rect) {
+        let (overlay, legend) = (self.view.overlay, self.view.overlay.legend());
+        if legend.is_empty() {
+            return;
+        }
+        let width = ((rect.width() - 16.0) / legend.len() as f32).min(if legend.len() > 5 { 34.0 } else { 68.0 });
+        let at = rect.left_bottom() + vec2(8.0, -self.legend_height());
+        let mut text = overlay.meaning().to_owned();
+        let right = match &self.view.right {
+            Against::Method(options) => Some(options.method),
+            Against::Truth => None,
+        };
+        for (name, method) in [("left", Some(self.view.left.method)), ("right", right)] {
+            let has = method.is_some_and(|method| overlay.is_of(method));
+            if !has {
+                let method = method.map_or("rays", |method| method.name());
+                text += &format!("; {name}: {method}, none");
+            }
+        }
+        let all = egui::Rect::from_min_size(at, vec2(width * legend.len() as f32, self.legend_height() - 6.0));
+        let font = egui::FontId::proportional(12.0);
+        let title = painter.layout(text, font.clone(), Color32::WHITE, rect.width() - 16.0);
+        painter.rect_filled(
+            all.union(Rect::from_min_size(at, title.size())).expand(4.0),
+            3.0,
+            Color32::from_black_alpha(170),
+        );
+        painter.galley(at, title, Color32::WHITE);
+        for (k, (word, [r, g, b])) in legend.into_iter().enumerate() {
+            let cell = Rect::from_min_size(at + vec2(k as f32 * width, 18.0), vec2(width - 2.0, 14.0));
+            painter.rect_filled(cell, 0.0, Color32::from_rgb(r, g, b));
+            painter.text(cell.center_bottom(), egui::Align2::CENTER_TOP, word, font.clone(), Color32::WHITE);
         }
     }
 
@@ -110,7 +152,7 @@ impl Viewer {
         };
         let Some(text) = waits() else { return };
         let painter = ui.painter_at(rect);
-        let at = rect.center_bottom() - vec2(0.0, 14.0);
+        let at = rect.center_bottom() - vec2(0.0, 14.0 + self.legend_height());
         let galley = painter.layout(text, egui::FontId::proportional(14.0), Color32::WHITE, rect.width() * 0.8);
         let place = egui::Align2::CENTER_BOTTOM.anchor_size(at, galley.size());
         painter.rect_filled(place.expand(5.0), 4.0, Color32::from_black_alpha(170));

@@ -1,12 +1,13 @@
 //! Panels of the window: options, the line, help, messages.
 
 use super::Viewer;
+use crate::overlay::Overlay;
 use crate::panel;
-use crate::picture::Overlay;
 use crate::view::Against;
 use egui::{Key, Ui, vec2};
 use lab::options::RenderOptions;
 use lab::scene::{names, scene_file};
+#[cfg(not(target_family = "wasm"))]
 use std::path::PathBuf;
 use subpixel_shadows::methods::MethodName;
 
@@ -41,6 +42,13 @@ impl Viewer {
             let name = self.scene.name.clone();
             self.open(&name);
         }
+        ui.horizontal_wrapped(|ui| {
+            for (overlay, name) in Overlay::ALL {
+                let response = ui.selectable_value(&mut self.view.overlay, overlay, name);
+                panel::keep(&response, &["show", name]);
+                response.on_hover_text(overlay.meaning());
+            }
+        });
         let mut changed = false;
         ui.separator();
         ui.strong("left half");
@@ -52,11 +60,6 @@ impl Viewer {
             self.forget_levels();
         }
         ui.separator();
-        ui.horizontal_wrapped(|ui| {
-            for (overlay, name) in Overlay::ALL {
-                ui.selectable_value(&mut self.overlay, overlay, name);
-            }
-        });
         ui.horizontal(|ui| {
             ui.label("pixels");
             for divisor in [1, 2, 4] {
@@ -132,7 +135,9 @@ impl Viewer {
             if ui.button("copy").on_hover_text("the command line of this view").clicked() {
                 context.copy_text(self.command_line());
             }
-            if !cfg!(target_family = "wasm") && ui.button("save").on_hover_text("a scene file of this view").clicked() {
+            let save = ui.button("save").on_hover_text("a scene file of this view");
+            panel::keep(&save, &["save"]);
+            if save.clicked() {
                 self.save_scene();
             }
             let field = egui::TextEdit::singleline(&mut self.line).desired_width(f32::INFINITY);
@@ -148,6 +153,16 @@ impl Viewer {
         });
     }
 
+    /// Offers a scene file to be kept.
+    #[cfg(target_family = "wasm")]
+    pub(super) fn save_scene(&mut self) {
+        self.files += 1;
+        let text = scene_file(&self.scene_now());
+        self.message = crate::web::offer(&format!("view-{}.toml", self.files), text.as_bytes()).err();
+    }
+
+    /// Writes a scene file beside the model.
+    #[cfg(not(target_family = "wasm"))]
     pub(super) fn save_scene(&mut self) {
         let text = scene_file(&self.scene_now());
         let folder = PathBuf::from(&self.scene.name).parent().map(PathBuf::from).unwrap_or_default();
@@ -189,6 +204,7 @@ impl Viewer {
                     ("wheel, pinch", "nearer, farther"),
                     ("W A S D, Q E", "fly"),
                     ("arrows", "turn or move the light"),
+                    ("1 to 7", "shaded, visibility, difference, classes, facets, texels, pairs"),
                     ("Z", "lens"),
                     ("T", "turn by itself"),
                     ("R", "the scene's own camera and light"),

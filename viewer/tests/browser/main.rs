@@ -15,6 +15,7 @@ use subpixel_shadows::methods::{MethodName, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
 use test_support::Folder;
 use viewer::View;
+use viewer::overlay::Overlay;
 use viewer::view::Against;
 
 /// The window, points and pixels.
@@ -82,6 +83,32 @@ impl Page {
         let rect: Vec<f64> = rect.as_array().expect("a place").iter().filter_map(Value::as_f64).collect();
         assert_eq!(rect.len(), 4, "no {name}");
         [0, 1].map(|k| rect[k] + rect[k + 2] * share[k])
+    }
+
+    /// The canvas.
+    fn shot(&mut self) -> image::RgbaImage {
+        let url = self.0.value(
+            "new Promise(taken => requestAnimationFrame(() => requestAnimationFrame(() =>
+                taken(document.getElementById('canvas').toDataURL()))))",
+        );
+        let url = url.as_str().expect("an address").to_owned();
+        let bytes = self.0.value(&format!(
+            "fetch({}).then(file => file.arrayBuffer()).then(bytes => Array.from(new Uint8Array(bytes)))",
+            json!(url)
+        ));
+        let bytes = bytes.as_array().expect("bytes").iter().map(|b| b.as_u64().expect("a byte") as u8);
+        image::load_from_memory(&bytes.collect::<Vec<_>>()).expect("a PNG file").into_rgba8()
+    }
+
+    /// Presses a key and lets it go.
+    fn press(&mut self, key: &str, code: u32) {
+        for kind in ["keyDown", "keyUp"] {
+            let event =
+                json!({ "type": kind, "key": key, "code": format!("Digit{key}"), "windowsVirtualKeyCode": code });
+            self.0.call("Input.dispatchKeyEvent", event);
+            self.0.value("new Promise(seen => requestAnimationFrame(() => requestAnimationFrame(() => seen(true))))");
+        }
+        self.settle();
     }
 
     fn drag(&mut self, name: &str, from: [f64; 2], to: [f64; 2]) {
@@ -306,17 +333,7 @@ fn models_are_dropped() {
 fn a_screenshot_shows_the_picture() {
     let line = "spheres --method shadow-map --samples 8 --map 64 --against '--samples 8 --map 256'";
     let mut page = Page::open("screenshot", line);
-    let url = page.0.value(
-        "new Promise(taken => requestAnimationFrame(() => requestAnimationFrame(() =>
-            taken(document.getElementById('canvas').toDataURL()))))",
-    );
-    let url = url.as_str().expect("an address").to_owned();
-    let bytes = page.0.value(&format!(
-        "fetch({}).then(file => file.arrayBuffer()).then(bytes => Array.from(new Uint8Array(bytes)))",
-        json!(url)
-    ));
-    let bytes: Vec<u8> = bytes.as_array().expect("bytes").iter().map(|b| b.as_u64().expect("a byte") as u8).collect();
-    let shot = image::load_from_memory(&bytes).expect("a PNG file").into_rgba8();
+    let shot = page.shot();
     let (size, visibility) = page.visibility(0);
     let corner = page.place("picture", [0.0, 0.0]).map(|c| c.round() as u32);
     // Lit ground is brighter than dark ground, pixel by pixel, left of the wipe and away from edges.
@@ -336,6 +353,69 @@ fn a_screenshot_shows_the_picture() {
         }
     }
     assert!(right > 100 && wrong * 20 < right, "{right} right, {wrong} wrong");
+}
+
+/// Classes have their colours in the tab, where they are asked for in the address or by a key; a view is offered as a scene file.
+#[test]
+#[ignore = "in a browser: ./web.sh --test"]
+fn counts_are_shown() {
+    let mut page =
+        Page::open("counts", "spheres --samples 8 --map 64 --show classes --against '--samples 8 --map 256'");
+    assert!(page.line().contains("--show classes"), "{}", page.line());
+    let corner = page.place("picture", [0.0, 0.0]).map(|c| c.round() as u32);
+    let many = |shot: &image::RgbaImage, colour: [u8; 3]| {
+        let near = |p: &image::Rgba<u8>| (0..3).all(|k| p.0[k].abs_diff(colour[k]) <= 2);
+        shot.enumerate_pixels().filter(|(x, _, p)| *x > corner[0] && near(p)).count()
+    };
+    let classes = page.shot();
+    let colours = Overlay::Classes.legend();
+    let counts: Vec<_> = colours.iter().map(|(_, colour)| many(&classes, *colour)).collect();
+    println!("pixels of each class: {counts:?}");
+    assert!(counts[1] > 300 && counts[2] > 10_000 && counts[4] > 500, "{counts:?}");
+    page.press("7", 55);
+    assert!(page.line().contains("--show pairs"), "{}", page.line());
+    let pairs = page.shot();
+    let (none, some) = (many(&pairs, Overlay::Pairs.legend()[0].1), many(&pairs, Overlay::Pairs.legend()[3].1));
+    assert!(none > 10_000 && some > 20 && many(&pairs, colours[2].1) < 100, "{none} and {some} pixels");
+    let kept =
+        "globalThis.kept = null; URL.createObjectURL = blob => { globalThis.kept = blob; return 'data:,'; }; true";
+    page.0.value(kept);
+    let save = page.place("save", [0.5, 0.5]);
+    page.0.click(save);
+    let text = page.0.value("kept.text()");
+    let text = text.as_str().expect("a text");
+    assert!(text.starts_with("builtin = \"spheres\"") && text.contains("[camera]"), "{text}");
+    page.drop_file("view.toml", text);
+    assert_eq!((page.complaint(), page.line().starts_with("view.toml")), (None, true));
+}
+
+/// The first picture is there soon, and the page answers its user: no task of its one thread is long after the first picture, but those that
+/// compile.
+#[test]
+#[ignore = "in a browser: ./web.sh --test"]
+fn the_first_picture_comes_soon() {
+    LazyLock::force(&SITE);
+    let mut page = Page(Chromium::start("soon", SIZE));
+    let start = std::time::Instant::now();
+    page.0.open(&address(""));
+    page.0.until("the first picture", "document.documentElement.dataset.started == 'true' && viewer.settled()");
+    let first = start.elapsed().as_secs_f64();
+    println!("{first:.1} s to the first picture");
+    assert!(first < 30.0, "{first} s");
+    page.0.value(
+        "globalThis.tasks = []; new PerformanceObserver(list => tasks.push(...list.getEntries().map(e => e.duration)))
+            .observe({ type: 'longtask' }); true",
+    );
+    page.drag("picture", [0.7, 0.5], [0.8, 0.55]);
+    page.drag("picture", [0.5, 0.5], [0.3, 0.5]);
+    let tasks = page.0.value("tasks");
+    let tasks: Vec<f64> = tasks.as_array().expect("a list").iter().filter_map(Value::as_f64).collect();
+    println!("tasks of more than 50 ms while the camera is turned and the wipe is moved: {tasks:.0?} ms");
+    // A task of 200 ms is seen.
+    page.0
+        .value("setTimeout(() => { const end = performance.now() + 200; while (performance.now() < end); }, 0); true");
+    page.0.until("a long task is told", "tasks.some(ms => ms > 190)");
+    assert!(tasks.iter().all(|ms| *ms <= 100.0), "{tasks:?}");
 }
 
 /// Without WebGPU, and when the GPU is lost, the page says so.

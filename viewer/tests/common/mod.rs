@@ -145,6 +145,21 @@ impl Window {
         bytemuck::pod_collect_to_vec(&self.read(self.viewer.visibility(half).expect("a half")))
     }
 
+    /// Counts of a half's pixels.
+    pub fn counts(&self, half: usize) -> Vec<[u32; 4]> {
+        let counts = self.viewer.counts(half).expect("counts");
+        let (device, queue) = (&self.render.device, &self.render.queue);
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let descriptor = wgpu::BufferDescriptor { label: None, size: counts.size(), usage, mapped_at_creation: false };
+        let staging = device.create_buffer(&descriptor);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(counts, 0, &staging, 0, counts.size());
+        queue.submit([encoder.finish()]);
+        staging.map_async(wgpu::MapMode::Read, .., |_| {});
+        device.poll(wgpu::PollType::wait_indefinitely()).expect("polled");
+        bytemuck::pod_collect_to_vec(&staging.get_mapped_range(..).expect("mapped"))
+    }
+
     /// Width and height of the picture.
     pub fn picture(&self) -> [u32; 2] {
         let size = self.viewer.colours().expect("a picture").size();
