@@ -37,12 +37,16 @@ impl CasterSet {
         let slice = |label: &str, data: &[[u32; 2]]| Buffer::from_slice(device, queue, label, data);
         let whole = AlphaTested::default();
         let (casters, tested) = match *casters {
+            Casters::Prepared(prepared) => return Self::of_prepared(device, queue, prepared),
             Casters::AlphaTested { casters, tested } => (casters, tested),
             _ => (casters, &whole),
         };
         let (mut prepared, moves) = match *casters {
             Casters::AlphaTested { .. } => {
                 return Err(Error::Config("casters: alpha-tested ones among alpha-tested ones".to_owned()));
+            }
+            Casters::Prepared(_) => {
+                return Err(Error::Config("casters: prepared ones are alpha-tested as they were prepared".to_owned()));
             }
             Casters::Instanced { .. } if !tested.is_empty() => {
                 return Err(Error::Config(

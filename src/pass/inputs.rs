@@ -2,6 +2,7 @@
 
 use super::GBuffer;
 use super::textures::{ImagePart, check_sampled};
+use crate::methods::Prepared;
 use crate::scene::{AlphaTested, Camera, Light};
 use crate::stages::caster_positions::Vertices;
 use crate::stages::instance_positions::Transforms;
@@ -19,6 +20,9 @@ pub enum Casters<'a> {
         /// Vertex indices of each triangle.
         triangles: &'a [[u32; 3]],
     },
+    /// At rest, prepared already, with or without alpha: what several passes of one mesh share is found once. Triangles have the numbers of the
+    /// mesh that was prepared.
+    Prepared(&'a Prepared),
     /// In a vertex buffer that the application rewrites: each frame brings it as [`Moved`].
     Moving {
         /// One pose. Vertices at one point of it are taken as one and must stay at one point (each frame says whether they
@@ -49,6 +53,7 @@ impl Casters<'_> {
     pub fn are_tested(&self) -> bool {
         match self {
             Casters::Static { .. } | Casters::Moving { .. } => false,
+            Casters::Prepared(prepared) => !prepared.alpha().is_empty(),
             Casters::Instanced { meshes, .. } => meshes.iter().any(|m| m.alpha.is_some_and(|alpha| !alpha.is_empty())),
             Casters::AlphaTested { tested, .. } => !tested.is_empty(),
         }

@@ -110,3 +110,29 @@ fn instances_have_holes() {
     assert_eq!(apart(&got, &want), 0);
     assert!(apart(&got, &without) > 100);
 }
+
+/// Casters that are prepared already are the same ones, with their holes.
+#[gpu_test]
+fn prepared_casters_are_the_casters() {
+    let mut seen = Vec::new();
+    for name in ["leaves", "spheres"] {
+        let scene = scene(name);
+        let inputs = Inputs::new(&scene.camera, &scene.light);
+        let (whole, prepared) = (casters(&scene.mesh), scene.prepared().expect("a sound mesh"));
+        let given = Casters::AlphaTested { casters: &whole, tested: &scene.alpha };
+        let (want, _) = complete(&mut pass(settings(FacetMode::All), given), &inputs);
+        let ready = Casters::Prepared(&prepared);
+        assert_eq!(ready.are_tested(), name == "leaves");
+        assert_same(name, &complete(&mut pass(settings(FacetMode::All), ready), &inputs).0, &want);
+        let mut other = pass(Settings { alpha_tested: true, ..settings(FacetMode::All) }, whole);
+        let (without, _) = complete(&mut other, &inputs);
+        assert_eq!(without != want, name == "leaves", "{name} without its holes");
+        other.set_casters(&ready).expect("other casters");
+        assert_same(name, &complete(&mut other, &inputs).0, &want);
+        let twice = Casters::AlphaTested { casters: &ready, tested: &scene.alpha };
+        let refused = other.set_casters(&twice).expect_err("it is said twice").to_string();
+        assert!(refused.contains("prepared"), "{refused}");
+        seen.push(want);
+    }
+    assert!(seen[0] != seen[1]);
+}

@@ -3,11 +3,11 @@
 use crate::job::Job;
 use crate::picture::{Shown, counts, extent, visibility};
 use lab::options::RenderOptions;
-use lab::scene::{Camera, Light, Scene};
+use lab::scene::{Camera, Light};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use subpixel_shadows::gpu::KeptPrograms;
-use subpixel_shadows::methods::Settings;
+use subpixel_shadows::methods::{Prepared, Settings};
 use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
 use subpixel_shadows::scene::AreaLight;
 use subpixel_shadows::{Result, ShadowPass, wgpu};
@@ -67,7 +67,7 @@ impl Half {
     /// Begins to make a pass of the options' method for pictures of `size` pixels; `counted`: which counts their pixels.
     pub fn new(
         gpu: &Gpu,
-        scene: &Arc<Scene>,
+        prepared: &Arc<Prepared>,
         options: &RenderOptions,
         size: [u32; 2],
         counted: bool,
@@ -77,14 +77,12 @@ impl Half {
         let options = RenderOptions { size, ..options.clone() };
         let area = (options.light_radius, options.light_points);
         let compiled = Arc::new(Compiled::default());
-        let (of_gpu, scene, told) = (gpu.clone(), scene.clone(), compiled.clone());
+        let (of_gpu, prepared, told) = (gpu.clone(), prepared.clone(), compiled.clone());
         let made = Job::new(context, move || {
             let programs = of_gpu.programs.clone().telling(move |done, of| {
                 told.done.store(done, Ordering::Relaxed);
                 told.of.store(of, Ordering::Relaxed);
             });
-            let mesh = &scene.mesh;
-            let casters = Casters::Static { positions: &mesh.positions, triangles: &mesh.triangles };
             let settings = Settings { settle: !options.force_all, count_pixels: counted, ..options.settings()? };
             let config = PassConfig {
                 method: options.method,
@@ -92,7 +90,7 @@ impl Half {
                 timing: true,
                 prove: !options.force_all,
                 programs: Some(&programs),
-                ..PassConfig::new(settings, casters)
+                ..PassConfig::new(settings, Casters::Prepared(&prepared))
             };
             ShadowPass::new(&of_gpu.device, &of_gpu.queue, &config)
         });

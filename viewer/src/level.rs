@@ -6,10 +6,11 @@ use crate::picture::{DrawnMesh, Picture, Shader, Shot, Shown};
 use crate::truth::Tracing;
 use crate::view::{Against, View};
 use lab::options::RenderOptions;
-use lab::scene::{Camera, Light, Scene};
+use lab::scene::{Camera, Light};
 use oracle::truth::Tracer;
 use std::sync::Arc;
 use subpixel_shadows::Result;
+use subpixel_shadows::methods::Prepared;
 
 /// Camera and light of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,26 +40,26 @@ pub struct Level {
     /// What is shown needs counts of pixels.
     pub counted: bool,
     running: Option<(Moment, f64)>,
-    scene: Arc<Scene>,
+    prepared: Arc<Prepared>,
     left: RenderOptions,
 }
 
 impl Level {
     /// Begins to make the passes for pictures of `size` pixels.
-    pub fn new(gpu: &Gpu, scene: &Arc<Scene>, view: &View, size: [u32; 2], context: &egui::Context) -> Self {
+    pub fn new(gpu: &Gpu, prepared: &Arc<Prepared>, view: &View, size: [u32; 2], context: &egui::Context) -> Self {
         let half = |options: &RenderOptions| {
             let counted = view.overlay.counted().is_some() && Overlay::Classes.is_of(options.method);
             // Pictures show counts by one binding.
             let fits =
                 gpu.device.limits().max_storage_buffer_binding_size >= u64::from(size[0]) * u64::from(size[1]) * 16;
-            Half::new(gpu, scene, options, size, counted && fits, context)
+            Half::new(gpu, prepared, options, size, counted && fits, context)
         };
         let mut halves = vec![half(&view.left)];
         if let Against::Method(options) = &view.right {
             halves.push(half(options));
         }
         let picture = Picture::new(&gpu.device, size);
-        let (scene, left) = (scene.clone(), view.left.clone());
+        let (prepared, left) = (prepared.clone(), view.left.clone());
         Self {
             halves,
             picture,
@@ -69,7 +70,7 @@ impl Level {
             traced: None,
             counted: view.overlay.counted().is_some(),
             running: None,
-            scene,
+            prepared,
             left,
         }
     }
@@ -132,7 +133,7 @@ impl Level {
     pub fn trace(&mut self, gpu: &Gpu, tracer: &Arc<Tracer>, late: impl Fn() -> bool) -> Result<bool> {
         let Some(Moment { camera, light }) = self.shown else { return Ok(false) };
         let size = self.picture.size;
-        let points = self.left.points(&light, &self.scene.mesh)?;
+        let points = self.left.points(&light, self.prepared.mesh())?;
         if !self.tracing.as_ref().is_some_and(|tracing| tracing.is_of(&camera, &points, size)) {
             let tracing = Tracing::new((&gpu.device, &gpu.queue), tracer.clone(), (camera, points), size);
             self.tracing = Some(tracing);

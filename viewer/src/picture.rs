@@ -3,17 +3,21 @@
 use crate::overlay::Overlay;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
-use lab::scene::{Camera, Light, Mesh};
+use lab::scene::{Camera, Light};
 use subpixel_shadows::Result;
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::methods::prepared::CasterBuffers;
 use subpixel_shadows::pass::DepthTerms;
 use subpixel_shadows::stages::pixel_counts::PixelCounts;
 use subpixel_shadows::wgpu;
-use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
+
+/// The shaders; holes are where kernels have them.
+const TEXT: &str = concat!(include_str!("shade.wgsl"), include_str!("../../kernels/shared/alpha.wgsl"));
 
 /// Inputs of a picture beside the mesh and the two visibilities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,7 +122,10 @@ fn buffer_entry(
 impl Shader {
     /// Compiles it.
     pub fn new(device: &wgpu::Device) -> Self {
-        let module = device.create_shader_module(wgpu::include_wgsl!("shade.wgsl"));
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("viewer.shade"),
+            source: wgpu::ShaderSource::Wgsl(TEXT.into()),
+        });
         let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let read = wgpu::BufferBindingType::Storage { read_only: true };
@@ -127,7 +134,7 @@ impl Shader {
             entries: &[
                 buffer_entry(0, wgpu::BufferBindingType::Uniform, both),
                 buffer_entry(1, read, vertex),
-                buffer_entry(2, read, vertex),
+                buffer_entry(2, read, both),
             ],
         });
         let texture = |binding| wgpu::BindGroupLayoutEntry {
@@ -204,27 +211,26 @@ pub struct DrawnMesh {
 }
 
 impl DrawnMesh {
-    /// Uploads a mesh.
-    pub fn new(device: &wgpu::Device, shader: &Shader, mesh: &Mesh) -> Self {
-        // A binding is never empty.
-        fn content<T: Pod>(content: &[T]) -> &[u8] {
-            if content.is_empty() { &[0; 16] } else { bytemuck::cast_slice(content) }
-        }
-        let make = |label, contents, usage| {
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
-        };
-        let bytes = [0; size_of::<Uniform>()];
-        let uniform = make("viewer.view", &bytes, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
-        let positions = make("viewer.positions", content(&mesh.positions), BufferUsages::STORAGE);
-        let triangles = make("viewer.triangles", content(&mesh.triangles), BufferUsages::STORAGE);
-        let entries = [(0, &uniform), (1, &positions), (2, &triangles)]
+    /// Uploads a mesh, with the holes of its triangles.
+    ///
+    /// # Errors
+    /// As [`Prepared::upload`].
+    pub fn new((device, queue): (&wgpu::Device, &wgpu::Queue), shader: &Shader, prepared: &Prepared) -> Result<Self> {
+        let CasterBuffers { positions, triangles, .. } = prepared.upload(device, queue)?;
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("viewer.view"),
+            size: size_of::<Uniform>() as u64,
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let entries = [(0, &uniform), (1, positions.raw()), (2, triangles.raw())]
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
         let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("viewer.mesh"),
             layout: &shader.mesh,
             entries: &entries,
         });
-        Self { uniform, bindings, corners: 3 * mesh.triangles.len() as u32 }
+        Ok(Self { uniform, bindings, corners: 3 * prepared.mesh().triangles.len() as u32 })
     }
 }
 

@@ -21,8 +21,8 @@ const VISIBILITY = 1u;
 const DIFFERENCE = 2u;
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(0) @binding(1) var<storage, read> positions: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read> triangles: array<vec4<u32>>;  // w: 2 or more of one with holes, see alpha
 @group(1) @binding(0) var left_visibility: texture_2d<f32>;
 // Below 0: not known yet.
 @group(1) @binding(1) var right_visibility: texture_2d<f32>;
@@ -33,19 +33,19 @@ struct Corner {
     @builtin(position) clip: vec4<f32>,
     @location(0) place: vec3<f32>,
     @location(1) @interpolate(flat, either) normal: vec3<f32>,
-}
-
-fn corner(i: u32) -> vec3<f32> {
-    let v = 3u * triangles[i];
-    return vec3(positions[v], positions[v + 1u], positions[v + 2u]);
+    @location(2) shares: vec2<f32>,
+    @location(3) @interpolate(flat, either) holes: u32,
 }
 
 @vertex
 fn draw(@builtin(vertex_index) i: u32) -> Corner {
-    let first = i / 3u * 3u;
-    let a = corner(first);
-    let place = corner(i);
-    return Corner(view.clip * vec4(place, 1.0), place, cross(corner(first + 1u) - a, corner(first + 2u) - a));
+    let given = triangles[i / 3u];
+    let k = i % 3u;
+    let a = positions[given.x].xyz;
+    let normal = cross(positions[given.y].xyz - a, positions[given.z].xyz - a);
+    let place = positions[given[k]].xyz;
+    let shares = select(vec2(0.0), vec2(1.0), vec2(k == 1u, k == 2u));
+    return Corner(view.clip * vec4(place, 1.0), place, normal, shares, given.w);
 }
 
 // Tells halves apart: their visibility, and by how much it differs.
@@ -68,8 +68,33 @@ fn spot(to_light: vec3<f32>) -> f32 {
     return t * t * (3.0 - 2.0 * t);
 }
 
+// Places of the samples of a pixel, from its centre.
+const SAMPLES = array(vec2(-0.125, -0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125), vec2(0.125, 0.375));
+
+// Samples of a pixel at which the triangle is there.
+fn solid(holes: u32, shares: vec2<f32>, right: vec2<f32>, down: vec2<f32>) -> u32 {
+    if holes < 2u { return 15u; }
+    var samples = SAMPLES;
+    var mask = 0u;
+    for (var k = 0u; k < 4u; k++) {
+        let at = shares + samples[k].x * right + samples[k].y * down;
+        mask |= select(0u, 1u << k, is_solid_by(holes, at));
+    }
+    return mask;
+}
+
+struct Painted {
+    @location(0) colour: vec4<f32>,
+    @builtin(sample_mask) samples: u32,
+}
+
 @fragment
-fn shade(at: Corner) -> @location(0) vec4<f32> {
+fn shade(at: Corner) -> Painted {
+    let samples = solid(at.holes, at.shares, dpdx(at.shares), dpdy(at.shares));
+    return Painted(colour_of(at), samples);
+}
+
+fn colour_of(at: Corner) -> vec4<f32> {
     let seen = halves(at.clip.xy);
     if view.overlay == VISIBILITY {
         return vec4(vec3(seen.shown * seen.shown), 1.0);

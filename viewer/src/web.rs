@@ -142,7 +142,7 @@ pub async fn start(canvas: HtmlCanvasElement, line: String, told: js_sys::Functi
     let create = move |created: &eframe::CreationContext<'_>| {
         let render = created.wgpu_render_state.as_ref().ok_or("no device")?;
         LISTENER.set(Some(told));
-        Ok(Box::new(Viewer::new(&created.egui_ctx, render, view, scene)) as Box<dyn eframe::App>)
+        Ok(Box::new(Viewer::new(&created.egui_ctx, render, view, scene)?) as Box<dyn eframe::App>)
     };
     let runner = eframe::WebRunner::new();
     runner.start(canvas, options, Box::new(create)).await?;

@@ -110,7 +110,7 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
         options,
         Box::new(move |created| {
             let render = created.wgpu_render_state.as_ref().ok_or("no device")?;
-            let viewer = Viewer::new(&created.egui_ctx, render, view, scene);
+            let viewer = Viewer::new(&created.egui_ctx, render, view, scene)?;
             Ok(match file {
                 Some(file) => Box::new(Once { viewer, file, asked: false, outcome: told }),
                 None => Box::new(Lasting { viewer, lost: of_window }),

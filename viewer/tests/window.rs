@@ -68,6 +68,40 @@ fn halves_are_the_methods() {
     assert!(differing(&seen[0].0[1], &seen[1].0[1]) > 1000 && differing(&seen[1].0[1], &seen[2].0[1]) > 500);
 }
 
+/// Triangles with holes cast and show them: as the library has them, and as traced truth.
+#[gpu_test]
+fn holes_are_shown() {
+    let mut window =
+        Window::new("leaves --samples 8 --map 128 --wipe 1 --against '--method pcf --samples 8 --map 128'");
+    window.settle();
+    assert_eq!(window.viewer.complaint(), None);
+    assert_eq!(differing(&window.visibility(0), &by_library(&window, 0)), 0);
+    window.viewer.set_overlay(Overlay::Visibility);
+    window.settle();
+    let (colours, seen) = (window.colours(), window.visibility(0));
+    // Where the library sees no shadow and no leaf stands before the sky, the picture is the sky's.
+    let scene = window.viewer.scene_now();
+    let tracer = Tracer::with_alpha(&scene.mesh, &scene.alpha).unwrap();
+    let whole = Tracer::new(&scene.mesh).unwrap();
+    let [width, height] = window.picture();
+    let samples = Samples::new(Pattern::LowDiscrepancy, 1).unwrap();
+    let hits = |tracer: &Tracer| {
+        let truth = SceneTruth::new(tracer, &scene.camera, &scene.light, &samples, width, height).unwrap();
+        truth.image(None).centre_hits()
+    };
+    let (with, without) = (hits(&tracer), hits(&whole));
+    let through: Vec<usize> = (0..colours.len()).filter(|&p| without[p] && !with[p]).collect();
+    assert!(through.len() > 100, "{} pixels show the sky through a hole", through.len());
+    // Surfaces are grey here, the sky is blue.
+    let is_sky = |p: &&usize| colours[**p][2] > colours[**p][0].saturating_add(8);
+    let sky = through.iter().filter(is_sky).count();
+    assert!(sky * 10 > through.len() * 7, "{sky} of {}", through.len());
+    let surfaces: Vec<usize> = (0..colours.len()).filter(|&p| with[p]).collect();
+    let wrong = surfaces.iter().filter(is_sky).count();
+    assert!(wrong * 20 < surfaces.len(), "{wrong} of {}", surfaces.len());
+    assert!(seen.contains(&0) && seen.contains(&1.0f32.to_bits()));
+}
+
 /// Pixels left of the wipe are of the left half, the others of the right one.
 #[gpu_test]
 fn the_wipe_parts_the_picture() {

@@ -26,7 +26,7 @@ impl Viewer {
         let grown = self.full.as_ref().is_none_or(|level| level.picture.size != size);
         // A window that is being dragged is not followed step by step.
         if grown && (self.full.is_none() || now - self.size_at.0 > REST) {
-            let mut full = Level::new(&self.gpu, &self.scene, &self.view, size, context);
+            let mut full = Level::new(&self.gpu, &self.prepared, &self.view, size, context);
             full.keep_traced(traced);
             self.full = Some(full);
             self.rough = None;
@@ -38,7 +38,7 @@ impl Viewer {
         if moves && self.rough.is_none() {
             let factor = (seconds / SLOW).sqrt().ceil().min(6.0) as u32;
             let less = full.picture.size.map(|side| (side / factor).max(8));
-            self.rough = Some(Level::new(&self.gpu, &self.scene, &self.view, less, context));
+            self.rough = Some(Level::new(&self.gpu, &self.prepared, &self.view, less, context));
         }
         let level = match &mut self.rough {
             Some(rough) if moves => rough,

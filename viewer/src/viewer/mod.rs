@@ -19,11 +19,11 @@ use egui::{Color32, Rect, TextureId, Ui};
 use egui_wgpu::RenderState;
 use lab::scene::{Light, Scene, SceneOptions};
 use oracle::truth::Tracer;
-use plans::PlannedScene;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 use subpixel_shadows::gpu::KeptPrograms;
+use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::wgpu;
 
 /// Seconds without a move after which the whole resolution is computed.
@@ -38,6 +38,14 @@ const NARROW: f32 = 600.0;
 const HISTORY: usize = 60;
 
 type Opened = subpixel_shadows::Result<(Scene, Option<String>)>;
+type Ready = subpixel_shadows::Result<(Scene, Prepared, Option<String>)>;
+
+/// A scene with its mesh as passes take it.
+fn ready(opened: Opened) -> Ready {
+    let (scene, note) = opened?;
+    let prepared = scene.prepared()?;
+    Ok((scene, prepared, note))
+}
 
 /// Target of a drag that has begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +65,7 @@ pub struct Viewer {
     shader: Shader,
     view: View,
     scene: Arc<Scene>,
+    prepared: Arc<Prepared>,
     home: Moment,
     extent: Extent,
     mesh: DrawnMesh,
@@ -73,10 +82,9 @@ pub struct Viewer {
     turns: bool,
     light_turns: bool,
     drag: Option<Drag>,
-    opening: Option<(String, Job<Opened>)>,
+    opening: Option<(String, Job<Ready>)>,
     tracer: Option<Arc<Tracer>>,
     tracing: Option<Job<subpixel_shadows::Result<Arc<Tracer>>>>,
-    planned: PlannedScene,
     history: VecDeque<f64>,
     message: Option<String>,
     panel: Option<bool>,
@@ -91,13 +99,22 @@ pub struct Viewer {
 
 impl Viewer {
     /// A viewer of `view`, whose scene is opened already, in a window that has drawn nothing yet.
-    pub fn new(context: &egui::Context, render: &RenderState, view: View, scene: Scene) -> Self {
+    ///
+    /// # Errors
+    /// For a mesh that cannot be prepared or uploaded.
+    pub fn new(
+        context: &egui::Context,
+        render: &RenderState,
+        view: View,
+        scene: Scene,
+    ) -> subpixel_shadows::Result<Self> {
+        let prepared = Arc::new(scene.prepared()?);
         context.set_fonts(fonts());
         let gpu = Gpu { device: render.device.clone(), queue: render.queue.clone(), programs: KeptPrograms::default() };
         let shader = Shader::new(&gpu.device);
-        let mesh = DrawnMesh::new(&gpu.device, &shader, &scene.mesh);
+        let mesh = DrawnMesh::new((&gpu.device, &gpu.queue), &shader, &prepared)?;
         let home = Moment { camera: scene.camera, light: scene.light };
-        Self {
+        Ok(Self {
             context: context.clone(),
             trouble: Trouble::of(&gpu.device, context),
             extent: Extent::of(&scene.mesh),
@@ -106,6 +123,7 @@ impl Viewer {
             shader,
             view,
             scene: Arc::new(scene),
+            prepared,
             home,
             mesh,
             moment: home,
@@ -124,7 +142,6 @@ impl Viewer {
             opening: None,
             tracer: None,
             tracing: None,
-            planned: PlannedScene::default(),
             history: VecDeque::new(),
             message: None,
             panel: None,
@@ -135,7 +152,7 @@ impl Viewer {
             shots: 0,
             #[cfg(target_family = "wasm")]
             files: 0,
-        }
+        })
     }
 
     /// Whether nothing is computed, and the picture is of what is looked at, or there is none.
@@ -246,7 +263,7 @@ impl Viewer {
     fn begin(&mut self, name: &str, open: impl FnOnce(&str, &SceneOptions) -> Opened + Send + 'static) {
         let options = SceneOptions { ground: self.view.left.ground, ..SceneOptions::default() };
         let spec = name.to_owned();
-        self.opening = Some((name.to_owned(), Job::new(&self.context, move || open(&spec, &options))));
+        self.opening = Some((name.to_owned(), Job::new(&self.context, move || ready(open(&spec, &options)))));
         self.message = None;
     }
 
@@ -260,7 +277,7 @@ impl Viewer {
         let spec = view.scene.clone().unwrap_or_else(|| "windmill".to_owned());
         self.view = view;
         let name = spec.clone();
-        self.opening = Some((name, Job::new(&self.context, move || Scene::open_and_note(&spec, &options))));
+        self.opening = Some((name, Job::new(&self.context, move || ready(Scene::open_and_note(&spec, &options)))));
         self.message = None;
         self.forget_levels();
         Ok(())
@@ -269,17 +286,20 @@ impl Viewer {
     fn take_opened(&mut self) {
         let Some((name, job)) = &self.opening else { return };
         let Some(opened) = job.take() else { return };
+        let gpu = (&self.gpu.device, &self.gpu.queue);
+        let drawn = |prepared: &Prepared| DrawnMesh::new(gpu, &self.shader, prepared);
+        let opened = opened.and_then(|(scene, prepared, note)| Ok((drawn(&prepared)?, scene, prepared, note)));
         match opened {
-            Ok((scene, note)) => {
+            Ok((drawn, scene, prepared, note)) => {
                 self.view.scene = Some(name.clone());
                 self.home = Moment { camera: scene.camera, light: scene.light };
                 self.moment = self.home;
                 self.extent = Extent::of(&scene.mesh);
-                self.mesh = DrawnMesh::new(&self.gpu.device, &self.shader, &scene.mesh);
+                self.mesh = drawn;
+                self.prepared = Arc::new(prepared);
                 self.scene = Arc::new(scene);
                 self.tracer = None;
                 self.tracing = None;
-                self.planned = PlannedScene::default();
                 self.message = note;
                 self.forget_levels();
             }

@@ -57,7 +57,7 @@ impl Window {
         let view = View::of_line(line).expect(line);
         let (scene, _) = view.left.open(view.scene.as_deref()).expect(line);
         let context = egui::Context::default();
-        let viewer = Viewer::new(&context, &render, view, scene);
+        let viewer = Viewer::new(&context, &render, view, scene).expect(line);
         let size = [WIDE as f32, 160.0];
         let mut window = Self { context, render, viewer, size, start: Instant::now(), texts: Vec::new() };
         window.frame(vec![key(egui::Key::H, true), key(egui::Key::H, false)]);
