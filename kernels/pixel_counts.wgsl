@@ -1,6 +1,6 @@
 // pixel_counts: the work of each pixel in numbers, to be looked at.
-// `count_pairs` reads a band's pixel-texel pairs and `count_candidates` its candidates; they add to `counts` at
-// the facet's pixel, what was there stays. `count_facets` reads the facets of each pixel and `count_classes`
+// `count_pairs` reads a band's pixel-texel pairs and `count_candidates` its candidates; they add to `counts`
+// at the facet's pixel, what was there stays. `count_facets` reads the facets of each pixel, `count_classes`
 // the classes that a method keeps behind as many other words; both write the first two words of `counts`, of
 // the most demanding facet the class.
 

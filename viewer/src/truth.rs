@@ -9,7 +9,7 @@ use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::{Result, wgpu};
 
 /// Pixels that are traced before the clock is looked at: a page has one thread, and must stay alive.
-const RUN: u32 = 32;
+const RUN: u32 = if cfg!(target_family = "wasm") { 2 } else { 32 };
 
 /// Visibility by 1024 rays a pixel to each point of the light, from the top.
 pub struct Tracing {

@@ -1,12 +1,11 @@
 //! Both resolutions: frames that run, and pictures that are drawn of them.
 
-use super::{HISTORY, REST, SLOW, Viewer};
+use super::{DRAWN, HISTORY, REST, SLICE, SLOW, Viewer};
 use crate::job::Job;
 use crate::level::Level;
 use crate::picture::Shot;
 use crate::truth;
 use crate::view::Against;
-use std::time::Duration;
 use subpixel_shadows::wgpu;
 
 impl Viewer {
@@ -53,7 +52,12 @@ impl Viewer {
                 self.history.pop_front();
             }
         }
-        new |= !self.of_rough && self.trace(context, now);
+        self.untold |= !self.of_rough && self.trace(context, now);
+        // Drawing takes time from tracing.
+        let whole = self.full.as_ref().and_then(|level| level.tracing.as_ref()).is_some_and(|t| t.share() == 1.0);
+        if self.untold && (whole || now - self.told_at > DRAWN) {
+            (self.untold, self.told_at, new) = (false, now, true);
+        }
         let level = if self.of_rough { &self.rough } else { &self.full };
         let Some((level, shown)) = level.as_ref().and_then(|level| Some((level, level.shown?))) else { return };
         let shot = Shot { camera: shown.camera, light: shown.light, wipe: self.view.wipe, overlay: self.view.overlay };
@@ -95,7 +99,7 @@ impl Viewer {
             return false;
         };
         let start = web_time::Instant::now();
-        let traced = full.trace(&self.gpu, tracer, || start.elapsed() > Duration::from_millis(40));
+        let traced = full.trace(&self.gpu, tracer, || start.elapsed() > SLICE);
         traced.unwrap_or_else(|error| {
             self.message = Some(error.to_string());
             false

@@ -30,6 +30,10 @@ use subpixel_shadows::wgpu;
 const REST: f64 = 0.25;
 /// Seconds of a frame above which moves are shown at less resolution.
 const SLOW: f64 = 0.1;
+/// Longest that rays are traced between two frames of the window.
+const SLICE: Duration = Duration::from_millis(if cfg!(target_family = "wasm") { 25 } else { 40 });
+/// Seconds after which traced pixels are drawn.
+const DRAWN: f64 = 0.2;
 /// Pixels on either side of the wipe that drag it.
 const REACH: f32 = 8.0;
 /// Width of a window, points, below which the panel is opened by hand.
@@ -75,6 +79,8 @@ pub struct Viewer {
     of_rough: bool,
     texture: Option<TextureId>,
     drawn: Option<Shot>,
+    untold: bool,
+    told_at: f64,
     magnified: Option<f32>,
     divisor: u32,
     moved_at: f64,
@@ -132,6 +138,8 @@ impl Viewer {
             of_rough: false,
             texture: None,
             drawn: None,
+            untold: false,
+            told_at: f64::NEG_INFINITY,
             magnified: None,
             divisor: 1,
             moved_at: f64::NEG_INFINITY,
