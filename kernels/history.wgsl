@@ -29,7 +29,7 @@ const TOLERANCE = 0.01;      // share of its view depth by which a surface may b
 @group(0) @binding(2) var<uniform> before: FrameBefore;
 @group(0) @binding(3) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(4) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(5) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(5) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> past: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> visibility: array<f32>;

@@ -8,7 +8,9 @@
 // which not all is in shadow, it takes where they are solid at a centre; for two layers they are none. Writes
 // `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit
 // a texel, rows padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
-// Without MARKS they are for shadow maps: `raster_nearest` keeps no depth twice.
+// Without MARKS they are for shadow maps: `raster_nearest` keeps no depth twice, or with NEAREST_TRIANGLE the
+// complement of the triangle of the nearest depth in `second_keys`. That takes two runs, those keys 0 before
+// each: in the second all depths are known.
 //@bindings Blocks: raster, raster_nearest
 
 //@import frame dispatch rect work_items front_split span block_bits facing undivided alpha
@@ -29,6 +31,7 @@ const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge 
 //@import frame_copy
 
 override LAYERS: u32 = 2u;  // 1: the nearest alone
+const NEAREST_TRIANGLE = 3u; // LAYERS: the nearest and its triangle, the lowest of several
 override MARKS: u32 = 1u;   // 0: no marks, alpha-tested casters where they are solid, equal depths once
 
 fn mark(x: u32, y: u32) {
@@ -55,8 +58,8 @@ fn is_hole(given: vec4<u32>, at: vec2<f32>) -> bool {
 }
 
 // Puts the depths of a triangle into the texels of a block; `guarded`: texels by which its edges may be off;
-// `given`: the whole triangle, of which it may be a part.
-fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, given: vec4<u32>) {
+// `given`: the whole triangle `t`, of which it may be a part.
+fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, given: vec4<u32>, t: u32) {
     let ab = b.xy - a.xy;
     let bc = c.xy - b.xy;
     let ac = c.xy - a.xy;
@@ -100,6 +103,10 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, gi
             other = atomicMax(&nearest_keys[texel], key);
             beaten = min(other, key);
         }
+        if LAYERS == NEAREST_TRIANGLE {
+            if other <= key { atomicMax(&second_keys[texel], ~t); }
+            continue;
+        }
         // Of marked layers the same depth twice is a tie that front_layer must see; else it is one surface.
         if LAYERS == 1u || (MARKS == 0u && other == key) { continue; }
         if atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
@@ -109,6 +116,7 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, gi
 // A block of a caster; none: `some` is false.
 struct Task {
     some: bool,
+    t: u32,
     given: vec4<u32>,
     block: Rect,
     a: vec4<f32>,
@@ -128,7 +136,7 @@ fn task_of(item: u32) -> Task {
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
     let block = block_of(light_rects[t], item - work_offsets[t]);
-    return Task(true, given, block, map_points[i.x], map_points[i.y], map_points[i.z]);
+    return Task(true, t, given, block, map_points[i.x], map_points[i.y], map_points[i.z]);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -141,7 +149,7 @@ fn raster(
     let task = task_of(flat_invocation(group, groups, WORKGROUP, local));
     // Of one that is not wholly in front front_layer marks every texel.
     if !task.some || min(task.a.w, min(task.b.w, task.c.w)) <= 0.0 { return; }
-    cover(task.a, task.b, task.c, task.block, CENTRE_GUARD, task.given);
+    cover(task.a, task.b, task.c, task.block, CENTRE_GUARD, task.given, task.t);
 }
 
 // Where the edge from a point in front to one that is not comes to the nearest distance.
@@ -207,7 +215,7 @@ fn raster_nearest(
         guarded = max(CENTRE_GUARD, 4e-7 * extent);
     }
     for (var k = 0u; k < parts; k++) {
-        cover(middle, side_a, side_b, task.block, guarded, task.given);
+        cover(middle, side_a, side_b, task.block, guarded, task.given, task.t);
         side_a = side_b;
         side_b = last;
     }

@@ -14,7 +14,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(2) var<uniform> step: Pass;
 @group(0) @binding(3) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(4) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(5) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(5) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> view_of: array<u32>;
 @group(0) @binding(8) var<storage, read_write> view_keys: array<u32>;

@@ -20,7 +20,7 @@ const SLACK = 0.02;           // texels
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;   // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
 // As many as pixels, then how many there are
 @group(0) @binding(5) var<storage, read> kept: array<u32>;

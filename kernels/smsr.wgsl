@@ -26,7 +26,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
 @group(0) @binding(2) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(3) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> nearest_keys: array<u32>;
 @group(0) @binding(6) var<storage, read_write> visibility: array<f32>;

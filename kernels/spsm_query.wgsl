@@ -32,7 +32,7 @@ const WORKGROUP = 64u;
 // Directions towards the light, their number, kept, covered
 @group(0) @binding(3) var<uniform> patterns: array<vec4<u32>, 512>;
 @group(0) @binding(4) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(5) var<storage, read> triangles: array<vec3<u32>>;
+@group(0) @binding(5) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> upper_records: array<vec4<u32>>;
 @group(0) @binding(8) var<storage, read> lower_records: array<vec4<u32>>;

@@ -298,10 +298,11 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 12] = [
+const WITHOUT_A_LIST: [&str; 13] = [
     "compared_depths",
     "front_layer",
     "history",
+    "kept_triangles",
     "light_layers",
     "map_moments",
     "moment_shadows",

@@ -40,6 +40,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
     let compared = [(MethodName::ShadowMap, 1), (MethodName::Pcf, 8), (MethodName::Smsr, 32)]
         .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
     let fitted = [
+        (MethodName::Reconstructable, 8),
         (MethodName::Variance, 1),
         (MethodName::LayeredVariance, 8),
         (MethodName::Convolution, 1),

@@ -23,6 +23,7 @@ mod gbuffer_triangles;
 mod harness;
 mod history;
 mod instance_positions;
+mod kept_triangles;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;
@@ -92,6 +93,7 @@ fn run(options: &Options) -> Result<()> {
         triangle_setup::cases,
         camera_visibility::cases,
         light_layers::cases,
+        kept_triangles::cases,
         shadow_map::cases,
         smsr::cases,
         map_moments::cases,

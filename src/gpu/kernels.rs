@@ -499,6 +499,42 @@ pub mod instance_positions {
     }
 }
 
+/// `kernels/kept_triangles.wgsl`.
+pub mod kept_triangles {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/alpha", "kept_triangles",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
+    }
+    overrides! {
+        alpha: u32 = 0, "ALPHA",
+        lookups: u32 = 5, "LOOKUPS",
+        bias: f32 = 1e-5, "BIAS",
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "kept_triangles", "look_up", [64, 1, 1], SOURCE, Constants => LookUp, LookUpProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 triangle_keys: Read<'a, u32>,
+        6 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        LookUp,
+    }
+}
+
 /// `kernels/light_layers.wgsl`.
 pub mod light_layers {
     use crate::entry_point;
@@ -515,6 +551,7 @@ pub mod light_layers {
         FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
         NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0,
         BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
+        NEAREST_TRIANGLE = 3,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -2458,6 +2495,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("gbuffer_triangles", gbuffer_triangles::SOURCE, gbuffer_triangles::ENTRIES),
     ("history", history::SOURCE, history::ENTRIES),
     ("instance_positions", instance_positions::SOURCE, instance_positions::ENTRIES),
+    ("kept_triangles", kept_triangles::SOURCE, kept_triangles::ENTRIES),
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
     ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),

@@ -116,6 +116,13 @@ impl DebugViews {
         Ok(Self { classes, map: Some(map) })
     }
 
+    /// Of a map whose second keys are complements of triangles.
+    pub(super) fn of_triangles(gpu: &Gpu, map: &Layers) -> Result<Self> {
+        // The complement of none is none.
+        let triangles = map.second_keys.read(gpu)?.into_iter().map(|key| !key).collect();
+        Ok(Self { classes: Vec::new(), map: Some(DebugMap { triangles, ..DebugMap::nearest(gpu, map)? }) })
+    }
+
     pub(super) fn of_shadow_map(gpu: &Gpu, method: &ShadowMapping) -> Result<Self> {
         Ok(Self { classes: Vec::new(), map: Some(DebugMap::nearest(gpu, method.map())?) })
     }

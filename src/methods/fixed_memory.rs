@@ -10,6 +10,7 @@ use super::names::{MethodName, TexelQuery};
 use super::output::Counts;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
+use super::reconstructable::Reconstructable;
 use super::settings::Settings;
 use super::shadow_map::ShadowMapping;
 use super::spsm::Spsm;
@@ -228,6 +229,7 @@ impl FixedMemory {
                 return Err(Error::Config(text));
             }
             TexelQuery::Triangles => Box::new(Spsm::new(parts)?),
+            TexelQuery::Centres => Box::new(Reconstructable::new(parts)?),
             TexelQuery::Map(query) => Box::new(ShadowMapping::new(parts, query)?),
             TexelQuery::Rays => Box::new(RayTraced::new(parts)?),
             TexelQuery::Samples => Box::new(Supersampled::new(parts)?),

@@ -19,6 +19,8 @@ pub mod output;
 pub mod prepared;
 #[cfg(feature = "baselines")]
 pub mod ray_traced;
+#[cfg(feature = "baselines")]
+pub mod reconstructable;
 pub mod settings;
 #[cfg(feature = "baselines")]
 pub mod shadow_map;
@@ -28,6 +30,7 @@ pub mod strip_method;
 pub mod strips;
 #[cfg(feature = "baselines")]
 pub mod supersampled;
+pub mod texel_settings;
 
 pub use crate::pixel_filter::PixelFilter;
 #[cfg(feature = "baselines")]
@@ -37,6 +40,6 @@ pub use history::HistorySettings;
 pub use names::{METHOD_OPTIONS, METHODS, MapQuery, MethodName, MethodRow, TexelQuery};
 pub use prepared::Prepared;
 pub use settings::{
-    FacetMode, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, Settings, ShadowMapSettings,
-    SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    FacetMode, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings,
+    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };

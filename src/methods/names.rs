@@ -11,6 +11,8 @@ pub enum MethodName {
     FacetMasks,
     /// `spsm`: Lecocq 2013.
     Spsm,
+    /// `reconstructable`: Dai, Yang, Feng 2008.
+    Reconstructable,
     /// `shadow-map`: Williams 1978.
     ShadowMap,
     /// `pcf`: Reeves, Salesin, Cook 1987.
@@ -52,6 +54,8 @@ pub enum TexelQuery {
     Facets,
     /// Borders of the closest triangles around.
     Triangles,
+    /// The triangles that are nearest at the centres of the texels around.
+    Centres,
     /// Nearest depths.
     Map(MapQuery),
     /// No texels: rays.
@@ -117,7 +121,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 29] = [
+pub const METHOD_OPTIONS: [&str; 30] = [
     "facets",
     "validity",
     "masks",
@@ -130,6 +134,7 @@ pub const METHOD_OPTIONS: [&str; 29] = [
     "search",
     "recovery",
     "slope-power",
+    "lookups",
     "rays",
     "kernel",
     "compare",
@@ -149,8 +154,11 @@ pub const METHOD_OPTIONS: [&str; 29] = [
     "looks",
 ];
 
+/// Where texels lie of most methods.
+const VIEWS: &str = "over casters and receivers; slices, warps; a cube";
+
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 18] = [
+pub const METHODS: [MethodRow; 19] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -184,21 +192,31 @@ pub const METHODS: [MethodRow; 18] = [
         name: "spsm",
         paper: "Lecocq, Marvie, Sourimant, Gautron 2013: Sub-Pixel Shadow Mapping",
         section: "3 and 4",
-        parts: [
-            "over casters and receivers; slices, warps; a cube",
-            "closest triangle, 128 bits",
-            "reconstruct borders of triangles around the sample",
-        ],
+        parts: [VIEWS, "closest triangle, 128 bits", "reconstruct borders of triangles around the sample"],
         query: TexelQuery::Triangles,
         partition: None,
         options: &["encoding", "search", "recovery", "slope-power", "splits", "split-weight", "warp", "focus", "looks"],
+    },
+    MethodRow {
+        method: MethodName::Reconstructable,
+        name: "reconstructable",
+        paper: "Dai, Yang, Feng 2008: Reconstructable Geometry Shadow Maps",
+        section: "Lecocq 2013: 2, figure 13",
+        parts: [
+            VIEWS,
+            "the triangle that is nearest at its centre",
+            "every sample to the light, past the triangles of the texels around it",
+        ],
+        query: TexelQuery::Centres,
+        partition: None,
+        options: &["lookups", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::ShadowMap,
         name: "shadow-map",
         paper: "Williams 1978: Casting Curved Shadows on Curved Surfaces",
         section: "Scherzer 2011: 2",
-        parts: ["over casters and receivers; slices, warps; a cube", "nearest depth", "compare every sample"],
+        parts: [VIEWS, "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: None,
         options: &["compare", "splits", "split-weight", "warp", "focus", "history", "confidence-power", "looks"],
@@ -208,11 +226,7 @@ pub const METHODS: [MethodRow; 18] = [
         name: "pcf",
         paper: "Reeves, Salesin, Cook 1987: Rendering Antialiased Shadows with Depth Maps",
         section: "Scherzer 2011: 6",
-        parts: [
-            "over casters and receivers; slices, warps; a cube",
-            "nearest depth",
-            "compare every sample with a box of texels on the receiver's plane",
-        ],
+        parts: [VIEWS, "nearest depth", "compare every sample with a box of texels on the receiver's plane"],
         query: TexelQuery::Map(MapQuery::Filtered),
         partition: None,
         options: &[
@@ -232,11 +246,7 @@ pub const METHODS: [MethodRow; 18] = [
         name: "smsr",
         paper: "Bondarev 2014: Shadow Map Silhouette Revectorization",
         section: "2",
-        parts: [
-            "over casters and receivers; slices, warps; a cube",
-            "nearest depth",
-            "compare, and draw stepped borders anew",
-        ],
+        parts: [VIEWS, "nearest depth", "compare, and draw stepped borders anew"],
         query: TexelQuery::Map(MapQuery::Revectorized),
         partition: None,
         options: &[
@@ -257,11 +267,7 @@ pub const METHODS: [MethodRow; 18] = [
         name: "variance",
         paper: "Donnelly, Lauritzen 2006: Variance Shadow Maps",
         section: "Oliveira 2009: 3.4",
-        parts: [
-            "over casters and receivers; slices, warps; a cube",
-            "mean and variance of depth",
-            "bound the lit share of the pixel's footprint",
-        ],
+        parts: [VIEWS, "mean and variance of depth", "bound the lit share of the pixel's footprint"],
         query: TexelQuery::Map(MapQuery::Moments),
         partition: None,
         options: &[
@@ -282,7 +288,7 @@ pub const METHODS: [MethodRow; 18] = [
         paper: "Lauritzen, McCool 2008: Layered Variance Shadow Maps",
         section: "4; Scherzer 2011: 6",
         parts: [
-            "over casters and receivers; slices, warps; a cube",
+            VIEWS,
             "mean and variance of depth in layers of it",
             "bound the lit share of the pixel's footprint in the receiver's layer",
         ],
@@ -307,7 +313,7 @@ pub const METHODS: [MethodRow; 18] = [
         paper: "Annen, Mertens, Bekaert, Seidel, Kautz 2007: Convolution Shadow Maps",
         section: "Scherzer 2011: 6",
         parts: [
-            "over casters and receivers; slices, warps; a cube",
+            VIEWS,
             "mean sine and cosine of depth, of up to 16 frequencies",
             "the Fourier series of the comparison over the pixel's footprint",
         ],
@@ -331,11 +337,7 @@ pub const METHODS: [MethodRow; 18] = [
         name: "exponential",
         paper: "Annen, Mertens, Seidel, Flerackers, Kautz 2008: Exponential Shadow Maps",
         section: "Scherzer 2011: 6",
-        parts: [
-            "over casters and receivers; slices, warps; a cube",
-            "mean of an exponential of depth",
-            "its ratio to the receiver's over the pixel's footprint",
-        ],
+        parts: [VIEWS, "mean of an exponential of depth", "its ratio to the receiver's over the pixel's footprint"],
         query: TexelQuery::Map(MapQuery::Exponentials),
         partition: None,
         options: &[
@@ -357,7 +359,7 @@ pub const METHODS: [MethodRow; 18] = [
         paper: "Lauritzen, McCool 2008: Layered Variance Shadow Maps",
         section: "exponential warps",
         parts: [
-            "over casters and receivers; slices, warps; a cube",
+            VIEWS,
             "mean and variance of two exponentials of depth",
             "the less of two bounds of the lit share of the pixel's footprint",
         ],
@@ -382,7 +384,7 @@ pub const METHODS: [MethodRow; 18] = [
         paper: "Peters, Klein 2015: Moment Shadow Mapping",
         section: "Hamburger's problem of four moments",
         parts: [
-            "over casters and receivers; slices, warps; a cube",
+            VIEWS,
             "mean, variance, third and fourth central moment of depth",
             "bound the lit share of the pixel's footprint",
         ],
@@ -479,11 +481,7 @@ pub const METHODS: [MethodRow; 18] = [
         name: "supersampled",
         paper: "Aila, Laine 2004: Alias-Free Shadow Maps",
         section: "Scherzer 2011: 4.5",
-        parts: [
-            "over casters and receivers; slices, warps; a cube",
-            "the samples that project to it",
-            "every sample against every caster of its texel",
-        ],
+        parts: [VIEWS, "the samples that project to it", "every sample against every caster of its texel"],
         query: TexelQuery::Samples,
         partition: None,
         options: &["facets", "validity", "splits", "split-weight", "warp", "focus"],
@@ -532,7 +530,7 @@ impl MethodName {
     pub fn keeps(self) -> [bool; 2] {
         match self.row().query {
             TexelQuery::Facets | TexelQuery::Triangles => [true, true],
-            TexelQuery::Map(_) => [false, true],
+            TexelQuery::Map(_) | TexelQuery::Centres => [false, true],
             TexelQuery::Rays | TexelQuery::Samples => [false, false],
         }
     }

@@ -21,6 +21,13 @@ const SPSM_STAGES: [(&str, &str); 6] = [
 const NEAREST: (&str, &str) = ("light_layers", "nearest depth at every texel centre");
 const COMPARED: (&str, &str) = ("compared_depths", "the depth a texel is compared by, from its two nearest");
 
+/// Stages of `reconstructable` after what the camera sees.
+const CENTRE_STAGES: [(&str, &str); 3] = [
+    NEAREST,
+    ("light_triangles", "the triangle of that depth"),
+    ("kept_triangles", "every sample against the triangles of the texels around it"),
+];
+
 /// Stages of the methods that compare samples with depths after what the camera sees.
 const SHADOW_MAP_STAGES: [(&str, &str); 3] =
     [NEAREST, COMPARED, ("shadow_map", "depth of every sample against the map")];
@@ -78,6 +85,7 @@ impl Plan {
         let own: &[(&str, &str)] = match query {
             TexelQuery::Facets => return Self::of(prepared, camera, light, wanted, force_all),
             TexelQuery::Triangles => &SPSM_STAGES,
+            TexelQuery::Centres => &CENTRE_STAGES,
             TexelQuery::Map(MapQuery::Nearest | MapQuery::Filtered) => &SHADOW_MAP_STAGES,
             TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,
             TexelQuery::Map(_) => &MOMENT_STAGES,

@@ -32,7 +32,7 @@ enum Raster {
 pub struct Layers {
     /// Key of the nearest depth.
     pub nearest_keys: Buffer<u32>,
-    /// Key of the second depth.
+    /// Key of the second depth; with [`LightLayers::with_triangles`] complement of the triangle of the nearest.
     pub second_keys: Buffer<u32>,
     /// Marked texels, one bit each, rows padded to 32.
     pub mask: Buffer<u32>,
@@ -100,6 +100,12 @@ impl LightLayers {
     /// however many casters are there. Memory: [`Layers::without_marks`].
     pub fn without_marks(device: &wgpu::Device, alpha: bool) -> Self {
         Self::of_map(device, 2, alpha)
+    }
+
+    /// As [`LightLayers::nearest_only`], for the triangle of that depth too, of several the lowest, whose complement takes the place of the second
+    /// depth. It is recorded twice, with [`Layers::second_keys`] 0 before each: the second run knows all depths. Memory: [`Layers::without_marks`].
+    pub fn with_triangles(device: &wgpu::Device, alpha: bool) -> Self {
+        Self::of_map(device, kernel::NEAREST_TRIANGLE, alpha)
     }
 
     fn of_map(device: &wgpu::Device, layers: u32, alpha: bool) -> Self {

@@ -5,7 +5,7 @@ use crate::support::depth_map::OnMap;
 use crate::support::geometry::{
     Case, MESHES, Ran, Wanted, add, fan, holes, light, mesh, run_all, with_what_turns_away,
 };
-use crate::support::shadow::{World, add_triangle, camera, random_scene, samples, vector};
+use crate::support::shadow::{World, add_triangle, camera, random_light, random_scene, samples, vector};
 use crate::support::{Random, gpu, sizes_around, small_gpu};
 use oracle::reference::light_layers::{depth_in_front, shares_at};
 use oracle::reference::triangle_setup::Reach;
@@ -184,6 +184,52 @@ fn without_marks_there_are_holes() {
     }
     assert!(compared > 5000 && through > 500, "{compared} texels compared, {through} through holes");
     assert!(seconds > 1000, "{seconds} second depths compared");
+}
+
+/// Where the triangles that texels keep are not those of the nearest depths, by their own depths at the centres.
+fn triangle_fault(world: &World, depths: &[Option<f64>], kept: &[Option<u32>]) -> Option<String> {
+    let side = world.view.map.map_size as usize;
+    (0..depths.len()).find_map(|texel| {
+        let at = DVec2::new((texel % side) as f64 + 0.5, (texel / side) as f64 + 0.5);
+        let depth = |t: u32| {
+            let (depth, inside) = depth_in_front(&world.view, world.triangles[t as usize].corners?, at)?;
+            (inside > -0.01).then_some(depth.max(0.0))
+        };
+        let agree = match (depths[texel], kept[texel]) {
+            (None, None) => true,
+            (Some(nearest), Some(t)) => depth(t).is_some_and(|depth| (depth - nearest).abs() < 2e-3),
+            _ => false,
+        };
+        (!agree).then(|| format!("texel {at}: triangle {:?} for depth {:?}", kept[texel], depths[texel]))
+    })
+}
+
+/// In two runs the triangle of the nearest depth is kept, the lowest where several are there.
+#[gpu_test]
+fn triangles_of_the_nearest_depths() {
+    let mut random = Random::new(37);
+    for seed in 0..8 {
+        let mesh = random_scene(seed, &mut random);
+        let light = random_light(seed % 2 == 0, &mut random);
+        let camera = camera(DVec3::new(-3.0, 4.0, 1.0), DVec3::ZERO, 40.0);
+        let prepared = match seed < 4 {
+            true => Prepared::with_alpha(&mesh, &holes(&mesh)),
+            false => Prepared::new(&mesh),
+        };
+        let world = World::of(gpu(), prepared.expect("a sound mesh"), (camera, light), [4, 3], 64, samples(1), None);
+        let nearest = OnMap::of(&world, |_, _, _, _, _| {}).depths;
+        let (on, kept) = OnMap::of_triangles(&world, |_, _, _, _, _| {});
+        assert!(on.depths == nearest, "seed {seed}: triangles change the nearest");
+        assert_eq!(triangle_fault(&world, &on.depths, &kept), None, "seed {seed}");
+        assert!(kept == OnMap::of_triangles(&world, |_, _, _, _, _| {}).1, "seed {seed}: others in another run");
+        let covered = kept.iter().position(Option::is_some).expect("a caster");
+        let mut spoilt = kept.clone();
+        spoilt[covered] = None;
+        assert!(triangle_fault(&world, &on.depths, &spoilt).is_some());
+        let count = world.triangles.len() as u32;
+        let others: Vec<_> = kept.iter().map(|t| t.map(|t| (t + count / 2) % count)).collect();
+        assert!(triangle_fault(&world, &on.depths, &others).is_some());
+    }
 }
 
 #[gpu_test]

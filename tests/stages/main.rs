@@ -13,6 +13,7 @@ mod front_layer;
 mod gbuffer_triangles;
 mod history;
 mod instance_positions;
+mod kept_triangles;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;

@@ -104,6 +104,9 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
             changed |= numbers(ui, half, "slope-power", &mut options.slope_power, &[1, 3, 5, 7, 9]);
         }
     }
+    if takes("lookups") {
+        changed |= numbers(ui, half, "lookups", &mut options.lookups, &[1, 3, 5, 7]);
+    }
     if takes("rays") {
         changed |= words(ui, half, "rays", &mut options.rays);
     }

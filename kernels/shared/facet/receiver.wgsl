@@ -5,7 +5,7 @@
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples: array<vec4<f32>, 64>;
 //@needs var<storage, read> id_keys: array<u32>;
-//@needs var<storage, read> triangles: array<vec3<u32>>;
+//@needs var<storage, read> triangles: array<vec4<u32>>;
 //@needs var<storage, read> points: array<vec4<f32>>;
 
 const SEEN_NONE = 0u;
@@ -33,7 +33,7 @@ fn receiver_of(pixel: u32) -> Receiver {
     var r: Receiver;
     let t = ~id_keys[pixel];
     if t >= frame.triangle_count { return r; }
-    let given = triangles[t];
+    let given = triangles[t].xyz;
     var i = given;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }

@@ -258,7 +258,7 @@ fn looks(report: &mut Report, options: &RenderOptions, rendered: &Rendered) {
     let key = CLASS_COLOURS.map(|(class, colour, _)| format!("{colour} {}", format!("{class:?}").to_lowercase()));
     let map = match options.method {
         MethodName::FacetMasks => "the nearer the brighter, orange where marked, dark blue without a caster",
-        MethodName::Spsm => {
+        MethodName::Spsm | MethodName::Reconstructable => {
             "a hue for each closest triangle, the nearer the brighter, dark blue without a caster or not made"
         }
         _ => "the nearer the brighter, dark blue without a caster",

@@ -16,8 +16,8 @@ use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    HistorySettings, MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ShadowMapSettings, SmsrSettings,
-    SmsrShape, SpsmEncoding, SpsmSettings,
+    HistorySettings, MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings, ShadowMapSettings,
+    SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::Samples;
@@ -72,6 +72,9 @@ pub struct RenderOptions {
     /// Power by which the paper's code of spsm keeps slopes: 1 for even steps of the angle, 3, 5 (the paper's), 7 or 9
     #[arg(long, default_value_t = 5, value_name = "N")]
     pub slope_power: u32,
+    /// Texels a side around a sample's whose triangles reconstructable asks: 1, 3, 5 or 7
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    pub lookups: u32,
     /// Rays of ray-traced: from all pixels, or from those that are not proved lit or shadowed
     #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
     pub rays: RayChoice,
@@ -255,6 +258,7 @@ impl RenderOptions {
                 recovery: self.recovery == Switch::On,
                 ..SpsmSettings::default()
             },
+            reconstructable: ReconstructableSettings { lookups: self.lookups, ..ReconstructableSettings::default() },
             smsr: SmsrSettings {
                 shape: match self.shape {
                     Shape::Corners => SmsrShape::Corners,

@@ -37,6 +37,7 @@ fn every_method_keeps_the_contract() {
     std::fs::write(&empty, "# nothing\n").expect("a file");
     let stages = [
         ("spsm", "spsm_map"),
+        ("reconstructable", "kept_triangles"),
         ("shadow-map", "shadow_map"),
         ("pcf", "shadow_map"),
         ("smsr", "smsr"),

@@ -13,6 +13,7 @@ pub mod front_layer;
 pub mod gbuffer_triangles;
 pub mod history;
 pub mod instance_positions;
+pub mod kept_triangles;
 pub mod light_layers;
 pub mod map_moments;
 pub mod moment_shadows;

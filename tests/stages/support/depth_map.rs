@@ -35,14 +35,29 @@ impl OnMap {
     ) -> Self {
         let (device, size, holes) = parts(world);
         let map = Layers::nearest_only(device, size).expect("memory");
-        Self::with(world, &LightLayers::nearest_only(device, holes), &map, record)
+        Self::with(world, &LightLayers::nearest_only(device, holes), &map, 1, record)
+    }
+
+    /// The same of a map that keeps triangles, complements of which are recorded in place of the depths; and they.
+    pub fn of_triangles(
+        world: &World,
+        record: impl Fn(&mut Stage, &Buffer<Frame>, PrimaryHits, &Buffer<u32>, &Buffer<f32>),
+    ) -> (Self, Vec<Option<u32>>) {
+        let (device, size, holes) = parts(world);
+        let map = Layers::without_marks(device, size).expect("memory");
+        let layers = LightLayers::with_triangles(device, holes);
+        let on = Self::with(world, &layers, &map, 2, |s, frame, seen, _, to| {
+            record(s, frame, seen, &map.second_keys, to);
+        });
+        let keys = map.second_keys.read(world.gpu).expect("readback");
+        (on, keys.into_iter().map(|key| (key != 0).then_some(!key)).collect())
     }
 
     /// The two nearest depths of each texel.
     pub fn two_depths(world: &World) -> [Vec<Option<f64>>; 2] {
         let (device, size, holes) = parts(world);
         let map = Layers::without_marks(device, size).expect("memory");
-        let on = Self::with(world, &LightLayers::without_marks(device, holes), &map, |_, _, _, _, _| {});
+        let on = Self::with(world, &LightLayers::without_marks(device, holes), &map, 1, |_, _, _, _, _| {});
         let second = map.second_keys.read(world.gpu).expect("readback");
         [on.depths, second.into_iter().map(depth_of).collect()]
     }
@@ -51,6 +66,7 @@ impl OnMap {
         world: &World,
         layers: &LightLayers,
         map: &Layers,
+        runs: u32,
         record: impl Fn(&mut Stage, &Buffer<Frame>, PrimaryHits, &Buffer<u32>, &Buffer<f32>),
     ) -> Self {
         let gpu = world.gpu;
@@ -70,6 +86,10 @@ impl OnMap {
         visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); seen.len()]);
         let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
         let triangles = &world.casters.triangles;
+        for _ in 1..runs {
+            run(gpu, |s| layers.record(s, &frame, blocks, map));
+            map.second_keys.write(&gpu.queue, &vec![0; map.second_keys.len()]);
+        }
         run(gpu, |s| {
             layers.record(s, &frame, blocks, map);
             let from = PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles, points: &points };

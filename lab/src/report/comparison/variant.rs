@@ -5,7 +5,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
-    FacetMode, HistorySettings, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings,
+    FacetMode, HistorySettings, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, ReconstructableSettings,
     Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -196,6 +196,14 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
         MethodName::Supersampled => {
             add("facets=one", settings.clone());
             add("facets=all", Settings { facets: FacetMode::All, ..settings.clone() });
+        }
+        MethodName::Reconstructable => {
+            for lookups in [5, 1, 3, 7] {
+                if lookups == 5 || more {
+                    let reconstructable = ReconstructableSettings { lookups, ..settings.reconstructable };
+                    add(&format!("lookups={lookups}"), Settings { reconstructable, ..settings.clone() });
+                }
+            }
         }
         MethodName::Spsm => {
             add("encoding=lines", settings.clone());
