@@ -5,9 +5,7 @@
 // marks in `mask` every texel an edge touches (conservatively), unless the edge lies there behind the
 // texel's split depth: then it is hidden by what is in front, or front_layer marks the texel anyway.
 
-//@import frame dispatch status rect work_items front_split facing span mask_rows requested_part
-
-struct Edge { v0: u32, v1: u32, t0: u32, t1: u32 }
+//@import frame dispatch status edge rect work_items front_split facing span mask_rows requested_part
 
 const WORKGROUP = 64u;
 

@@ -40,7 +40,7 @@ fn edge() -> Registered {
         Field { name: "t0", offset: offset_of!(Edge, t0), size: 4 },
         Field { name: "t1", offset: offset_of!(Edge, t1), size: 4 },
     ];
-    Registered { kernel: "silhouette_mask", name: "Edge", size: size_of::<Edge>(), fields: FIELDS }
+    Registered { kernel: "shared/raster/edge", name: "Edge", size: size_of::<Edge>(), fields: FIELDS }
 }
 
 /// A list with a header, which the host writes as plain words: 16 counters, what was listed lately, then pairs.
@@ -298,7 +298,7 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 13] = [
+const WITHOUT_A_LIST: [&str; 15] = [
     "compared_depths",
     "front_layer",
     "history",
@@ -309,6 +309,8 @@ const WITHOUT_A_LIST: [&str; 13] = [
     "pixel_views",
     "seen_texels",
     "shadow_map",
+    "silhouette_map",
+    "silhouette_points",
     "smsr",
     "spsm_map",
     "spsm_query",

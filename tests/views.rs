@@ -244,12 +244,13 @@ fn mean_difference(a: &[f32], b: &[f32]) -> f32 {
 
 /// Methods that ask one view a pixel and have no slices of their own, but `exponential` and `convolution`: what leaks beneath casters that are near outweighs all else
 /// (`tests/stages/moment_shadows.rs` holds it in slices against its definition).
-const ASK_ONE: [MethodName; 9] = [
+const ASK_ONE: [MethodName; 10] = [
     MethodName::ShadowMap,
     MethodName::Pcf,
     MethodName::Smsr,
     MethodName::Spsm,
     MethodName::Reconstructable,
+    MethodName::SilhouetteMap,
     MethodName::Variance,
     MethodName::LayeredVariance,
     MethodName::ExponentialVariance,

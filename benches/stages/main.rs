@@ -43,7 +43,9 @@ mod sample_surfaces;
 mod seen_texels;
 mod shadow_map;
 mod shadow_rays;
+mod silhouette_map;
 mod silhouette_mask;
+mod silhouette_points;
 mod smsr;
 mod sorted_pairs;
 mod spsm_map;
@@ -78,7 +80,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 39] = [
+    let without_textures: [Maker; 41] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -101,6 +103,8 @@ fn run(options: &Options) -> Result<()> {
         shadow_rays::cases,
         sample_bins::cases,
         silhouette_mask::cases,
+        silhouette_points::cases,
+        silhouette_map::cases,
         seen_texels::cases,
         spsm_map::cases,
         spsm_query::cases,

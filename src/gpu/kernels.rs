@@ -1678,16 +1678,51 @@ pub mod shadow_rays {
     }
 }
 
+/// `kernels/silhouette_map.wgsl`.
+pub mod silhouette_map {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "silhouette_map",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+    }
+    overrides! {
+        bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
+        bias_slope: f32 = 1.05, "BIAS_SLOPE",
+    }
+    entry_point! { "silhouette_map", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 nearest_keys: Read<'a, u32>,
+        6 point_keys: Read<'a, u32>,
+        7 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        Compare,
+    }
+}
+
 /// `kernels/silhouette_mask.wgsl`.
 pub mod silhouette_mask {
     use crate::entry_point;
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/math/divide",
-        "shared/raster/rect", "shared/raster/work_items", "shared/raster/front_split", "shared/frame/facing",
-        "shared/raster/span", "shared/raster/block_bits", "shared/raster/mask_rows", "shared/raster/requested_part",
-        "silhouette_mask",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/raster/edge",
+        "shared/math/divide", "shared/raster/rect", "shared/raster/work_items", "shared/raster/front_split",
+        "shared/frame/facing", "shared/raster/span", "shared/raster/block_bits", "shared/raster/mask_rows",
+        "shared/raster/requested_part", "silhouette_mask",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1718,6 +1753,37 @@ pub mod silhouette_mask {
     } }
     entries! {
         Classify, Raster,
+    }
+}
+
+/// `kernels/silhouette_points.wgsl`.
+pub mod silhouette_points {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/raster/edge", "shared/math/divide",
+        "shared/raster/rect", "shared/raster/work_items", "shared/raster/front_split", "silhouette_points",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3,
+        WORKGROUP = 64,
+    }
+    entry_point! { "silhouette_points", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 edges: Read<'a, crate::scene::Edge>,
+        2 map_points: Read<'a, [f32; 4]>,
+        3 edge_rects: Read<'a, [u32; 2]>,
+        4 work_offsets: Read<'a, u32>,
+        5 nearest_keys: Read<'a, u32>,
+        6 edge_keys: Write<'a, u32>,
+        7 point_keys: Write<'a, u32>,
+    } }
+    entries! {
+        Raster,
     }
 }
 
@@ -2515,7 +2581,9 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("seen_texels", seen_texels::SOURCE, seen_texels::ENTRIES),
     ("shadow_map", shadow_map::SOURCE, shadow_map::ENTRIES),
     ("shadow_rays", shadow_rays::SOURCE, shadow_rays::ENTRIES),
+    ("silhouette_map", silhouette_map::SOURCE, silhouette_map::ENTRIES),
     ("silhouette_mask", silhouette_mask::SOURCE, silhouette_mask::ENTRIES),
+    ("silhouette_points", silhouette_points::SOURCE, silhouette_points::ENTRIES),
     ("smsr", smsr::SOURCE, smsr::ENTRIES),
     ("sorted_pairs", sorted_pairs::SOURCE, sorted_pairs::ENTRIES),
     ("spsm_map", spsm_map::SOURCE, spsm_map::ENTRIES),

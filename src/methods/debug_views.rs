@@ -1,7 +1,6 @@
 //! Classes of pixels and maps of texels that a method kept, read back for display.
 
 use super::facet_masks::FacetMasks;
-use super::shadow_map::ShadowMapping;
 use super::spsm::Spsm;
 use super::strip_method::StripMethod;
 use super::strips::Rows;
@@ -123,8 +122,8 @@ impl DebugViews {
         Ok(Self { classes: Vec::new(), map: Some(DebugMap { triangles, ..DebugMap::nearest(gpu, map)? }) })
     }
 
-    pub(super) fn of_shadow_map(gpu: &Gpu, method: &ShadowMapping) -> Result<Self> {
-        Ok(Self { classes: Vec::new(), map: Some(DebugMap::nearest(gpu, method.map())?) })
+    pub(super) fn of_depths(gpu: &Gpu, map: &Layers) -> Result<Self> {
+        Ok(Self { classes: Vec::new(), map: Some(DebugMap::nearest(gpu, map)?) })
     }
 }
 

@@ -13,6 +13,7 @@ use super::ray_traced::RayTraced;
 use super::reconstructable::Reconstructable;
 use super::settings::Settings;
 use super::shadow_map::ShadowMapping;
+use super::silhouette_mapping::SilhouetteMapping;
 use super::spsm::Spsm;
 use super::supersampled::Supersampled;
 use crate::frame::{Frame, sample_words};
@@ -230,6 +231,7 @@ impl FixedMemory {
             }
             TexelQuery::Triangles => Box::new(Spsm::new(parts)?),
             TexelQuery::Centres => Box::new(Reconstructable::new(parts)?),
+            TexelQuery::Silhouettes => Box::new(SilhouetteMapping::new(parts)?),
             TexelQuery::Map(query) => Box::new(ShadowMapping::new(parts, query)?),
             TexelQuery::Rays => Box::new(RayTraced::new(parts)?),
             TexelQuery::Samples => Box::new(Supersampled::new(parts)?),

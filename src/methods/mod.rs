@@ -25,6 +25,8 @@ pub mod settings;
 #[cfg(feature = "baselines")]
 pub mod shadow_map;
 #[cfg(feature = "baselines")]
+pub mod silhouette_mapping;
+#[cfg(feature = "baselines")]
 pub mod spsm;
 pub mod strip_method;
 pub mod strips;

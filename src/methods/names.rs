@@ -19,6 +19,8 @@ pub enum MethodName {
     Pcf,
     /// `smsr`: Bondarev 2014.
     Smsr,
+    /// `silhouette-map`: Sen, Cammarano, Hanrahan 2003.
+    SilhouetteMap,
     /// `variance`: Donnelly and Lauritzen 2006.
     Variance,
     /// `layered-variance`: Lauritzen and McCool 2008.
@@ -56,6 +58,8 @@ pub enum TexelQuery {
     Triangles,
     /// The triangles that are nearest at the centres of the texels around.
     Centres,
+    /// Nearest depths, and between them points of the silhouette.
+    Silhouettes,
     /// Nearest depths.
     Map(MapQuery),
     /// No texels: rays.
@@ -158,7 +162,7 @@ pub const METHOD_OPTIONS: [&str; 30] = [
 const VIEWS: &str = "over casters and receivers; slices, warps; a cube";
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 19] = [
+pub const METHODS: [MethodRow; 20] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -261,6 +265,16 @@ pub const METHODS: [MethodRow; 19] = [
             "confidence-power",
             "looks",
         ],
+    },
+    MethodRow {
+        method: MethodName::SilhouetteMap,
+        name: "silhouette-map",
+        paper: "Sen, Cammarano, Hanrahan 2003: Shadow Silhouette Maps",
+        section: "Scherzer 2011: 6",
+        parts: [VIEWS, "nearest depth, silhouette between", "compare with the depth on its side"],
+        query: TexelQuery::Silhouettes,
+        partition: None,
+        options: &["splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Variance,
@@ -530,7 +544,7 @@ impl MethodName {
     pub fn keeps(self) -> [bool; 2] {
         match self.row().query {
             TexelQuery::Facets | TexelQuery::Triangles => [true, true],
-            TexelQuery::Map(_) | TexelQuery::Centres => [false, true],
+            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Silhouettes => [false, true],
             TexelQuery::Rays | TexelQuery::Samples => [false, false],
         }
     }

@@ -173,6 +173,6 @@ impl FixedMethod for ShadowMapping {
     }
 
     fn looks(&self, gpu: &Gpu) -> Result<Option<DebugViews>> {
-        DebugViews::of_shadow_map(gpu, self).map(Some)
+        DebugViews::of_depths(gpu, &self.map).map(Some)
     }
 }

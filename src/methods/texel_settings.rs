@@ -37,7 +37,7 @@ impl ReconstructableSettings {
 }
 
 /// Options of the methods that compare depths: which depth of a texel they compare, and the bias, without which a surface shadows itself
-/// where that is the nearest. `shadow-map`, `trapezoidal`, `lispsm`, `perspective` and `parallel-split` take both parts of the bias, `pcf`, `smsr`, `variance`
+/// where that is the nearest. `shadow-map`, `silhouette-map`, `trapezoidal`, `lispsm`, `perspective` and `parallel-split` take both parts of the bias, `pcf`, `smsr`, `variance`
 /// and `remix` the constant alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowMapSettings {

@@ -36,6 +36,14 @@ const SHADOW_MAP_STAGES: [(&str, &str); 3] =
 const SMSR_STAGES: [(&str, &str); 3] =
     [NEAREST, COMPARED, ("smsr", "depth of every sample against the map, its borders drawn anew")];
 
+/// Stages of `silhouette-map` after what the camera sees.
+const SILHOUETTE_STAGES: [(&str, &str); 4] = [
+    NEAREST,
+    ("silhouette_mask", "silhouette edges"),
+    ("silhouette_points", "a point of them between the centres of four texels"),
+    ("silhouette_map", "every sample against the depth on its side of them"),
+];
+
 /// Stages of the methods that filter moments after what the camera sees.
 const MOMENT_STAGES: [(&str, &str); 3] = [
     NEAREST,
@@ -86,6 +94,7 @@ impl Plan {
             TexelQuery::Facets => return Self::of(prepared, camera, light, wanted, force_all),
             TexelQuery::Triangles => &SPSM_STAGES,
             TexelQuery::Centres => &CENTRE_STAGES,
+            TexelQuery::Silhouettes => &SILHOUETTE_STAGES,
             TexelQuery::Map(MapQuery::Nearest | MapQuery::Filtered) => &SHADOW_MAP_STAGES,
             TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,
             TexelQuery::Map(_) => &MOMENT_STAGES,

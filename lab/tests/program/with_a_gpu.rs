@@ -41,6 +41,7 @@ fn every_method_keeps_the_contract() {
         ("shadow-map", "shadow_map"),
         ("pcf", "shadow_map"),
         ("smsr", "smsr"),
+        ("silhouette-map", "silhouette_points"),
         ("variance", "map_moments"),
         ("layered-variance", "map_moments"),
         ("convolution", "map_moments"),

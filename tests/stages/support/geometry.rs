@@ -249,7 +249,7 @@ fn read<T: Pod + PartialEq + std::fmt::Debug>(gpu: &Gpu, buffer: &Buffer<T>) -> 
 }
 
 /// Offsets of a list of counts, and arguments that cover them all.
-fn work(gpu: &Gpu, items: &[u32], per_group: u32) -> (Buffer<u32>, Buffer<u32>) {
+pub fn work(gpu: &Gpu, items: &[u32], per_group: u32) -> (Buffer<u32>, Buffer<u32>) {
     let scan = prefix_scan::exclusive(items);
     let offsets = [scan.sums, vec![scan.total, 0]].concat();
     let most = gpu.device.limits().max_compute_workgroups_per_dimension;

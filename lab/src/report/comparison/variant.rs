@@ -139,7 +139,8 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("shape=corners", Settings { smsr, ..settings.clone() });
             }
         }
-        MethodName::Variance
+        MethodName::SilhouetteMap
+        | MethodName::Variance
         | MethodName::FourMoments
         | MethodName::Trapezoidal
         | MethodName::Lispsm
