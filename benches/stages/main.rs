@@ -80,7 +80,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 41] = [
+    let without_textures: [Maker; 43] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,

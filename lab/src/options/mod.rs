@@ -16,8 +16,8 @@ use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    HistorySettings, MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings, ShadowMapSettings,
-    SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    HistorySettings, MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings,
+    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::Samples;

@@ -5,8 +5,8 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
-    FacetMode, HistorySettings, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, ReconstructableSettings,
-    Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    FacetMode, HistorySettings, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings,
+    ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::stages::compared_depths::DepthRule;
