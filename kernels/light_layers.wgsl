@@ -13,7 +13,8 @@
 // each: in the second all depths are known.
 //@bindings Blocks: raster, raster_nearest
 
-//@import frame dispatch rect work_items front_split span block_bits facing undivided alpha
+//@import frame dispatch rect work_items front_split span block_bits facing alpha hole
+//@import front_fan
 
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
@@ -37,24 +38,6 @@ override MARKS: u32 = 1u;   // 0: no marks, alpha-tested casters where they are 
 fn mark(x: u32, y: u32) {
     let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
     atomicOr(&mask[word], 1u << (x % 32u));
-}
-
-// A point of the map from a place there, times its divisor, and that.
-fn from_place(p: vec4<f32>, at: vec2<f32>) -> vec3<f32> {
-    if p.w > 0.0 { return vec3((p.xy - at) * p.w, p.w); }
-    let q = undivided(p, frame.light_low.w);
-    return vec3(q.xy - at * q.w, q.w);
-}
-
-// Whether an alpha-tested triangle has a hole at a place of the map.
-fn is_hole(given: vec4<u32>, at: vec2<f32>) -> bool {
-    if ALPHA == 0u || !is_tested(given.w) { return false; }
-    let a = from_place(map_points[given.x], at);
-    let b = from_place(map_points[given.y], at);
-    let c = from_place(map_points[given.z], at);
-    let shares = vec3(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
-    let all = shares.x + shares.y + shares.z;
-    return all != 0.0 && !is_solid_by(given.w, shares.yz / all);
 }
 
 // Puts the depths of a triangle into the texels of a block; `guarded`: texels by which its edges may be off;
@@ -152,15 +135,6 @@ fn raster(
     cover(task.a, task.b, task.c, task.block, CENTRE_GUARD, task.given, task.t);
 }
 
-// Where the edge from a point in front to one that is not comes to the nearest distance.
-fn cut_point(front: vec4<f32>, behind: vec4<f32>) -> vec4<f32> {
-    let p = undivided(front, frame.light_low.w);
-    let q = undivided(behind, frame.light_low.w);
-    let near = frame.light_low.w;
-    let at = mix(p, q, clamp((p.w - near) / (p.w - q.w), 0.0, 1.0));
-    return vec4(at.xyz / near, near);
-}
-
 @compute @workgroup_size(WORKGROUP)
 fn raster_nearest(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -170,55 +144,13 @@ fn raster_nearest(
     take_frame(local);
     let task = task_of(flat_invocation(group, groups, WORKGROUP, local));
     if !task.some { return; }
-    let a = task.a;
-    let b = task.b;
-    let c = task.c;
-    // A fan of one triangle or two, whose edges go from a vertex in front to where they are cut.
-    var middle = a;
-    var side_a = b;
-    var side_b = c;
-    var last = c;
-    var parts = 1u;
-    var guarded = CENTRE_GUARD;
-    let behind = vec3(a.w, b.w, c.w) <= vec3(0.0);
-    // Few are cut: a loop that the others do not enter.
-    for (var cut = any(behind); cut; cut = false) {
-        parts = 0u;
-        if all(behind) || (frame.flags & FLAG_PERSPECTIVE) == 0u { continue; }
-        // The vertex on a side of its own, and the others in their order.
-        var alone = a;
-        var first = b;
-        var second = c;
-        if behind.x == behind.z {
-            alone = b;
-            first = a;
-        } else if behind.x == behind.y {
-            alone = c;
-            first = a;
-            second = b;
-        }
-        if alone.w > 0.0 {
-            middle = alone;
-            side_a = cut_point(alone, first);
-            side_b = cut_point(alone, second);
-            last = side_b;
-            parts = 1u;
-        } else {
-            middle = first;
-            side_a = second;
-            side_b = cut_point(second, alone);
-            last = cut_point(first, alone);
-            parts = 2u;
-        }
-        let extent = max(max(largest_of(middle), largest_of(side_a)),
-            max(largest_of(side_b), largest_of(last)));
-        guarded = max(CENTRE_GUARD, 4e-7 * extent);
-    }
-    for (var k = 0u; k < parts; k++) {
-        cover(middle, side_a, side_b, task.block, guarded, task.given, task.t);
+    let fan = fan_of(task.a, task.b, task.c);
+    let guarded = max(CENTRE_GUARD, 4e-7 * fan.extent);
+    var side_a = fan.side_a;
+    var side_b = fan.side_b;
+    for (var k = 0u; k < fan.parts; k++) {
+        cover(fan.middle, side_a, side_b, task.block, guarded, task.given, task.t);
         side_a = side_b;
-        side_b = last;
+        side_b = fan.last;
     }
 }
-
-fn largest_of(p: vec4<f32>) -> f32 { return max(abs(p.x), abs(p.y)); }

@@ -298,7 +298,7 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 15] = [
+const WITHOUT_A_LIST: [&str; 18] = [
     "compared_depths",
     "front_layer",
     "history",
@@ -306,6 +306,9 @@ const WITHOUT_A_LIST: [&str; 15] = [
     "light_layers",
     "map_moments",
     "moment_shadows",
+    "page_casters",
+    "page_query",
+    "page_requests",
     "pixel_views",
     "seen_texels",
     "shadow_map",

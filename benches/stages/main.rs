@@ -27,6 +27,9 @@ mod kept_triangles;
 mod light_layers;
 mod map_moments;
 mod moment_shadows;
+mod page_casters;
+mod page_query;
+mod page_requests;
 mod pixel_counts;
 mod pixel_coverage;
 mod pixel_filter;
@@ -80,7 +83,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 43] = [
+    let without_textures: [Maker; 46] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -97,6 +100,9 @@ fn run(options: &Options) -> Result<()> {
         light_layers::cases,
         kept_triangles::cases,
         shadow_map::cases,
+        page_requests::cases,
+        page_casters::cases,
+        page_query::cases,
         smsr::cases,
         map_moments::cases,
         moment_shadows::cases,

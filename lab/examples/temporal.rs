@@ -24,7 +24,7 @@ use subpixel_shadows::scene::{Camera, Light};
 use subpixel_shadows::{Error, Result};
 
 /// Every method, and how texels lie that stand or do not, as `render` takes them.
-const VARIANTS: [&str; 23] = [
+const VARIANTS: [&str; 24] = [
     "shadow-map",
     "spsm",
     "shadow-map --splits 3 --warp even",
@@ -44,6 +44,7 @@ const VARIANTS: [&str; 23] = [
     "parallel-split",
     "remix",
     "remix --warp stable",
+    "resolution-matched",
     "ray-traced",
     "supersampled",
     "facet-masks --facets one",

@@ -71,6 +71,8 @@ fn other_value(option: &str) -> &'static str {
         "terms" => "3",
         "history" => "5",
         "confidence-power" => "2",
+        "pages" => "9",
+        "finer" => "2",
         _ => panic!("--{option} is new: give it a value here"),
     }
 }
@@ -417,6 +419,8 @@ mod gpu {
             "terms" => s.moments.terms = 3,
             "history" => s.history = Some(HistorySettings { frames: 5, ..HistorySettings::default() }),
             "confidence-power" => s.history = s.history.map(|history| HistorySettings { power: 1, ..history }),
+            "pages" => s.pages.pages = Some(1),
+            "finer" => s.pages.finer = 2,
             // Of the renderer's memory and of what is written.
             "memory-limit" | "list-start" | "looks" => return None,
             _ => panic!("--{option} is new: set it here"),
@@ -432,7 +436,9 @@ mod gpu {
         let sun = Light::Directional { direction: [0.4, 1.0, 0.3] };
         let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
         let prepared = scene.prepared().expect("a sound mesh");
-        let default = Settings::new([64, 48], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
+        let mut default = Settings::new([64, 48], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
+        // Room for what pixels ask for: with less it is the budget that decides.
+        default.pages.pages = Some(500);
         for method in MethodName::ALL {
             let of = |settings: &Settings, light: &Light| {
                 let made = Renderer::of_method(&gpu, &prepared, method, settings, Budget::default());

@@ -543,7 +543,8 @@ pub mod light_layers {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span", "shared/raster/block_bits",
-        "shared/frame/facing", "shared/raster/undivided", "shared/alpha", "shared/frame/frame_copy", "light_layers",
+        "shared/frame/facing", "shared/alpha", "shared/raster/undivided", "shared/raster/hole",
+        "shared/raster/front_fan", "shared/frame/frame_copy", "light_layers",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -583,8 +584,8 @@ pub mod light_layers {
     group! { Blocks {
         work_offsets: Read<'a, u32>,
         triangles: Read<'a, [u32; 4]>,
-        frame: Uniform<'a, crate::frame::Frame>,
         map_points: Read<'a, [f32; 4]>,
+        frame: Uniform<'a, crate::frame::Frame>,
         light_rects: Read<'a, [u32; 2]>,
         nearest_keys: Write<'a, u32>,
         second_keys: Write<'a, u32>,
@@ -592,9 +593,9 @@ pub mod light_layers {
         facing: Read<'a, u32>,
     } }
     subset! { Raster => RasterNearest { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
-    subset! { Raster => Blocks { work_offsets, triangles, frame, map_points, light_rects, nearest_keys, second_keys, mask, facing } }
+    subset! { Raster => Blocks { work_offsets, triangles, map_points, frame, light_rects, nearest_keys, second_keys, mask, facing } }
     subset! { RasterNearest => Raster { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
-    subset! { RasterNearest => Blocks { work_offsets, triangles, frame, map_points, light_rects, nearest_keys, second_keys, mask, facing } }
+    subset! { RasterNearest => Blocks { work_offsets, triangles, map_points, frame, light_rects, nearest_keys, second_keys, mask, facing } }
     subset! { Blocks => Raster { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
     subset! { Blocks => RasterNearest { frame, triangles, map_points, light_rects, work_offsets, nearest_keys, second_keys, mask, facing } }
     entries! {
@@ -676,6 +677,139 @@ pub mod moment_shadows {
     } }
     entries! {
         FilterMoments,
+    }
+}
+
+/// `kernels/page_casters.wgsl`.
+pub mod page_casters {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
+        "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span", "shared/raster/block_bits",
+        "shared/raster/undivided", "shared/frame/facing", "shared/alpha", "shared/raster/hole",
+        "shared/raster/front_fan", "shared/raster/page_tree", "shared/raster/summed_area",
+        "shared/frame/frame_copy", "page_casters",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, PAGE = 32,
+        PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64,
+    }
+    overrides! {
+        alpha: u32 = 0, "ALPHA",
+        page_base: u32 = 3, "PAGE_BASE",
+        page_last: u32 = 8, "PAGE_LAST",
+        budget: u32 = 64, "BUDGET",
+    }
+    entry_point! { "page_casters", "count", [64, 1, 1], SOURCE, Constants => Count, CountProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 map_points: Read<'a, [f32; 4]>,
+        3 light_rects: Read<'a, [u32; 2]>,
+        4 masks: Read<'a, u32>,
+        5 sat: Read<'a, u32>,
+        6 page_rects: Write<'a, [u32; 2]>,
+        7 page_items: Write<'a, u32>,
+    } }
+    entry_point! { "page_casters", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 map_points: Read<'a, [f32; 4]>,
+        4 masks: Read<'a, u32>,
+        5 sat: Read<'a, u32>,
+        8 boxes: Read<'a, [u32; 2]>,
+        9 work_offsets: Read<'a, u32>,
+        10 table: Read<'a, u32>,
+        11 pages: Write<'a, u32>,
+    } }
+    entries! {
+        Count, Raster,
+    }
+}
+
+/// `kernels/page_query.wgsl`.
+pub mod page_query {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/raster/page_tree", "page_query",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64, THIRDS = 3,
+        TABLE_TAIL = 2,
+    }
+    overrides! {
+        page_base: u32 = 3, "PAGE_BASE",
+        page_last: u32 = 8, "PAGE_LAST",
+        bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
+        bias_slope: f32 = 1.0, "BIAS_SLOPE",
+    }
+    entry_point! { "page_query", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 levels: Read<'a, u32>,
+        6 table: Read<'a, u32>,
+        7 pages: Read<'a, u32>,
+        8 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        Compare,
+    }
+}
+
+/// `kernels/page_requests.wgsl`.
+pub mod page_requests {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/raster/page_tree", "page_requests",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64,
+        REQUEST_HEAD = 32, THIRDS = 3, TABLE_TAIL = 2,
+    }
+    overrides! {
+        page_base: u32 = 3, "PAGE_BASE",
+        page_last: u32 = 8, "PAGE_LAST",
+        finer: u32 = 0, "FINER",
+        budget: u32 = 64, "BUDGET",
+    }
+    entry_point! { "page_requests", "request", [64, 1, 1], SOURCE, Constants => Request, RequestProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 requests: Write<'a, u32>,
+        6 levels: Write<'a, u32>,
+    } }
+    entry_point! { "page_requests", "choose", [64, 1, 1], SOURCE, Constants => Choose, ChooseProgram {
+        5 requests: Write<'a, u32>,
+        7 flags: Write<'a, u32>,
+        8 masks: Write<'a, u32>,
+        9 table: Write<'a, u32>,
+    } }
+    entries! {
+        Request, Choose,
     }
 }
 
@@ -2565,6 +2699,9 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
     ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),
+    ("page_casters", page_casters::SOURCE, page_casters::ENTRIES),
+    ("page_query", page_query::SOURCE, page_query::ENTRIES),
+    ("page_requests", page_requests::SOURCE, page_requests::ENTRIES),
     ("pixel_counts", pixel_counts::SOURCE, pixel_counts::ENTRIES),
     ("pixel_coverage", pixel_coverage::SOURCE, pixel_coverage::ENTRIES),
     ("pixel_filter", pixel_filter::SOURCE, pixel_filter::ENTRIES),

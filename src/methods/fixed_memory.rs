@@ -11,6 +11,7 @@ use super::output::Counts;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::reconstructable::Reconstructable;
+use super::resolution_matched::ResolutionMatched;
 use super::settings::Settings;
 use super::shadow_map::ShadowMapping;
 use super::silhouette_mapping::SilhouetteMapping;
@@ -233,6 +234,7 @@ impl FixedMemory {
             TexelQuery::Centres => Box::new(Reconstructable::new(parts)?),
             TexelQuery::Silhouettes => Box::new(SilhouetteMapping::new(parts)?),
             TexelQuery::Map(query) => Box::new(ShadowMapping::new(parts, query)?),
+            TexelQuery::Pages => Box::new(ResolutionMatched::new(parts)?),
             TexelQuery::Rays => Box::new(RayTraced::new(parts)?),
             TexelQuery::Samples => Box::new(Supersampled::new(parts)?),
         };

@@ -317,6 +317,7 @@ pub fn counts(status: &Status) -> Counts {
         dark_facets: state(FacetState::Dark),
         lit_facets: state(FacetState::Lit),
         shadowed_facets: state(FacetState::Shadowed),
+        ..Counts::default()
     }
 }
 

@@ -16,11 +16,13 @@ pub mod light_maps;
 pub mod list_sizing;
 pub mod names;
 pub mod output;
+mod page_settings;
 pub mod prepared;
 #[cfg(feature = "baselines")]
 pub mod ray_traced;
 #[cfg(feature = "baselines")]
 pub mod reconstructable;
+pub mod resolution_matched;
 pub mod settings;
 #[cfg(feature = "baselines")]
 pub mod shadow_map;
@@ -32,6 +34,7 @@ pub mod strip_method;
 pub mod strips;
 #[cfg(feature = "baselines")]
 pub mod supersampled;
+mod texel_query;
 pub mod texel_settings;
 
 pub use crate::pixel_filter::PixelFilter;
@@ -42,6 +45,6 @@ pub use history::HistorySettings;
 pub use names::{METHOD_OPTIONS, METHODS, MapQuery, MethodName, MethodRow, TexelQuery};
 pub use prepared::Prepared;
 pub use settings::{
-    FacetMode, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings,
-    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    FacetMode, MomentSettings, PageSettings, PairVariant, ProjectionVariant, RayTracedSettings,
+    ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };

@@ -5,6 +5,7 @@ mod rows;
 pub use rows::{METHOD_OPTIONS, METHODS};
 
 use super::settings::Settings;
+pub use super::texel_query::{MapQuery, TexelQuery};
 use crate::light_view::SplitPlan;
 
 /// The methods by their names, the same in API, program, reports and files.
@@ -47,59 +48,12 @@ pub enum MethodName {
     ParallelSplit,
     /// `remix`: Oliveira 2009.
     Remix,
+    /// `resolution-matched`: Lefohn, Sengupta, Owens 2007.
+    ResolutionMatched,
     /// `ray-traced`: Whitted 1980, through the tree of Ylitie, Karras, Laine 2017.
     RayTraced,
     /// `supersampled`: Aila and Laine 2004; Johnson et al. 2005; Sintorn et al. 2008.
     Supersampled,
-}
-
-/// How a pixel asks the light's texels. It works in any views of the light, warped or not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TexelQuery {
-    /// Facets against the casters of their texels.
-    Facets,
-    /// Borders of the closest triangles around.
-    Triangles,
-    /// The triangles that are nearest at the centres of the texels around.
-    Centres,
-    /// Nearest depths, and between them points of the silhouette.
-    Silhouettes,
-    /// Nearest depths.
-    Map(MapQuery),
-    /// No texels: rays.
-    Rays,
-    /// Every sample, kept by its texel, against every caster there.
-    Samples,
-}
-
-/// How a map of nearest depths is asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MapQuery {
-    /// Every sample with its texel.
-    Nearest,
-    /// Every sample with a box of texels.
-    Filtered,
-    /// Every sample with its texel, whose borders are drawn anew.
-    Revectorized,
-    /// The pixel's footprint with mean and variance of the depths in it.
-    Moments,
-    /// The same in layers of depth.
-    LayeredMoments,
-    /// The same with the means of sines and cosines of them.
-    Waves,
-    /// The same with the mean of an exponential of them.
-    Exponentials,
-    /// The same with mean and variance of a rising and a falling exponential of them.
-    ExponentialMoments,
-    /// The same with the first four moments of them.
-    FourMoments,
-}
-
-impl MapQuery {
-    /// Whether single depths are compared, which may be others than the nearest ([`ShadowMapSettings::compared`](super::ShadowMapSettings::compared)).
-    pub fn compares_depths(self) -> bool {
-        matches!(self, Self::Nearest | Self::Filtered | Self::Revectorized)
-    }
 }
 
 /// Description of a method.
@@ -166,7 +120,7 @@ impl MethodName {
         match self.row().query {
             TexelQuery::Facets | TexelQuery::Triangles => [true, true],
             TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Silhouettes => [false, true],
-            TexelQuery::Rays | TexelQuery::Samples => [false, false],
+            TexelQuery::Pages | TexelQuery::Rays | TexelQuery::Samples => [false, false],
         }
     }
 

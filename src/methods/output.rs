@@ -36,6 +36,12 @@ pub struct Counts {
     pub lit_facets: u64,
     /// Facets settled as shadowed.
     pub shadowed_facets: u64,
+    /// Pages that were made (`resolution-matched`), in the light's last view.
+    pub pages: u64,
+    /// Pages that pixels asked for there.
+    pub pages_asked: u64,
+    /// Thirds of a level by which all had to be coarser than asked for there.
+    pub thirds_coarser: u64,
 }
 
 /// How one list fared.
@@ -161,6 +167,9 @@ impl Counts {
             dark_facets: self.dark_facets + o.dark_facets,
             lit_facets: self.lit_facets + o.lit_facets,
             shadowed_facets: self.shadowed_facets + o.shadowed_facets,
+            pages: self.pages + o.pages,
+            pages_asked: self.pages_asked + o.pages_asked,
+            thirds_coarser: self.thirds_coarser.max(o.thirds_coarser),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Uniform of a frame.
 
 use super::history::HistorySettings;
+pub use super::page_settings::PageSettings;
 use super::prepared::Prepared;
 pub use super::texel_settings::{MomentSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan};
@@ -193,6 +194,8 @@ pub struct Settings {
     pub shadow_map: ShadowMapSettings,
     /// Options of the methods that filter maps by their moments.
     pub moments: MomentSettings,
+    /// Options of `resolution-matched`.
+    pub pages: PageSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,
     /// Temporal reprojection, of the methods of maps of depths; `None`: each frame by itself.
@@ -312,6 +315,7 @@ impl Settings {
             smsr: SmsrSettings::default(),
             shadow_map: ShadowMapSettings::default(),
             moments: MomentSettings::default(),
+            pages: PageSettings::default(),
             ray_traced: RayTracedSettings::default(),
             history: None,
         }
@@ -345,6 +349,7 @@ impl Settings {
         self.smsr.check()?;
         self.moments.check()?;
         self.history.map_or(Ok(()), |history| history.check())?;
+        self.pages.check()?;
         self.shadow_map.check()
     }
 }

@@ -51,6 +51,13 @@ const MOMENT_STAGES: [(&str, &str); 3] = [
     ("moment_shadows", "the pixel's footprint against the map's moments"),
 ];
 
+/// Stages of `resolution-matched` after what the camera sees.
+const PAGE_STAGES: [(&str, &str); 3] = [
+    ("page_requests", "pages of the light's view that pixels ask for, and those that are made"),
+    ("page_casters", "nearest depth at every texel centre of these"),
+    ("page_query", "depth of every sample against the page of its level"),
+];
+
 /// Stages of `ray-traced` between facets and picture.
 const RAY_STAGES: [(&str, &str); 3] = [
     ("shadow_rays", "a ray from every sample to the light"),
@@ -98,6 +105,7 @@ impl Plan {
             TexelQuery::Map(MapQuery::Nearest | MapQuery::Filtered) => &SHADOW_MAP_STAGES,
             TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,
             TexelQuery::Map(_) => &MOMENT_STAGES,
+            TexelQuery::Pages => &PAGE_STAGES,
             TexelQuery::Rays => &RAY_STAGES,
             TexelQuery::Samples => &BIN_STAGES,
         };

@@ -4,6 +4,7 @@ pub mod depth_map;
 pub mod geometry;
 pub mod masks;
 pub mod meshes;
+pub mod pages;
 pub mod pair_lists;
 pub mod pixels;
 pub mod shadow;

@@ -92,7 +92,9 @@ impl Overlay {
             TexelQuery::Facets => 3,
             TexelQuery::Rays | TexelQuery::Samples => 1,
             TexelQuery::Triangles => 0,
-            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Silhouettes => return self.counted().is_none(),
+            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Silhouettes | TexelQuery::Pages => {
+                return self.counted().is_none();
+            }
         };
         self.counted().is_none_or(|which| which <= most)
     }

@@ -153,6 +153,12 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
             changed |= slider(ui, half, "confidence-power", &mut options.confidence_power, 1..=32);
         }
     }
+    if takes("pages") {
+        let mut pages = options.pages.unwrap_or_default();
+        changed |= slider(ui, half, "pages", &mut pages, 0..=4096);
+        options.pages = Some(pages).filter(|pages| *pages > 0);
+        changed |= slider(ui, half, "finer", &mut options.finer, 0..=4);
+    }
     if takes("exponent") {
         changed |= slider(ui, half, "exponent", &mut options.exponent, 1.0..=42.0);
     }

@@ -75,6 +75,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("exponent", &[&|s| s.moments.exponent = 8.0]);
     vary("layers", &[&|s| s.moments.layers = 7]);
     vary("terms", &[&|s| s.moments.terms = 5]);
+    vary("finer", &[&|s| s.pages.finer = 2]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
     all.push(Settings { count_pixels: true, ..plain.clone() });
     // Holes add the same code whatever the number of samples.

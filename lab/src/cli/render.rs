@@ -241,6 +241,10 @@ fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
     }
     rows.push(row("pixel-texel pairs", c.pixel_texel_pairs, String::new()));
     rows.push(row("triangle-texel pairs", c.triangle_texel_pairs, String::new()));
+    if c.pages > 0 {
+        let coarser = c.thirds_coarser as f64 / 3.0;
+        rows.push(row("pages", c.pages, format!("{} asked for, {coarser:.2} levels coarser", grouped(c.pages_asked))));
+    }
     report.table(&rows, &[1]);
     let lists = &rendered.output.lists;
     if !lists.is_empty() {

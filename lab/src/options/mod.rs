@@ -16,8 +16,8 @@ use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    HistorySettings, MethodName, MomentSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings,
-    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    HistorySettings, MethodName, MomentSettings, PageSettings, ProjectionVariant, RayTracedSettings,
+    ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::Samples;
@@ -129,6 +129,12 @@ pub struct RenderOptions {
     /// Power by which frames of a history count the more the nearer a place lies to its texel's centre: 1 to 64
     #[arg(long, default_value_t = HistorySettings::POWER, value_name = "N")]
     pub confidence_power: u32,
+    /// Pages of 32 x 32 texels of resolution-matched, 4 KiB each: 1 to 32768 [default: as many texels as the map has]
+    #[arg(long, value_name = "N")]
+    pub pages: Option<u32>,
+    /// Levels of pages beyond that whose texels are no longer than a pixel on its receiver (resolution-matched): 0 to 4
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub finer: u32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: MaskChoice,
@@ -275,6 +281,7 @@ impl RenderOptions {
                 layers: self.layers,
                 terms: self.terms,
             },
+            pages: PageSettings { pages: self.pages, finer: self.finer },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             history: self.history(),
             shadow_map: ShadowMapSettings {

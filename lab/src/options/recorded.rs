@@ -67,6 +67,8 @@ impl RenderOptions {
             ("terms", json!(o.terms)),
             ("history", json!(o.history)),
             ("confidence-power", json!(o.confidence_power)),
+            ("pages", json!(o.pages)),
+            ("finer", json!(o.finer)),
         ];
         all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
     }

@@ -53,6 +53,7 @@ fn every_method_keeps_the_contract() {
         ("perspective", "shadow_map"),
         ("parallel-split", "pixel_views"),
         ("remix", "moment_shadows"),
+        ("resolution-matched", "page_casters"),
         ("ray-traced", "shadow_rays"),
         ("supersampled", "sample_tests"),
     ];

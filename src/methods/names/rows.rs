@@ -9,7 +9,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 30] = [
+pub const METHOD_OPTIONS: [&str; 32] = [
     "facets",
     "validity",
     "masks",
@@ -39,6 +39,8 @@ pub const METHOD_OPTIONS: [&str; 30] = [
     "terms",
     "history",
     "confidence-power",
+    "pages",
+    "finer",
     "looks",
 ];
 
@@ -46,7 +48,7 @@ pub const METHOD_OPTIONS: [&str; 30] = [
 const VIEWS: &str = "over casters and receivers; slices, warps; a cube";
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 20] = [
+pub const METHODS: [MethodRow; 21] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -363,6 +365,20 @@ pub const METHODS: [MethodRow; 20] = [
             "confidence-power",
             "looks",
         ],
+    },
+    MethodRow {
+        method: MethodName::ResolutionMatched,
+        name: "resolution-matched",
+        paper: "Lefohn, Sengupta, Owens 2007: Resolution-Matched Shadow Maps",
+        section: "Scherzer 2011: 4.3.3",
+        parts: [
+            "pages of a quadtree as fine as pixels ask, in a budget; slices, warps; a cube",
+            "nearest depth",
+            "compare every sample on the pixel's level",
+        ],
+        query: TexelQuery::Pages,
+        partition: None,
+        options: &["splits", "split-weight", "warp", "focus", "pages", "finer"],
     },
     MethodRow {
         method: MethodName::RayTraced,

@@ -107,11 +107,9 @@ impl World {
         samples: Samples,
         slice: Option<(SplitPlan, usize)>,
     ) -> Self {
-        static FRONT: OnceLock<Front> = OnceLock::new();
-        static FOLDING: OnceLock<Front> = OnceLock::new();
-        let front = if std::ptr::eq(gpu, super::gpu()) { &FRONT } else { &FOLDING };
-        let front = front
-            .get_or_init(|| Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) });
+        static FRONT: Pipelines<Front> = Pipelines::new();
+        let make = || Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) };
+        let front = FRONT.get(gpu, 0, make);
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
         let fitted = LightView::fit(prepared.mesh(), &light, map).expect("a light view");
         let bounds = prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));

@@ -5,8 +5,9 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
-    FacetMode, HistorySettings, MethodName, MomentSettings, PairVariant, ProjectionVariant, RayTracedSettings,
-    ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    FacetMode, HistorySettings, MethodName, MomentSettings, PageSettings, PairVariant, ProjectionVariant,
+    RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding,
+    SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -184,6 +185,14 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 add("warp=trapezoid grazing=5", with(3, Warp::Trapezoid, MomentSettings { grazing: 5.0, ..moments }));
                 add("warp=fitted splits=1", with(1, Warp::Fitted, moments));
                 add("warp=fitted bleeding=0.2", with(3, Warp::Fitted, MomentSettings { bleeding: 0.2, ..moments }));
+            }
+        }
+        MethodName::ResolutionMatched => {
+            for finer in [0, 1, 2] {
+                if finer == 0 || more {
+                    let pages = PageSettings { finer, ..settings.pages };
+                    add(&format!("finer={finer}"), Settings { pages, ..settings.clone() });
+                }
             }
         }
         MethodName::RayTraced => {

@@ -1,0 +1,170 @@
+// page_requests: which pages of the light's view the pixels need (Lefohn, Sengupta, Owens 2007), and which
+// of them there is room for. `request` finds for each pixel the level whose texels are no longer than the
+// pixel's step on its receiver, to the right or down, whichever is longer, FINER levels beyond it, no
+// finer than single precision tells texels apart, and so coarse that the box of its samples is a page long
+// at most; writes it to `levels`, in thirds of a level, which round up, and marks the pages that the box
+// touches. Bits s to s + 2 of a node of `requests` say that its page is needed if all are s thirds coarser
+// than asked for; the words before count the pages of each s, but for the coarsest page, which is always
+// there. `choose` takes the least s whose pages are no more than BUDGET: writes `flags`, 1 of a page that
+// is made, `masks`, the levels of which a page is made that holds a node or lies in it, and behind the
+// offsets in `table` that s and the pages of s = 0.
+
+//@import frame dispatch receiver page_tree divide
+
+const WORKGROUP = 64u;
+const REQUEST_HEAD = 32u;
+const THIRDS = 3u;            // of a level: steps by which all are made coarser
+const TABLE_TAIL = 2u;         // words of `table` behind the nodes before those that `choose` writes
+const SLACK = 0.5;             // texels: whoever reads places samples anew and may round otherwise
+const NOISE = 0.00000095367;   // of a product of a row of the light's view and a point
+
+override FINER: u32 = 0u;
+override BUDGET: u32 = 64u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> samples: array<vec4<f32>, 64>;  // two offsets from the pixel centre each
+@group(0) @binding(2) var<storage, read> id_keys: array<u32>;
+@group(0) @binding(3) var<storage, read> triangles: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read_write> requests: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> levels: array<u32>;
+@group(0) @binding(7) var<storage, read_write> flags: array<u32>;
+@group(0) @binding(8) var<storage, read_write> masks: array<u32>;
+@group(0) @binding(9) var<storage, read_write> table: array<u32>;
+
+// Asks for a page that is `more` thirds finer than its pixel, and for those that hold it in its place. Who
+// asks first goes on to the next.
+fn ask(level: u32, page: vec2<u32>, more: u32) {
+    for (var coarser = 0u; coarser <= level; coarser++) {
+        let at = level - coarser;
+        let word = REQUEST_HEAD + node_of(at, page >> vec2(coarser));
+        // The page is needed from this many thirds on, and for two more.
+        let begin = THIRDS * coarser + 2u - more;
+        let bit = 1u << begin;
+        if (atomicLoad(&requests[word]) & bit) != 0u { break; }
+        let had = atomicOr(&requests[word], bit);
+        if (had & bit) != 0u { break; }
+        if at == 0u { continue; }
+        // Bit s + 2 of these: it was needed at s.
+        let known = had | (had << 1u) | (had << 2u);
+        for (var k = max(begin, 2u); k <= begin + 2u; k++) {
+            if ((known >> k) & 1u) == 0u { atomicAdd(&requests[k - 2u], 1u); }
+        }
+    }
+}
+
+fn sum_of(v: vec4<f32>) -> f32 { return dot(abs(v), vec4(1.0)); }
+
+// The level that a pixel asks for whose step is the root of `square` texels of level PAGE_BASE, and its box
+// `extent` of them long, of a divisor `w`; in thirds.
+fn level_for(square: f32, extent: f32, w: f32) -> i32 {
+    let matched = i32(THIRDS * (PAGE_BASE + FINER)) + i32(ceil(clamp(-1.5 * log2(square), -99.0, 99.0)));
+    // Half a texel of it is above the rounding of a place.
+    let noise = NOISE * (max(sum_of(frame.map_u), sum_of(frame.map_v))
+        + sum_of(frame.map_w) * f32(frame.map_size));
+    let told = min(exponent_of(0.5 * w / noise), i32(PAGE_SHIFT) - 1 - exponent_of(extent));
+    return clamp(min(matched, i32(THIRDS) * (i32(PAGE_BASE) + told)), 0, i32(THIRDS * PAGE_LAST));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn request(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    levels[pixel] = 0u;
+    let r = receiver_of(pixel);
+    if r.seen != SEEN_OPEN { return; }
+    let ray = ray_at(pixel, vec2(0.0));
+    let point = plane_point(r, ray);
+    let at = place_at(point);
+    if at.w == 0.0 { return; }
+    // How the place moves from pixel to pixel.
+    let over = dot(r.normal, ray);
+    let right = (r.height / over) * (frame.ray_x.xyz - ray * (dot(r.normal, frame.ray_x.xyz) / over));
+    let down = (r.height / over) * (frame.ray_y.xyz - ray * (dot(r.normal, frame.ray_y.xyz) / over));
+    let w = dot(frame.map_w, vec4(point.xyz, 1.0));
+    let u = frame.map_u.xyz - at.x * frame.map_w.xyz;
+    let v = frame.map_v.xyz - at.y * frame.map_w.xyz;
+    let to_right = vec2(dot(u, right), dot(v, right)) / w;
+    let to_down = vec2(dot(u, down), dot(v, down)) / w;
+    let square = max(dot(to_right, to_right), dot(to_down, to_down));
+    var low = at.xy;
+    var high = at.xy;
+    var box_low = at.xy;
+    var box_high = at.xy;
+    var whole = true;
+    for (var k = 0u; k < 4u; k++) {
+        let corner = place_of(r, ray_at(pixel, vec2(
+            select(frame.sample_low.x, frame.sample_high.x, (k & 1u) == 1u),
+            select(frame.sample_low.y, frame.sample_high.y, k >= 2u))));
+        whole = whole && corner.w != 0.0;
+        box_low = min(box_low, corner.xy);
+        box_high = max(box_high, corner.xy);
+    }
+    if whole {
+        low = box_low;
+        high = box_high;
+    }
+    let extent = max(high.x - low.x, high.y - low.y);
+    let thirds = u32(level_for(square, extent, w));
+    levels[pixel] = thirds;
+    let level = (thirds + THIRDS - 1u) / THIRDS;
+    let side = f32(frame.map_size);
+    if any(high < vec2(0.0)) || any(low >= vec2(side)) { return; }
+    let scale = scale_of(level);
+    let end = vec2(ceil(side * scale) - 1.0);
+    let first = vec2<u32>(clamp(low * scale - SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT);
+    let last = vec2<u32>(clamp(high * scale + SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT);
+    for (var y = first.y; y <= last.y; y++) {
+        for (var x = first.x; x <= last.x; x++) { ask(level, vec2(x, y), THIRDS * level - thirds); }
+    }
+}
+
+// Whether a page is made `thirds` coarser than asked, by the bits of its node.
+fn is_made(bits: u32, thirds: u32) -> bool {
+    return thirds < 32u && ((bits >> (thirds & 31u)) & 7u) != 0u;
+}
+
+fn bits_of(level: u32, page: vec2<u32>) -> u32 {
+    return atomicLoad(&requests[REQUEST_HEAD + node_of(level, page)]);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn choose(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let node = flat_invocation(group, groups, WORKGROUP, local);
+    let side = finest_side();
+    let nodes = side * tree_width();
+    if node >= nodes { return; }
+    var coarser = 0u;
+    while coarser < THIRDS * PAGE_LAST && atomicLoad(&requests[coarser]) >= BUDGET { coarser++; }
+    if node == 0u {
+        table[nodes + TABLE_TAIL] = coarser;
+        table[nodes + TABLE_TAIL + 1u] = atomicLoad(&requests[0]) + 1u;
+    }
+    let at = divided(node, tree_width()).yx;
+    var level = PAGE_LAST;
+    if at.x >= side { level = firstLeadingBit(max(side - at.y - 1u, 1u)); }
+    let page = at - tree_corner(level);
+    flags[node] = 0u;
+    masks[node] = 0u;
+    // Beside a level, and in the last row, the grid has nodes that are no pages.
+    if any(page >= vec2(1u << level)) { return; }
+    // Bits of a page are those of its own pages below, moved by a level's thirds for each.
+    let bits = bits_of(level, page);
+    var mask = 1u;
+    for (var below = level; below <= PAGE_LAST; below++) {
+        mask |= select(0u, 1u, is_made(bits, coarser + THIRDS * (below - level))) << below;
+    }
+    for (var above = 1u; above < level; above++) {
+        mask |= select(0u, 1u, is_made(bits_of(above, page >> vec2(level - above)), coarser)) << above;
+    }
+    flags[node] = (mask >> level) & 1u;
+    masks[node] = mask;
+}

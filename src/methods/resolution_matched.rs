@@ -1,0 +1,79 @@
+//! `resolution-matched`: resolution-matched shadow maps (Lefohn, Sengupta, Owens 2007), one page of calls to stages. The light's view is a
+//! quadtree of pages of 32 × 32 texels, of which those are made that pixels ask for, by as many thirds of a level coarser as a budget takes. Pages are
+//! made anew in every frame; nothing is read back. Memory is fixed: 4 KiB a page, 20 bytes a node of the tree.
+
+use super::fixed_memory::{FixedMethod, MethodParts, StageInputs};
+use super::output::Counts;
+use super::settings::{PageSettings, ShadowMapSettings};
+use crate::Result;
+use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::stages::PrimaryHits;
+use crate::stages::page_casters::{PageCasters, PageTexels};
+use crate::stages::page_query::PageQuery;
+use crate::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageTree};
+
+/// The method for one image, map and setting.
+#[derive(Debug)]
+pub struct ResolutionMatched {
+    requests: PageRequests,
+    casters: PageCasters,
+    query: PageQuery,
+    nodes: PageNodes,
+    texels: PageTexels,
+    visibility: Buffer<f32>,
+}
+
+impl ResolutionMatched {
+    /// Builds pipelines and memory.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
+    pub fn new(parts: MethodParts) -> Result<Self> {
+        let MethodParts { device, queue, casters, settings, .. } = parts;
+        settings.check()?;
+        let ShadowMapSettings { constant, slope, .. } = settings.shadow_map;
+        let PageSettings { finer, .. } = settings.pages;
+        let (tree, budget) = (PageTree::new(settings.map), settings.pages.budget(settings.map));
+        let requests = PageRequests::new(device, PageRequestsOptions { tree, budget, finer })?;
+        Ok(Self {
+            nodes: PageNodes::new(device, &requests, tree, settings.pixels())?,
+            texels: PageTexels::new(device, queue, casters.triangles.len(), budget)?,
+            requests,
+            casters: PageCasters::new(device, tree, budget, settings.alpha_tested),
+            query: PageQuery::new(device, tree, [constant, slope]),
+            visibility: Buffer::storage(device, "page_query.visibility", settings.pixels())?,
+        })
+    }
+}
+
+impl FixedMethod for ResolutionMatched {
+    fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
+        let (frame, geometry) = (inputs.frame, inputs.geometry);
+        let Self { requests, casters, query, nodes, texels, visibility } = self;
+        rec.clear(nodes.requests.raw());
+        rec.clear(texels.keys.raw());
+        let seen = PrimaryHits {
+            samples: inputs.samples,
+            id_keys: inputs.id_keys,
+            triangles: &inputs.casters.triangles,
+            points: &geometry.points,
+        };
+        {
+            let stage = &mut rec.stage("page_requests");
+            requests.record_request(stage, frame, seen, nodes)?;
+            requests.record_choose(stage, nodes)?;
+        }
+        casters.record(&mut rec.stage("page_casters"), frame, geometry.in_light(inputs.casters), nodes, texels)?;
+        query.record(&mut rec.stage("page_query"), frame, seen, (nodes, texels), visibility);
+        Ok(())
+    }
+
+    fn visibility(&self) -> &Buffer<f32> {
+        &self.visibility
+    }
+
+    fn counts(&self, gpu: &Gpu) -> Result<Option<Counts>> {
+        let [pages, thirds_coarser, pages_asked] = self.nodes.counts(gpu)?.map(u64::from);
+        Ok(Some(Counts { pages, pages_asked, thirds_coarser, ..Counts::default() }))
+    }
+}

@@ -1,0 +1,206 @@
+//! Which pages of the light's view the pixels need, and which of them are made: a quadtree with a hard budget of memory.
+//!
+//! - **Reads** the triangle at each pixel centre, triangles, projected vertices, the box of the samples.
+//! - **Writes** of each pixel the level it asks for, in thirds of a level; of each node of the tree ([`PageTree`]) whether its page is made, and the levels with
+//!   pages that hold it or lie in it; by how many thirds all had to be coarser, and how many pages were asked for.
+//! - **Guarantee.** Bit-equal from run to run. A pixel asks for the coarsest level whose texels are no longer than its step on its
+//!   receiver, to the right or down, whichever is longer, `finer` levels beyond it, as far as single precision tells texels apart. The pages that are made are those asked for, all by
+//!   the least number of thirds of a level coarser by which they are no more than the budget. The coarsest page is always made.
+//! - **Cost.** One dispatch over pixels, one over nodes; 20 bytes a node and 4 a pixel.
+//! - **Source.** Lefohn, Sengupta, Owens 2007 ("Resolution-matched shadow maps"): all steps on the GPU. Marks in a tree take the place of
+//!   its sort of requests.
+
+use super::{PrefixScan, PrimaryHits, SummedArea, holds};
+use crate::frame::Frame;
+use crate::gpu::kernels::page_requests as kernel;
+use crate::gpu::{Buffer, Gpu, Groups, Stage};
+use crate::stages::Count;
+use crate::stages::prefix_scan::PrefixScanScratch;
+use crate::stages::summed_area::{SummedAreaScratch, Texels};
+use crate::{Error, Result};
+
+/// The light's view as a quadtree of pages: level `l` has `2^l` a side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PageTree {
+    /// The level whose texels are those of the frame's map.
+    pub base: u32,
+    /// The finest level.
+    pub last: u32,
+}
+
+impl PageTree {
+    /// Texels a side of a page.
+    pub const PAGE: u32 = kernel::PAGE;
+    /// Most pages that one binding holds.
+    pub const MOST_PAGES: u32 = 32768;
+    /// Levels beyond that of the map.
+    const BEYOND: u32 = 5;
+    /// The finest of all: boxes are 16 bits in halves of its texels.
+    const FINEST: u32 = 9;
+
+    /// The tree of a view whose map has `size` texels a side.
+    pub fn new(size: u32) -> Self {
+        let base = size.div_ceil(Self::PAGE).max(1).next_power_of_two().ilog2();
+        Self { base, last: (base + Self::BEYOND).min(Self::FINEST) }
+    }
+
+    /// Columns and rows of the grid that holds the pages of all levels.
+    pub fn grid(self) -> [usize; 2] {
+        [3 << (self.last - 1), 1 << self.last]
+    }
+
+    /// Nodes of the grid, of which some are no pages.
+    pub fn nodes(self) -> usize {
+        self.grid().iter().product()
+    }
+
+    /// The node of a page.
+    pub fn node(self, level: u32, [x, y]: [u32; 2]) -> usize {
+        let side = 1 << self.last;
+        let corner = if level == self.last { [0, 0] } else { [side, side - (2 << level)] };
+        (corner[1] + y) as usize * self.grid()[0] + (corner[0] + x) as usize
+    }
+
+    /// Pages that take as many texels as a map of `size` a side, as far as one binding holds them.
+    pub fn pages_of_map(size: u32) -> u32 {
+        size.div_ceil(Self::PAGE).pow(2).min(Self::MOST_PAGES)
+    }
+}
+
+/// What is known of the pages of a frame.
+#[derive(Debug)]
+pub struct PageNodes {
+    /// The tree.
+    pub tree: PageTree,
+    /// Pages asked for by how much coarser all are, then bits of every node: see the kernel.
+    pub requests: Buffer<u32>,
+    /// The level that each pixel asks for, in thirds, which round up.
+    pub levels: Buffer<u32>,
+    /// Of each node 1 if its page is made, else 0.
+    pub flags: Buffer<u32>,
+    /// Of each node the levels of which a page is made that holds it or lies in it.
+    pub masks: Buffer<u32>,
+    /// Summed-area table of the flags.
+    pub sat: Buffer<u32>,
+    /// Exclusive scan of the flags, their sum, a flag, by how many thirds of a level all are coarser than asked, how many pages were asked for.
+    pub table: Buffer<u32>,
+    scan_scratch: PrefixScanScratch,
+    sat_scratch: SummedAreaScratch,
+}
+
+impl PageNodes {
+    /// Words behind the nodes in [`PageNodes::table`].
+    pub const TAIL: usize = kernel::TABLE_TAIL as usize + 2;
+
+    /// Memory for a tree and an image of `pixels` pixels, to be used with `with`.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, with: &PageRequests, tree: PageTree, pixels: usize) -> Result<Self> {
+        let ([width, height], nodes) = (tree.grid(), tree.nodes());
+        Ok(Self {
+            tree,
+            requests: Buffer::storage(device, "page_requests.requests", kernel::REQUEST_HEAD as usize + nodes)?,
+            levels: Buffer::storage(device, "page_requests.levels", pixels)?,
+            flags: Buffer::storage(device, "page_requests.flags", nodes)?,
+            masks: Buffer::storage(device, "page_requests.masks", nodes)?,
+            sat: Buffer::storage(device, "page_requests.sat", nodes)?,
+            table: Buffer::storage(device, "page_requests.table", nodes + Self::TAIL)?,
+            scan_scratch: PrefixScan::scratch(device, nodes)?,
+            sat_scratch: with.summed_area.scratch(device, width, height)?,
+        })
+    }
+
+    /// Pages that were made, by how many thirds of a level all are coarser than asked for, and pages that were asked for.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn counts(&self, gpu: &Gpu) -> Result<[u32; 3]> {
+        let table = self.table.read(gpu)?;
+        let at = self.tree.nodes();
+        Ok([0, 2, 3].map(|word| table.get(at + word).copied().unwrap_or_default()))
+    }
+}
+
+/// Settings that the pipelines are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PageRequestsOptions {
+    /// The tree.
+    pub tree: PageTree,
+    /// Pages that may be made: 1 to [`PageTree::MOST_PAGES`].
+    pub budget: u32,
+    /// Levels beyond that whose texels are no longer than a pixel.
+    pub finer: u32,
+}
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct PageRequests {
+    request: kernel::RequestProgram,
+    choose: kernel::ChooseProgram,
+    scan: PrefixScan,
+    summed_area: SummedArea,
+}
+
+impl PageRequests {
+    /// Builds the pipelines.
+    ///
+    /// # Errors
+    /// [`Error::Config`] for a budget that no memory holds.
+    pub fn new(device: &wgpu::Device, options: PageRequestsOptions) -> Result<Self> {
+        let PageRequestsOptions { tree, budget, finer } = options;
+        let most = PageTree::MOST_PAGES;
+        if !(1..=most).contains(&budget) {
+            return Err(Error::Config(format!("page_requests: {budget} pages; 1 to {most} are possible")));
+        }
+        let constants = kernel::Constants { finer, budget, page_base: tree.base, page_last: tree.last };
+        Ok(Self {
+            request: kernel::RequestProgram::new(device, constants),
+            choose: kernel::ChooseProgram::new(device, constants),
+            scan: PrefixScan::new(device),
+            summed_area: SummedArea::new(device, Texels::Words),
+        })
+    }
+
+    /// Records which pages the pixels ask for. [`PageNodes::requests`] must be 0 before.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if `nodes` is for fewer pixels.
+    pub fn record_request(
+        &self,
+        stage: &mut Stage,
+        frame: &Buffer<Frame>,
+        seen: PrimaryHits,
+        nodes: &PageNodes,
+    ) -> Result<()> {
+        holds("page_requests", "levels", nodes.levels.len(), seen.id_keys.len())?;
+        let bindings = kernel::Request {
+            frame: frame.as_uniform(),
+            id_keys: seen.id_keys.as_read(),
+            triangles: seen.triangles.as_read(),
+            points: seen.points.as_read(),
+            requests: nodes.requests.as_write(),
+            levels: nodes.levels.as_write(),
+        };
+        stage.run(&self.request, bindings, Groups::Items(seen.id_keys.len() as u64));
+        Ok(())
+    }
+
+    /// Records which of them are made, their numbers, and the table that counts them.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device has no memory for parameters.
+    pub fn record_choose(&self, stage: &mut Stage, nodes: &PageNodes) -> Result<()> {
+        let count = nodes.tree.nodes();
+        let bindings = kernel::Choose {
+            requests: nodes.requests.as_write(),
+            flags: nodes.flags.as_write(),
+            masks: nodes.masks.as_write(),
+            table: nodes.table.as_write(),
+        };
+        stage.run(&self.choose, bindings, Groups::Items(count as u64));
+        let (flags, table) = (&nodes.flags, &nodes.table);
+        self.scan.record(stage, flags, table, (table, count), &nodes.scan_scratch, Count::Exactly(count))?;
+        self.summed_area.record(stage, flags, &nodes.sat, &nodes.sat_scratch)
+    }
+}

@@ -1,0 +1,242 @@
+//! Levels that pixels ask for against their footprints in `f64`, pages against the boxes of these, and exactly: which pages are made of those
+//! that are asked for.
+
+use crate::support::pages::{Paged, ten_a_row};
+use crate::support::shadow::{
+    World, above, camera, looked_down_on as world, random_light, random_scene, samples, sheet,
+};
+use crate::support::spsm::{faces_away, on_plane};
+use crate::support::{POISON, Random, gpu, sizes_around};
+use oracle::reference::page_requests::{chosen, level, levels_around, thirds};
+use oracle::reference::prefix_scan::exclusive;
+use oracle::reference::summed_area::table;
+use subpixel_shadows::frame::sample_box;
+use subpixel_shadows::glam::DVec2;
+use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::stages::page_requests::PageTree;
+use test_support::gpu_test;
+
+/// Longer step and box of a pixel, texels of the map; `None` where a corner of its box is not seen, or it is too steep to tell.
+fn footprint(world: &World, pixel: u32, t: u32) -> Option<(f64, [DVec2; 2])> {
+    let at = |x: f64, y: f64| on_plane(world, pixel, t, DVec2::new(x, y)).map(|p| p.truncate());
+    let h = 1.0 / 4096.0;
+    let (right, down) = ((at(h, 0.0)? - at(-h, 0.0)?) / (2.0 * h), (at(0.0, h)? - at(0.0, -h)?) / (2.0 * h));
+    let [low, high] = sample_box(&world.samples).map(|corner| corner.map(f64::from));
+    let mut reached = [DVec2::MAX, DVec2::MIN];
+    for [x, y] in [low, [high[0], low[1]], [low[0], high[1]], high] {
+        reached = [reached[0].min(at(x, y)?), reached[1].max(at(x, y)?)];
+    }
+    Some((right.length().max(down.length()), reached))
+}
+
+/// The finest level, over that of the map, that single precision tells texels of: half of one is above the rounding of a place.
+fn told(world: &World, pixel: u32, t: u32) -> Option<f64> {
+    let [a, b, c] = world.triangles[t as usize].corners?;
+    let normal = (b - a).cross(c - a);
+    let ray = oracle::reference::facet_classify::pixel_ray(&world.view, pixel, DVec2::ZERO);
+    let point = ray * (normal.dot(a) / normal.dot(ray));
+    let map = &world.view.map;
+    let w = map.w.dot(point.extend(1.0));
+    let row = |row: subpixel_shadows::glam::DVec4| 2f64.powi(-20) * row.abs().element_sum();
+    let noise = row(map.u).max(row(map.v)) + row(map.w) * f64::from(map.map_size);
+    Some((0.5 * w / noise).log2())
+}
+
+/// Where the stage departs from its definition; how many pixels' levels were known to one.
+fn fault(world: &World, ran: &Paged) -> Result<usize, String> {
+    let tree = [ran.tree.base, ran.tree.last];
+    let size = f64::from(world.view.map.map_size);
+    let asked = ran.asked();
+    let mut reached = vec![false; asked.len()];
+    let (mut sure, mut endless) = (0, false);
+    for (pixel, t) in (0..).zip(&ran.seen) {
+        let found = ran.levels[pixel as usize];
+        let Some(t) = *t else {
+            if found != 0 {
+                return Err(format!("pixel {pixel} sees nothing and asks for level {found}"));
+            }
+            continue;
+        };
+        let dark = faces_away(world, t);
+        if dark == Some(true) {
+            if found != 0 {
+                return Err(format!("pixel {pixel} is dark and asks for level {found}"));
+            }
+            continue;
+        }
+        let Some((step, [low, high])) = footprint(world, pixel, t) else {
+            endless = true;
+            continue;
+        };
+        let told = told(world, pixel, t).ok_or("no triangle")?;
+        let extent = (high - low).max_element();
+        // What rounding may make of them.
+        let of = |more: f64| {
+            let told = (told - more.log2()).floor() as i32;
+            thirds(step * more, extent * more + (more - 1.0) * 0.01, told, ran.finer, tree)
+        };
+        let (finest, coarsest) = (of(1.0 / 1.02), of(1.02));
+        sure += usize::from(finest == coarsest && dark == Some(false));
+        let open = dark.is_none() && found == 0;
+        if !open && !(coarsest..=finest).contains(&found) {
+            return Err(format!("pixel {pixel} asks for level {found}, {coarsest} to {finest} expected"));
+        }
+        let asks = level(found);
+        let more = 3 * asks - found;
+        let scale = f64::from(asks as i32 - ran.tree.base as i32).exp2();
+        let page = f64::from(PageTree::PAGE);
+        let end = (size * scale).ceil() - 1.0;
+        let beside = high.cmplt(DVec2::ZERO).any() || low.cmpge(DVec2::splat(size)).any();
+        let pages = |grow: f64| {
+            let at = |p: DVec2| (p.clamp(DVec2::ZERO, DVec2::splat(end)) / page).floor();
+            [at(low * scale - grow), at(high * scale + grow)]
+        };
+        for (k, ((_, place), _)) in asked.iter().enumerate().filter(|(_, a)| a.0.0 == asks && a.1 == more) {
+            let place = DVec2::new(f64::from(place[0]), f64::from(place[1]));
+            let within = |[low, high]: [DVec2; 2]| place.cmpge(low).all() && place.cmple(high).all();
+            reached[k] |= within(pages(1.0));
+        }
+        if beside || dark.is_none() {
+            continue;
+        }
+        let [first, last] = pages(0.25);
+        for y in first.y as u32..=last.y as u32 {
+            for x in first.x as u32..=last.x as u32 {
+                if !asked.contains(&((asks, [x, y]), more)) {
+                    return Err(format!("pixel {pixel} needs page {x} {y} of level {asks}, which is not asked for"));
+                }
+            }
+        }
+    }
+    if let Some(k) = reached.iter().position(|&reached| !reached && !endless) {
+        return Err(format!("{:?} is asked for by no pixel", asked[k]));
+    }
+    let wanted = chosen(&asked, ran.tree.last, ran.budget as usize);
+    let made: Vec<_> = ran.made().into_keys().collect();
+    if made != wanted.pages.iter().copied().collect::<Vec<_>>() {
+        return Err(format!("{made:?} are made, {wanted:?}"));
+    }
+    let counts = [wanted.pages.len() as u32, wanted.coarser, wanted.asked as u32];
+    if ran.counts != counts || made.len() > ran.budget as usize {
+        return Err(format!("counts {:?}, {counts:?} expected, {} pages of budget", ran.counts, ran.budget));
+    }
+    let mut masks = vec![0; ran.tree.nodes()];
+    for page in ran.all() {
+        masks[ran.tree.node(page.0, page.1)] = levels_around(&wanted.pages, page);
+    }
+    if ran.masks != masks {
+        return Err("levels around nodes".to_owned());
+    }
+    let nodes = ran.tree.nodes();
+    if ran.table[..nodes] != exclusive(&ran.flags).sums || ran.sat != table(&ran.flags, ran.tree.grid()[0]) {
+        return Err("the tables do not count the pages".to_owned());
+    }
+    Ok(sure)
+}
+
+#[track_caller]
+fn check(world: &World, budget: u32, finer: u32) -> Paged {
+    let ran = Paged::new(world, budget, finer);
+    match fault(world, &ran) {
+        Ok(sure) => {
+            let seen = ran.levels.iter().filter(|level| **level > 0).count();
+            assert!(sure * 4 + 9 >= seen, "of {seen} pixels' levels {sure} are known");
+        }
+        Err(text) => panic!("{:?}, {} samples, budget {budget}: {text}", world.light, world.samples.count()),
+    }
+    ran
+}
+
+#[gpu_test]
+fn empty() {
+    let ran = check(&world(gpu(), &Mesh::default(), above(), [3, 2], 9, 8), 4, 0);
+    assert_eq!(ran.counts, [1, 0, 1], "the coarsest page is always there");
+}
+
+#[gpu_test]
+fn one() {
+    let mesh = sheet(1, 2.0, |_, _| 0.0, |p| p);
+    let ran = check(&world(gpu(), &mesh, above(), [1, 1], 63, 1), 64, 0);
+    assert_eq!(ran.levels, [0], "a pixel larger than the map");
+    let ran = check(&world(gpu(), &mesh, above(), [200, 150], 64, 8), 8192, 2);
+    assert!(ran.counts[0] > 20 && ran.counts[1] == 0, "{:?}", ran.counts);
+}
+
+#[gpu_test]
+fn every_size_around_workgroup() {
+    let mesh = random_scene(1, &mut Random::new(31));
+    for pixels in sizes_around(64) {
+        check(&world(gpu(), &mesh, above(), [pixels as u32, 1], 40, 8), 9, 1);
+    }
+}
+
+#[gpu_test]
+fn random_seeded() {
+    let mut random = Random::new(43);
+    for kind in 0..4 {
+        for (k, budget) in [1, 7, 60, 1000].into_iter().enumerate() {
+            let mesh = random_scene(kind, &mut random);
+            let light = random_light(k % 2 == 0, &mut random);
+            let world = world(gpu(), &mesh, light, [60, 40], [64, 150][k / 2], [1, 32, 8, 128][k]);
+            check(&world, budget, k as u32);
+        }
+    }
+}
+
+/// A plane seen almost from its edge, whose footprints have no end, and one that the light almost misses.
+#[gpu_test]
+fn degenerate() {
+    let mesh = sheet(3, 30.0, |_, _| 0.0, |p| p);
+    for height in [1e-3, 0.2] {
+        let camera = camera(DVec2::new(0.0, height).extend(40.0), Default::default(), 40.0);
+        for light in [above(), Light::Directional { direction: [1.0, 0.01, 0.0] }] {
+            check(&World::new(gpu(), &mesh, camera, light, [40, 30], 100, samples(8)), 20, 0);
+        }
+    }
+}
+
+/// More pixels than one dimension of a dispatch of single invocations holds.
+#[gpu_test]
+fn beyond_one_dimension() {
+    let mesh = random_scene(1, &mut Random::new(51));
+    let ran = check(&world(gpu(), &mesh, above(), [65_537, 1], 16, 1), 64, 0);
+    assert!(ran.levels.iter().all(|&level| level != POISON));
+}
+
+#[gpu_test]
+fn two_d_dispatch() {
+    let mesh = random_scene(1, &mut Random::new(61));
+    let of = |gpu| check(&world(gpu, &mesh, above(), [24, 24], 24, 8), 64, 1);
+    let (a, b) = (of(ten_a_row()), of(gpu()));
+    assert!(a.requests == b.requests && a.table == b.table && a.levels == b.levels, "the fold changes the result");
+}
+
+#[gpu_test]
+fn detects_corruption() {
+    let mesh = random_scene(1, &mut Random::new(71));
+    let world = world(gpu(), &mesh, above(), [96, 72], 100, 8);
+    let ran = check(&world, 12, 2);
+    assert!(ran.counts[1] > 0, "the budget is not felt: {:?}", ran.counts);
+    let spoilt = |spoil: &dyn Fn(&mut Paged)| {
+        let mut off = Paged::new(&world, 12, 2);
+        assert!(off.requests == ran.requests && off.table == ran.table, "another result in a second run");
+        spoil(&mut off);
+        fault(&world, &off).is_err()
+    };
+    let head = ran.requests.len() - ran.tree.nodes();
+    let node = |page: (u32, [u32; 2])| ran.tree.node(page.0, page.1);
+    let bits = |p: (u32, [u32; 2])| ran.requests[head + node(p)];
+    let (marked, more) = ran.asked()[1];
+    let bare = ran.all().find(|&p| p.0 > 0 && bits(p) & 7 == 0).expect("a page");
+    assert!(spoilt(&|r| r.requests[head + node(marked)] &= !(4 >> more)));
+    assert!(spoilt(&|r| r.requests[head + node(bare)] |= 1));
+    let open = ran.levels.iter().position(|&level| level > 6).expect("a pixel");
+    assert!(spoilt(&|r| r.levels[open] -= 4));
+    let made = *ran.made().keys().last().expect("a page");
+    assert!(spoilt(&|r| r.flags[node(made)] = 0));
+    assert!(spoilt(&|r| r.masks[node(made)] ^= 1));
+    assert!(spoilt(&|r| r.table[node(made)] ^= 1));
+    assert!(spoilt(&|r| *r.sat.last_mut().expect("a table") += 1));
+    assert!(spoilt(&|r| r.counts[1] += 1));
+    assert!(spoilt(&|r| r.budget = 4000));
+}

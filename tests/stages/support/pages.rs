@@ -1,0 +1,116 @@
+//! The three stages of pages, run one after another, and what they left.
+
+use super::shadow::{World, uniform};
+use super::spsm::with_blocks;
+use super::{POISON, run};
+use oracle::reference::page_requests::{Asked, TreePage};
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::stages::PrimaryHits;
+use subpixel_shadows::stages::page_casters::{PageCasters, PageTexels};
+use subpixel_shadows::stages::page_query::PageQuery;
+use subpixel_shadows::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageTree};
+
+/// Constant and slope of the bias.
+pub const BIAS: [f32; 2] = [5e-5, 1.05];
+
+/// A device whose dispatches fold over ten workgroups a dimension, which nodes of a small tree take.
+pub fn ten_a_row() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| super::small_gpu(10, 1 << 26))
+}
+
+/// What is read back.
+pub struct Paged {
+    pub tree: PageTree,
+    pub budget: u32,
+    pub finer: u32,
+    pub seen: Vec<Option<u32>>,
+    pub requests: Vec<u32>,
+    pub levels: Vec<u32>,
+    pub flags: Vec<u32>,
+    pub masks: Vec<u32>,
+    pub sat: Vec<u32>,
+    pub table: Vec<u32>,
+    pub counts: [u32; 3],
+    pub keys: Vec<u32>,
+    pub visibility: Vec<f32>,
+}
+
+impl Paged {
+    /// Runs the stages on a world.
+    pub fn new(world: &World, budget: u32, finer: u32) -> Self {
+        let gpu = world.gpu;
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let tree = PageTree::new(world.view.map.map_size);
+        let stage = PageRequests::new(device, PageRequestsOptions { tree, budget, finer }).expect("a budget");
+        let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
+        let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
+        let id_keys = Buffer::from_slice(device, queue, "test.ids", &keys).expect("memory");
+        let nodes = PageNodes::new(device, &stage, tree, seen.len()).expect("memory");
+        for poisoned in [&nodes.levels, &nodes.flags, &nodes.masks, &nodes.sat, &nodes.table] {
+            poisoned.write(queue, &vec![POISON; poisoned.len()]);
+        }
+        let triangles = world.triangles.len();
+        let holes = !world.prepared.alpha().is_empty();
+        let texels = PageTexels::new(device, queue, triangles, budget).expect("memory");
+        let visibility = Buffer::<f32>::storage(device, "test.visibility", seen.len()).expect("memory");
+        visibility.write(queue, &vec![f32::from_bits(POISON); seen.len()]);
+        let (points, frame, offsets) = (world.points(), uniform(gpu, &world.frame), world.sample_offsets());
+        let from =
+            PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles: &world.casters.triangles, points: &points };
+        let casters = PageCasters::new(device, tree, budget, holes);
+        let query = PageQuery::new(device, tree, BIAS);
+        run(gpu, |s| {
+            stage.record_request(s, &frame, from, &nodes)?;
+            stage.record_choose(s, &nodes)
+        });
+        with_blocks(world, |blocks| run(gpu, |s| casters.record(s, &frame, blocks, &nodes, &texels)));
+        run(gpu, |s| query.record(s, &frame, from, (&nodes, &texels), &visibility));
+        let read = |buffer: &Buffer<u32>| buffer.read(gpu).expect("readback");
+        Self {
+            tree,
+            budget,
+            finer,
+            seen,
+            requests: read(&nodes.requests),
+            levels: read(&nodes.levels),
+            flags: read(&nodes.flags),
+            masks: read(&nodes.masks),
+            sat: read(&nodes.sat),
+            table: read(&nodes.table),
+            counts: nodes.counts(gpu).expect("readback"),
+            keys: read(&texels.keys),
+            visibility: visibility.read(gpu).expect("readback"),
+        }
+    }
+
+    /// Every page of the tree.
+    pub fn all(&self) -> impl Iterator<Item = TreePage> + use<> {
+        let places = |level: u32| (0..1 << level).flat_map(move |y| (0..1 << level).map(move |x| (level, [x, y])));
+        (0..=self.tree.last).flat_map(places)
+    }
+
+    /// The pages that pixels ask for.
+    pub fn asked(&self) -> Vec<Asked> {
+        let head = self.requests.len() - self.tree.nodes();
+        let bits = |(level, page): TreePage| self.requests[head + self.tree.node(level, page)];
+        self.all()
+            .flat_map(|p| (0..3).filter(move |more| bits(p) >> (2 - more) & 1 == 1).map(move |more| (p, more)))
+            .collect()
+    }
+
+    /// The pages that are made, and their numbers.
+    pub fn made(&self) -> BTreeMap<TreePage, u32> {
+        let node = |(level, page): TreePage| self.tree.node(level, page);
+        self.all().filter(|&p| self.flags[node(p)] == 1).map(|p| (p, self.table[node(p)])).collect()
+    }
+
+    /// Nearest depths of a page that is made, by its number.
+    pub fn depths(&self, number: u32) -> Vec<Option<f64>> {
+        let texels = PageTree::PAGE.pow(2) as usize;
+        let of = |&key: &u32| (key != 0).then(|| f64::from(f32::from_bits(!key)));
+        self.keys[number as usize * texels..][..texels].iter().map(of).collect()
+    }
+}
