@@ -93,7 +93,7 @@ fn blend(
         total = max(weight, LEAST);
         if was.z > 0.0 && depth > 0.0 {
             total += was.y;
-            // What is the same stays the same, to the bit.
+            // A value that is the same stays the same, to the bit.
             if was.x != shown { shown = was.x + max(weight, LEAST) / total * (shown - was.x); }
         }
     }

@@ -37,7 +37,7 @@ fn page_around(box: Rect) -> vec2<u32> {
     return vec2(level, node_of(level, low >> vec2(apart)));
 }
 
-// What of a triangle lies on a level: its texels, the pages of them that are made, blocks of one at most.
+// The part of a triangle on a level: its texels, the pages of them that are made, blocks of one at most.
 struct Part {
     texels: Rect,
     pages: u32,

@@ -174,7 +174,7 @@ fn bare(text: &str) -> String {
     String::from_utf8(bytes).expect("text")
 }
 
-/// What a compiler reads of a kernel, without where it stands.
+/// The parts of a kernel that a compiler reads, without where they stand.
 fn meaning(stem: &str, text: &str) -> String {
     let known = format!("{:?}", parse(stem, text));
     let mut parts = known.split("Span { start: ");

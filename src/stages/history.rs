@@ -65,7 +65,7 @@ pub struct History {
     blend: kernel::BlendProgram,
 }
 
-/// What the stage reads besides what the camera sees, and keeps.
+/// Inputs of the stage besides what the camera sees, and what it keeps.
 #[derive(Debug)]
 pub struct HistoryBuffers {
     /// The views of the light in this frame.

@@ -67,7 +67,7 @@ impl PageTree {
     }
 }
 
-/// What is known of the pages of a frame.
+/// The pages of a frame, as far as they are known.
 #[derive(Debug)]
 pub struct PageNodes {
     /// The tree.

@@ -29,7 +29,7 @@ fn counted(config: &PassConfig, inputs: &Inputs) -> (Vec<u32>, FrameStatus, Vec<
     panic!("no frame is complete");
 }
 
-/// What the renderer reads back to be looked at.
+/// Results that the renderer reads back to be looked at.
 fn looks(scene: &Scene, config: &PassConfig) -> DebugViews {
     let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
     let settings = Settings { count_pixels: false, ..config.settings.clone() };
@@ -110,7 +110,7 @@ fn other_methods_count_what_they_have() {
     assert!(classes.contains(&PixelClass::Undecided) && classes.contains(&PixelClass::Lit));
 }
 
-/// What cannot be given is refused.
+/// Settings that cannot be given are refused.
 #[gpu_test]
 fn counts_that_are_not_there_are_refused() {
     let scene = scene("plane");

@@ -70,7 +70,7 @@ fn fault(world: &World, ran: &Paged) -> Result<usize, String> {
         };
         let told = told(world, pixel, t).ok_or("no triangle")?;
         let extent = (high - low).max_element();
-        // What rounding may make of them.
+        // Results that rounding may make of them.
         let of = |more: f64| {
             let told = (told - more.log2()).floor() as i32;
             thirds(step * more, extent * more + (more - 1.0) * 0.01, told, ran.finer, tree)

@@ -132,7 +132,7 @@ fn degenerate() {
     assert_eq!(got, [of_class(0), of_class(1), of_class(2), of_class(3), of_class(4), poison]);
 }
 
-/// What has no room in the lists is not counted.
+/// Entries without room in the lists are not counted.
 #[gpu_test]
 fn overflow_by_one() {
     let mut random = Random::new(63);

@@ -37,7 +37,7 @@ pub struct Level {
     pub tracing: Option<Tracing>,
     /// The moment that it is of.
     traced: Option<Moment>,
-    /// What is shown needs counts of pixels.
+    /// Whether the overlay needs counts of pixels.
     pub counted: bool,
     running: Option<(Moment, f64)>,
     prepared: Arc<Prepared>,

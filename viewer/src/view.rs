@@ -21,7 +21,7 @@ pub struct ViewArguments {
     /// Where the two halves meet, 0 at the left end to 1 at the right one
     #[arg(long, default_value_t = 0.5, value_name = "SHARE")]
     pub wipe: f32,
-    /// What is shown of both halves
+    /// The overlay of both halves
     #[arg(long, value_enum, default_value_t, value_name = "QUANTITY")]
     pub show: Overlay,
 }

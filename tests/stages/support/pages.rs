@@ -21,7 +21,7 @@ pub fn ten_a_row() -> &'static Gpu {
     GPU.get_or_init(|| super::small_gpu(10, 1 << 26))
 }
 
-/// What is read back.
+/// Words that are read back.
 pub struct Paged {
     pub tree: PageTree,
     pub budget: u32,

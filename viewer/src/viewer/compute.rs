@@ -16,7 +16,7 @@ impl Viewer {
         if self.size_at.1 != size {
             self.size_at = (now, size);
         }
-        // What another overlay needs is made anew, but for what was traced.
+        // Another overlay makes anew all that it needs, but for what was traced.
         let mut traced = None;
         if self.full.as_ref().is_some_and(|level| level.counted != self.view.overlay.counted().is_some()) {
             traced = self.full.take().and_then(|level| level.tracing);
