@@ -22,6 +22,7 @@ pub mod prepared;
 pub mod ray_traced;
 #[cfg(feature = "baselines")]
 pub mod reconstructable;
+#[cfg(feature = "baselines")]
 pub mod resolution_matched;
 pub mod settings;
 #[cfg(feature = "baselines")]

@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(look(7).is_lit(at, 1, KeptMargin::default()), Some(true), "its own triangle is asked");
         let above = view.on_map(view.point([0.0, 1.5, -0.2])).expect("in front of the light").truncate();
         assert_eq!(look(7).is_lit(above, 0, KeptMargin::default()), Some(true));
-        let close = KeptMargin { depth: 10.0, ..KeptMargin::default() };
+        let close = KeptMargin { depth: f64::INFINITY, ..KeptMargin::default() };
         assert_eq!(look(7).is_lit(at, 0, close), None);
     }
 }

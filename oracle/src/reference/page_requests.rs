@@ -81,8 +81,9 @@ mod tests {
         assert_eq!((of(5).coarser, of(5).pages.len(), of(5).asked), (0, 5, 5));
         // The page that is finer than its pixel by two thirds gives way first, to one that is there.
         assert_eq!((of(4).coarser, of(4).pages.len()), (1, 4));
-        assert_eq!((of(3).coarser, of(3).pages.len()), (3, 2));
-        assert_eq!((of(1).coarser, of(1).pages.len()), (4, 1));
+        assert_eq!((of(3).coarser, of(3).pages.len()), (3, 3));
+        assert_eq!((of(2).coarser, of(2).pages.len()), (4, 2));
+        assert_eq!((of(1).coarser, of(1).pages.len()), (6, 1));
         assert_eq!(levels_around(&of(5).pages, (2, [3, 3])), 0b111);
         assert_eq!(levels_around(&of(5).pages, (1, [0, 0])), 0b101);
     }
