@@ -51,6 +51,8 @@ pub struct Half {
     pub bytes: u64,
     /// Radius and points of the light.
     area: (f64, u32),
+    /// Frames of one moment that make its picture, more than one where frames keep a history.
+    pub frames: u32,
     /// The numbers of the first and the last frame that run, a frame a point of the light.
     waits_for: Option<[u64; 2]>,
     /// Whether one of them was not complete.
@@ -76,6 +78,8 @@ impl Half {
         let counts = counted.then(|| [counts(&gpu.device, size), counts(&gpu.device, size)]);
         let options = RenderOptions { size, ..options.clone() };
         let area = (options.light_radius, options.light_points);
+        let keeps = options.method.takes("history");
+        let frames = options.settings().ok().and_then(|s| s.history).filter(|_| keeps).map_or(1, |h| h.frames.max(1));
         let compiled = Arc::new(Compiled::default());
         let (of_gpu, prepared, told) = (gpu.clone(), prepared.clone(), compiled.clone());
         let made = Job::new(context, move || {
@@ -104,6 +108,7 @@ impl Half {
             status: None,
             bytes: 0,
             area,
+            frames,
             waits_for: None,
             lacks: false,
             tries: 0,

@@ -31,6 +31,8 @@ pub struct Level {
     pub shown: Option<Moment>,
     /// The last moment that was tried: one that failed is not tried again.
     tried: Option<Moment>,
+    /// Frames of it that ran.
+    ran: u32,
     /// Seconds from the submission of a moment until it was shown.
     pub seconds: Option<f64>,
     /// Traced truth, where the right half is that.
@@ -65,6 +67,7 @@ impl Level {
             picture,
             shown: None,
             tried: None,
+            ran: 0,
             seconds: None,
             tracing: None,
             traced: None,
@@ -78,7 +81,12 @@ impl Level {
     /// Whether the picture is of this moment, and nothing of it is still computed.
     pub fn is_of(&self, moment: &Moment) -> bool {
         let traced = self.tracing.as_ref().is_some_and(|tracing| tracing.share() == 1.0);
-        self.shown == Some(*moment) && (traced || self.halves.len() > 1)
+        self.shown == Some(*moment) && self.ran >= self.frames() && (traced || self.halves.len() > 1)
+    }
+
+    /// Frames of one moment that make the picture of both halves.
+    fn frames(&self) -> u32 {
+        self.halves.iter().map(|half| half.frames).max().unwrap_or(1)
     }
 
     /// Whether this moment was tried and has no picture, or none can be made.
@@ -102,6 +110,7 @@ impl Level {
                 return false;
             }
             self.running = None;
+            self.ran = if self.tried == Some(moment) { self.ran + 1 } else { 1 };
             self.tried = Some(moment);
             // Of a moment that failed in either half the last picture of both stays.
             if self.halves.iter().any(|half| half.error.is_some()) {
@@ -114,8 +123,11 @@ impl Level {
             self.seconds = Some(now - since);
             return true;
         }
-        if unmade == 0 && self.tried != Some(*wanted) {
-            self.halves.iter_mut().for_each(|half| half.begin(gpu, &wanted.camera, &wanted.light));
+        let failed = self.halves.iter().any(|half| half.error.is_some());
+        let ran = if self.tried == Some(*wanted) { self.ran } else { 0 };
+        if unmade == 0 && (ran == 0 || ran < self.frames() && !failed) {
+            let more = self.halves.iter_mut().filter(|half| ran < half.frames);
+            more.for_each(|half| half.begin(gpu, &wanted.camera, &wanted.light));
             self.running = Some((*wanted, now));
         }
         false

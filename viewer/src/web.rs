@@ -5,9 +5,12 @@ use std::cell::RefCell;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, HtmlAnchorElement, HtmlCanvasElement, Url};
 
+/// Names of files, and their contents or why there is none.
+type Read = Vec<(String, Result<Vec<u8>, String>)>;
+
 thread_local! {
     static LISTENER: RefCell<Option<js_sys::Function>> = const { RefCell::new(None) };
-    static DROPPED: RefCell<Option<(String, Result<Vec<u8>, String>)>> = const { RefCell::new(None) };
+    static DROPPED: RefCell<Option<Read>> = const { RefCell::new(None) };
 }
 
 /// Tells the page, once, that nothing can be drawn any more.
@@ -18,19 +21,21 @@ pub fn tell_lost(why: &str) {
     }
 }
 
-/// Reads a dropped file beside the page; [`take_dropped`] gives it.
-pub fn read_dropped(context: &egui::Context, file: egui::DroppedFileHandle) {
+/// Reads dropped files beside the page; [`take_dropped`] gives them.
+pub fn read_dropped(context: &egui::Context, files: Vec<egui::DroppedFileHandle>) {
     let context = context.clone();
     wasm_bindgen_futures::spawn_local(async move {
-        let name = file.path().to_string_lossy().into_owned();
-        let bytes = file.bytes_async().await;
-        DROPPED.set(Some((name, bytes)));
+        let mut read = Read::new();
+        for file in files {
+            read.push((file.path().to_string_lossy().into_owned(), file.bytes_async().await));
+        }
+        DROPPED.set(Some(read));
         context.request_repaint();
     });
 }
 
-/// A file that was dropped and has been read, once.
-pub fn take_dropped() -> Option<(String, Result<Vec<u8>, String>)> {
+/// Files that were dropped together and have been read, once.
+pub fn take_dropped() -> Option<Read> {
     DROPPED.take()
 }
 

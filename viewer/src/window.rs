@@ -117,7 +117,11 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
             })
         }),
     );
-    ran.map_err(|e| Error::NoAdapter(format!("no window: {e}")))?;
+    ran.map_err(|error| match error {
+        // Of the scene, not of the window.
+        eframe::Error::AppCreation(why) => why.downcast().map_or_else(|e| Error::NoAdapter(e.to_string()), |e| *e),
+        other => Error::NoAdapter(format!("no window: {other}")),
+    })?;
     if let Some(why) = lost.lock().ok().and_then(|mut lost| lost.take()) {
         return Err(Error::Gpu(why));
     }

@@ -258,15 +258,60 @@ fn files_are_dropped() {
     let mut window = Window::new("spheres --samples 8 --map 64 --against truth --wipe 1");
     window.settle();
     let before = window.colours();
-    window.drop_file(&broken);
+    window.drop_files(&[&broken]);
     window.settle();
     let told = window.viewer.complaint().expect("a complaint");
     assert!(told.contains("broken.obj") && told.contains('2') && !told.contains('\n'), "{told}");
     assert_eq!(differing(&window.colours(), &before), 0);
-    window.drop_file(&good);
+    window.drop_files(&[&good]);
     window.settle();
     assert_eq!((window.viewer.complaint(), window.viewer.scene_now().mesh.triangles.len()), (None, 2));
     assert!(differing(&window.colours(), &before) > 5000);
+}
+
+/// Of files that are dropped together the one that names the others is opened; a scene file that is saved of it opens as the same.
+#[gpu_test]
+fn scene_files_are_dropped_and_saved() {
+    let folder = Folder::new("viewer-saved");
+    let good = folder
+        .file("good.obj", "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv -.4 .5 -.4\nv .4 .5 -.4\nv 0 .5 .4\nf 1 3 2\nf 4 6 5\n");
+    let scene = folder.file("scene.toml", "mesh = \"good.obj\"\n[camera]\neye = [1.0, 2.0, 3.0]\n");
+    let mut window = Window::new("plane --samples 8 --map 64 --against '--method pcf --samples 8 --map 64'");
+    window.settle();
+    window.drop_files(&[&good, &scene]);
+    window.settle();
+    window.drag(PointerButton::Primary, [0.3, 0.5], [0.4, 0.55]);
+    window.settle();
+    let shown = window.viewer.scene_now();
+    assert!(
+        shown.name.ends_with("scene.toml") && shown.mesh.triangles.len() == 2 && shown.camera.eye != [1.0, 2.0, 3.0]
+    );
+    window.click("save");
+    let told = window.viewer.complaint().expect("a message");
+    let saved = told.strip_prefix("wrote ").expect(&told).to_owned();
+    assert!(saved.ends_with("view-1.toml"), "{told}");
+    window.drop_files(&[&saved]);
+    window.settle();
+    let again = window.viewer.scene_now();
+    assert_eq!((window.viewer.complaint(), &again.name, again.camera), (None, &saved, shown.camera));
+    assert_eq!((again.light, again.mesh), (shown.light, shown.mesh));
+}
+
+/// A view at rest is drawn as often as its history has frames: it is the library's; a move goes on from there.
+#[gpu_test]
+fn a_history_is_filled_at_rest() {
+    let line = |of: &str| format!("spheres {of} --against '--method shadow-map --map 64 --samples 8'");
+    let mut window = Window::new(&line("--method shadow-map --map 64 --samples 8 --history 8"));
+    window.settle();
+    let halves = [0, 1].map(|half| window.visibility(half));
+    assert_eq!([0, 1].map(|half| differing(&halves[half], &by_library(&window, half))), [0, 0]);
+    assert!(differing(&halves[0], &halves[1]) > 300, "{}", differing(&halves[0], &halves[1]));
+    window.drag(PointerButton::Primary, [0.3, 0.5], [0.4, 0.55]);
+    window.settle();
+    assert_eq!(window.viewer.complaint(), None);
+    let moved = [0, 1].map(|half| window.visibility(half));
+    assert_eq!(differing(&moved[1], &by_library(&window, 1)), 0);
+    assert!(differing(&moved[0], &halves[0]) > 500 && differing(&moved[0], &moved[1]) > 300);
 }
 
 /// Bad lines are told of; good ones open what they name.

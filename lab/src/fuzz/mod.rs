@@ -24,7 +24,7 @@ pub use run::{FuzzProgress, Run, run};
 pub use summary::Summary;
 pub use worlds::Kind;
 
-use crate::scene::{CameraOverride, Scene};
+use crate::scene::{Base, CameraOverride, Scene};
 use random::Random;
 use subpixel_shadows::Result;
 use subpixel_shadows::methods::MethodName;
@@ -62,7 +62,8 @@ impl World {
             mesh.add_ground(ground);
             mesh.check(name)?;
         }
-        Ok(Scene { name: name.into(), mesh, alpha: self.alpha.clone(), camera, light: self.light, ground })
+        let base = Base::Mesh(name.into());
+        Ok(Scene { name: name.into(), base, mesh, alpha: self.alpha.clone(), camera, light: self.light, ground })
     }
 }
 

@@ -1,9 +1,9 @@
 //! Opening a scene by name or path.
 
 use super::builtin::{builtin, names};
-use super::load::{EXTENSIONS, Loaded, load, parse};
+use super::load::{EXTENSIONS, Files, Loaded, load_among};
 use super::options::{DEFAULT_LIGHT, SceneOptions};
-use super::{AlphaTested, Mesh, Scene};
+use super::{AlphaTested, Base, Mesh, Scene};
 use std::path::Path;
 use subpixel_shadows::{Error, Result};
 
@@ -26,22 +26,23 @@ impl Scene {
     /// # Errors
     /// As [`Scene::open`].
     pub fn open_and_note(spec: &str, options: &SceneOptions) -> Result<(Self, Option<String>)> {
-        let loaded = match builtin(spec) {
-            Some(scene) => {
-                let (camera, light) = (Some(scene.camera), Some(scene.light));
-                Loaded { mesh: scene.mesh, alpha: scene.alpha, camera, light, ..Loaded::default() }
-            }
-            None => from_file(spec)?,
-        };
-        Self::of_loaded(spec, loaded, options)
+        Self::open_among(spec, options, &Files::default())
     }
 
-    /// As [`Scene::open_and_note`], of the bytes of a file of that name, which somebody else has read.
+    /// As [`Scene::open_and_note`]; files, also those that a file names, are looked for among `files` first.
     ///
     /// # Errors
     /// As [`Scene::open`].
-    pub fn of_bytes(name: &str, bytes: &[u8], options: &SceneOptions) -> Result<(Self, Option<String>)> {
-        Self::of_loaded(name, parse(Path::new(name), bytes)?, options)
+    pub fn open_among(spec: &str, options: &SceneOptions, files: &Files) -> Result<(Self, Option<String>)> {
+        let loaded = match builtin(spec) {
+            Some(scene) => {
+                let (camera, light) = (Some(scene.camera), Some(scene.light));
+                let base = Some(scene.base);
+                Loaded { mesh: scene.mesh, alpha: scene.alpha, camera, light, base, ..Loaded::default() }
+            }
+            None => from_file(spec, files)?,
+        };
+        Self::of_loaded(spec, loaded, options)
     }
 
     fn of_loaded(spec: &str, loaded: Loaded, options: &SceneOptions) -> Result<(Self, Option<String>)> {
@@ -56,9 +57,9 @@ impl Scene {
             mesh.add_ground(ground);
             mesh.check(spec)?;
         }
-        let alpha = loaded.alpha;
+        let (alpha, base) = (loaded.alpha, loaded.base.unwrap_or_else(|| Base::Mesh(spec.into())));
         alpha.check(&mesh)?;
-        Ok((Self { name: spec.into(), mesh, alpha, camera, light, ground }, note))
+        Ok((Self { name: spec.into(), base, mesh, alpha, camera, light, ground }, note))
     }
 
     /// A scene of one mesh with the camera that frames it and the [`DEFAULT_LIGHT`].
@@ -69,7 +70,8 @@ impl Scene {
         mesh.check(name)?;
         let camera = super::CameraOverride::default().apply(None, &mesh).map_err(|e| named(name, e))?;
         let alpha = AlphaTested::default();
-        Ok(Self { name: name.into(), mesh, alpha, camera, light: DEFAULT_LIGHT, ground: None })
+        let base = Base::Mesh(name.into());
+        Ok(Self { name: name.into(), base, mesh, alpha, camera, light: DEFAULT_LIGHT, ground: None })
     }
 }
 
@@ -81,9 +83,9 @@ fn named(name: &str, error: Error) -> Error {
     }
 }
 
-fn from_file(spec: &str) -> Result<Loaded> {
+fn from_file(spec: &str, files: &Files) -> Result<Loaded> {
     let path = Path::new(spec);
-    let means_file = path.exists() || path.extension().is_some() || path.components().count() > 1;
+    let means_file = files.holds(path) || path.exists() || path.extension().is_some() || path.components().count() > 1;
     if !means_file {
         return Err(Error::Scene(format!(
             "no scene '{}'; built in are {}; files are read with the extensions {}",
@@ -92,5 +94,5 @@ fn from_file(spec: &str) -> Result<Loaded> {
             EXTENSIONS.join(", ")
         )));
     }
-    load(path)
+    load_among(path, files)
 }

@@ -6,6 +6,7 @@ use crate::level::Moment;
 use crate::overlay::Overlay;
 use egui::{Key, Pos2, Rect};
 use glam::Vec3;
+use std::path::Path;
 
 impl Viewer {
     pub(super) fn take_pointer(&mut self, response: &egui::Response, rect: Rect, now: f64) {
@@ -94,24 +95,49 @@ impl Viewer {
 
     pub(super) fn take_dropped(&mut self, context: &egui::Context) {
         let dropped = context.input(|input| input.raw.dropped_files.clone());
-        if dropped.len() > 1 {
-            self.message = Some(format!("{} files were dropped; the first is opened", dropped.len()));
-        }
         #[cfg(not(target_family = "wasm"))]
-        if let Some(file) = dropped.first() {
-            let path = file.path().to_string_lossy().into_owned();
-            self.open(&path);
+        if !dropped.is_empty() {
+            let names = dropped.iter().map(|file| file.path().to_string_lossy().into_owned());
+            self.open_first(names.collect());
         }
         #[cfg(target_family = "wasm")]
-        if let Some(file) = dropped.first().cloned() {
-            crate::web::read_dropped(context, file);
-        }
-        #[cfg(target_family = "wasm")]
-        if let Some((name, bytes)) = crate::web::take_dropped() {
-            match bytes {
-                Ok(bytes) => self.open_bytes(&name, bytes),
-                Err(error) => self.message = Some(format!("{name}: {error}")),
+        {
+            if !dropped.is_empty() {
+                crate::web::read_dropped(context, dropped);
+            }
+            if let Some(read) = crate::web::take_dropped() {
+                self.hold(read);
             }
         }
+    }
+
+    /// Opens the file that may name the others of these.
+    fn open_first(&mut self, names: Vec<String>) {
+        let rank = |name: &&String| {
+            let extension = Path::new(name).extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            ["toml", "gltf", "glb", "obj", "ply"].iter().position(|known| *known == extension).unwrap_or(5)
+        };
+        if let Some(first) = names.iter().min_by_key(rank) {
+            self.open(&first.clone());
+        }
+    }
+
+    /// Holds files whose content is there, and opens one. A model takes the place of all that was held before.
+    #[cfg(target_family = "wasm")]
+    fn hold(&mut self, read: Vec<(String, Result<Vec<u8>, String>)>) {
+        if read.iter().any(|(name, _)| !name.ends_with(".toml")) {
+            self.files = Default::default();
+        }
+        let names = read.iter().map(|(name, _)| name.clone()).collect();
+        for (name, bytes) in read {
+            match bytes {
+                Ok(bytes) => self.files.hold(name, bytes),
+                Err(error) => {
+                    self.message = Some(format!("{name}: {error}"));
+                    return;
+                }
+            }
+        }
+        self.open_first(names);
     }
 }

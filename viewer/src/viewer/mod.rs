@@ -17,7 +17,7 @@ use crate::view::View;
 use crate::{fonts, panel, read};
 use egui::{Color32, Rect, TextureId, Ui};
 use egui_wgpu::RenderState;
-use lab::scene::{Light, Scene, SceneOptions};
+use lab::scene::{Base, Files, Light, Scene, SceneOptions};
 use oracle::truth::Tracer;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -99,8 +99,10 @@ pub struct Viewer {
     path: String,
     image: Rect,
     shots: u32,
+    /// Files that were dropped on a page.
+    files: Files,
     #[cfg(target_family = "wasm")]
-    files: u32,
+    saved: u32,
 }
 
 impl Viewer {
@@ -158,8 +160,9 @@ impl Viewer {
             path: String::new(),
             image: Rect::NOTHING,
             shots: 0,
+            files: Files::default(),
             #[cfg(target_family = "wasm")]
-            files: 0,
+            saved: 0,
         })
     }
 
@@ -202,6 +205,7 @@ impl Viewer {
         let Moment { camera, light } = self.moment;
         let scene = Scene {
             name: name.clone(),
+            base: Base::Mesh(name.clone()),
             mesh: Default::default(),
             alpha: Default::default(),
             camera,
@@ -260,18 +264,13 @@ impl Viewer {
 
     /// Opens a built-in scene or a file beside the window; what is shown stays until it is there.
     pub fn open(&mut self, name: &str) {
-        self.begin(name, Scene::open_and_note);
+        self.begin(name.to_owned(), SceneOptions { ground: self.view.left.ground, ..SceneOptions::default() });
     }
 
-    /// Opens a file of which the content is there.
-    pub fn open_bytes(&mut self, name: &str, bytes: Vec<u8>) {
-        self.begin(name, move |name, options| Scene::of_bytes(name, &bytes, options));
-    }
-
-    fn begin(&mut self, name: &str, open: impl FnOnce(&str, &SceneOptions) -> Opened + Send + 'static) {
-        let options = SceneOptions { ground: self.view.left.ground, ..SceneOptions::default() };
-        let spec = name.to_owned();
-        self.opening = Some((name.to_owned(), Job::new(&self.context, move || ready(open(&spec, &options)))));
+    fn begin(&mut self, name: String, options: SceneOptions) {
+        let (spec, files) = (name.clone(), self.files.clone());
+        let open = move || ready(Scene::open_among(&spec, &options, &files));
+        self.opening = Some((name, Job::new(&self.context, open)));
         self.message = None;
     }
 
@@ -284,9 +283,7 @@ impl Viewer {
         let options = view.left.of_scene()?;
         let spec = view.scene.clone().unwrap_or_else(|| "windmill".to_owned());
         self.view = view;
-        let name = spec.clone();
-        self.opening = Some((name, Job::new(&self.context, move || ready(Scene::open_and_note(&spec, &options)))));
-        self.message = None;
+        self.begin(spec, options);
         self.forget_levels();
         Ok(())
     }

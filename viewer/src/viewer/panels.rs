@@ -156,9 +156,9 @@ impl Viewer {
     /// Offers a scene file to be kept.
     #[cfg(target_family = "wasm")]
     pub(super) fn save_scene(&mut self) {
-        self.files += 1;
+        self.saved += 1;
         let text = scene_file(&self.scene_now());
-        self.message = crate::web::offer(&format!("view-{}.toml", self.files), text.as_bytes()).err();
+        self.message = crate::web::offer(&format!("view-{}.toml", self.saved), text.as_bytes()).err();
     }
 
     /// Writes a scene file beside the model.
@@ -211,7 +211,7 @@ impl Viewer {
                     ("P", "screenshot"),
                     ("H", "hide the panel"),
                     ("F1", "this help"),
-                    ("drop a file", "open .glb .gltf .obj .ply .toml"),
+                    ("drop files", "open .glb .gltf .obj .ply .toml, with what they name beside them"),
                 ] {
                     ui.label(what);
                     ui.label(does);

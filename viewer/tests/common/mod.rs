@@ -80,9 +80,10 @@ impl Window {
         self.run(input);
     }
 
-    /// A frame in which a file is dropped.
-    pub fn drop_file(&mut self, path: &str) {
-        let dropped_files: Vec<egui::DroppedFileHandle> = vec![Arc::new(Dropped(path.into()))];
+    /// A frame in which files are dropped.
+    pub fn drop_files(&mut self, paths: &[&str]) {
+        let dropped = |path: &&str| -> egui::DroppedFileHandle { Arc::new(Dropped((*path).into())) };
+        let dropped_files = paths.iter().map(dropped).collect();
         let input = RawInput { dropped_files, ..self.input(Vec::new()) };
         self.run(input);
     }

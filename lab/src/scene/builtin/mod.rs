@@ -19,7 +19,7 @@ mod treeline;
 mod windmill;
 
 use super::options::camera_at;
-use super::{Light, Scene};
+use super::{Base, Light, Scene};
 use build::Build;
 
 /// Names of the built-in scenes.
@@ -56,7 +56,15 @@ pub fn builtin(name: &str) -> Option<Scene> {
     };
     let camera = camera_at(&view.build.mesh, view.eye, view.target, view.fov);
     let Build { mesh, alpha, .. } = view.build;
-    Some(Scene { name: name.into(), mesh, alpha, camera, light: view.light, ground: None })
+    Some(Scene {
+        name: name.into(),
+        base: Base::Builtin(name.into()),
+        mesh,
+        alpha,
+        camera,
+        light: view.light,
+        ground: None,
+    })
 }
 
 /// A scene's geometry with the place it is seen from and lit from.

@@ -3,14 +3,17 @@
 //! Each reads bytes that may be anything. Whatever is wrong with them comes back as one line that names the file, the
 //! object and the numbers; counts that a file declares are held against its size before memory is taken for them.
 
+mod files;
 mod gltf;
 mod obj;
 mod ply;
 mod text;
 mod toml;
 
+use self::files::Beside;
+pub use self::files::Files;
 pub use self::toml::scene_file;
-use super::{AlphaTested, Camera, Light, Mesh};
+use super::{AlphaTested, Base, Camera, Light, Mesh};
 use std::path::{Component, Path, PathBuf};
 use subpixel_shadows::{Error, Result};
 
@@ -27,6 +30,8 @@ pub struct Loaded {
     pub light: Option<Light>,
     /// Whether it asks for a ground plane.
     pub ground: bool,
+    /// The mesh, as a scene file that is beside this file names it.
+    pub base: Option<Base>,
     /// Parts that are not read, each kind with its number, such as `2 skins`.
     pub ignored: Vec<String>,
 }
@@ -46,26 +51,29 @@ type Parsed<T> = std::result::Result<T, String>;
 /// [`Error::File`], one line, if the file cannot be read, is something else than its extension says, is damaged, or
 /// holds a mesh, camera or light that cannot be used.
 pub fn load(path: &Path) -> Result<Loaded> {
-    extension(path)?;
-    parse(path, &read(path)?)
+    load_among(path, &Files::default())
 }
 
-/// As [`load`], of bytes that somebody else has read. What they name besides is read from files beside `path`.
+/// As [`load`], of a file among others: those that it names are looked for there first.
 ///
 /// # Errors
 /// As [`load`].
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<Loaded> {
+pub fn load_among(path: &Path, files: &Files) -> Result<Loaded> {
     let extension = extension(path)?;
+    let bytes = &files.read(path)?[..];
+    let beside = Beside { folder: path.parent().unwrap_or(Path::new("")), files };
     if bytes.is_empty() {
         return Err(Error::file(path, "is empty (0 bytes)"));
     }
     let loaded = sniff(bytes, &extension).and_then(|()| match extension.as_str() {
-        "toml" => toml::load(path, bytes),
+        "toml" => toml::load(beside, bytes),
         "obj" => obj::parse(bytes),
         "ply" => ply::parse(bytes),
-        _ => gltf::parse(path, bytes),
+        _ => gltf::parse(beside, bytes),
     });
-    loaded.and_then(Loaded::checked).map_err(|message| Error::file(path, one_line(&message)))
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let named = |loaded: Loaded| Loaded { base: loaded.base.or(Some(Base::Mesh(name))), ..loaded };
+    loaded.and_then(Loaded::checked).map(named).map_err(|message| Error::file(path, one_line(&message)))
 }
 
 impl Loaded {
@@ -98,22 +106,6 @@ fn without_name(error: &Error) -> String {
         Error::Mesh { message, .. } | Error::File { message, .. } | Error::Scene(message) => message.clone(),
         other => other.to_string(),
     }
-}
-
-/// Reads a whole file of sensible size.
-fn read(path: &Path) -> Result<Vec<u8>> {
-    let fault = |e: std::io::Error| Error::file(path, one_line(&e.to_string()));
-    let metadata = std::fs::metadata(path).map_err(fault)?;
-    if !metadata.is_file() {
-        return Err(Error::file(path, "is not a file"));
-    }
-    if metadata.len() > MAX_FILE_BYTES {
-        return Err(Error::file(
-            path,
-            format!("has {} bytes, files of at most {MAX_FILE_BYTES} are read", metadata.len()),
-        ));
-    }
-    std::fs::read(path).map_err(fault)
 }
 
 /// The extension of a file that is read, in lower case.

@@ -17,13 +17,12 @@
 //! angle = 60.0           # full cone, degrees
 //! ```
 
-use super::super::builtin::{BUILTIN_NAMES, builtin};
+use super::super::builtin::{builtin, names};
 use super::super::options::{CameraOverride, light_from_parts};
-use super::super::{Lens, Light, Scene};
+use super::super::{Base, Lens, Light, Scene};
 use super::text::without_bom;
-use super::{Loaded, Parsed, inside, quoted, without_name};
+use super::{Beside, Loaded, Parsed, inside, load_among, quoted, without_name};
 use serde::Deserialize;
-use std::path::Path;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -46,8 +45,8 @@ struct LightTable {
     angle: Option<f32>,
 }
 
-/// Reads the scene file at `path`.
-pub(super) fn load(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
+/// Reads a scene file; `beside` it lies its mesh.
+pub(super) fn load(beside: Beside, bytes: &[u8]) -> Parsed<Loaded> {
     let text =
         std::str::from_utf8(without_bom(bytes)).map_err(|e| format!("is not UTF-8 at byte {}", e.valid_up_to()))?;
     let file: SceneFile = ::toml::from_str(text).map_err(|e| {
@@ -56,7 +55,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
         format!("line {line}: {}", e.message())
     })?;
 
-    let mut loaded = base(path, &file)?;
+    let mut loaded = base(beside, &file)?;
     loaded.ground = file.ground;
     if let Some(camera) = &file.camera {
         loaded.camera = Some(camera.apply(loaded.camera, &loaded.mesh).map_err(|e| without_name(&e))?);
@@ -72,12 +71,14 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
     Ok(loaded)
 }
 
-/// The text of a scene file that opens as `scene`, whose mesh is a built-in one or lies beside the file.
+/// The text of a scene file that opens as `scene`, in the folder of the file that it was opened from.
 pub fn scene_file(scene: &Scene) -> String {
     let vector = |v: [f32; 3]| format!("[{:?}, {:?}, {:?}]", v[0], v[1], v[2]);
-    let name = Path::new(&scene.name).file_name().map_or(scene.name.as_str().into(), |name| name.to_string_lossy());
-    let key = if BUILTIN_NAMES.contains(&scene.name.as_str()) { "builtin" } else { "mesh" };
-    let mut text = format!("{key} = {}\n", ::toml::Value::from(name.as_ref()));
+    let (key, name) = match &scene.base {
+        Base::Builtin(name) => ("builtin", name),
+        Base::Mesh(name) => ("mesh", name),
+    };
+    let mut text = format!("{key} = {}\n", ::toml::Value::from(name.as_str()));
     if scene.ground.is_some() {
         text += "ground = true\n";
     }
@@ -102,24 +103,27 @@ pub fn scene_file(scene: &Scene) -> String {
 }
 
 /// Base of the scene file.
-fn base(path: &Path, file: &SceneFile) -> Parsed<Loaded> {
+fn base(beside: Beside, file: &SceneFile) -> Parsed<Loaded> {
     match (&file.mesh, &file.builtin) {
-        (Some(mesh), None) => {
-            let mesh = inside(path.parent().unwrap_or(Path::new("")), mesh)?;
+        (Some(name), None) => {
+            let mesh = inside(beside.folder, name)?;
             // Scene files do not nest, so they cannot name each other in a circle.
             if mesh.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
                 return Err(format!("mesh {} is a scene file itself", quoted(&mesh.to_string_lossy())));
             }
-            super::load(&mesh).map_err(|e| e.to_string())
+            let loaded = load_among(&mesh, beside.files).map_err(|e| e.to_string())?;
+            Ok(Loaded { base: Some(Base::Mesh(name.clone())), ..loaded })
         }
         (None, Some(name)) => {
-            let scene = builtin(name)
-                .ok_or_else(|| format!("builtin {} is none of {}", quoted(name), BUILTIN_NAMES.join(", ")))?;
+            let scene = builtin(name).ok_or_else(|| {
+                format!("builtin {} is none of {}", quoted(name), names().collect::<Vec<_>>().join(", "))
+            })?;
             Ok(Loaded {
                 mesh: scene.mesh,
                 alpha: scene.alpha,
                 camera: Some(scene.camera),
                 light: Some(scene.light),
+                base: Some(scene.base),
                 ..Loaded::default()
             })
         }
@@ -129,29 +133,56 @@ fn base(path: &Path, file: &SceneFile) -> Parsed<Loaded> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::SceneOptions;
+    use super::super::Files;
     use super::*;
+    use std::path::Path;
 
     #[test]
     fn scene_files_read_back() {
+        let files = Files::default();
+        let beside = Beside { folder: Path::new(""), files: &files };
         for (name, light) in [
             ("plane", Light::Point { position: [1.0, 1e-30, -3e7] }),
             ("spheres", Light::Spot { position: [1.0, 2.0, 0.3], target: [0.7, 0.0, 0.0], angle_degrees: 33.3 }),
             ("knot", Light::Directional { direction: [0.1, 0.7, 0.300_000_1] }),
+            ("leaves", Light::Directional { direction: [0.1, 0.7, 0.3] }),
         ] {
             let mut scene = builtin(name).unwrap();
             scene.light = light;
             scene.camera.eye[1] += 0.1;
             scene.camera.lens.shift = [0.25, -0.1];
-            let read = load(Path::new("s.toml"), scene_file(&scene).as_bytes()).unwrap();
+            let read = load(beside, scene_file(&scene).as_bytes()).unwrap();
             assert_eq!((read.light, read.mesh.triangles.len()), (Some(light), scene.mesh.triangles.len()));
+            assert_eq!((read.base.as_ref(), read.alpha == scene.alpha), (Some(&scene.base), true), "{name}");
             let camera = read.camera.unwrap();
             assert_eq!(
                 (camera.eye, camera.target, camera.lens),
                 (scene.camera.eye, scene.camera.target, scene.camera.lens)
             );
         }
-        let mesh = Scene { name: "folder/a \"b\".obj".into(), ..builtin("plane").unwrap() };
-        let file: SceneFile = ::toml::from_str(&scene_file(&mesh)).unwrap();
-        assert_eq!(file.mesh.as_deref(), Some("a \"b\".obj"));
+    }
+
+    /// What is saved of a scene names what it was made of, whether that was opened by itself or by another scene file.
+    #[test]
+    fn scene_files_name_what_can_be_opened() {
+        const MESH: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let mut files = Files::default();
+        files.hold("folder/sub/a \"b\".obj", MESH);
+        files.hold("folder/first.toml", &b"mesh = 'sub/a \"b\".obj'\nground = true\n"[..]);
+        let open = |files: &Files, name: &str| Scene::open_among(name, &SceneOptions::default(), files).map(|o| o.0);
+        let first = open(&files, "folder/first.toml").unwrap();
+        assert_eq!((first.mesh.triangles.len(), &first.base), (3, &Base::Mesh("sub/a \"b\".obj".into())));
+        files.hold("folder/second.toml", scene_file(&first).into_bytes());
+        let second = open(&files, "folder/second.toml").unwrap();
+        assert_eq!((&second.mesh, &second.base), (&first.mesh, &first.base));
+        assert_eq!((second.camera, second.light), (first.camera, first.light));
+        let alone = open(&files, "folder/sub/a \"b\".obj").unwrap();
+        files.hold("folder/sub/third.toml", scene_file(&alone).into_bytes());
+        assert_eq!(open(&files, "folder/sub/third.toml").unwrap().mesh, alone.mesh);
+        // In another folder there is no such mesh.
+        files.hold("third.toml", scene_file(&alone).into_bytes());
+        let told = open(&files, "third.toml").unwrap_err().to_string();
+        assert!(told.contains("third.toml") && told.contains("a \"b\".obj"), "{told}");
     }
 }

@@ -1,6 +1,6 @@
 //! Materials of a glTF document that are alpha-tested (`alphaMode` `MASK`): alpha of their base colour texture.
 
-use super::super::Parsed;
+use super::super::{Beside, Parsed};
 use super::accessor::Source;
 use super::buffers::from_uri;
 use super::json::{Material, TextureInfo};
@@ -8,7 +8,6 @@ use image::{ImageFormat, ImageReader, Limits};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Cursor;
-use std::path::Path;
 use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaWrap};
 
 /// Cutoff of a material that tells none.
@@ -53,7 +52,7 @@ pub(super) fn is_read(material: &Material) -> bool {
 
 impl Materials {
     /// Map and texture coordinates of a material; `None` for one without holes.
-    pub(super) fn tested(&mut self, source: &Source, folder: &Path, material: usize) -> Parsed<Option<Tested>> {
+    pub(super) fn tested(&mut self, source: &Source, beside: Beside, material: usize) -> Parsed<Option<Tested>> {
         let all = &source.root.materials;
         let of =
             all.get(material).ok_or_else(|| format!("glTF: material {material} is used, there are {}", all.len()))?;
@@ -63,7 +62,7 @@ impl Materials {
         let map = match self.known.get(&material) {
             Some(&known) => known,
             None => {
-                let made = self.map(source, folder, of).map_err(|e| format!("glTF: material {material}: {e}"))?;
+                let made = self.map(source, beside, of).map_err(|e| format!("glTF: material {material}: {e}"))?;
                 let number = made.map(|map| {
                     self.maps.push(map);
                     self.maps.len() as u32 - 1
@@ -81,14 +80,14 @@ impl Materials {
     }
 
     /// The map of an alpha-tested material; `None` where it has no hole.
-    fn map(&mut self, source: &Source, folder: &Path, of: &Material) -> Parsed<Option<AlphaMap>> {
+    fn map(&mut self, source: &Source, beside: Beside, of: &Material) -> Parsed<Option<AlphaMap>> {
         let factor = of.pbr.base_color_factor.map_or(1.0, |factor| factor[3]);
         let cutoff = of.alpha_cutoff.unwrap_or(CUTOFF);
         if !factor.is_finite() || !cutoff.is_finite() || factor < 0.0 || cutoff < 0.0 {
             return Err(format!("alpha of {factor} times its texture's, cut off at {cutoff}"));
         }
         let Some((size, mut alpha, filter, wrap)) = (match &of.pbr.base_color_texture {
-            Some(info) => self.texture(source, folder, info.index)?,
+            Some(info) => self.texture(source, beside, info.index)?,
             None => Some(([1, 1], vec![255], AlphaFilter::Nearest, [AlphaWrap::Repeat; 2])),
         }) else {
             self.unread += 1;
@@ -116,7 +115,7 @@ impl Materials {
     fn texture(
         &mut self,
         source: &Source,
-        folder: &Path,
+        beside: Beside,
         index: usize,
     ) -> Parsed<Option<([u32; 2], Vec<u8>, AlphaFilter, [AlphaWrap; 2])>> {
         let root = source.root;
@@ -140,16 +139,16 @@ impl Materials {
         let wraps = [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?];
         let filter = if sampler.mag_filter == Some(9728) { AlphaFilter::Nearest } else { AlphaFilter::Bilinear };
         let Some(image) = texture.source else { return Ok(None) };
-        let read = self.image(source, folder, image).map_err(|e| format!("image {image}: {e}"))?;
+        let read = self.image(source, beside, image).map_err(|e| format!("image {image}: {e}"))?;
         Ok(read.map(|(size, alpha)| (size, alpha, filter, wraps)))
     }
 
     /// Size of an image and alpha of its pixels; `None` if it is in a format that is not read.
-    fn image(&mut self, source: &Source, folder: &Path, index: usize) -> Parsed<Option<([u32; 2], Vec<u8>)>> {
+    fn image(&mut self, source: &Source, beside: Beside, index: usize) -> Parsed<Option<([u32; 2], Vec<u8>)>> {
         let images = &source.root.images;
         let image = images.get(index).ok_or_else(|| format!("is used, there are {}", images.len()))?;
         let bytes: Cow<[u8]> = match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => from_uri(uri, folder)?.into(),
+            (Some(uri), _) => from_uri(uri, beside)?,
             (None, Some(view)) => source.view(view)?.into(),
             (None, None) => return Err("has no data".to_owned()),
         };

@@ -1,17 +1,16 @@
 //! The bytes of a glTF document's buffers: from the binary chunk, from a file beside it, or from a data URI.
 
-use super::super::{MAX_FILE_BYTES, Parsed, inside, quoted};
+use super::super::{Beside, MAX_FILE_BYTES, Parsed, quoted};
 use super::json::Root;
 use std::borrow::Cow;
-use std::path::Path;
 
 /// The bytes of all buffers of `root`, in order.
-pub(super) fn load<'a>(root: &Root, folder: &Path, chunk: Option<&'a [u8]>) -> Parsed<Vec<Cow<'a, [u8]>>> {
+pub(super) fn load<'a>(root: &Root, beside: Beside<'a>, chunk: Option<&'a [u8]>) -> Parsed<Vec<Cow<'a, [u8]>>> {
     let mut total = 0u64;
     let mut buffers = Vec::new();
     for (i, buffer) in root.buffers.iter().enumerate() {
         let data: Cow<'a, [u8]> = match (&buffer.uri, chunk) {
-            (Some(uri), _) => from_uri(uri, folder).map_err(|e| format!("glTF: buffer {i}: {e}"))?.into(),
+            (Some(uri), _) => from_uri(uri, beside).map_err(|e| format!("glTF: buffer {i}: {e}"))?,
             (None, Some(chunk)) if i == 0 => chunk.into(),
             (None, _) => return Err(format!("glTF: buffer {i} of {} bytes has no data", buffer.byte_length)),
         };
@@ -31,17 +30,16 @@ pub(super) fn load<'a>(root: &Root, folder: &Path, chunk: Option<&'a [u8]>) -> P
 }
 
 /// The bytes that a data URI holds, or a file beside the document.
-pub(super) fn from_uri(uri: &str, folder: &Path) -> Parsed<Vec<u8>> {
+pub(super) fn from_uri<'a>(uri: &str, beside: Beside<'a>) -> Parsed<Cow<'a, [u8]>> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data
             .split_once(',')
             .and_then(|(kind, encoded)| kind.ends_with(";base64").then_some(encoded))
             .ok_or_else(|| format!("data URI {} is not base64", quoted(data)))?;
-        return base64(encoded.as_bytes());
+        return base64(encoded.as_bytes()).map(Cow::Owned);
     }
     // Escapes are undone before the check, so that they cannot hide a way out of the folder.
-    let path = inside(folder, &percent_decoded(uri)?)?;
-    super::super::read(&path).map_err(|e| e.to_string())
+    beside.read(&percent_decoded(uri)?)
 }
 
 fn percent_decoded(uri: &str) -> Parsed<String> {

@@ -15,18 +15,16 @@ mod nodes;
 mod primitives;
 
 use super::text::without_bom;
-use super::{Loaded, Parsed, quoted};
+use super::{Beside, Loaded, Parsed, quoted};
 use json::Root;
-use std::path::Path;
 
-/// Reads a `.gltf` or `.glb` file at `path`, whose folder holds its buffers.
-pub(super) fn parse(path: &Path, bytes: &[u8]) -> Parsed<Loaded> {
+/// Reads a `.gltf` or `.glb` file; `beside` it lie its buffers and images.
+pub(super) fn parse(beside: Beside, bytes: &[u8]) -> Parsed<Loaded> {
     let (text, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (without_bom(bytes), None) };
     let root: Root = serde_json::from_slice(text).map_err(|e| format!("glTF: {e}"))?;
     check_asset(&root)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let buffers = buffers::load(&root, folder, chunk)?;
-    nodes::assemble(&root, &buffers, folder)
+    let buffers = buffers::load(&root, beside, chunk)?;
+    nodes::assemble(&root, &buffers, beside)
 }
 
 /// The JSON and the binary chunk of a GLB file.

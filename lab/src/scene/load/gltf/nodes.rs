@@ -1,6 +1,6 @@
 //! The node tree of a glTF document: placed triangles, the first camera and the first light.
 
-use super::super::{Loaded, Parsed, quoted, without_name};
+use super::super::{Beside, Loaded, Parsed, quoted, without_name};
 use super::accessor::Source;
 use super::alpha::Materials;
 use super::ignored::ignored;
@@ -10,11 +10,10 @@ use glam::{DMat4, DQuat, DVec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::path::Path;
 use subpixel_shadows::scene::{Camera, Lens, Light, Mesh, TestedTriangle};
 
 /// Walks the scene of `root` from its roots and collects what is there, in world space.
-pub(super) fn assemble(root: &Root, buffers: &[Cow<'_, [u8]>], folder: &Path) -> Parsed<Loaded> {
+pub(super) fn assemble(root: &Root, buffers: &[Cow<'_, [u8]>], beside: Beside) -> Parsed<Loaded> {
     let source = Source { root, buffers };
     let placed = placed_nodes(root)?;
 
@@ -39,7 +38,7 @@ pub(super) fn assemble(root: &Root, buffers: &[Cow<'_, [u8]>], folder: &Path) ->
         if let Some(mesh) = node.mesh {
             let part = match decoded.entry(mesh) {
                 Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => new.insert(source.decode(mesh, &mut budget, (&mut materials, folder))?),
+                Entry::Vacant(new) => new.insert(source.decode(mesh, &mut budget, (&mut materials, beside))?),
             };
             append(&mut loaded, part, matrix);
         }

@@ -1,10 +1,9 @@
 //! The triangles of a glTF mesh, before its nodes place them.
 
-use super::super::{Parsed, quoted, without_name};
+use super::super::{Beside, Parsed, quoted, without_name};
 use super::accessor::Source;
 use super::alpha::{Materials, Tested};
 use super::json::{Attributes, Primitive};
-use std::path::Path;
 use subpixel_shadows::scene::{Mesh, TestedTriangle};
 
 /// Limit of decoding in all, so that many primitives that name the same data cannot multiply it without end.
@@ -87,7 +86,7 @@ impl Source<'_> {
         &self,
         mesh: usize,
         budget: &mut Budget,
-        (materials, folder): (&mut Materials, &Path),
+        (materials, beside): (&mut Materials, Beside),
     ) -> Parsed<(Mesh, Vec<TestedTriangle>)> {
         let (mut all, mut holes) = (Mesh::default(), Vec::new());
         for primitive in self.primitives(mesh)? {
@@ -97,7 +96,7 @@ impl Source<'_> {
                 let first = all.triangles.len() as u32;
                 append_used(&mut all, &part);
                 let tested = match primitive.material {
-                    Some(material) => materials.tested(self, folder, material)?,
+                    Some(material) => materials.tested(self, beside, material)?,
                     None => None,
                 };
                 if let Some(tested) = tested {
