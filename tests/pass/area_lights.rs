@@ -9,13 +9,16 @@ const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
 
 /// The first complete picture, its frames' statuses, and the points.
 fn soft(pass: &mut ShadowPass, scene: &Scene, area: &AreaLight) -> (Vec<f32>, Vec<FrameStatus>) {
-    let (mesh, inputs) = (&scene.mesh, Inputs::new(&scene.camera, &scene.light));
-    assert!(mesh.bounds().is_some());
+    soft_of(pass, &Inputs::new(&scene.camera, &scene.light), area)
+}
+
+/// As [`soft`], of any inputs.
+fn soft_of(pass: &mut ShadowPass, inputs: &Inputs, area: &AreaLight) -> (Vec<f32>, Vec<FrameStatus>) {
     for _ in 0..6 {
         let targets = Targets::new();
         let target = Target { lit: None, ..targets.target() };
         let mut encoder = gpu().encoder();
-        let numbers = pass.record_area(&mut encoder, &inputs, area, &target).expect("recorded");
+        let numbers = pass.record_area(&mut encoder, inputs, area, &target).expect("recorded");
         gpu().submit_and_wait(encoder).expect("the frames run");
         gpu().check().expect("no error of the device");
         let statuses: Vec<FrameStatus> = numbers.iter().map(|_| status_of(pass)).collect();
@@ -107,6 +110,77 @@ fn area_lights_work_wherever_the_pass_does() {
         let mean: Vec<f32> = (0..PIXELS).map(|p| each.iter().map(|v| v[p]).sum::<f32>() / 5.0).collect();
         assert_eq!(other(&got, &mean), 0, "{}", method.name());
         assert!(other(&got, &each[0]) > 100, "{}: nothing is soft", method.name());
+    }
+}
+
+/// Of casters of every kind, of surfaces that the application has found, and of a lamp among its casters the mean is that of the points' own frames.
+#[gpu_test]
+fn area_lights_take_every_input() {
+    use super::instances::{SAME, Transform, exact, expanded, meshes, uploaded};
+    use subpixel_shadows::pass::{CasterMesh, Placed, Transforms};
+
+    let (cage, leaves) = (scene("cage"), scene("leaves"));
+    let sun = AreaLight { light: cage.light, radius: 4.0, points: 5 };
+    let lamp = AreaLight { light: Light::Point { position: [0.5, 2.0, 0.8] }, radius: 0.25, points: 5 };
+    let plain = Inputs::new(&cage.camera, &cage.light);
+    let vertices = vertex_buffer(&cage.mesh.positions);
+    let moved = Moved { vertices: Vertices { buffer: &vertices, offset: 16, stride: 32 }, bounds: bounds(&cage.mesh) };
+    let moving = Casters::Moving { rest: &cage.mesh.positions, triangles: &cage.mesh.triangles };
+    let settings = settings(FacetMode::All);
+    let (seen, prepared) = rendered(&cage.mesh, &cage.camera, &cage.light, &self::settings(FacetMode::One));
+    let ids: Vec<u32> = seen.triangles.iter().map(|&t| prepared.given.get(t as usize).map_or(0, |g| g + 1)).collect();
+    let texture = id_texture(&ids);
+    let numbers = GBuffer::TriangleIds(TriangleTexture::new(&texture));
+    let bodies = meshes();
+    let parts = bodies.each_ref().map(|m| CasterMesh::new(&m.positions, &m.triangles));
+    let instances: Vec<u32> = (0..14).map(|k| u32::from(k == 5)).collect();
+    let transforms: Vec<Transform> = (0..14).map(|k| if k == 5 { SAME } else { exact(k) }).collect();
+    let buffer = uploaded(&transforms, 0);
+    let bounds = bounds(&expanded(&bodies, &instances, &transforms));
+    let placed = Placed { transforms: Transforms { buffer: &buffer, offset: 0 }, bounds };
+    let (camera, whole) = (super::instances::camera(), casters(&leaves.mesh));
+    let holes = Casters::AlphaTested { casters: &whole, tested: &leaves.alpha };
+    let of_instances = Inputs { placed: Some(placed), ..Inputs::new(&camera, &cage.light) };
+    let inside = Camera { eye: [0.1, 0.9, 0.2], target: [1.0, 0.4, 1.2], ..cage.camera };
+    let one = self::settings(FacetMode::One);
+    for (what, casters, inputs, area, settings) in [
+        ("moving", moving, Inputs { moved: Some(moved), ..plain }, sun, &settings),
+        ("moving around a lamp", moving, Inputs { moved: Some(moved), ..plain }, lamp, &settings),
+        ("numbers", casters(&cage.mesh), Inputs { gbuffer: numbers, ..plain }, sun, &one),
+        ("inside", casters(&cage.mesh), Inputs::new(&inside, &cage.light), lamp, &settings),
+        (
+            "instances",
+            Casters::Instanced { meshes: &parts, instances: &instances },
+            of_instances,
+            AreaLight { radius: 6.0, ..sun },
+            &settings,
+        ),
+        (
+            "holes",
+            holes,
+            Inputs::new(&leaves.camera, &leaves.light),
+            AreaLight { light: leaves.light, ..sun },
+            &settings,
+        ),
+    ] {
+        let mut pass = pass(settings.clone(), casters);
+        let (got, _) = soft_of(&mut pass, &inputs, &area);
+        let middle = match what {
+            "instances" => [0, 1, 2].map(|k| 0.5 * (bounds[0][k] + bounds[1][k])).map(f64::from).into(),
+            "holes" => leaves.mesh.bounds().map(|(low, high)| 0.5 * (low + high)).expect("casters"),
+            _ => cage.mesh.bounds().map(|(low, high)| 0.5 * (low + high)).expect("casters"),
+        };
+        let mut mean = vec![0.0; PIXELS];
+        let mut last = Vec::new();
+        for light in area.points(middle) {
+            let (own, _) = complete_within(6, &mut pass, &Inputs { light: &light, ..inputs });
+            last = own.0[..PIXELS].iter().map(|v| f32::from_bits(*v)).collect();
+            mean.iter_mut().zip(&last).for_each(|(sum, v)| *sum += v / 5.0);
+        }
+        assert_eq!(other(&got, &mean), 0, "{what}: another mean than that of the points' own frames");
+        assert!(other(&got, &last) > 40, "{what}: {} pixels are soft", other(&got, &last));
+        let dark = got.iter().filter(|v| **v < 0.3).count();
+        assert!(dark > 40 && got.contains(&1.0), "{what}: {dark} pixels are dark");
     }
 }
 

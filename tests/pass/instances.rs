@@ -14,7 +14,7 @@ pub fn exact(k: u32) -> Transform {
 }
 
 /// Boxes and a floor.
-fn meshes() -> [Mesh; 2] {
+pub fn meshes() -> [Mesh; 2] {
     let corner = |k: u32| [(k & 1) as f32 - 0.5, (k >> 1 & 1) as f32 * 1.5 + 0.0625, (k >> 2 & 1) as f32 - 0.5];
     let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
