@@ -8,7 +8,7 @@ use oracle::truth::{SceneTruth, Tracer, join_mask};
 use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
-use subpixel_shadows::light_view::{LightView, MapTiles, SplitPlan, Warp};
+use subpixel_shadows::light_view::{LightView, MapTiles, PartBy, SplitPlan, Warp};
 use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
 use subpixel_shadows::methods::{MethodName, PageSettings, Prepared, RayTracedSettings};
 use subpixel_shadows::render::{Budget, Output, Renderer};
@@ -306,13 +306,16 @@ fn other_methods_take_slices() {
     let pages = PageSettings { pages: Some(16384), finer: 3 };
     let settings = Settings { map: 96, pages, ..settings(FacetMode::One, 8) };
     let want = visibility(&near, MethodName::FacetMasks, &settings).expect("a frame");
-    for (splits, warp) in [(1, Warp::Box), (2, Warp::Fitted), (4, Warp::Trapezoid)] {
+    let faces = (PartBy::FrustumFaces, 1, Warp::Fitted);
+    for (by, splits, warp) in
+        [(PartBy::Depth, 1, Warp::Box), (PartBy::Depth, 2, Warp::Fitted), (PartBy::Depth, 4, Warp::Trapezoid), faces]
+    {
         let sliced = Settings {
-            partition: Some(SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() }),
+            partition: Some(SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() }),
             ..settings.clone()
         };
         let exact = visibility(&near, MethodName::Supersampled, &sliced).expect("a frame");
-        assert!(exact == want, "{splits} {warp:?}: another picture");
+        assert!(exact == want, "{by:?} {splits} {warp:?}: another picture");
         for method in ask_one() {
             // It misses triangles that are smaller than texels.
             let map = if method == MethodName::Reconstructable { 768 } else { settings.map };
@@ -325,7 +328,7 @@ fn other_methods_take_slices() {
                 if warp == Warp::Trapezoid { (true, 0.009) } else { (several < one || matched, 0.007) };
             assert!(
                 several < most * blur(method) && better,
-                "{splits} {warp:?}, {}: {several}, {one} in one view",
+                "{by:?} {splits} {warp:?}, {}: {several}, {one} in one view",
                 method.name()
             );
         }
@@ -352,15 +355,18 @@ fn slices_tell_what_the_whole_view_does() {
             let output = render(&scene, &wanted);
             let whole = seen(picture(&output));
             use Warp::{Box, Fitted, Perspective, Stable, Trapezoid};
-            for (splits, warp) in [(1, Box), (1, Fitted), (2, Trapezoid), (3, Perspective), (4, Fitted), (2, Stable)] {
-                let plan = SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() };
+            let slices = [(1, Box), (1, Fitted), (2, Trapezoid), (3, Perspective), (4, Fitted), (2, Stable)];
+            let slices = slices.map(|(splits, warp)| (PartBy::Depth, splits, warp));
+            let faces = [Box, Trapezoid, Fitted].map(|warp| (PartBy::FrustumFaces, 1, warp));
+            for (by, splits, warp) in slices.into_iter().chain(faces) {
+                let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };
                 let sliced = render(&scene, &Settings { partition: Some(plan), ..wanted.clone() });
                 assert!(seen(picture(&sliced)) == whole, "{name} {facets:?}: {plan:?}");
                 denser += usize::from(sliced.counts.candidate_tests < output.counts.candidate_tests);
                 let views = wanted.light_views(&prepared, &scene.light).expect("views");
                 let slices = views[0].slices(&scene.camera, SIZE, bounds, &plan, 0.0);
-                assert_eq!(slices.len(), splits as usize);
-                if facets == FacetMode::All && splits > 1 && warp != Stable {
+                assert!(slices.len() == splits as usize || by == PartBy::FrustumFaces);
+                if facets == FacetMode::All && slices.len() > 1 && warp != Stable {
                     assert!(seen(through(&scene, &wanted, &slices)) == whole, "{name}: {plan:?} by themselves");
                     for k in 0..slices.len() {
                         let mut fewer = slices.clone();

@@ -59,6 +59,7 @@ fn other_value(option: &str) -> &'static str {
         "compare" => "midpoint",
         "shape" => "corners",
         "reach" => "1",
+        "partition" => "frustum-faces",
         "splits" => "1",
         "split-weight" => "0",
         "warp" => "even",
@@ -382,7 +383,7 @@ mod gpu {
 
     /// The settings with another value of an option.
     fn with(method: MethodName, option: &str, s: &Settings) -> Option<Settings> {
-        use subpixel_shadows::light_view::{SplitPlan, Warp};
+        use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
         use subpixel_shadows::methods::{
             HistorySettings, PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding,
@@ -407,7 +408,8 @@ mod gpu {
             "compare" => s.shadow_map.compared = Some(DepthRule::Midpoint),
             "shape" => s.smsr.shape = SmsrShape::Corners,
             "reach" => s.smsr.reach = 1,
-            "splits" => s.partition = Some(SplitPlan { splits: 2, ..plan }),
+            "partition" => s.partition = Some(SplitPlan { by: PartBy::FrustumFaces, splits: 1, ..plan }),
+            "splits" => s.partition = Some(SplitPlan { by: PartBy::Depth, splits: 2, ..plan }),
             "split-weight" => s.partition = Some(SplitPlan { weight: 0.0, ..plan }),
             "warp" => s.partition = Some(SplitPlan { warp: Warp::Trapezoid, ..plan }),
             "focus" => s.partition = Some(SplitPlan { focus: 0.2, ..plan }),
@@ -468,17 +470,20 @@ mod gpu {
                     "split-weight" => with(method, "splits", &default),
                     "slope-power" => with(method, "encoding", &default),
                     "confidence-power" => with(method, "history", &default),
+                    // Beside one slice.
+                    "partition" => with(method, "warp", &default),
                     "focus" if method != MethodName::Trapezoidal => with(method, "warp", &default),
                     _ => Some(default.clone()),
                 };
                 let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(method, option, &b)?))) else {
                     continue;
                 };
-                let light = if matches!(option, "focus" | "split-weight" | "warp") { &sun } else { &scene.light };
+                let light =
+                    if matches!(option, "focus" | "partition" | "split-weight" | "warp") { &sun } else { &scene.light };
                 let same = if base == default && light == &scene.light { plain.clone() } else { of(&base, light) };
                 // Where texels lie does not show in exact pictures.
                 let exact = matches!(method, MethodName::FacetMasks | MethodName::Supersampled);
-                if exact && matches!(option, "splits" | "split-weight" | "warp" | "focus") {
+                if exact && matches!(option, "partition" | "splits" | "split-weight" | "warp" | "focus") {
                     assert!(of(&changed, light).0 == same.0, "--{option} changes the picture of {}", method.name());
                     continue;
                 }

@@ -2,6 +2,7 @@
 
 mod casters;
 mod cube;
+mod faces;
 mod fit;
 mod map_tiles;
 mod points;
@@ -11,7 +12,7 @@ mod splits;
 pub use map_tiles::MapTiles;
 pub(crate) use points::MeshAndTree;
 use seen_box::SeenBox;
-pub use splits::{SplitPlan, Warp};
+pub use splits::{PartBy, SplitPlan, Warp};
 
 use glam::{DMat4, DVec3, DVec4};
 

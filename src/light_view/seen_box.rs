@@ -6,12 +6,16 @@ use crate::scene::PixelRays;
 use glam::{DVec2, DVec3, DVec4};
 
 /// View frustum of the camera and bounding box of the scene, in the space of the view's rows; the eye is the origin.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenBox {
     /// Rays through the corners of the image, in turn; view depth 1.
     pub corners: [DVec3; 4],
     /// Unit view direction.
     pub forward: DVec3,
+    /// The line of view depth 1 about which it lies: the view direction, or the middle of a face of the frustum.
+    pub axis: DVec3,
+    /// Normals of planes through the eye, to their inside, between which it lies; 0 where there are none.
+    pub wedge: [DVec3; 2],
     /// Nearest view depth that is seen.
     pub near: f64,
     /// Lowest and highest corner of the box.
@@ -24,6 +28,8 @@ impl SeenBox {
         Self {
             corners: rays.corners(w, h),
             forward: rays.forward,
+            axis: rays.forward,
+            wedge: [DVec3::ZERO; 2],
             near: near * scale,
             bounds: ((bounds.0 - rays.eye) * scale, (bounds.1 - rays.eye) * scale),
         }
@@ -76,6 +82,9 @@ impl SeenBox {
             cut(-lo[k], ray[k]);
             cut(hi[k], -ray[k]);
         }
+        for normal in self.wedge {
+            cut(0.0, normal.dot(ray));
+        }
         let mut row = |row: DVec4, less: f64| cut(row.w - less, row.truncate().dot(ray));
         row(view.u, 0.0);
         row(view.v, 0.0);
@@ -106,6 +115,7 @@ impl SeenBox {
             13 => row(view.v, p),
             14 => side * row(view.w, p) - row(view.u, p),
             15 => side * row(view.w, p) - row(view.v, p),
+            k @ 16..18 => self.wedge[k - 16].dot(p),
             // A little more: these corners are projected.
             _ if view.perspective => row(view.w, p) - view.near * (1.0 + 1e-9),
             _ => 0.0,
@@ -132,7 +142,7 @@ impl SeenBox {
             }
         }
         for (own, face) in &mut faces {
-            for plane in (0..17).filter(|p| p != own) {
+            for plane in (0..19).filter(|p| p != own) {
                 clip(face, |p| inside(plane, p));
             }
         }

@@ -33,10 +33,23 @@ pub enum Warp {
     Fitted,
 }
 
+/// The parts of what the camera sees that have a view of the light each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PartBy {
+    /// Slices by depth.
+    #[default]
+    Depth,
+    /// The faces of the view frustum that the light enters by, or leaves by where it stands in front of the camera: up to four, each with the part
+    /// of the view whose light passes it (Kozlov 2004; Lloyd et al. 2006). One part where the light is in the frustum.
+    FrustumFaces,
+}
+
 /// View that is cut, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SplitPlan {
-    /// Slices of the view, 1 to [`SplitPlan::MOST`].
+    /// What it is cut by.
+    pub by: PartBy,
+    /// Slices of the view, 1 to [`SplitPlan::MOST`]; 1 of other parts than slices.
     pub splits: u32,
     /// How each is seen.
     pub warp: Warp,
@@ -50,12 +63,12 @@ pub struct SplitPlan {
 impl Default for SplitPlan {
     /// One slice, fitted.
     fn default() -> Self {
-        Self { splits: 1, warp: Warp::default(), focus: Self::FOCUS, weight: Self::WEIGHT }
+        Self { by: PartBy::Depth, splits: 1, warp: Warp::default(), focus: Self::FOCUS, weight: Self::WEIGHT }
     }
 }
 
 impl SplitPlan {
-    /// Most slices.
+    /// Most slices, and most parts.
     pub const MOST: u32 = 4;
     /// The focus where none is told.
     pub const FOCUS: f64 = 0.6;
@@ -67,8 +80,16 @@ impl SplitPlan {
     /// # Errors
     /// [`Error::Config`] with the numbers.
     pub fn check(&self) -> Result<()> {
-        let Self { splits, focus, weight, .. } = *self;
+        let Self { by, splits, warp, focus, weight } = *self;
         let most = Self::MOST;
+        if by == PartBy::FrustumFaces && splits != 1 {
+            return Err(Error::Config(format!(
+                "{splits} splits of a view in faces of its frustum; slices alone are counted"
+            )));
+        }
+        if by == PartBy::FrustumFaces && warp == Warp::Stable {
+            return Err(Error::Config("stable maps of faces of the frustum; slices alone have them".to_owned()));
+        }
         if !(1..=most).contains(&splits) {
             return Err(Error::Config(format!("{splits} splits of the view; 1 to {most} are possible")));
         }
@@ -81,11 +102,19 @@ impl SplitPlan {
         }
         Ok(())
     }
+
+    /// Whether there may be several views.
+    pub fn is_several(&self) -> bool {
+        self.splits > 1 || self.by != PartBy::Depth
+    }
 }
 
 /// The light's view of a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SplitView {
+    /// What is seen of it.
+    seen: SeenBox,
+
     /// Takes texel `(x, y, 1)` of the whole view to `(x, y, 1) · w` of this one; `w` is 1 where it is least, and more elsewhere.
     warp: DMat3,
     /// Rows that take a point `(p, 1)` to texel x, y (times the third) and the divisor.
@@ -120,9 +149,19 @@ impl LightView {
         let depths = all.iter().map(|p| p.dot(seen.forward));
         let (near, far) = depths.fold((f64::INFINITY, 0.0f64), |(lo, hi), d| (lo.min(d), hi.max(d)));
         if plan.warp == Warp::Whole || near > far {
-            return vec![split_view(self, DMat3::IDENTITY, f64::INFINITY); splits as usize];
+            return vec![split_view(self, seen, DMat3::IDENTITY, f64::INFINITY); splits as usize];
         }
         let near = near.max(seen.near);
+        if plan.by == PartBy::FrustumFaces {
+            let of_face = |face: SeenBox| {
+                let range = face.range(self, near, far.max(near))?;
+                Some(SplitView { range, end: f64::INFINITY, ..self.slice(&face, plan, range, 0.0) })
+            };
+            let mut views: Vec<SplitView> = seen.faces(self, overlap).into_iter().filter_map(of_face).collect();
+            // What several hold is asked of the one that spreads least.
+            views.sort_by(|a, b| self.spread(a.warp).total_cmp(&self.spread(b.warp)));
+            return views;
+        }
         let mut from = near;
         let slice = |end: f64| {
             let range = [(from * (1.0 - overlap)).max(near), end];
@@ -159,7 +198,7 @@ impl LightView {
         // Rounding stays a fraction of a texel, and what casts in front.
         let allowed = if self.perspective { whole.noise_in_texels().max(whole.clear / 8.0) } else { 0.1 * scale };
         let of_slice = |split: &SplitView| {
-            let SplitView { rows: [u, v, w], .. } = split_view(self, split.warp, split.end);
+            let SplitView { rows: [u, v, w], .. } = split_view(self, &split.seen, split.warp, split.end);
             // Nowhere in the slice is the divisor of the warp less than 1.
             let near = if self.perspective { self.near } else { 0.5 };
             // Without a warp the divisor is that of the whole view.
@@ -169,10 +208,9 @@ impl LightView {
             let noise = slice.relative_to(rays.eye, scale).noise_in_texels();
             (slice, (allowed / noise).min(1.0))
         };
-        let even = whole.split(&seen, &SplitPlan { warp: Warp::Box, ..plan }, overlap);
         // The strongest warp whose texels are large enough, if one of them has such.
         let weaker = |warped: &SplitView| {
-            let by = |weaker: f64| match of_slice(&whole.slice(&seen, &plan, warped.range, weaker)) {
+            let by = |weaker: f64| match of_slice(&whole.slice(&warped.seen, &plan, warped.range, weaker)) {
                 (slice, 1.0) => Some(slice),
                 _ => None,
             };
@@ -187,14 +225,15 @@ impl LightView {
             Some(found)
         };
         let bends = !matches!(plan.warp, Warp::Whole | Warp::Box | Warp::Stable);
-        let coarse_enough = |(warped, even): (SplitView, &SplitView)| match of_slice(&warped) {
+        let coarse_enough = |warped: SplitView| match of_slice(&warped) {
             (slice, 1.0) => slice,
             _ => {
                 if let Some(slice) = bends.then(|| weaker(&warped)).flatten() {
                     return slice;
                 }
                 // Where a map without a warp holds more than the slice, no point of it has another divisor.
-                let (slice, by) = of_slice(if plan.warp == Warp::Whole { &warped } else { even });
+                let even = || whole.slice(&warped.seen, &SplitPlan { warp: Warp::Box, ..plan }, warped.range, 0.0);
+                let (slice, by) = of_slice(&if plan.warp == Warp::Whole { warped } else { even() });
                 let about_middle = |row: DVec4| {
                     let middle = slice.w * (0.5 * f64::from(self.map_size));
                     middle + (row - middle) * by
@@ -202,7 +241,7 @@ impl LightView {
                 Self { u: about_middle(slice.u), v: about_middle(slice.v), ..slice }
             }
         };
-        whole.split(&seen, &plan, overlap).into_iter().zip(&even).map(coarse_enough).collect()
+        whole.split(&seen, &plan, overlap).into_iter().map(coarse_enough).collect()
     }
 
     /// The view of what is seen between two view depths, whose warp is that of the plan and, by a power of 2, `weaker`.
@@ -212,17 +251,17 @@ impl LightView {
         let part = seen.part(self, from, to);
         let texels: Vec<DVec2> = part.iter().filter_map(|&p| self.project(p)).map(DVec3::truncate).collect();
         if texels.is_empty() {
-            return split_view(self, DMat3::IDENTITY, end);
+            return split_view(self, seen, DMat3::IDENTITY, end);
         }
         if plan.warp == Warp::Stable && !self.perspective {
-            return split_view(self, onto_texels(self.map_size) * self.over_sphere(seen, [from, to]), end);
+            return split_view(self, seen, onto_texels(self.map_size) * self.over_sphere(seen, [from, to]), end);
         }
-        let axis = |share: f64| self.project(seen.forward * (from + (to - from) * share)).map(DVec3::truncate);
+        let axis = |share: f64| self.project(seen.axis * (from + (to - from) * share)).map(DVec3::truncate);
         let probes = if plan.warp == Warp::Fitted { seen.probes(self, from, to) } else { Vec::new() };
         let distance = |along: &Along| match plan.warp {
             Warp::Trapezoid => axis(plan.focus).map(|focus| along.by_focus(focus)),
-            Warp::LightSpace => along.by_light_space(self, seen.forward, [from, to], |n, f| n + (n * f).sqrt()),
-            Warp::Perspective => along.by_light_space(self, seen.forward, [from, to], |n, _| n),
+            Warp::LightSpace => along.by_light_space(self, seen.axis, [from, to], |n, f| n + (n * f).sqrt()),
+            Warp::Perspective => along.by_light_space(self, seen.axis, [from, to], |n, _| n),
             Warp::Fitted => along.by_probes(&texels, &probes),
             Warp::Whole | Warp::Box | Warp::Stable => None,
         };
@@ -238,7 +277,7 @@ impl LightView {
             (Warp::Fitted, Some(warp)) if coarseness(warp, &probes) > coarseness(boxed, &probes) => boxed,
             (_, warp) => warp.unwrap_or(boxed),
         };
-        split_view(self, onto_texels(self.map_size) * warp, end)
+        split_view(self, seen, onto_texels(self.map_size) * warp, end)
     }
 }
 
@@ -269,12 +308,12 @@ impl LightView {
 /// The weakest warp that is tried where texels would be too small: by two to this the distance at which its sides meet.
 const WEAKEST: f64 = 10.0;
 
-fn split_view(view: &LightView, warp: DMat3, end: f64) -> SplitView {
+fn split_view(view: &LightView, seen: &SeenBox, warp: DMat3, end: f64) -> SplitView {
     let row = |k: usize| {
         let by = warp.row(k);
         view.u * by.x + view.v * by.y + view.w * by.z
     };
-    SplitView { warp, rows: [row(0), row(1), row(2)], end, range: [0.0, end] }
+    SplitView { seen: *seen, warp, rows: [row(0), row(1), row(2)], end, range: [0.0, end] }
 }
 
 /// The matrix of these rows.
@@ -356,20 +395,20 @@ impl Along {
     fn by_light_space(
         &self,
         view: &LightView,
-        forward: DVec3,
+        axis: DVec3,
         [near, far]: [f64; 2],
         distance: impl Fn(f64, f64) -> f64,
     ) -> Option<f64> {
         let eye = self.at(view.project(DVec3::ZERO)?.truncate());
-        let from_eye = |depth: f64| view.project(forward * depth).map(|p| (self.at(p.truncate()) - eye).max(0.0));
+        let from_eye = |depth: f64| view.project(axis * depth).map(|p| (self.at(p.truncate()) - eye).max(0.0));
         let (n, f) = (from_eye(near)?, from_eye(far)?);
         // What the view looks along: texels do not change.
-        let p = (forward * far).extend(1.0);
-        let place = view.project(forward * far)?;
+        let p = (axis * far).extend(1.0);
+        let place = view.project(axis * far)?;
         let change = |row: DVec4, at: f64| (row - view.w * at).truncate() / view.w.dot(p);
         let sight = change(view.u, place.x).cross(change(view.v, place.y)).try_normalize()?;
         // Once for the angle, and once as distances on the map are foreshortened by it already.
-        let sine_squared = sight.cross(forward).length_squared().max(1e-4);
+        let sine_squared = sight.cross(axis.normalize()).length_squared().max(1e-4);
         let length = self.high - self.low;
         Some((distance(n, f) / sine_squared).min(1e3 * length))
     }

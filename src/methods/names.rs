@@ -106,7 +106,13 @@ impl MethodName {
             // A ray asks no view.
             _ if self == Self::RayTraced => None,
             (Some(told), Some(own)) => Some(SplitPlan {
-                splits: if self.takes("splits") { told.splits } else { own.splits },
+                by: if self.takes("partition") { told.by } else { own.by },
+                // Of other parts than it takes, how many there are says nothing.
+                splits: if self.takes("splits") && (told.by == own.by || self.takes("partition")) {
+                    told.splits
+                } else {
+                    own.splits
+                },
                 warp: if self.takes("warp") { told.warp } else { own.warp },
                 focus: told.focus,
                 weight: told.weight,

@@ -145,7 +145,7 @@ impl Plan {
         if !of_facets {
             let (name, purpose) = CHOICE;
             let several =
-                partition.is_some_and(|plan| plan.splits > 1) || !settings.light_view(prepared, light)?.complete;
+                partition.is_some_and(|plan| plan.is_several()) || !settings.light_view(prepared, light)?.complete;
             let one = (!several).then(|| "one view of the light holds all".to_owned());
             steps.insert(at, PlanStep { name, purpose, left_out: reason.clone().or(one) });
         }

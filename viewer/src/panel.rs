@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use egui::{ComboBox, Id, Rect, Response, Slider, Ui};
-use lab::options::{Encoding, FacetsPerPixel, RenderOptions, WarpBy};
+use lab::options::{Encoding, FacetsPerPixel, PartitionBy, RenderOptions, WarpBy};
 use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::pass::FrameStatus;
 
@@ -120,7 +120,15 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         changed |= words(ui, half, "shape", &mut options.shape);
         changed |= slider(ui, half, "reach", &mut options.reach, 1..=64);
     }
-    if takes("splits") {
+    if takes("partition") {
+        changed |= words(ui, half, "partition", &mut options.partition);
+    }
+    let faces = takes("partition") && options.partition == PartitionBy::FrustumFaces;
+    if faces {
+        options.splits = None;
+        options.warp = options.warp.filter(|warp| *warp != WarpBy::Stable);
+    }
+    if takes("splits") && !faces {
         let own = method.row().partition.map_or(0, |plan| plan.splits);
         let mut splits = options.splits.unwrap_or(own);
         changed |= slider(ui, half, "splits", &mut splits, u32::from(own > 0)..=4);
@@ -129,7 +137,7 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
             changed |= slider(ui, half, "split-weight", &mut options.split_weight, 0.0..=1.0);
         }
     }
-    if takes("warp") && (options.splits.is_some() || method.row().partition.is_some()) {
+    if takes("warp") && (faces || options.splits.is_some() || method.row().partition.is_some()) {
         let mut warp = options.warp.unwrap_or_default();
         changed |= words(ui, half, "warp", &mut warp);
         options.warp = Some(warp).filter(|warp| *warp != Default::default() || options.warp.is_some());

@@ -7,7 +7,7 @@ use image::ImageEncoder as _;
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use subpixel_shadows::light_view::{SplitPlan, Warp};
+use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{FacetMode, MethodName, PairVariant};
 use subpixel_shadows::samples::Pattern;
@@ -78,8 +78,8 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
     for (option, value) in how.setting.split_whitespace().filter_map(|part| part.split_once('=')) {
         let _ = write!(line, " --{option} {value}");
     }
-    let told = how.setting.contains("splits=") || how.setting.contains("warp=");
-    if let Some(SplitPlan { splits, warp, focus, weight }) = s.partition.filter(|_| !told) {
+    let told = how.setting.contains("splits=") || how.setting.contains("warp=") || how.setting.contains("partition=");
+    if let Some(SplitPlan { by, splits, warp, focus, weight }) = s.partition.filter(|_| !told) {
         let warp = match warp {
             Warp::Whole | Warp::Box => "even",
             Warp::Stable => "stable",
@@ -88,6 +88,9 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
             Warp::Perspective => "perspective",
             Warp::Fitted => "fitted",
         };
+        if by == PartBy::FrustumFaces {
+            line += " --partition frustum-faces";
+        }
         let _ = write!(line, " --splits {splits} --warp {warp} --focus {focus} --split-weight {weight}");
     }
     if how.method == MethodName::RayTraced {

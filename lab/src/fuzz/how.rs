@@ -4,7 +4,7 @@ use super::random::Random;
 use crate::report::Promise;
 use crate::report::comparison::{Scope, variants};
 use subpixel_shadows::Result;
-use subpixel_shadows::light_view::{SplitPlan, Warp};
+use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{FacetMode, MethodName, PairVariant, RayTracedSettings, Settings};
 use subpixel_shadows::render::Budget;
@@ -94,7 +94,10 @@ impl How {
         let sliced = slices.chance(0.3);
         let warp = if slices.chance(0.2) { Warp::Perspective } else { warp };
         let warp = if Random::of(seed ^ 0x57ab_1e00, number).chance(0.15) { Warp::Stable } else { warp };
-        let plan = SplitPlan { splits, warp, focus, weight: slices.pick([SplitPlan::WEIGHT, 0.0, 1.0]) };
+        let weight = slices.pick([SplitPlan::WEIGHT, 0.0, 1.0]);
+        let faces = warp != Warp::Stable && Random::of(seed ^ 0xface_5000, number).chance(0.2);
+        let (by, splits) = if faces { (PartBy::FrustumFaces, 1) } else { (PartBy::Depth, splits) };
+        let plan = SplitPlan { by, splits, warp, focus, weight };
         let row = if method == MethodName::FacetMasks && slices.chance(0.12) { Some(texels(slices)?) } else { None };
         let method = row.as_ref().map_or(method, |row| row.0);
         let partition = (sliced && method.takes("splits")).then_some(plan);
@@ -120,7 +123,7 @@ impl How {
             return Ok(Self { method, setting: String::new(), pattern, settings, budget, force_all, both });
         };
         let Settings { size, map, samples, partition, validity, .. } = settings;
-        let sliced = setting.contains("splits=") || setting.contains("warp=");
+        let sliced = setting.contains("splits=") || setting.contains("warp=") || setting.contains("partition=");
         let partition = if sliced { given.partition } else { partition };
         let settings = Settings { size, map, samples, partition, validity, ..given };
         Ok(Self { method, setting, pattern, settings, budget, force_all, both })

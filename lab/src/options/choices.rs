@@ -1,6 +1,7 @@
 //! The words that options take.
 
 use clap::ValueEnum;
+use subpixel_shadows::light_view::PartBy;
 use subpixel_shadows::methods::FacetMode;
 use subpixel_shadows::pixel_filter::PixelFilter;
 use subpixel_shadows::samples::Pattern;
@@ -71,6 +72,25 @@ pub enum Shape {
     /// Through the middles of the steps
     #[default]
     Midpoints,
+}
+
+/// Parts of what the camera sees that have a view of the light each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum PartitionBy {
+    /// Slices by depth
+    #[default]
+    Slices,
+    /// The faces of the view frustum that light passes
+    FrustumFaces,
+}
+
+impl From<PartitionBy> for PartBy {
+    fn from(by: PartitionBy) -> Self {
+        match by {
+            PartitionBy::Slices => Self::Depth,
+            PartitionBy::FrustumFaces => Self::FrustumFaces,
+        }
+    }
 }
 
 /// How the texels of a map lie over a slice.

@@ -4,15 +4,15 @@ mod choices;
 mod recorded;
 
 pub use choices::{
-    Compare, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, PairsBy, PatternName, Projection, RayChoice,
-    Search, Shape, Switch, WarpBy,
+    Compare, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, PairsBy, PartitionBy, PatternName, Projection,
+    RayChoice, Search, Shape, Switch, WarpBy,
 };
 pub use recorded::{camera_text, light_text, reason};
 
 use crate::scene::{Scene, SceneOptions, light_from_text};
 use clap::{Args, Parser};
 use std::path::PathBuf;
-use subpixel_shadows::light_view::{SplitPlan, Warp};
+use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
@@ -91,6 +91,10 @@ pub struct RenderOptions {
     /// Texels to either side that smsr follows a border, its search distance: 1 to 64
     #[arg(long, default_value_t = 16, value_name = "N")]
     pub reach: u32,
+    /// Parts of what the camera sees, each with a view of the light: slices by depth, or by the faces of the view frustum that light passes,
+    /// one to four
+    #[arg(long, value_enum, default_value_t, value_name = "PARTS")]
+    pub partition: PartitionBy,
     /// Slices of what the camera sees, each with a view of the light, 1 to 4: 3 of parallel-split and remix if nothing is said, of the
     /// others one view for all, or with a warp one slice
     #[arg(long, value_name = "N")]
@@ -273,7 +277,7 @@ impl RenderOptions {
                 reach: self.reach,
                 ..SmsrSettings::default()
             },
-            partition: self.partition(),
+            partition: self.parts(),
             moments: MomentSettings {
                 bleeding: self.bleeding,
                 grazing: self.grazing,
@@ -301,9 +305,10 @@ impl RenderOptions {
         (frames > 1).then_some(HistorySettings { frames, power })
     }
 
-    /// Slices of what the camera sees: those of the method, with what is said of them.
-    fn partition(&self) -> Option<SplitPlan> {
+    /// Parts of what the camera sees: those of the method, with what is said of them.
+    fn parts(&self) -> Option<SplitPlan> {
         let own = self.method.row().partition;
+        let by = PartBy::from(self.partition);
         let warp = self.warp.map(|warp| match warp {
             WarpBy::Even => Warp::Box,
             WarpBy::Stable => Warp::Stable,
@@ -312,7 +317,8 @@ impl RenderOptions {
             WarpBy::Perspective => Warp::Perspective,
             WarpBy::Fitted => Warp::Fitted,
         });
-        (self.splits.is_some() || warp.is_some() || own.is_some()).then(|| SplitPlan {
+        (self.splits.is_some() || warp.is_some() || own.is_some() || by != PartBy::Depth).then(|| SplitPlan {
+            by,
             splits: self.splits.or(own.map(|plan| plan.splits)).unwrap_or(1),
             warp: warp.or(own.map(|plan| plan.warp)).unwrap_or_default(),
             focus: self.focus,

@@ -56,6 +56,7 @@ impl RenderOptions {
             ("compare", word(o.compare)),
             ("shape", word(o.shape)),
             ("reach", json!(o.reach)),
+            ("partition", word(o.partition)),
             ("splits", json!(o.splits.or(own.map(|plan| plan.splits)))),
             ("split-weight", json!(o.split_weight)),
             ("warp", o.warp.or(own.map(|_| Default::default())).map_or(Value::Null, word)),

@@ -1,15 +1,15 @@
 //! The rows, and the options that they name.
 
 use super::{MapQuery, MethodName, MethodRow, TexelQuery};
-use crate::light_view::{SplitPlan, Warp};
+use crate::light_view::{PartBy, SplitPlan, Warp};
 
 /// Slices and a warp of a method's own.
 const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
-    Some(SplitPlan { splits, warp, focus: SplitPlan::FOCUS, weight: SplitPlan::WEIGHT })
+    Some(SplitPlan { by: PartBy::Depth, splits, warp, focus: SplitPlan::FOCUS, weight: SplitPlan::WEIGHT })
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 32] = [
+pub const METHOD_OPTIONS: [&str; 33] = [
     "facets",
     "validity",
     "masks",
@@ -28,6 +28,7 @@ pub const METHOD_OPTIONS: [&str; 32] = [
     "compare",
     "shape",
     "reach",
+    "partition",
     "splits",
     "split-weight",
     "warp",
@@ -70,6 +71,7 @@ pub const METHODS: [MethodRow; 21] = [
             "filter",
             "memory-limit",
             "list-start",
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -85,7 +87,18 @@ pub const METHODS: [MethodRow; 21] = [
         parts: [VIEWS, "closest triangle, 128 bits", "reconstruct borders of triangles around the sample"],
         query: TexelQuery::Triangles,
         partition: None,
-        options: &["encoding", "search", "recovery", "slope-power", "splits", "split-weight", "warp", "focus", "looks"],
+        options: &[
+            "encoding",
+            "search",
+            "recovery",
+            "slope-power",
+            "partition",
+            "splits",
+            "split-weight",
+            "warp",
+            "focus",
+            "looks",
+        ],
     },
     MethodRow {
         method: MethodName::Reconstructable,
@@ -99,7 +112,7 @@ pub const METHODS: [MethodRow; 21] = [
         ],
         query: TexelQuery::Centres,
         partition: None,
-        options: &["lookups", "splits", "split-weight", "warp", "focus", "looks"],
+        options: &["lookups", "partition", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::ShadowMap,
@@ -109,7 +122,17 @@ pub const METHODS: [MethodRow; 21] = [
         parts: [VIEWS, "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: None,
-        options: &["compare", "splits", "split-weight", "warp", "focus", "history", "confidence-power", "looks"],
+        options: &[
+            "compare",
+            "partition",
+            "splits",
+            "split-weight",
+            "warp",
+            "focus",
+            "history",
+            "confidence-power",
+            "looks",
+        ],
     },
     MethodRow {
         method: MethodName::Pcf,
@@ -122,6 +145,7 @@ pub const METHODS: [MethodRow; 21] = [
         options: &[
             "kernel",
             "compare",
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -143,6 +167,7 @@ pub const METHODS: [MethodRow; 21] = [
             "compare",
             "shape",
             "reach",
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -160,7 +185,7 @@ pub const METHODS: [MethodRow; 21] = [
         parts: [VIEWS, "nearest depth, silhouette between", "compare with the depth on its side"],
         query: TexelQuery::Silhouettes,
         partition: None,
-        options: &["splits", "split-weight", "warp", "focus", "looks"],
+        options: &["partition", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Variance,
@@ -171,6 +196,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::Moments),
         partition: None,
         options: &[
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -195,6 +221,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::LayeredMoments),
         partition: None,
         options: &[
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -220,6 +247,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::Waves),
         partition: None,
         options: &[
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -241,6 +269,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::Exponentials),
         partition: None,
         options: &[
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -266,6 +295,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::ExponentialMoments),
         partition: None,
         options: &[
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -291,6 +321,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::FourMoments),
         partition: None,
         options: &[
+            "partition",
             "splits",
             "split-weight",
             "warp",
@@ -378,7 +409,7 @@ pub const METHODS: [MethodRow; 21] = [
         ],
         query: TexelQuery::Pages,
         partition: None,
-        options: &["splits", "split-weight", "warp", "focus", "pages", "finer"],
+        options: &["partition", "splits", "split-weight", "warp", "focus", "pages", "finer"],
     },
     MethodRow {
         method: MethodName::RayTraced,
@@ -398,6 +429,6 @@ pub const METHODS: [MethodRow; 21] = [
         parts: [VIEWS, "the samples that project to it", "every sample against every caster of its texel"],
         query: TexelQuery::Samples,
         partition: None,
-        options: &["facets", "validity", "splits", "split-weight", "warp", "focus"],
+        options: &["facets", "validity", "partition", "splits", "split-weight", "warp", "focus"],
     },
 ];
