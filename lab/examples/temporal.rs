@@ -10,17 +10,16 @@
 use lab::arguments::Arguments;
 use lab::options::{FrameArguments, RenderOptions};
 use lab::report::comparison::plots::{Axis, Plot, Series};
+use lab::report::course::{Course, beside, turned};
 use lab::report::write_png_grey;
 use lab::scene::{Scene, SceneOptions};
 use oracle::truth::{SceneTruth, Tracer};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
-use subpixel_shadows::glam::{DQuat, DVec3, Vec3};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light};
 use subpixel_shadows::{Error, Result};
 
 /// Every method, and how texels lie that stand or do not, as `render` takes them.
@@ -50,65 +49,6 @@ const VARIANTS: [&str; 24] = [
     "facet-masks --facets one",
     "facet-masks",
 ];
-
-/// The light of frame `k`: turned about the upright axis nearest to it that is square to it.
-fn turned(light: &Light, map: u32, k: u32) -> Result<Light> {
-    let Light::Directional { direction } = *light else {
-        return Err(Error::Config("only directional lights are turned".to_owned()));
-    };
-    let towards = Vec3::from(direction).as_dvec3().normalize();
-    let up = if towards.y.abs() > 0.999 { DVec3::X } else { DVec3::Y };
-    let axis = (up - towards * up.dot(towards)).normalize();
-    let turn = DQuat::from_axis_angle(axis, 0.2 / f64::from(map) * f64::from(k));
-    Ok(Light::Directional { direction: (turn * towards).as_vec3().into() })
-}
-
-/// The camera of frame `k`: beside where it was.
-fn beside(camera: &Camera, height: u32, k: u32) -> Camera {
-    let [eye, target, up] = [camera.eye, camera.target, camera.up].map(|v| Vec3::from(v).as_dvec3());
-    let forward = target - eye;
-    let tan = (f64::from(camera.vertical_fov_degrees) * 0.5).to_radians().tan();
-    let pixel = forward.length() * 2.0 * tan / f64::from(height);
-    let step = forward.cross(up).normalize() * (0.1 * pixel * f64::from(k));
-    Camera { eye: (eye + step).as_vec3().into(), target: (target + step).as_vec3().into(), ..*camera }
-}
-
-/// What one method does over the frames of one movement.
-#[derive(Default)]
-struct Course {
-    squares: Vec<f64>,
-    errors: Vec<f64>,
-    flicker: Vec<f64>,
-    still: Vec<f64>,
-    last: Vec<f32>,
-    sums: Vec<f32>,
-}
-
-impl Course {
-    /// Takes in a frame; `before` is the truth of the frame before.
-    fn add(&mut self, visibility: Vec<f32>, truth: &[f32], before: &[f32]) {
-        let pixels = truth.len() as f64;
-        let mean = |sum: f64| sum / pixels;
-        let off = || visibility.iter().zip(truth).map(|(v, t)| f64::from(v - t));
-        self.squares.push(mean(off().map(|d| d * d).sum()));
-        self.errors.push(mean(off().map(f64::abs).sum()));
-        if !self.last.is_empty() {
-            let (mut all, mut still) = (0.0, 0u32);
-            self.sums.resize(truth.len(), 0.0);
-            for ((((v, t), v0), t0), sum) in
-                visibility.iter().zip(truth).zip(&self.last).zip(before).zip(&mut self.sums)
-            {
-                let change = f64::from((v - v0) - (t - t0)).abs();
-                all += change;
-                *sum += change as f32;
-                still += u32::from(t == t0 && v != v0);
-            }
-            self.flicker.push(mean(all));
-            self.still.push(mean(f64::from(still)));
-        }
-        self.last = visibility;
-    }
-}
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64

@@ -86,8 +86,11 @@ fn jobs<'a>(options: &FigureOptions, experiment: &'a Experiment, out: &Path) -> 
                 shown: Box::new(|v| v.settings.map == experiment.maps[0]),
             });
             let variants = experiment.variants(options.size)?;
-            let (open, converged) = (Box::new(|| Experiment::open(place)), experiment.converged);
-            jobs.push(Job { view: place.options, open, tessellation, variants, truths: Vec::new(), converged, sheet });
+            let open = Box::new(|| Experiment::open(place));
+            let steps = experiment.moves.map_or(0, |(label, steps)| if label == place.label { steps } else { 0 });
+            let converged = experiment.converged;
+            let view = place.options;
+            jobs.push(Job { view, open, tessellation, variants, truths: Vec::new(), converged, steps, sheet });
         }
     }
     Ok(jobs)

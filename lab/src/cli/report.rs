@@ -83,6 +83,7 @@ fn jobs<'a>(options: &'a ReportOptions, scope: &'a Scope) -> Result<Vec<Job<'a>>
             variants: all.clone(),
             truths: truths.clone(),
             converged: true,
+            steps: 0,
             sheet: Some(JobSheet {
                 path: picture_path(&options.out, &scene),
                 cut: PanelCut::middle(scope.size),
@@ -99,7 +100,16 @@ fn jobs<'a>(options: &'a ReportOptions, scope: &'a Scope) -> Result<Vec<Job<'a>>
     for tessellation in 1..=options.tessellation() {
         if let Some(scene) = options.scenes().into_iter().next() {
             let (open, variants) = (opened(scene), ladder.clone());
-            jobs.push(Job { view, open, tessellation, variants, truths: Vec::new(), converged: true, sheet: None });
+            jobs.push(Job {
+                view,
+                open,
+                tessellation,
+                variants,
+                truths: Vec::new(),
+                converged: true,
+                steps: 0,
+                sheet: None,
+            });
         }
     }
     Ok(jobs)

@@ -22,6 +22,8 @@ pub struct Job<'a> {
     pub truths: Vec<ReportVariant>,
     /// Whether errors against 1024 rays a pixel are found, too.
     pub converged: bool,
+    /// Pixels at its target by which the camera goes aside, one a frame, for flicker to be found; 0 for none.
+    pub steps: u32,
     /// Pictures side by side.
     pub sheet: Option<JobSheet<'a>>,
 }
@@ -146,8 +148,14 @@ impl<'a> JobRows<'a> {
         // Of each variant that the picture shows what it rendered.
         let mut pictures: Vec<Option<Vec<f32>>> = vec![None; job.variants.len()];
         for group in missing.chunks(Measuring::GROUP) {
-            for (variant, mut found) in group.iter().zip(self.bench.measure(&case, &self.reference, group)?) {
+            let found = self.bench.measure(&case, &self.reference, group)?;
+            let flicker = match job.steps {
+                0 => vec![None; group.len()],
+                steps => self.bench.flicker(&case, group, steps)?,
+            };
+            for ((variant, mut found), flicker) in group.iter().zip(found).zip(flicker) {
                 if found.row.failed.is_none() {
+                    found.row.flicker = flicker;
                     if job.converged {
                         (found.row.matched, found.row.converged) =
                             case.errors(&variant.settings, &found.visibility, None)?;

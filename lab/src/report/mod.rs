@@ -1,6 +1,7 @@
 //! Error metrics of a picture, tables and files.
 
 pub mod comparison;
+pub mod course;
 pub mod experiments;
 pub mod facet_errors;
 pub mod flip;

@@ -2,10 +2,12 @@
 
 use super::row::{ListRow, Row, Timing};
 use super::variant::ReportVariant;
+use crate::report::course::{Course, Flicker, beside};
+use crate::report::metrics::SHOWN;
 use crate::report::{FacetSet, SceneErrors, TracedScene};
 use crate::scene::Scene;
 use oracle::truth::{Progress, SceneTruth, Tracer};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{MethodName, Prepared, Settings};
@@ -224,6 +226,44 @@ impl Measuring<'_> {
         Ok(rows)
     }
 
+    /// Flicker of a group of variants while the camera goes aside by `steps` pixels at its target, one a frame; `None` where the scene or the memory does not allow one.
+    ///
+    /// # Errors
+    /// [`subpixel_shadows::Error::Gpu`] if the device fails, and as [`SceneTruth::new`].
+    pub fn flicker(&self, case: &SceneCase, group: &[ReportVariant], steps: u32) -> Result<Vec<Option<Flicker>>> {
+        let light = &case.scene.light;
+        let mut found = Vec::new();
+        for variant in group {
+            match subject(self.gpu, case, variant, self.budget) {
+                Ok(subject) => found.push(Some((subject, Course::default()))),
+                Err(error) if error.is_gpu() => return Err(error),
+                Err(_) => found.push(None),
+            }
+        }
+        let [w, h] = case.size;
+        // Of each number of samples the last truth and the one before.
+        let mut truths: BTreeMap<u32, [Vec<f32>; 2]> = BTreeMap::new();
+        for k in 0..=steps {
+            let camera = beside(&case.scene.camera, h, 10 * k);
+            let mut traced = BTreeSet::new();
+            for (place, variant) in found.iter_mut().zip(group) {
+                let Some((subject, course)) = place else { continue };
+                let samples = &variant.settings.samples;
+                let [truth, before] = truths.entry(samples.count()).or_default();
+                if traced.insert(samples.count()) {
+                    let now = SceneTruth::new(&case.tracer, &camera, light, samples, w, h)?.image(None);
+                    *before = std::mem::replace(truth, now.visibility());
+                }
+                match subject.render(&camera, light) {
+                    Ok(output) => course.add(output.visibility, truth, before),
+                    Err(error) if error.is_gpu() => return Err(error),
+                    Err(_) => *place = None,
+                }
+            }
+        }
+        Ok(found.into_iter().map(|place| place.and_then(|(_, course)| course.flickers())).collect())
+    }
+
     /// One frame of a variant, unmeasured; `None` where the scene or the memory does not allow it.
     ///
     /// # Errors
@@ -248,6 +288,9 @@ impl Measuring<'_> {
         let output = render(&mut subject, case)?;
         row.memory = before.zip(self.allocated()).map(|(before, after)| after.saturating_sub(before));
         row.counts = output.counts;
+        row.views = subject.views();
+        let partly = output.visibility.iter().filter(|v| (SHOWN..=1.0 - SHOWN).contains(*v)).count();
+        row.partly_lit = partly as f64 / output.visibility.len().max(1) as f64;
         row.lists = output.lists.iter().map(ListRow::from).collect();
         let facets = FacetSet::read(self.gpu, subject.facets(), variant.settings.samples.words())?;
         row.boundary = facets.boundary();

@@ -1,5 +1,6 @@
 //! Results of one method with one setting on one scene.
 
+use crate::report::course::Flicker;
 use crate::report::{Boundary, SceneErrors};
 use serde::{Deserialize, Serialize};
 use subpixel_shadows::gpu::{AdapterSummary, StageTime};
@@ -142,6 +143,15 @@ pub struct Row {
     pub boundary: Option<Boundary>,
     /// The lists.
     pub lists: Vec<ListRow>,
+    /// Views of the light; 0 of rows of versions that did not tell.
+    #[serde(default)]
+    pub views: u32,
+    /// Share of pixels that are neither lit nor dark, by half a step of 8 bits or more.
+    #[serde(default)]
+    pub partly_lit: f64,
+    /// Flicker while the camera moves, where it was made to.
+    #[serde(default)]
+    pub flicker: Option<Flicker>,
     /// Against rays through the same samples.
     pub matched: SceneErrors,
     /// Against 1024 rays a pixel.

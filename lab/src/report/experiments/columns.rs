@@ -41,6 +41,12 @@ pub const ACNE: Column = ("acne", |r, _| r.matched.scene_acne_pixels.to_string()
 pub const WRONG: Column = ("wrong pixels", |r, _| format!("{:.0}", wrong(r)));
 /// Wrong pixels of the first row over those of this.
 pub const FEWER: Column = ("times fewer", |r, first| or_dash((wrong(r) > 0.5).then(|| wrong(first) / wrong(r)), 1));
+/// Flicker while the camera moves, in hundredths of a pixel's light.
+pub const FLICKER: Column = ("flicker", |r, _| or_dash(r.flicker.map(|f| 100.0 * f.mean), 3));
+/// Greatest change of the error from a frame to the next.
+pub const JUMP: Column = ("jump", |r, _| or_dash(r.flicker.map(|f| f.jump), 4));
+/// Share of pixels that are partly lit.
+pub const PARTLY: Column = ("partly lit", |r, _| percent_or_dash(Some(r.partly_lit)));
 /// MiB that the row took.
 pub const MEMORY: Column =
     ("MiB", |r, _| r.memory.map_or("–".to_owned(), |m| format!("{:.0}", m as f64 / f64::from(1 << 20))));

@@ -84,6 +84,8 @@ pub struct Experiment {
     pub tessellation: u32,
     /// Whether errors against 1024 rays a pixel are found, too.
     pub converged: bool,
+    /// The label of a place where flicker is found, too, and by how many pixels at its target the camera goes aside for that, one a frame.
+    pub moves: Option<(&'static str, u32)>,
     /// Pictures.
     pub sheet: Option<CloseUp>,
     /// Its tables.
@@ -105,6 +107,7 @@ const PLAIN: Experiment = Experiment {
     maps: &[512],
     tessellation: 0,
     converged: false,
+    moves: None,
     sheet: None,
     tables: |_| Vec::new(),
     plots: |_| Vec::new(),

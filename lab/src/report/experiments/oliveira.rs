@@ -1,7 +1,10 @@
 //! Oliveira 2009: Analysis and Proposal of a Shadow Mapping Remix Approach.
 
-use super::columns::{ACNE, BAND, LEAKS, MAP, METHOD, RMSE, SCENE, TIME, TIMES, of_paper, table};
-use super::{CloseUp, Experiment, PLAIN, Place};
+use super::columns::{
+    ACNE, BAND, FLICKER, JUMP, LEAKS, MAP, METHOD, PARTLY, RMSE, SAMPLES, SCENE, TIME, TIMES, of_paper, table,
+};
+use super::{CloseUp, Experiment, PLAIN, Place, Table};
+use crate::report::comparison::Row;
 
 /// Parts that its experiments have in common.
 const BASE: Experiment = Experiment { ..PLAIN };
@@ -13,7 +16,144 @@ const SCENES: [Place; 2] = [Place::of("sparse-city"), Place::of("treeline")];
 const ALONG: Place =
     Place { label: "light along walls", scene: "sparse-city", options: "--light directional=0.05,0.6,0.8" };
 
-pub const ALL: [Experiment; 2] = [
+/// Light from behind the eye, where no warp helps and only texels do.
+const BEHIND: Place = Place { label: "light behind", scene: "sparse-city", options: "--light directional=0.21,0.2,1" };
+
+/// A problem of table 1: its name, what is measured of a row, with how many samples a pixel, where, and whether a method
+/// with such a figure solves it beside what the plain shadow map has.
+struct Problem {
+    name: &'static str,
+    value: fn(&Row) -> f64,
+    samples: u32,
+    place: &'static str,
+    solved: fn(f64, f64) -> bool,
+    digits: usize,
+}
+
+/// From far above, so that near and far are one, in light that runs along the ground.
+const FLAT: Place = Place {
+    label: "light along the ground",
+    scene: "bumpy",
+    options: "--camera eye=0,60,0.1;target=0,0,0;fov=6 --light directional=1,0.12,0.3",
+};
+
+/// An error counts as solved where less than three quarters of the shadow map's are left.
+const PROBLEMS: [Problem; 6] = {
+    const ERROR: Problem = Problem {
+        name: "perspective aliasing",
+        value: |r| r.matched.scene_rmse,
+        samples: 8,
+        place: SCENES[0].label,
+        solved: |own, plain| own < 0.75 * plain,
+        digits: 3,
+    };
+    [
+        ERROR,
+        Problem { name: "projection aliasing", place: FLAT.label, ..ERROR },
+        Problem { name: "texture resolution", place: BEHIND.label, ..ERROR },
+        Problem {
+            name: "self-shadowing",
+            value: |r| 100.0 * r.matched.scene_acne_pixels as f64 / r.matched.scene_pixels.max(1) as f64,
+            place: "spheres",
+            solved: |own, _| own < 0.01,
+            ..ERROR
+        },
+        Problem {
+            name: "continuity",
+            value: |r| r.flicker.map_or(f64::NAN, |f| f.jump),
+            // Texels of one map for all stand.
+            solved: |own, plain| own <= 1.25 * plain,
+            digits: 4,
+            ..ERROR
+        },
+        Problem {
+            name: "binary status",
+            value: |r| 100.0 * r.partly_lit,
+            samples: 1,
+            solved: |own, _| own > 0.0,
+            digits: 1,
+            ..ERROR
+        },
+    ]
+};
+
+/// The thesis's marks, and the row that stands for each of its techniques; of its own it gives none.
+const MARKS: [(&str, &str, [&str; 6]); 7] = [
+    ("SSM", "shadow-map", ["✗", "✗", "✗", "✗", "(N.A.)", "✗"]),
+    ("PSM", "perspective", ["✓", "✗", "✗", "✗", "✗", "✗"]),
+    ("TSM", "trapezoidal", ["✓", "✗", "✗", "✓", "✓", "✗"]),
+    ("PSSM", "parallel-split splits=3", ["✗", "✗", "✓", "✓", "✗", "✗"]),
+    ("VSM", "variance", ["✗", "✗", "✗", "✓", "✓", "✓"]),
+    ("SMRA", "remix warp=trapezoid grazing=5", [""; 6]),
+    ("", "facet-masks facets=all", [""; 6]),
+];
+
+/// Table 1: of each technique and problem our figure and mark, behind them the thesis's.
+fn problems(rows: &[&Row]) -> Table {
+    let value = |series: &str, problem: &Problem| {
+        let own =
+            rows.iter().filter(|r| r.series() == series && r.samples == problem.samples && r.scene == problem.place);
+        own.map(|r| (problem.value)(r)).next()
+    };
+    let cell = |series: &str, (problem, mark): (&Problem, &&str)| {
+        let (Some(own), Some(plain)) = (value(series, problem), value("shadow-map", problem)) else {
+            return "–".to_owned();
+        };
+        let ours = if (problem.solved)(own, plain) { "✓" } else { "✗" };
+        let theirs = if mark.is_empty() { String::new() } else { format!(" / {mark}") };
+        format!("{own:.*} {ours}{theirs}", problem.digits)
+    };
+    let line = |(name, series, marks): &(&str, &str, [&str; 6])| {
+        let cells = PROBLEMS.iter().zip(marks).map(|pair| cell(series, pair));
+        [(*name).to_owned(), (*series).to_owned()].into_iter().chain(cells).collect()
+    };
+    let title = "Figure and mark here, behind the stroke the thesis's mark. Perspective aliasing: RMSE on `sparse-city`; projection aliasing: RMSE on `bumpy` from far \
+                 above, in light along the ground; texture resolution: RMSE with the light behind; self-shadowing: per cent of pixels of `spheres`; continuity: the greatest change \
+                 of RMSE on `sparse-city` from a frame to the next, while the camera goes aside by a pixel a frame; binary status: per cent of pixels \
+                 that are partly lit with one sample.";
+    Table {
+        title: title.to_owned(),
+        head: ["thesis", "here"].into_iter().chain(PROBLEMS.iter().map(|p| p.name)).collect(),
+        lines: MARKS.iter().map(line).collect(),
+    }
+}
+
+pub const ALL: [Experiment; 3] = [
+    Experiment {
+        name: "oliveira-1",
+        source: "Oliveira 2009, table 1",
+        title: "Which technique solves which problem",
+        shows: "Perspective and trapezoidal maps solve perspective aliasing; nothing solves projection aliasing; slices alone solve that texels are few; trapezoids, slices and variance \
+                shadow themselves no more; trapezoids and variance are continuous, perspective maps and slices are not; variance alone is not binary. The remix shall \
+                join what trapezoids, slices and variance solve.",
+        differs: "Marks are ours where a figure says so: an error is solved where less than three quarters of the plain map's are left, self-shadowing where less than a pixel in ten \
+                  thousand has it, continuity where the error jumps at most a quarter more than that of the plain map, whose texels stand. **Perspective aliasing**: slices have \
+                  it solved as well as any warp, as each has a map for what is near; the thesis counts them for resolution alone. **Projection aliasing**: none, as in the thesis; \
+                  variance is nearest by blur. **Texture resolution**: as in the thesis; with the light behind no warp can help. **Self-shadowing**: the thesis's plain map has a \
+                  constant bias; here every method compares with the receiver's plane, so that all have it solved but the remix, whose half light on grazed surfaces is such a \
+                  shadow by intent. **Continuity**: as in the thesis but for trapezoids, which jump most: here each is fitted to what is seen of the scene's box, not to the frustum, \
+                  and so is the remix's. **Binary status**: as in the thesis; `facet-masks` is binary with one sample and has as many steps as samples with more.",
+        places: &[SCENES[0], FLAT, BEHIND, Place::of("spheres")],
+        rows: &[
+            "shadow-map",
+            "perspective",
+            "trapezoidal",
+            "parallel-split splits=3",
+            "variance",
+            "remix warp=trapezoid grazing=5",
+            "facet-masks facets=all",
+        ],
+        samples: &[1, 8],
+        moves: Some(("sparse-city", 12)),
+        sheet: Some(CloseUp { part: [0.2, 0.3, 0.35, 0.35], zoom: 1, gain: 1.0 }),
+        tables: |rows| {
+            vec![
+                problems(rows),
+                table("All rows:", rows, &[SCENE, SAMPLES, METHOD, RMSE, LEAKS, ACNE, FLICKER, JUMP, PARTLY, TIME]),
+            ]
+        },
+        ..BASE
+    },
     Experiment {
         name: "oliveira-46",
         source: "Oliveira 2009, figure 46 and section 4.2.2",

@@ -73,7 +73,7 @@ pub const ALL: [Experiment; 7] = [
         title: "Error over the number of maps, by scheme",
         shows: "The factor of texels that a scheme needs for one error, over the number of maps: slices need fewer and fewer, with a warp in each they begin \
                 lower with the light overhead; with the light behind only slices help.",
-        differs: "As there, slices need few maps with the light behind, where warps do nothing, and a warp is as good as two or three slices with the light overhead; what is left then is the edges of objects, which no map resolves. Here the maps' size is fixed and the error is that of the picture, not a bound of the worst texel. Frustum faces are not built.",
+        differs: "As there, slices need few maps with the light behind, where warps do nothing, and a warp is as good as two or three slices with the light overhead; what is left then is the edges of objects, which no map resolves. Here the maps' size is fixed and the error is that of the picture, not a bound of the worst texel. Frustum faces, two maps overhead and four behind, do no more than one warp overhead; with the light behind they have less error than four slices, where the survey has slices ahead: each side has a line to warp along, which the view has not. Without a warp faces are behind slices.",
         places: &[OVERHEAD, BEHIND],
         rows: &[
             "shadow-map splits=1 warp=even",
@@ -88,6 +88,9 @@ pub const ALL: [Experiment; 7] = [
             "shadow-map splits=2 warp=fitted",
             "shadow-map splits=3 warp=fitted",
             "shadow-map splits=4 warp=fitted",
+            "shadow-map partition=frustum-faces warp=even",
+            "shadow-map partition=frustum-faces warp=lispsm",
+            "shadow-map partition=frustum-faces warp=fitted",
         ],
         plots: |rows| {
             let word = |r: &Row, name: &str| {
@@ -96,10 +99,11 @@ pub const ALL: [Experiment; 7] = [
             };
             let by_maps: Vec<Row> = rows
                 .iter()
-                .map(|r| Row {
-                    setting: word(r, "warp="),
-                    map: word(r, "splits=").parse().unwrap_or(0),
-                    ..(*r).clone()
+                .map(|r| {
+                    let faces = r.setting.contains("partition=frustum-faces");
+                    let kind = if faces { "faces, " } else { "slices, " };
+                    let maps = if faces { r.views } else { word(r, "splits=").parse().unwrap_or(0) };
+                    Row { setting: kind.to_owned() + &word(r, "warp="), map: maps, ..(*r).clone() }
                 })
                 .collect();
             let by_maps: Vec<&Row> = by_maps.iter().collect();
