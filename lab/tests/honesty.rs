@@ -57,6 +57,9 @@ fn other_value(option: &str) -> &'static str {
         "rays" => "silhouettes",
         "kernel" => "7",
         "compare" => "midpoint",
+        // As they are, which alone goes with another depth.
+        "bias" => "0.00005",
+        "slope-bias" => "1.05",
         "shape" => "corners",
         "reach" => "1",
         "partition" => "frustum-faces",
@@ -406,6 +409,8 @@ mod gpu {
             "rays" => s.ray_traced.silhouettes = true,
             "kernel" => s.shadow_map.kernel = 7,
             "compare" => s.shadow_map.compared = Some(DepthRule::Midpoint),
+            "bias" => s.shadow_map.constant = 0.02,
+            "slope-bias" => s.shadow_map.slope = 9.0,
             "shape" => s.smsr.shape = SmsrShape::Corners,
             "reach" => s.smsr.reach = 1,
             "partition" => s.partition = Some(SplitPlan { by: PartBy::FrustumFaces, splits: 1, ..plan }),

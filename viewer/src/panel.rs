@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 use egui::{ComboBox, Id, Rect, Response, Slider, Ui};
-use lab::options::{Encoding, FacetsPerPixel, PartitionBy, RenderOptions, WarpBy};
-use subpixel_shadows::methods::MethodName;
+use lab::options::{Compare, Encoding, FacetsPerPixel, PartitionBy, RenderOptions, WarpBy};
+use subpixel_shadows::methods::{MethodName, ShadowMapSettings};
 use subpixel_shadows::pass::FrameStatus;
 
 fn id(name: &str) -> Id {
@@ -113,8 +113,19 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     if takes("kernel") {
         changed |= numbers(ui, half, "kernel", &mut options.kernel, &[2, 3, 5, 7]);
     }
+    let usual = ShadowMapSettings::default();
     if takes("compare") {
         changed |= words(ui, half, "compare", &mut options.compare);
+        if options.compare != Compare::Nearest {
+            (options.bias, options.slope_bias) = (usual.constant, usual.slope);
+        }
+    }
+    let biased = !takes("compare") || options.compare == Compare::Nearest;
+    if takes("bias") && biased {
+        changed |= slider(ui, half, "bias", &mut options.bias, 0.0..=0.01);
+    }
+    if takes("slope-bias") && biased {
+        changed |= slider(ui, half, "slope-bias", &mut options.slope_bias, 0.0..=8.0);
     }
     if takes("shape") {
         changed |= words(ui, half, "shape", &mut options.shape);

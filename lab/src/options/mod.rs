@@ -85,6 +85,12 @@ pub struct RenderOptions {
     /// to the second, the second, or half way but not far beyond the nearest
     #[arg(long, value_enum, default_value_t, value_name = "DEPTH")]
     pub compare: Compare,
+    /// Depth by which a receiver is moved towards the light before it is compared; 1 is the extent of the casters along the light
+    #[arg(long, default_value_t = 5e-5, value_name = "DEPTH")]
+    pub bias: f32,
+    /// Times its steeper slope per texel by which a receiver is moved besides
+    #[arg(long, default_value_t = 1.05, value_name = "TIMES")]
+    pub slope_bias: f32,
     /// How smsr draws the steps of a map anew: from corners, as in the paper, or through the middles of the steps
     #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
     pub shape: Shape,
@@ -291,11 +297,17 @@ impl RenderOptions {
             shadow_map: ShadowMapSettings {
                 kernel: self.kernel,
                 compared: self.compare.into(),
-                ..ShadowMapSettings::default()
+                constant: self.bias,
+                slope: self.slope_bias,
             },
             ..Settings::new(self.size, self.map, samples)
         };
         settings.check()?;
+        let (own, usual) = (settings.shadow_map, ShadowMapSettings::default());
+        if own.compared.is_some() && [own.constant, own.slope] != [usual.constant, usual.slope] {
+            let text = "another depth is compared in place of a bias: --compare goes without --bias and --slope-bias";
+            return Err(Error::Config(text.to_owned()));
+        }
         Ok(settings)
     }
 

@@ -54,6 +54,8 @@ impl RenderOptions {
             ("rays", word(o.rays)),
             ("kernel", json!(o.kernel)),
             ("compare", word(o.compare)),
+            ("bias", number(o.bias)),
+            ("slope-bias", number(o.slope_bias)),
             ("shape", word(o.shape)),
             ("reach", json!(o.reach)),
             ("partition", word(o.partition)),
@@ -178,6 +180,7 @@ mod tests {
             "render plant",
             "cargo run --release -- render plane --method pcf --kernel 5 --light 'point=1,7.25,0.1' --size 64x48",
             "windmill --facets one --samples 8 --map 256 --pattern grid --ground --camera 'eye=9,9,9.1;target=0,0,0;fov=31'",
+            "spheres --method shadow-map --bias 0.001 --slope-bias 2.5",
             "spheres --method remix --splits 2 --warp even --bleeding 0.25 --grazing 5",
         ] {
             let own = FrameArguments::of_line(line).unwrap();

@@ -216,6 +216,8 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         (&["plane", "--method", "smsr", "--reach", "65"], &["65", "64"]),
         (&["plane", "--method", "remix", "--splits", "5"], &["5 splits", "4"]),
         (&["plane", "--method", "parallel-split", "--splits", "0"], &["0 splits"]),
+        (&["plane", "--method", "pcf", "--bias", "0.1", "--compare", "dual"], &["--bias", "--compare"]),
+        (&["plane", "--method", "lispsm", "--slope-bias", "101"], &["101 slopes", "100"]),
         (&["plane", "--method", "pcf", "--splits", "2", "--partition", "frustum-faces"], &["2 splits", "faces"]),
         (&["plane", "--method", "pcf", "--warp", "stable", "--partition", "frustum-faces"], &["stable", "faces"]),
         (&["plane", "--method", "trapezoidal", "--focus", "0"], &["first 0 of"]),

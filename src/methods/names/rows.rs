@@ -9,7 +9,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 33] = [
+pub const METHOD_OPTIONS: [&str; 35] = [
     "facets",
     "validity",
     "masks",
@@ -26,6 +26,8 @@ pub const METHOD_OPTIONS: [&str; 33] = [
     "rays",
     "kernel",
     "compare",
+    "bias",
+    "slope-bias",
     "shape",
     "reach",
     "partition",
@@ -124,6 +126,8 @@ pub const METHODS: [MethodRow; 21] = [
         partition: None,
         options: &[
             "compare",
+            "bias",
+            "slope-bias",
             "partition",
             "splits",
             "split-weight",
@@ -145,6 +149,7 @@ pub const METHODS: [MethodRow; 21] = [
         options: &[
             "kernel",
             "compare",
+            "bias",
             "partition",
             "splits",
             "split-weight",
@@ -165,6 +170,7 @@ pub const METHODS: [MethodRow; 21] = [
         partition: None,
         options: &[
             "compare",
+            "bias",
             "shape",
             "reach",
             "partition",
@@ -185,7 +191,7 @@ pub const METHODS: [MethodRow; 21] = [
         parts: [VIEWS, "nearest depth, silhouette between", "compare with the depth on its side"],
         query: TexelQuery::Silhouettes,
         partition: None,
-        options: &["partition", "splits", "split-weight", "warp", "focus", "looks"],
+        options: &["bias", "slope-bias", "partition", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::Variance,
@@ -196,6 +202,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::Moments),
         partition: None,
         options: &[
+            "bias",
             "partition",
             "splits",
             "split-weight",
@@ -221,6 +228,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::LayeredMoments),
         partition: None,
         options: &[
+            "bias",
             "partition",
             "splits",
             "split-weight",
@@ -247,6 +255,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::Waves),
         partition: None,
         options: &[
+            "bias",
             "partition",
             "splits",
             "split-weight",
@@ -269,6 +278,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::Exponentials),
         partition: None,
         options: &[
+            "bias",
             "partition",
             "splits",
             "split-weight",
@@ -295,6 +305,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::ExponentialMoments),
         partition: None,
         options: &[
+            "bias",
             "partition",
             "splits",
             "split-weight",
@@ -321,6 +332,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::FourMoments),
         partition: None,
         options: &[
+            "bias",
             "partition",
             "splits",
             "split-weight",
@@ -341,7 +353,7 @@ pub const METHODS: [MethodRow; 21] = [
         parts: ["over what is seen, trapezoid by focus; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(1, Warp::Trapezoid),
-        options: &["compare", "focus", "history", "confidence-power", "looks"],
+        options: &["compare", "bias", "slope-bias", "focus", "history", "confidence-power", "looks"],
     },
     MethodRow {
         method: MethodName::Lispsm,
@@ -351,7 +363,7 @@ pub const METHODS: [MethodRow; 21] = [
         parts: ["over what is seen, trapezoid by angle; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(1, Warp::LightSpace),
-        options: &["compare", "history", "confidence-power", "looks"],
+        options: &["compare", "bias", "slope-bias", "history", "confidence-power", "looks"],
     },
     MethodRow {
         method: MethodName::Perspective,
@@ -361,7 +373,7 @@ pub const METHODS: [MethodRow; 21] = [
         parts: ["over what is seen, trapezoid from the eye; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(1, Warp::Perspective),
-        options: &["compare", "history", "confidence-power", "looks"],
+        options: &["compare", "bias", "slope-bias", "history", "confidence-power", "looks"],
     },
     MethodRow {
         method: MethodName::ParallelSplit,
@@ -371,7 +383,7 @@ pub const METHODS: [MethodRow; 21] = [
         parts: ["over what is seen of each slice; a cube", "nearest depth", "compare every sample"],
         query: TexelQuery::Map(MapQuery::Nearest),
         partition: own(3, Warp::Box),
-        options: &["compare", "splits", "split-weight", "history", "confidence-power", "looks"],
+        options: &["compare", "bias", "slope-bias", "splits", "split-weight", "history", "confidence-power", "looks"],
     },
     MethodRow {
         method: MethodName::Remix,
@@ -386,6 +398,7 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Map(MapQuery::Moments),
         partition: own(3, Warp::Fitted),
         options: &[
+            "bias",
             "splits",
             "split-weight",
             "warp",
@@ -409,7 +422,7 @@ pub const METHODS: [MethodRow; 21] = [
         ],
         query: TexelQuery::Pages,
         partition: None,
-        options: &["partition", "splits", "split-weight", "warp", "focus", "pages", "finer"],
+        options: &["bias", "slope-bias", "partition", "splits", "split-weight", "warp", "focus", "pages", "finer"],
     },
     MethodRow {
         method: MethodName::RayTraced,
