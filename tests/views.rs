@@ -306,14 +306,11 @@ fn other_methods_take_slices() {
     let pages = PageSettings { pages: Some(16384), finer: 3 };
     let settings = Settings { map: 96, pages, ..settings(FacetMode::One, 8) };
     let want = visibility(&near, MethodName::FacetMasks, &settings).expect("a frame");
-    let faces = (PartBy::FrustumFaces, 1, Warp::Fitted);
-    for (by, splits, warp) in
-        [(PartBy::Depth, 1, Warp::Box), (PartBy::Depth, 2, Warp::Fitted), (PartBy::Depth, 4, Warp::Trapezoid), faces]
-    {
-        let sliced = Settings {
-            partition: Some(SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() }),
-            ..settings.clone()
-        };
+    use PartBy::{Depth, FrustumFaces};
+    use Warp::{Box, Fitted, Trapezoid};
+    for (by, splits, warp) in [(Depth, 1, Box), (Depth, 2, Fitted), (Depth, 4, Trapezoid), (FrustumFaces, 1, Fitted)] {
+        let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };
+        let sliced = Settings { partition: Some(plan), ..settings.clone() };
         let exact = visibility(&near, MethodName::Supersampled, &sliced).expect("a frame");
         assert!(exact == want, "{by:?} {splits} {warp:?}: another picture");
         for method in ask_one() {
@@ -324,8 +321,7 @@ fn other_methods_take_slices() {
             let [one, several] = [one, several].map(|picture| mean_difference(&picture, &want));
             // A trapezoid by focus alone may stretch what is far away; pages are as fine as pixels in any view.
             let matched = method == MethodName::ResolutionMatched;
-            let (better, most) =
-                if warp == Warp::Trapezoid { (true, 0.009) } else { (several < one || matched, 0.007) };
+            let (better, most) = if warp == Trapezoid { (true, 0.009) } else { (several < one || matched, 0.007) };
             assert!(
                 several < most * blur(method) && better,
                 "{by:?} {splits} {warp:?}, {}: {several}, {one} in one view",
@@ -355,8 +351,8 @@ fn slices_tell_what_the_whole_view_does() {
             let output = render(&scene, &wanted);
             let whole = seen(picture(&output));
             use Warp::{Box, Fitted, Perspective, Stable, Trapezoid};
-            let slices = [(1, Box), (1, Fitted), (2, Trapezoid), (3, Perspective), (4, Fitted), (2, Stable)];
-            let slices = slices.map(|(splits, warp)| (PartBy::Depth, splits, warp));
+            let slices = [(1, Box), (1, Fitted), (2, Trapezoid), (3, Perspective), (4, Fitted), (2, Stable)]
+                .map(|(splits, warp)| (PartBy::Depth, splits, warp));
             let faces = [Box, Trapezoid, Fitted].map(|warp| (PartBy::FrustumFaces, 1, warp));
             for (by, splits, warp) in slices.into_iter().chain(faces) {
                 let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };

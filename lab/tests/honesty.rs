@@ -463,11 +463,7 @@ mod gpu {
                 }
             }
             let plain = of(&default, &scene.light);
-            assert!(
-                of(&others, &scene.light) == plain,
-                "{}: an option that it does not take changes something",
-                method.name()
-            );
+            assert!(of(&others, &scene.light) == plain, "{}: another's option changes something", method.name());
             for option in own {
                 // Of facet-masks where they say something: with one facet a pixel, a warp of the view's own.
                 let base = match option {
@@ -475,9 +471,7 @@ mod gpu {
                     "split-weight" => with(method, "splits", &default),
                     "slope-power" => with(method, "encoding", &default),
                     "confidence-power" => with(method, "history", &default),
-                    // Beside one slice.
-                    "partition" => with(method, "warp", &default),
-                    "focus" if method != MethodName::Trapezoidal => with(method, "warp", &default),
+                    "focus" | "partition" if method != MethodName::Trapezoidal => with(method, "warp", &default),
                     _ => Some(default.clone()),
                 };
                 let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(method, option, &b)?))) else {
