@@ -1,7 +1,8 @@
 // front_layer: proves, texel by texel, that the nearest layer is one sheet that covers the texel and nothing
 // crosses. `check` marks in `mask` every texel that a caster touches (conservatively) without a layer at its
 // centre, or with two at the nearest depth, or touches at a depth interval that holds the texel's split
-// depth: of the others no sheet leads from the front group to the back one. Triangles that are no casters
+// depth: of the others no sheet leads from the front group to the back one. So does every texel that one
+// touches which is not wholly in front of the light, but does not surely cover. Triangles that are no casters
 // (FLAG_CULL_BACK) are left out, as in light_layers; of an alpha-tested one, which is in no layer, only the
 // split depth counts behind which it lies whole. `settle` turns layers and mask into `splits` (see
 // front_split), after silhouette_mask has marked the edges. Together: a texel left unmarked has no silhouette
@@ -55,7 +56,8 @@ fn check(
         let split = split_depth(first, second);
         let range = depth_range(shape, centre);
         let parted = (range.x > split) | ((range.y < split) & !tested);
-        if (first == 0u) | (first == second) | shape.cut | !parted { add_texel(&marks, place); }
+        let open = shape.cut && ((frame.flags & FLAG_CUT_LAYERS) == 0u || !holds(shape, centre, 1.0));
+        if (first == 0u) | (first == second) | open | !parted { add_texel(&marks, place); }
     }
     mark_rows(corner, marks);
 }

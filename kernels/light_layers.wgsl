@@ -3,18 +3,19 @@
 // that is put out by a larger one, goes on to `second_keys`: all but one of the largest are seen there, in
 // whatever order they come. Where two casters are equally near, both hold the same key. Marks in `mask` every
 // texel of which an edge passes within CENTRE_GUARD of the centre. Triangles that are no casters
-// (FLAG_CULL_BACK) are left out, and those that are not wholly in front of the light, of which
-// `raster_nearest` takes the part that is: there marks need not make up for them. Alpha-tested ones, behind
+// (FLAG_CULL_BACK) are left out. Of those that are not wholly in front of the light `raster_cut` takes what
+// they surely cover, without marks: front_layer marks what else they touch. `raster_nearest` takes the part
+// that is in front: there marks need not make up for them. Alpha-tested ones, behind
 // which not all is in shadow, it takes where they are solid at a centre; for two layers they are none. Writes
 // `nearest_keys`, `second_keys` (complement of the bits of the depth; 0 where there is none), `mask` (one bit
 // a texel, rows padded to 32). Depths are conservative nowhere: front_layer checks what is built on them.
 // Without MARKS they are for shadow maps: `raster_nearest` keeps no depth twice, or with NEAREST_TRIANGLE the
 // complement of the triangle of the nearest depth in `second_keys`. That takes two runs, those keys 0 before
 // each: in the second all depths are known.
-//@bindings Blocks: raster, raster_nearest
+//@bindings Blocks: raster, raster_cut, raster_nearest
 
 //@import frame dispatch rect work_items front_split span block_bits facing alpha hole
-//@import front_fan
+//@import front_fan cover_cells
 
 const WORKGROUP = 64u;
 const CENTRE_GUARD = 0.001953125;  // texels; far above the rounding of an edge function
@@ -38,6 +39,24 @@ override MARKS: u32 = 1u;   // 0: no marks, alpha-tested casters where they are 
 fn mark(x: u32, y: u32) {
     let word = y * ((frame.map_size + 31u) / 32u) + x / 32u;
     atomicOr(&mask[word], 1u << (x % 32u));
+}
+
+// Puts a depth of triangle `t` into a texel.
+fn put(cell: vec2<u32>, key: u32, t: u32) {
+    let texel = cell.y * frame.map_size + cell.x;
+    var beaten = key;
+    var other = atomicLoad(&nearest_keys[texel]);
+    if other < key {
+        other = atomicMax(&nearest_keys[texel], key);
+        beaten = min(other, key);
+    }
+    if LAYERS == NEAREST_TRIANGLE {
+        if other <= key { atomicMax(&second_keys[texel], ~t); }
+        return;
+    }
+    // Of marked layers the same depth twice is a tie that front_layer must see; else it is one surface.
+    if LAYERS == 1u || (MARKS == 0u && other == key) { return; }
+    if atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
 }
 
 // Puts the depths of a triangle into the texels of a block; `guarded`: texels by which its edges may be off;
@@ -78,21 +97,7 @@ fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, gi
         if area != 0.0 {
             depth = clamp(a.z + ((b.z - a.z) * v.z + (c.z - a.z) * v.x) / abs(area), nearest, farthest);
         }
-        let key = key_of_depth(depth);
-        let texel = cell.y * frame.map_size + cell.x;
-        var beaten = key;
-        var other = atomicLoad(&nearest_keys[texel]);
-        if other < key {
-            other = atomicMax(&nearest_keys[texel], key);
-            beaten = min(other, key);
-        }
-        if LAYERS == NEAREST_TRIANGLE {
-            if other <= key { atomicMax(&second_keys[texel], ~t); }
-            continue;
-        }
-        // Of marked layers the same depth twice is a tie that front_layer must see; else it is one surface.
-        if LAYERS == 1u || (MARKS == 0u && other == key) { continue; }
-        if atomicLoad(&second_keys[texel]) < beaten { atomicMax(&second_keys[texel], beaten); }
+        put(cell, key_of_depth(depth), t);
     }
 }
 
@@ -130,9 +135,30 @@ fn raster(
 ) {
     take_frame(local);
     let task = task_of(flat_invocation(group, groups, WORKGROUP, local));
-    // Of one that is not wholly in front front_layer marks every texel.
     if !task.some || min(task.a.w, min(task.b.w, task.c.w)) <= 0.0 { return; }
     cover(task.a, task.b, task.c, task.block, CENTRE_GUARD, task.given, task.t);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn raster_cut(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    take_frame(local);
+    if (frame.flags & FLAG_PERSPECTIVE) == 0u { return; }
+    let task = task_of(flat_invocation(group, groups, WORKGROUP, local));
+    if !task.some || min(task.a.w, min(task.b.w, task.c.w)) > 0.0 { return; }
+    let shape = cover_triangle(task.a, task.b, task.c);
+    let corner = task.block.low & vec2(~7u);
+    var left = cover_cells(shape, task.block, 0xffu);
+    while any(left != vec2(0u)) {
+        let cell = corner + take_texel(&left);
+        let centre = vec2<f32>(cell) + 0.5;
+        if shape.cut && holds(shape, centre, 0.75) {
+            put(cell, key_of_depth(dot(shape.depth, vec3(centre, 1.0))), task.t);
+        }
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -130,6 +130,8 @@ impl Frame {
     pub const BACKS_HIDDEN: u32 = 131072;
     /// Nothing is known of what lies outside the light's view.
     pub const NO_VIEW: u32 = 32768;
+    /// The two nearest layers hold casters that reach behind the light, where these cover a texel.
+    pub const CUT_LAYERS: u32 = 65536;
     /// This is not the first view of the light: what was found of facets is kept.
     pub const FURTHER_VIEW: u32 = 256;
 

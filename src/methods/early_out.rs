@@ -211,7 +211,7 @@ impl EarlyOut {
         let frame = &self.frame;
         let (sat, splits) = match &self.maps {
             Maps::Made(maps) => {
-                maps.1.record(rec, &maps.0, frame, inputs.casters, inputs.geometry, inputs.status)?;
+                maps.1.record(rec, &maps.0, frame, inputs.casters, inputs.geometry, inputs.status, false)?;
                 (&maps.1.sat, &maps.1.layers.splits)
             }
             Maps::Unused { sat, splits } => (sat, splits),

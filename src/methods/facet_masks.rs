@@ -187,6 +187,7 @@ impl FacetMasks {
             (frame.image_size, frame.first_row) = (s.size, strip.first_row);
             [frame.rows_above, frame.rows_below] = strip.others;
             frame.flags |= flags | flag(k > 0, Frame::FURTHER_VIEW) | flag(k + 1 < have, Frame::MORE_VIEWS);
+            frame.flags |= flag(have > 1, Frame::CUT_LAYERS);
             frame.vertex_count = casters.positions.len() as u32;
             frame.triangle_count = casters.triangles.len() as u32;
             frame.edge_count = casters.edges.len() as u32;
@@ -327,7 +328,9 @@ impl FacetMasks {
             with.record(stage, frame, triangles, positions, &m.facets.list, requested, groups);
         }
         geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Light)?;
-        m.maps.record(rec, &self.with.light_maps, frame, casters, geometry, &m.status)
+        // Around a light they reach behind each of its views.
+        let cut = self.capacities.views > 1;
+        m.maps.record(rec, &self.with.light_maps, frame, casters, geometry, &m.status, cut)
     }
 
     /// Records the part of one view of the light in the facets and their masks.

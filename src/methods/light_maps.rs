@@ -87,7 +87,7 @@ impl LightMaps {
     }
 
     /// Records the stages `light_layers` to `summed_area`, after [`Geometry::record_setup`]; `status` takes the count of silhouette edges. Their
-    /// number is that of `frame` when they are made, 0 before.
+    /// number is that of `frame` when they are made, 0 before. `cut`: whether the frame has [`Frame::CUT_LAYERS`] set.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device has no memory for parameters.
@@ -99,13 +99,20 @@ impl LightMaps {
         casters: &CasterBuffers,
         geometry: &Geometry,
         status: &Buffer<u32>,
+        cut: bool,
     ) -> Result<()> {
         let layers = &self.layers;
         for zero in [&layers.nearest_keys, &layers.second_keys, &layers.mask, &self.kept] {
             rec.clear(zero.raw());
         }
         let in_light = geometry.in_light(casters);
-        with.layers.record(&mut rec.stage("light_layers"), frame, in_light, layers);
+        {
+            let stage = &mut rec.stage("light_layers");
+            with.layers.record(stage, frame, in_light, layers);
+            if cut {
+                with.layers.record_cut(stage, frame, in_light, layers);
+            }
+        }
         {
             let stage = &mut rec.stage("silhouette_mask");
             let (edges, points, facing) = (&casters.edges, &geometry.map_points, &geometry.facts.facing);

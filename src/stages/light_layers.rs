@@ -4,10 +4,11 @@
 //! - **Writes** `nearest_keys`, `second_keys` (complement of the bits of depth, 0 where there is none), and marks in `mask` every texel
 //!   of which an edge passes the centre too near for its layers to be certain. All must be 0 before.
 //!   Alpha-tested triangles are in no layer: `front_layer` marks what they touch.
+//!   Of triangles that reach behind the light's nearest distance it has what they surely cover, and no marks: `front_layer` marks the rest.
 //!   With [`Frame::CULL_BACK`](crate::frame::Frame::CULL_BACK) what surely turns away of closed bodies is left out.
 //! - **Guarantee.** Bit-equal from run to run: the two are the largest keys that come, in whatever order. A texel left unmarked has
 //!   one caster at its nearest depth or the same key twice, and every edge passes its centre at a distance far above rounding.
-//! - **Cost.** One indirect dispatch; one invocation looks at up to 64 texels.
+//! - **Cost.** One indirect dispatch, two where casters may reach behind the light; one invocation looks at up to 64 texels.
 
 use super::camera_visibility::Blocks;
 use crate::Result;
@@ -23,7 +24,7 @@ pub struct LightLayers {
 
 #[derive(Debug)]
 enum Raster {
-    Both(kernel::RasterProgram),
+    Both(kernel::RasterProgram, kernel::RasterCutProgram),
     Nearest(kernel::RasterNearestProgram),
 }
 
@@ -82,12 +83,10 @@ impl Layers {
 impl LightLayers {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self {
-            raster: Raster::Both(kernel::RasterProgram::new(
-                device,
-                kernel::Constants { layers: 2, marks: 1, alpha: 0 },
-            )),
-        }
+        let constants = kernel::Constants { layers: 2, marks: 1, alpha: 0 };
+        let (raster, cut) =
+            (kernel::RasterProgram::new(device, constants), kernel::RasterCutProgram::new(device, constants));
+        Self { raster: Raster::Both(raster, cut) }
     }
 
     /// As [`LightLayers::new`], for `nearest_keys` alone: a shadow map. Of triangles that reach behind the light's nearest distance it holds
@@ -128,8 +127,24 @@ impl LightLayers {
         };
         let groups = Groups::Indirect(blocks.args.0, blocks.args.1);
         match &self.raster {
-            Raster::Both(raster) => stage.run(raster, bindings, groups),
+            Raster::Both(raster, _) => stage.run(raster, bindings, groups),
             Raster::Nearest(raster) => stage.run(raster, bindings, groups),
         }
+    }
+
+    /// Records what casters cover that reach behind the light's nearest distance, after [`LightLayers::record`]; of maps without marks that has it.
+    pub fn record_cut(&self, stage: &mut Stage, frame: &Buffer<Frame>, blocks: Blocks, layers: &Layers) {
+        let Raster::Both(_, cut) = &self.raster else { return };
+        let bindings = kernel::RasterCut {
+            frame: frame.as_uniform(),
+            triangles: blocks.triangles.as_read(),
+            map_points: blocks.points.as_read(),
+            light_rects: blocks.rects.as_read(),
+            facing: blocks.facing.as_read(),
+            work_offsets: blocks.offsets.as_read(),
+            nearest_keys: layers.nearest_keys.as_write(),
+            second_keys: layers.second_keys.as_write(),
+        };
+        stage.run(cut, bindings, Groups::Indirect(blocks.args.0, blocks.args.1));
     }
 }

@@ -7,7 +7,8 @@ use crate::support::geometry::{
 };
 use crate::support::{Random, gpu, sizes_around, small_gpu};
 use oracle::reference::front_layer::{Margin, Split, marks, settle};
-use oracle::reference::view::{Flat, centre};
+use oracle::reference::triangle_setup::Triangle;
+use oracle::reference::view::centre;
 use oracle::truth::Tracer;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
@@ -61,7 +62,7 @@ fn promise(case: &Case, ran: &Ran, per_texel: u32, random: &mut Place) -> Result
             continue;
         }
         if split == UNCOVERED {
-            if let Some((t, _)) = lists[texel].iter().find(|(_, f)| f.touches(centre(x, y), 0.5)) {
+            if let Some(t) = lists[texel].iter().find(|&&t| touches(&wanted.triangles[t], centre(x, y), 0.5)) {
                 return Err(format!("texel {x} {y} is uncovered, but triangle {t} touches it"));
             }
             continue;
@@ -71,9 +72,8 @@ fn promise(case: &Case, ran: &Ran, per_texel: u32, random: &mut Place) -> Result
             let at =
                 if k < 4 { DVec2::new(f64::from(x + (k & 1)), f64::from(y + (k >> 1))) } else { random.in_cell(x, y) };
             let (mut surely, mut maybe) = (0, 0);
-            for (_, flat) in &lists[texel] {
-                let inside = flat.inside(at);
-                let depth = flat.depth(at);
+            for &t in &lists[texel] {
+                let (inside, depth) = met(&wanted.triangles[t], at);
                 surely += u32::from(inside.iter().all(|&e| e > 1e-9) && depth < f64::from(split));
                 maybe += u32::from(inside.iter().all(|&e| e >= -1e-9) && depth < f64::from(split));
             }
@@ -86,15 +86,30 @@ fn promise(case: &Case, ran: &Ran, per_texel: u32, random: &mut Place) -> Result
     Ok(looked)
 }
 
+/// Whether it touches a square around a place of the map.
+fn touches(triangle: &Triangle, at: DVec2, reach: f64) -> bool {
+    let flat = triangle.flat().is_some_and(|flat| flat.touches(at, reach));
+    flat || triangle.cut().is_some_and(|cut| cut.touches(at, reach))
+}
+
+/// How far a place lies inside the edges, and the depth there; before all where that is nearer than what the light's view tells.
+fn met(triangle: &Triangle, at: DVec2) -> ([f64; 3], f64) {
+    match (triangle.flat(), triangle.cut()) {
+        (Some(flat), _) => (flat.inside(at), flat.depth(at)),
+        (_, Some(cut)) => (cut.inside(at), cut.depth(at).unwrap_or(f64::NEG_INFINITY)),
+        _ => ([f64::NEG_INFINITY; 3], 0.0),
+    }
+}
+
 /// The triangles that may touch each texel.
-fn touching(wanted: &Wanted, size: u32) -> Vec<Vec<(usize, Flat)>> {
+fn touching(wanted: &Wanted, size: u32) -> Vec<Vec<usize>> {
     let mut lists = vec![Vec::new(); (size * size) as usize];
     for (t, triangle) in wanted.triangles.iter().enumerate() {
-        let (Some(flat), Some([x0, y0, x1, y1])) = (triangle.flat(), triangle.texels(size, 0.0)) else { continue };
+        let Some([x0, y0, x1, y1]) = triangle.texels(size, 0.0) else { continue };
         for y in y0..=y1 {
             for x in x0..=x1 {
-                if flat.touches(centre(x, y), 0.5 + 1e-9) {
-                    lists[(y * size + x) as usize].push((t, flat));
+                if touches(triangle, centre(x, y), 0.5 + 1e-9) {
+                    lists[(y * size + x) as usize].push(t);
                 }
             }
         }

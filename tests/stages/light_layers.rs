@@ -7,7 +7,7 @@ use crate::support::geometry::{
 };
 use crate::support::shadow::{World, add_triangle, camera, random_light, random_scene, samples, vector};
 use crate::support::{Random, gpu, sizes_around, small_gpu};
-use oracle::reference::light_layers::{depth_in_front, shares_at};
+use oracle::reference::light_layers::{Layer, depth_in_front, shares_at};
 use oracle::reference::triangle_setup::Reach;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Gpu;
@@ -64,13 +64,15 @@ fn fault(case: &Case, ran: &Ran) -> Option<String> {
 
 /// How far rounding may move the depth of triangle `t` at a texel centre.
 fn tolerance(wanted: &Wanted, ran: &Ran, t: u32) -> f64 {
-    let slope = wanted.triangles[t as usize].flat().and_then(|f| f.slope).map_or(0.0, |s| s.x.abs() + s.y.abs());
-    f64::from(ran.frame.depth_margin) + slope * f64::from(ran.frame.map_margin)
+    let (triangle, texels) = (&wanted.triangles[t as usize], f64::from(ran.frame.map_margin));
+    let slope = triangle.flat().and_then(|f| f.slope).map_or(0.0, |s| s.x.abs() + s.y.abs());
+    let cut = triangle.cut().map_or(0.0, |cut| cut.depth_doubt(texels));
+    f64::from(ran.frame.depth_margin) + slope * texels + cut
 }
 
 /// Whether the two nearest are too near each other for their order to be known. An exact tie that rounding parts is none
 /// to the kernel: the split then lies between two depths that are one, and front_layer marks the texel.
-fn near_tie(wanted: &Wanted, ran: &Ran, layer: &oracle::reference::light_layers::Layer) -> bool {
+fn near_tie(wanted: &Wanted, ran: &Ran, layer: &Layer) -> bool {
     let (Some((a, s)), Some((b, t))) = (layer.nearest, layer.second) else { return false };
     b - a <= tolerance(wanted, ran, s) + tolerance(wanted, ran, t)
 }
@@ -269,16 +271,27 @@ fn degenerate() {
     positions[11][2] = f32::NAN;
     case.positions = Some(positions);
     check(gpu(), &case);
-    // Triangles that reach behind the light are no layer.
+    // A triangle that reaches behind the light is a layer where it surely covers a texel's centre.
     let mut mesh = mesh("closed balls", 2);
     add(
         &mut mesh,
         &[DVec3::new(0.25, -3.0, -0.5), DVec3::new(0.25, 8.0, -0.5), DVec3::new(0.25, 2.0, 40.0)],
         &[[0, 1, 2]],
     );
-    let case = Case::new(&mesh, Light::Point { position: [0.25, 1.5, 0.125] }, [1, 1], 64);
-    assert!(case.wanted().triangles.iter().any(|t| matches!(t.map, Reach::Cut(_))));
-    check(gpu(), &case);
+    let edge_on = Case::new(&mesh, Light::Point { position: [0.25, 1.5, 0.125] }, [1, 1], 64);
+    assert!(edge_on.wanted().triangles.iter().any(|t| matches!(t.map, Reach::Cut(_))));
+    check(gpu(), &edge_on);
+    let corners = [DVec3::new(-3.0, -3.0, -0.5), DVec3::new(3.0, 8.0, -0.5), DVec3::new(0.25, 2.0, 40.0)];
+    add(&mut mesh, &corners, &[[0, 1, 2]]);
+    let case = Case::new(&mesh, edge_on.light, [1, 1], 64);
+    let wanted = case.wanted();
+    assert!(wanted.triangles.iter().any(|t| matches!(t.map, Reach::Cut(_))));
+    let ran = check(gpu(), &case);
+    let of_cut = |l: &Layer| l.nearest.is_some_and(|(_, t)| wanted.triangles[t as usize].cut().is_some()) && !l.thin;
+    let held = wanted.layers(0.0, 0.0).iter().position(of_cut).expect("a texel behind the triangle");
+    let mut off = ran.clone();
+    off.nearest_keys[held] = 0;
+    assert!(fault(&case, &off).is_some(), "a layer that is left out is noticed");
 }
 
 /// The stage has no list. At most 65,535 work items fit one dimension of a dispatch of single invocations; here are more.

@@ -63,6 +63,7 @@ const FLAG_BEYOND = 32u;        // with it: but may also cover samples beyond
 const FLAG_CLOSED = 64u;
 const FLAG_MORE_VIEWS = 128u;   // another view of the light follows
 const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of facets is kept
+const FLAG_CUT_LAYERS = 65536u; // layers hold casters that reach behind the light, where these cover a texel
 // Four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
 const FLAG_ENDS = 1024u;
 const FLAG_NOTHING_CASTS = 16384u; // a facet that faces the light is lit

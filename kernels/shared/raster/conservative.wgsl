@@ -18,6 +18,10 @@ struct Cover {
     // Not all corners lie in front of the light: more counts as touched, at any depth
     cut: bool,
     thin: bool,                  // too thin for its orientation to be known: touched where an edge is
+    // Of one that is cut: how far beyond being touched, by each edge, all of a texel is inside, and what the
+    // light's nearest distance is at most of its own there, as dot((x, y, 1), front)
+    whole: vec3<f32>,
+    front: vec3<f32>,
 }
 
 fn cover_edge(a: vec2<f32>, b: vec2<f32>, turn: f32, reach: f32) -> vec3<f32> {
@@ -68,7 +72,8 @@ fn cover_triangle_by(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> C
 
 // A triangle that reaches behind the light's nearest distance. The lines of its edges are found without
 // division, so that of what lies in front of the light they hold all, however near to the light it comes
-// (Olano and Greer 1997). They reach out by what rounding may have moved the corners.
+// (Olano and Greer 1997). They reach out by what rounding may have moved the corners. Depth is linear in the
+// place as that of any plane, and so is the inverse of the distance; both may be off by as much.
 fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     var s: Cover;
     let near = frame.light_low.w;
@@ -81,22 +86,48 @@ fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
         max(max(abs(r.x), abs(r.y)), size * abs(r.z)));
     let off = 8.0 * frame.map_margin * near;
     let both = far * far.yzx;
-    let det = dot(p, cross(q, r));
+    let pq = cross(p, q);
+    let qr = cross(q, r);
+    let rp = cross(r, p);
+    let det = dot(p, qr);
     let noise = (off * (both.x + both.y + both.z) + 4e-6 * far.x * far.y * far.z) / size;
     s.in_front = (frame.flags & FLAG_PERSPECTIVE) != 0u && abs(det) > noise;
     s.cut = true;
     let turn = select(-1.0, 1.0, det > 0.0);
     let slack = off * (far + far.yzx) + 4e-6 * both;
-    s.edges[0] = line_beside(turn * cross(p, q), 0.5 + margin, slack.x);
-    s.edges[1] = line_beside(turn * cross(q, r), 0.5 + margin, slack.y);
-    s.edges[2] = line_beside(turn * cross(r, p), 0.5 + margin, slack.z);
+    s.edges[0] = line_beside(turn * pq, 0.5 + margin, slack.x);
+    s.edges[1] = line_beside(turn * qr, 0.5 + margin, slack.y);
+    s.edges[2] = line_beside(turn * rp, 0.5 + margin, slack.z);
+    s.whole = 2.0 * vec3(s.edges[0].z - turn * pq.z, s.edges[1].z - turn * qr.z, s.edges[2].z - turn * rp.z);
     s.low = vec2(-3.0e38);
     s.high = vec2(3.0e38);
     s.half_range = 3.0e38;
     s.reach = 0.5 + margin;
     s.nearest = -3.0e38;
     s.farthest = 3.0e38;
+    s.front = vec3(0.0, 0.0, 3.0e38);
+    if s.in_front && abs(det) > 4.0 * noise {
+        let z = vec3(undivided(a, near).z, undivided(b, near).z, undivided(c, near).z);
+        let plane = (z.x * qr + z.y * rp + z.z * pq) / det;
+        let spread = abs(plane.x) + abs(plane.y);
+        let error = (dot(abs(z), slack.yzx) + 2.0 * noise) / (abs(det) - noise) + 8.0 * frame.depth_margin
+            + 1e-6 * (size * spread + abs(plane.z));
+        s.depth = plane;
+        s.half_range = s.reach * spread + error;
+        let inverse = (near / det) * (pq + qr + rp);
+        let more = s.reach * (abs(inverse.x) + abs(inverse.y))
+            + near * (slack.x + slack.y + slack.z) / (abs(det) - noise);
+        s.front = inverse + vec3(0.0, 0.0, more);
+    }
     return s;
+}
+
+// Whether a triangle that is cut surely covers all of a texel (`share` 1), or its centre (0.75), where that is
+// well beyond the light's nearest distance.
+fn holds(s: Cover, centre: vec2<f32>, share: f32) -> bool {
+    let at = vec3(centre, 1.0);
+    let e = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at));
+    return all(e >= share * s.whole) && dot(s.front, at) <= 1.25 - 0.75 * share;
 }
 
 fn line_beside(n: vec3<f32>, reach: f32, slack: f32) -> vec3<f32> {

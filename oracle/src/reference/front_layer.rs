@@ -1,8 +1,9 @@
 //! Where the nearest layer may be no single sheet over the whole texel.
 
+use super::cut::Cut;
 use super::light_layers::{Layer, any_everywhere};
-use super::triangle_setup::{Reach, Triangle};
-use super::view::{Cut, Flat, by_rows, centre, columns};
+use super::triangle_setup::Triangle;
+use super::view::{Flat, by_rows, centre, columns};
 
 /// How far conservative tests reach out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,19 +32,25 @@ pub enum Split {
     At(f64),
 }
 
-/// Marks every texel that a triangle touches of which a part is not in front of the light, or where there is no layer at the centre, or touches at a range of depths that
-/// holds the split depth; of an alpha-tested one, at a depth before that.
+/// Marks every texel that a triangle touches without a layer at the centre, or at a range of depths that holds the split depth; of an alpha-tested
+/// one, at a depth before that; of one that reaches behind the light, without holding the texel.
 pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin) -> Vec<bool> {
     if any_everywhere(triangles) {
         return vec![true; layers.len()];
     }
     let figures: Vec<Option<Flat>> = triangles.iter().map(Triangle::flat).collect();
     let reach = 0.5 + margin.texels;
-    let cuts: Vec<Cut> =
-        triangles.iter().filter_map(|t| if let Reach::Cut(cut) = t.map { Some(cut) } else { None }).collect();
+    let cuts: Vec<(Cut, bool)> = triangles.iter().filter_map(|t| Some((t.cut()?, t.tested.is_some()))).collect();
+    let crossed = |texel: usize, (lo, hi): (f64, f64), tested: bool| {
+        layers[texel].split().is_none_or(|split| lo <= split && (hi >= split || tested))
+    };
     by_rows(&figures, size, reach, |y, list, row| {
         for (x, marked) in row.iter_mut().enumerate() {
-            *marked = cuts.iter().any(|cut| cut.touches(centre(x as u32, y), reach));
+            let (at, texel) = (centre(x as u32, y), y as usize * size as usize + x);
+            *marked = cuts.iter().any(|(cut, tested)| {
+                let open = || !cut.holds(at, margin) || crossed(texel, cut.depth_range(at, reach, margin), *tested);
+                cut.touches(at, reach) && open()
+            });
         }
         for &t in list {
             let Some(flat) = &figures[t as usize] else { continue };
@@ -52,10 +59,8 @@ pub fn marks(triangles: &[Triangle], layers: &[Layer], size: u32, margin: Margin
                 if row[x as usize] || !flat.touches(at, reach) {
                     continue;
                 }
-                row[x as usize] = layers[(y * size + x) as usize].split().is_none_or(|split| {
-                    let (lo, hi) = flat.depth_range(at, reach, margin.depth);
-                    lo <= split && (hi >= split || triangles[t as usize].tested.is_some())
-                });
+                let range = flat.depth_range(at, reach, margin.depth);
+                row[x as usize] = crossed((y * size + x) as usize, range, triangles[t as usize].tested.is_some());
             }
         }
     })

@@ -1,5 +1,6 @@
 //! The nearest and the second nearest caster at every texel centre.
 
+use super::cut::Cut;
 use super::triangle_setup::{Reach, Triangle};
 use super::view::{Flat, View, by_rows, centre, columns};
 use glam::{DVec2, DVec3};
@@ -14,7 +15,7 @@ pub struct Layer {
     /// An edge passes the centre within the guard, or the two are equally far: not certain.
     pub open: bool,
     /// A triangle so thin, or reaching so far out, that 32 bits do not place its edges within the guard passes the centre
-    /// that near.
+    /// that near; or one that reaches behind the light is there, not surely.
     pub thin: bool,
 }
 
@@ -32,6 +33,8 @@ pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<La
     // A triangle with holes is no layer.
     let whole = |t: &Triangle| if t.tested.is_some() { None } else { t.flat() };
     let figures: Vec<Option<Flat>> = triangles.iter().map(whole).collect();
+    let cut = |(t, triangle): (u32, &Triangle)| Some((t, triangle.cut().filter(|_| triangle.tested.is_none())?));
+    let cuts: Vec<(u32, Cut)> = (0..).zip(triangles).filter_map(cut).collect();
     by_rows(&figures, size, guard, |y, list, row: &mut [Layer]| {
         for &t in list {
             let Some(flat) = &figures[t as usize] else { continue };
@@ -52,7 +55,13 @@ pub fn layers(triangles: &[Triangle], size: u32, guard: f64, tie: f64) -> Vec<La
                 }
             }
         }
-        for layer in row.iter_mut() {
+        for (x, layer) in (0..).zip(row.iter_mut()) {
+            let at = centre(x, y);
+            for (t, cut) in &cuts {
+                let Some(depth) = cut.depth(at).filter(|_| cut.inside(at).iter().all(|&e| e >= 0.0)) else { continue };
+                layer.thin |= !cut.is_layer(at);
+                add(layer, depth, *t);
+            }
             let (Some((a, _)), Some((b, _))) = (layer.nearest, layer.second) else { continue };
             layer.open |= b - a <= tie;
         }

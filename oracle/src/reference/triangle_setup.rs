@@ -1,7 +1,8 @@
 //! Side of the light of each triangle, and which pixels and texels it may touch.
 
+use super::cut::Cut;
 use super::vertex_project::Vertex;
-use super::view::{Cut, Flat, MapEnds, View, cells_touched, centres_within};
+use super::view::{Flat, MapEnds, View, cells_touched, centres_within};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use subpixel_shadows::scene::AlphaTested;
@@ -13,7 +14,7 @@ pub enum Reach {
     Nowhere,
     /// All of them: it is not surely in front of the light, and nearly in a plane with it.
     Everywhere,
-    /// Those it may touch of which a part is not surely in front of the light, at any depth.
+    /// Those it may touch of which a part is not surely in front of the light.
     Cut(Cut),
     /// Those it touches in the light view.
     Flat(Flat),
@@ -73,6 +74,14 @@ impl Triangle {
     pub fn flat(&self) -> Option<Flat> {
         match self.map {
             Reach::Flat(flat) => Some(flat),
+            _ => None,
+        }
+    }
+
+    /// Its lines and plane there, where it reaches behind the light.
+    pub fn cut(&self) -> Option<Cut> {
+        match self.map {
+            Reach::Cut(cut) => Some(cut),
             _ => None,
         }
     }

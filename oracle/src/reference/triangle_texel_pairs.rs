@@ -29,7 +29,9 @@ pub fn pairs(triangles: &[Triangle], deepest: &[Option<f64>], map: MapEnds, marg
                     Reach::Nowhere => false,
                     Reach::Everywhere => true,
                     _ if triangle.beyond && map.are_at(x, y as u32, size) => true,
-                    Reach::Cut(cut) => cut.touches(at, reach),
+                    Reach::Cut(cut) => {
+                        cut.touches(at, reach) && cut.depth_range(at, reach, margin).0 <= deepest + margin.depth
+                    }
                     Reach::Flat(flat) => {
                         flat.touches(at, reach) && flat.depth_range(at, reach, margin.depth).0 <= deepest + margin.depth
                     }
@@ -76,7 +78,10 @@ pub fn tile_pairs(triangles: &[Triangle], deepest: &[Option<f64>], map: MapEnds,
                 Reach::Nowhere => (0, 0.0),
                 Reach::Everywhere => (0xffff, f64::NEG_INFINITY),
                 _ if triangle.beyond && map.are_at(x, y, across) => (0xffff, f64::NEG_INFINITY),
-                Reach::Cut(cut) => (cells_of(&|at, reach| cut.touches(at, reach)), f64::NEG_INFINITY),
+                Reach::Cut(cut) => {
+                    let nearest = cut.depth_range(corner + 1.0, 1.0 + margin.texels, margin).0;
+                    (cells_of(&|at, reach| cut.touches(at, reach)), nearest)
+                }
                 Reach::Flat(flat) => {
                     let nearest = flat.depth_range(corner + 1.0, 1.0 + margin.texels, margin.depth).0;
                     (cells_of(&|at, reach| flat.touches(at, reach)), nearest)

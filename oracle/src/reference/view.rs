@@ -92,33 +92,6 @@ impl View {
     }
 }
 
-/// A triangle that reaches behind the light, as the lines of its edges around what of it lies in front.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
-    /// Inside where `edge · (x, y, 1)` is not below 0.
-    edges: [DVec3; 3],
-}
-
-impl Cut {
-    /// Cut of the corners; `None` if the light lies in its plane.
-    pub fn new(view: &View, corners: [DVec3; 3]) -> Option<Self> {
-        let [p, q, r] = corners.map(|p| {
-            let p = p.extend(1.0);
-            DVec3::new(view.map.u.dot(p), view.map.v.dot(p), view.map.w.dot(p))
-        });
-        let det = p.dot(q.cross(r));
-        let turn = det.signum();
-        (view.map.perspective && det != 0.0)
-            .then(|| Self { edges: [p.cross(q), q.cross(r), r.cross(p)].map(|e| e * turn) })
-    }
-
-    /// Whether it may touch the closed square of half side `reach` around `centre`.
-    pub fn touches(&self, centre: DVec2, reach: f64) -> bool {
-        let beside = |e: &DVec3| e.dot(centre.extend(1.0)) + reach * (e.x.abs() + e.y.abs());
-        self.edges.iter().all(|e| beside(e) >= 0.0)
-    }
-}
-
 /// A triangle or any other plane figure as straight lines in a grid of cells: distances and depth at any place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flat {
@@ -314,67 +287,4 @@ pub(super) fn columns(figure: &Flat, reach: f64, width: u32) -> std::ops::Range<
 /// Centre of a cell.
 pub fn centre(x: u32, y: u32) -> DVec2 {
     DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use lab::scene::builtin;
-
-    /// Corners around the light that differ for every seed, some behind it.
-    fn corners(light: DVec3, seed: u32) -> [DVec3; 3] {
-        let mut state = seed.wrapping_mul(0x9e37_79b9) | 1;
-        let mut next = || {
-            (state, _) = state.overflowing_mul(747_796_405);
-            state ^= state >> 15;
-            f64::from(state) / f64::from(u32::MAX) * 2.0 - 1.0
-        };
-        std::array::from_fn(|_| light + DVec3::new(next(), next(), next()) * 3.0)
-    }
-
-    /// The lines of a triangle that reaches behind the light hold the texel of every point of it in front, but not all
-    /// texels; those of a triangle that lies in front are the triangle's.
-    #[test]
-    fn lines_hold_what_is_in_front() {
-        let mut scene = builtin("spheres").expect("a built-in scene");
-        scene.light = Light::Point { position: [0.8, 1.9, 0.9] };
-        let views = LightView::cube(&scene.mesh, &scene.light, 16).expect("a cube");
-        let bounds = scene.mesh.bounds().expect("a mesh");
-        let (mut behind, mut whole, mut hit, mut touched) = (0, 0, 0, 0);
-        for view in views.iter().map(|map| View::new(&scene.camera, &scene.light, map, bounds, [8, 8], false)) {
-            for seed in 0..300 {
-                let corners = corners(view.light.truncate(), seed);
-                let cut = Cut::new(&view, corners).expect("not in one plane with the light");
-                let texels = || (0..256u32).map(|k| centre(k % 16, k / 16));
-                let over = |at: DVec2| cut.touches(at, 0.5);
-                if let [Some(a), Some(b), Some(c)] = corners.map(|p| view.on_map(p)) {
-                    whole += 1;
-                    let flat = Flat::new([a, b, c].map(DVec4::truncate));
-                    for at in texels().filter(|&at| flat.touches(at, 0.49)) {
-                        assert!(over(at), "{corners:?} touches {at}");
-                    }
-                    for at in texels().filter(|&at| cut.touches(at, 0.0)) {
-                        assert!(flat.touches(at, 0.01), "{corners:?} does not touch {at}");
-                    }
-                    continue;
-                }
-                behind += 1;
-                touched += texels().filter(|&at| over(at)).count();
-                let mut seen = [false; 256];
-                for (i, j) in (0..=150).flat_map(|i| (0..=150 - i).map(move |j| (i, j))) {
-                    let [u, v] = [i, j].map(|k| f64::from(k) / 150.0);
-                    let point = corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v;
-                    let Some(at) = view.on_map(point).filter(|p| p.x.min(p.y) > 0.0 && p.x.max(p.y) < 16.0) else {
-                        continue;
-                    };
-                    let texel = at.truncate().truncate().floor();
-                    seen[(texel.y * 16.0 + texel.x) as usize] = true;
-                    assert!(over(texel + 0.5), "{corners:?} reaches {texel}");
-                }
-                hit += seen.iter().filter(|&&s| s).count();
-            }
-        }
-        assert!(behind > 300 && whole > 30 && hit > 5000, "{behind} behind, {whole} in front, {hit} texels hit");
-        assert!(touched < 2 * hit, "{touched} texels touched where {hit} are hit");
-    }
 }

@@ -133,6 +133,7 @@ impl Case {
         frame.flags |= if self.cull_back { Frame::CULL_BACK } else { 0 };
         frame.flags |= if self.backs_hidden { Frame::BACKS_HIDDEN } else { 0 };
         frame.flags |= if self.validity { Frame::VALIDITY } else { 0 };
+        frame.flags |= Frame::CUT_LAYERS;
         frame.vertex_count = self.positions().len() as u32;
         frame.triangle_count = self.prepared.mesh().triangles.len() as u32;
         frame.edge_count = self.prepared.edges.len() as u32;
@@ -369,7 +370,10 @@ pub fn run_all(gpu: &Gpu, case: &Case) -> Ran {
     let splits = poisoned(gpu, layers.splits.len());
     let layers = Layers { splits, ..layers };
     let stage = LightLayers::new(device);
-    run(gpu, |s| stage.record(s, frame_buffer, in_light, &layers));
+    run(gpu, |s| {
+        stage.record(s, frame_buffer, in_light, &layers);
+        stage.record_cut(s, frame_buffer, in_light, &layers);
+    });
     let after_layers = marks(gpu, &layers.mask, case.map);
 
     let (edge_rects, edge_items) = (poisoned(gpu, edge_count), poisoned(gpu, edge_count));
