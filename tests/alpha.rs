@@ -261,8 +261,10 @@ fn depth_maps_have_holes() {
     let truths = [&scene, &whole].map(|scene| truth(scene, &scene.prepared().expect("a sound mesh"), &settings));
     // Slices and warps of their own change no texel's question.
     let maps = |m: &MethodName| {
-        matches!(m.row().query, TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Silhouettes)
-            && m.row().partition.is_none()
+        matches!(
+            m.row().query,
+            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Polygons | TexelQuery::Silhouettes
+        ) && m.row().partition.is_none()
     };
     for method in MethodName::ALL.into_iter().filter(maps) {
         let plan = Plan::of_method(method, &prepared, &scene.camera, &scene.light, &settings, false).expect("a plan");

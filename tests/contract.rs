@@ -298,7 +298,7 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 18] = [
+const WITHOUT_A_LIST: [&str; 19] = [
     "compared_depths",
     "front_layer",
     "history",
@@ -310,6 +310,7 @@ const WITHOUT_A_LIST: [&str; 18] = [
     "page_query",
     "page_requests",
     "pixel_views",
+    "polygon_ids",
     "seen_texels",
     "shadow_map",
     "silhouette_map",

@@ -41,6 +41,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
         .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
     let fitted = [
         (MethodName::Reconstructable, 8),
+        (MethodName::PolygonIds, 8),
         (MethodName::SilhouetteMap, 8),
         (MethodName::Variance, 1),
         (MethodName::LayeredVariance, 8),

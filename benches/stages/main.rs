@@ -37,6 +37,7 @@ mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;
 mod pixel_views;
+mod polygon_ids;
 mod prefix_scan;
 mod radix_sort;
 mod requested_blocks;
@@ -83,7 +84,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 46] = [
+    let without_textures: [Maker; 47] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -99,6 +100,7 @@ fn run(options: &Options) -> Result<()> {
         camera_visibility::cases,
         light_layers::cases,
         kept_triangles::cases,
+        polygon_ids::cases,
         shadow_map::cases,
         page_requests::cases,
         page_casters::cases,

@@ -509,7 +509,7 @@ pub mod kept_triangles {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/alpha", "kept_triangles",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/facet/beside", "shared/alpha", "kept_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1224,6 +1224,40 @@ pub mod pixel_views {
     } }
     entries! {
         Choose, Keep, Take,
+    }
+}
+
+/// `kernels/polygon_ids.wgsl`.
+pub mod polygon_ids {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/facet/beside", "polygon_ids",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_ENDS = 1024,
+        FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512,
+        NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64, NAME = 2147483647,
+    }
+    overrides! {
+        lookups: u32 = 1, "LOOKUPS",
+    }
+    entry_point! { "polygon_ids", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 triangle_keys: Read<'a, u32>,
+        6 surfaces: Read<'a, u32>,
+        7 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        Compare,
     }
 }
 
@@ -2734,6 +2768,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("pixel_texel_pairs", pixel_texel_pairs::SOURCE, pixel_texel_pairs::ENTRIES),
     ("pixel_triangles", pixel_triangles::SOURCE, pixel_triangles::ENTRIES),
     ("pixel_views", pixel_views::SOURCE, pixel_views::ENTRIES),
+    ("polygon_ids", polygon_ids::SOURCE, polygon_ids::ENTRIES),
     ("prefix_scan", prefix_scan::SOURCE, prefix_scan::ENTRIES),
     ("radix_sort", radix_sort::SOURCE, radix_sort::ENTRIES),
     ("requested_blocks", requested_blocks::SOURCE, requested_blocks::ENTRIES),

@@ -8,6 +8,7 @@ use super::geometry::{Geometry, GeometryPipelines, SetupOf};
 use super::history::MethodHistory;
 use super::names::{MethodName, TexelQuery};
 use super::output::Counts;
+use super::polygon_mapping::PolygonMapping;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::reconstructable::Reconstructable;
@@ -232,6 +233,7 @@ impl FixedMemory {
             }
             TexelQuery::Triangles => Box::new(Spsm::new(parts)?),
             TexelQuery::Centres => Box::new(Reconstructable::new(parts)?),
+            TexelQuery::Polygons => Box::new(PolygonMapping::new(parts)?),
             TexelQuery::Silhouettes => Box::new(SilhouetteMapping::new(parts)?),
             TexelQuery::Map(query) => Box::new(ShadowMapping::new(parts, query)?),
             TexelQuery::Pages => Box::new(ResolutionMatched::new(parts)?),

@@ -17,6 +17,8 @@ pub mod list_sizing;
 pub mod names;
 pub mod output;
 mod page_settings;
+#[cfg(feature = "baselines")]
+pub mod polygon_mapping;
 pub mod prepared;
 #[cfg(feature = "baselines")]
 pub mod ray_traced;
@@ -46,6 +48,6 @@ pub use history::HistorySettings;
 pub use names::{METHOD_OPTIONS, METHODS, MapQuery, MethodName, MethodRow, TexelQuery};
 pub use prepared::Prepared;
 pub use settings::{
-    FacetMode, MomentSettings, PageSettings, PairVariant, ProjectionVariant, RayTracedSettings,
+    FacetMode, MomentSettings, PageSettings, PairVariant, PolygonIdSettings, ProjectionVariant, RayTracedSettings,
     ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };

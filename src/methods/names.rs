@@ -18,6 +18,8 @@ pub enum MethodName {
     Spsm,
     /// `reconstructable`: Dai, Yang, Feng 2008.
     Reconstructable,
+    /// `polygon-ids`: Hourcade, Nicolas 1985.
+    PolygonIds,
     /// `shadow-map`: Williams 1978.
     ShadowMap,
     /// `pcf`: Reeves, Salesin, Cook 1987.
@@ -125,7 +127,7 @@ impl MethodName {
     pub fn keeps(self) -> [bool; 2] {
         match self.row().query {
             TexelQuery::Facets | TexelQuery::Triangles => [true, true],
-            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Silhouettes => [false, true],
+            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Polygons | TexelQuery::Silhouettes => [false, true],
             TexelQuery::Pages | TexelQuery::Rays | TexelQuery::Samples => [false, false],
         }
     }

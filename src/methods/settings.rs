@@ -3,7 +3,9 @@
 use super::history::HistorySettings;
 pub use super::page_settings::PageSettings;
 use super::prepared::Prepared;
-pub use super::texel_settings::{MomentSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape};
+pub use super::texel_settings::{
+    MomentSettings, PolygonIdSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
+};
 use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;
 use crate::pixel_filter::PixelFilter;
@@ -188,6 +190,8 @@ pub struct Settings {
     pub spsm: SpsmSettings,
     /// Options of `reconstructable`.
     pub reconstructable: ReconstructableSettings,
+    /// Options of `polygon-ids`.
+    pub polygon_ids: PolygonIdSettings,
     /// Options of `smsr`.
     pub smsr: SmsrSettings,
     /// Options of the methods that compare depths.
@@ -312,6 +316,7 @@ impl Settings {
             count_pixels: false,
             spsm: SpsmSettings::default(),
             reconstructable: ReconstructableSettings::default(),
+            polygon_ids: PolygonIdSettings::default(),
             smsr: SmsrSettings::default(),
             shadow_map: ShadowMapSettings::default(),
             moments: MomentSettings::default(),
@@ -346,6 +351,7 @@ impl Settings {
         self.partition.map_or(Ok(()), |plan| plan.check())?;
         self.spsm.check()?;
         self.reconstructable.check()?;
+        self.polygon_ids.check()?;
         self.smsr.check()?;
         self.moments.check()?;
         self.history.map_or(Ok(()), |history| history.check())?;

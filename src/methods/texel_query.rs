@@ -9,6 +9,8 @@ pub enum TexelQuery {
     Triangles,
     /// The triangles that are nearest at the centres of the texels around.
     Centres,
+    /// Whose polygon is nearest at the centres of texels.
+    Polygons,
     /// Nearest depths, and between them points of the silhouette.
     Silhouettes,
     /// Nearest depths.

@@ -26,14 +26,44 @@ impl ReconstructableSettings {
     /// [`Error::Config`] with the numbers.
     pub fn check(&self) -> Result<()> {
         let Self { lookups, bias } = *self;
-        if !matches!(lookups, 1 | 3 | 5 | 7) {
-            return Err(Error::Config(format!("{lookups} x {lookups} look-ups; 1, 3, 5 and 7 are possible")));
-        }
+        check_lookups(lookups)?;
         if !(0.0..=1.0).contains(&bias) {
             return Err(Error::Config(format!("reconstructable: bias {bias}; 0 to 1 are possible")));
         }
         Ok(())
     }
+}
+
+/// Options of `polygon-ids`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PolygonIdSettings {
+    /// Texels a side around a sample's of which one must keep its receiver's polygon for it to be lit: 1, 3, 5 or 7. More than 1 takes false
+    /// shadows of what is smaller than a texel away, and as much from the rims of shadows.
+    pub lookups: u32,
+}
+
+impl Default for PolygonIdSettings {
+    fn default() -> Self {
+        Self { lookups: 1 }
+    }
+}
+
+impl PolygonIdSettings {
+    /// Checks the values against what is possible.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers.
+    pub fn check(&self) -> Result<()> {
+        check_lookups(self.lookups)
+    }
+}
+
+/// Checks how many texels a side are asked around a sample's.
+fn check_lookups(lookups: u32) -> Result<()> {
+    if !matches!(lookups, 1 | 3 | 5 | 7) {
+        return Err(Error::Config(format!("{lookups} x {lookups} look-ups; 1, 3, 5 and 7 are possible")));
+    }
+    Ok(())
 }
 
 /// Options of the methods that compare depths: which depth of a texel they compare, and the bias, without which a surface shadows itself

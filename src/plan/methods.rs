@@ -28,6 +28,13 @@ const CENTRE_STAGES: [(&str, &str); 3] = [
     ("kept_triangles", "every sample against the triangles of the texels around it"),
 ];
 
+/// Stages of `polygon-ids` after what the camera sees.
+const POLYGON_STAGES: [(&str, &str); 3] = [
+    NEAREST,
+    ("light_triangles", "the triangle of that depth"),
+    ("polygon_ids", "polygon of every sample against the map"),
+];
+
 /// Stages of the methods that compare samples with depths after what the camera sees.
 const SHADOW_MAP_STAGES: [(&str, &str); 3] =
     [NEAREST, COMPARED, ("shadow_map", "depth of every sample against the map")];
@@ -101,6 +108,7 @@ impl Plan {
             TexelQuery::Facets => return Self::of(prepared, camera, light, wanted, force_all),
             TexelQuery::Triangles => &SPSM_STAGES,
             TexelQuery::Centres => &CENTRE_STAGES,
+            TexelQuery::Polygons => &POLYGON_STAGES,
             TexelQuery::Silhouettes => &SILHOUETTE_STAGES,
             TexelQuery::Map(MapQuery::Nearest | MapQuery::Filtered) => &SHADOW_MAP_STAGES,
             TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,

@@ -28,6 +28,7 @@ pub mod pixel_receivers;
 pub mod pixel_texel_pairs;
 pub mod pixel_triangles;
 pub mod pixel_views;
+pub mod polygon_ids;
 pub mod prefix_scan;
 pub mod radix_sort;
 pub mod requested_blocks;

@@ -27,6 +27,7 @@ mod pixel_receivers;
 mod pixel_texel_pairs;
 mod pixel_triangles;
 mod pixel_views;
+mod polygon_ids;
 mod prefix_scan;
 mod radix_sort;
 mod requested_blocks;

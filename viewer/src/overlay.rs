@@ -92,7 +92,11 @@ impl Overlay {
             TexelQuery::Facets => 3,
             TexelQuery::Rays | TexelQuery::Samples => 1,
             TexelQuery::Triangles => 0,
-            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Silhouettes | TexelQuery::Pages => {
+            TexelQuery::Map(_)
+            | TexelQuery::Centres
+            | TexelQuery::Polygons
+            | TexelQuery::Silhouettes
+            | TexelQuery::Pages => {
                 return self.counted().is_none();
             }
         };

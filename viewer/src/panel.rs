@@ -105,7 +105,9 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         }
     }
     if takes("lookups") {
-        changed |= numbers(ui, half, "lookups", &mut options.lookups, &[1, 3, 5, 7]);
+        let mut lookups = options.asked_texels();
+        changed |= numbers(ui, half, "lookups", &mut lookups, &[1, 3, 5, 7]);
+        options.lookups = Some(lookups).filter(|lookups| *lookups != options.asked_by_default());
     }
     if takes("rays") {
         changed |= words(ui, half, "rays", &mut options.rays);

@@ -67,7 +67,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     let search = |radius, stretch| move |s: &mut Settings| s.spsm = SpsmSettings { radius, stretch, ..s.spsm };
     vary("search", &[&search(2, 0), &search(1, 2)]);
     vary("encoding", &[&|s| s.spsm.seen_only = !s.spsm.seen_only]);
-    vary("lookups", &[&|s| s.reconstructable.lookups = 7]);
+    vary("lookups", &[&|s| (s.reconstructable.lookups, s.polygon_ids.lookups) = (7, 7)]);
     vary("rays", &[&|s| s.ray_traced.silhouettes = !s.ray_traced.silhouettes]);
     vary("kernel", &[&|s| s.shadow_map.kernel = 7]);
     vary("shape", &[&|s| s.smsr.shape = SmsrShape::Corners]);

@@ -262,7 +262,7 @@ fn looks(report: &mut Report, options: &RenderOptions, rendered: &Rendered) {
     let key = CLASS_COLOURS.map(|(class, colour, _)| format!("{colour} {}", format!("{class:?}").to_lowercase()));
     let map = match options.method {
         MethodName::FacetMasks => "the nearer the brighter, orange where marked, dark blue without a caster",
-        MethodName::Spsm | MethodName::Reconstructable => {
+        MethodName::Spsm | MethodName::Reconstructable | MethodName::PolygonIds => {
             "a hue for each closest triangle, the nearer the brighter, dark blue without a caster or not made"
         }
         _ => "the nearer the brighter, dark blue without a caster",

@@ -16,7 +16,7 @@ use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    HistorySettings, MethodName, MomentSettings, PageSettings, ProjectionVariant, RayTracedSettings,
+    HistorySettings, MethodName, MomentSettings, PageSettings, PolygonIdSettings, ProjectionVariant, RayTracedSettings,
     ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
@@ -72,9 +72,10 @@ pub struct RenderOptions {
     /// Power by which the paper's code of spsm keeps slopes: 1 for even steps of the angle, 3, 5 (the paper's), 7 or 9
     #[arg(long, default_value_t = 5, value_name = "N")]
     pub slope_power: u32,
-    /// Texels a side around a sample's whose triangles reconstructable asks: 1, 3, 5 or 7
-    #[arg(long, default_value_t = 5, value_name = "N")]
-    pub lookups: u32,
+    /// Texels a side around a sample's that are asked, 1, 3, 5 or 7: by reconstructable for the triangles that they keep, by polygon-ids for one that
+    /// keeps the receiver's polygon [default: 5 of reconstructable, 1 of polygon-ids]
+    #[arg(long, value_name = "N")]
+    pub lookups: Option<u32>,
     /// Rays of ray-traced: from all pixels, or from those that are not proved lit or shadowed
     #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
     pub rays: RayChoice,
@@ -274,7 +275,11 @@ impl RenderOptions {
                 recovery: self.recovery == Switch::On,
                 ..SpsmSettings::default()
             },
-            reconstructable: ReconstructableSettings { lookups: self.lookups, ..ReconstructableSettings::default() },
+            reconstructable: match self.lookups {
+                Some(lookups) => ReconstructableSettings { lookups, ..ReconstructableSettings::default() },
+                None => ReconstructableSettings::default(),
+            },
+            polygon_ids: self.lookups.map_or_else(PolygonIdSettings::default, |lookups| PolygonIdSettings { lookups }),
             smsr: SmsrSettings {
                 shape: match self.shape {
                     Shape::Corners => SmsrShape::Corners,
@@ -309,6 +314,19 @@ impl RenderOptions {
             return Err(Error::Config(text.to_owned()));
         }
         Ok(settings)
+    }
+
+    /// Texels a side around a sample's that its method asks.
+    pub fn asked_texels(&self) -> u32 {
+        self.lookups.unwrap_or(self.asked_by_default())
+    }
+
+    /// How many these are where nothing is said.
+    pub fn asked_by_default(&self) -> u32 {
+        match self.method {
+            MethodName::PolygonIds => PolygonIdSettings::default().lookups,
+            _ => ReconstructableSettings::default().lookups,
+        }
     }
 
     /// Frames before that are kept.

@@ -50,7 +50,7 @@ impl RenderOptions {
             ("search", word(o.search)),
             ("recovery", word(o.recovery)),
             ("slope-power", json!(o.slope_power)),
-            ("lookups", json!(o.lookups)),
+            ("lookups", json!(o.asked_texels())),
             ("rays", word(o.rays)),
             ("kernel", json!(o.kernel)),
             ("compare", word(o.compare)),

@@ -213,6 +213,7 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         (&["plane", "--map", "9000"], &["9000", "8192"]),
         (&["plane", "--method", "pcf", "--kernel", "4"], &["4 x 4"]),
         (&["plane", "--method", "reconstructable", "--lookups", "4"], &["4 x 4"]),
+        (&["plane", "--method", "polygon-ids", "--lookups", "2"], &["2 x 2"]),
         (&["plane", "--method", "smsr", "--reach", "65"], &["65", "64"]),
         (&["plane", "--method", "remix", "--splits", "5"], &["5 splits", "4"]),
         (&["plane", "--method", "parallel-split", "--splits", "0"], &["0 splits"]),

@@ -38,6 +38,7 @@ fn every_method_keeps_the_contract() {
     let stages = [
         ("spsm", "spsm_map"),
         ("reconstructable", "kept_triangles"),
+        ("polygon-ids", "polygon_ids"),
         ("shadow-map", "shadow_map"),
         ("pcf", "shadow_map"),
         ("smsr", "smsr"),
@@ -64,7 +65,9 @@ fn every_method_keeps_the_contract() {
         assert_eq!(f["method"], method);
         let time = |f: &Value| f["stages"].as_array().and_then(|s| s.iter().find(|s| s["name"] == stage).cloned());
         assert!(time(&f).is_some_and(|s| s["left_out"].is_null() && s["gpu_ms"].as_f64() > Some(0.0)), "{f}");
-        assert!(f["error"]["scene_rmse"].as_f64().is_some_and(|e| e < 0.2), "{method}: {}", f["error"]);
+        // Polygons break down where triangles are smaller than texels.
+        let most = if method == "polygon-ids" { 0.25 } else { 0.2 };
+        assert!(f["error"]["scene_rmse"].as_f64().is_some_and(|e| e < most), "{method}: {}", f["error"]);
         let text = stdout(&run(&["explain", "spheres", "--method", method]));
         assert!(text.contains(stage) && !text.contains("visibility_masks"), "{text}");
         render(&out, &[&empty, "--method", method]);

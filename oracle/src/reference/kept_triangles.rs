@@ -49,7 +49,7 @@ impl KeptLookup<'_> {
 
     /// Whether a triangle shares an edge with a receiver, and seen from the light the two lie on its two sides; `None` where one of them is
     /// edge-on.
-    fn is_beside(&self, receiver: u32, t: u32) -> Option<bool> {
+    pub(super) fn is_beside(&self, receiver: u32, t: u32) -> Option<bool> {
         let [own, other] = [receiver, t].map(|t| self.vertices[t as usize]);
         let shared: Vec<u32> = own.into_iter().filter(|v| other.contains(v)).collect();
         let &[start, end] = &shared[..] else { return Some(false) };

@@ -51,7 +51,7 @@ pub const METHOD_OPTIONS: [&str; 35] = [
 const VIEWS: &str = "over casters and receivers; slices, warps; a cube";
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 21] = [
+pub const METHODS: [MethodRow; 22] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -115,6 +115,16 @@ pub const METHODS: [MethodRow; 21] = [
         query: TexelQuery::Centres,
         partition: None,
         options: &["lookups", "partition", "splits", "split-weight", "warp", "focus", "looks"],
+    },
+    MethodRow {
+        method: MethodName::PolygonIds,
+        name: "polygon-ids",
+        paper: "Hourcade, Nicolas 1985: Algorithms for Antialiased Cast Shadows",
+        section: "Scherzer 2011: 5.1",
+        parts: [VIEWS, "the triangle that is nearest at its centre", "compare the polygon of every sample"],
+        query: TexelQuery::Polygons,
+        partition: None,
+        options: &["lookups", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::ShadowMap,

@@ -5,9 +5,9 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
-    FacetMode, HistorySettings, MethodName, MomentSettings, PageSettings, PairVariant, ProjectionVariant,
-    RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding,
-    SpsmSettings,
+    FacetMode, HistorySettings, MethodName, MomentSettings, PageSettings, PairVariant, PolygonIdSettings,
+    ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings,
+    SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -212,6 +212,14 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 if lookups == 5 || more {
                     let reconstructable = ReconstructableSettings { lookups, ..settings.reconstructable };
                     add(&format!("lookups={lookups}"), Settings { reconstructable, ..settings.clone() });
+                }
+            }
+        }
+        MethodName::PolygonIds => {
+            for lookups in [1, 3, 5] {
+                if lookups == 1 || more {
+                    let polygon_ids = PolygonIdSettings { lookups };
+                    add(&format!("lookups={lookups}"), Settings { polygon_ids, ..settings.clone() });
                 }
             }
         }
