@@ -38,6 +38,7 @@ pub mod scene;
 pub mod spsm_code;
 pub mod stages;
 pub mod status;
+pub mod tap_disc;
 #[cfg(test)]
 mod test_scenes;
 

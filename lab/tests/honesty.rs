@@ -56,6 +56,9 @@ fn other_value(option: &str) -> &'static str {
         "lookups" => "7",
         "rays" => "silhouettes",
         "kernel" => "7",
+        "taps" => "16",
+        "radius" => "3",
+        "turned" => "on",
         "compare" => "midpoint",
         // As they are, which alone goes with another depth.
         "bias" => "0.00005",
@@ -389,7 +392,7 @@ mod gpu {
         use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
         use subpixel_shadows::methods::{
-            HistorySettings, PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding,
+            DiscFilter, HistorySettings, PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding,
         };
         use subpixel_shadows::stages::compared_depths::DepthRule;
         let mut s = s.clone();
@@ -408,6 +411,9 @@ mod gpu {
             "lookups" => (s.reconstructable.lookups, s.polygon_ids.lookups) = (7, 7),
             "rays" => s.ray_traced.silhouettes = true,
             "kernel" => s.shadow_map.kernel = 7,
+            "taps" => s.shadow_map.disc = Some(DiscFilter::default()),
+            "radius" => s.shadow_map.disc = s.shadow_map.disc.map(|disc| DiscFilter { radius: 3.0, ..disc }),
+            "turned" => s.shadow_map.disc = s.shadow_map.disc.map(|disc| DiscFilter { turned: true, ..disc }),
             "compare" => s.shadow_map.compared = Some(DepthRule::Midpoint),
             "bias" => s.shadow_map.constant = 0.02,
             "slope-bias" => s.shadow_map.slope = 9.0,
@@ -472,6 +478,7 @@ mod gpu {
                     "slope-power" => with(method, "encoding", &default),
                     "confidence-power" => with(method, "history", &default),
                     "focus" | "partition" if method != MethodName::Trapezoidal => with(method, "warp", &default),
+                    "radius" | "turned" => with(method, "taps", &default),
                     _ => Some(default.clone()),
                 };
                 let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(method, option, &b)?))) else {
@@ -488,11 +495,8 @@ mod gpu {
                 }
                 // How pairs come together, and a table of masks, may give the same picture.
                 let how = matches!(option, "pairs" | "projection" | "masks");
-                assert!(
-                    how || of(&changed, light) != same,
-                    "{} takes --{option}, which changes nothing",
-                    method.name()
-                );
+                let name = method.name();
+                assert!(how || of(&changed, light) != same, "{name} takes --{option}, which changes nothing");
             }
         }
     }

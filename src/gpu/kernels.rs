@@ -1764,6 +1764,8 @@ pub mod shadow_map {
         bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
         bias_slope: f32 = 1.0, "BIAS_SLOPE",
         receiver_plane: u32 = 0, "RECEIVER_PLANE",
+        taps: u32 = 0, "TAPS",
+        turned: u32 = 0, "TURNED",
     }
     entry_point! { "shadow_map", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1772,7 +1774,8 @@ pub mod shadow_map {
         3 triangles: Read<'a, [u32; 4]>,
         4 points: Read<'a, [f32; 4]>,
         5 nearest_keys: Read<'a, u32>,
-        6 visibility: Write<'a, f32>,
+        6 disc: Uniform<'a, [f32; 4]>,
+        7 visibility: Write<'a, f32>,
     } }
     entries! {
         Compare,

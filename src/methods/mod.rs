@@ -48,6 +48,7 @@ pub use history::HistorySettings;
 pub use names::{METHOD_OPTIONS, METHODS, MapQuery, MethodName, MethodRow, TexelQuery};
 pub use prepared::Prepared;
 pub use settings::{
-    FacetMode, MomentSettings, PageSettings, PairVariant, PolygonIdSettings, ProjectionVariant, RayTracedSettings,
-    ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    DiscFilter, FacetMode, MomentSettings, PageSettings, PairVariant, PolygonIdSettings, ProjectionVariant,
+    RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding,
+    SpsmSettings,
 };

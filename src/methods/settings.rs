@@ -4,7 +4,7 @@ use super::history::HistorySettings;
 pub use super::page_settings::PageSettings;
 use super::prepared::Prepared;
 pub use super::texel_settings::{
-    MomentSettings, PolygonIdSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
+    DiscFilter, MomentSettings, PolygonIdSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
 };
 use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;

@@ -1,5 +1,5 @@
 //! A map of nearest depths, asked four ways: by comparing every sample with its texel (`shadow-map`: Williams 1978), with a box of texels
-//! (`pcf`: Reeves, Salesin, Cook 1987), with borders drawn anew (`smsr`: Bondarev 2014), or by the moments of the depths in the pixel's
+//! or the taps of a disc (`pcf`: Reeves, Salesin, Cook 1987), with borders drawn anew (`smsr`: Bondarev 2014), or by the moments of the depths in the pixel's
 //! footprint (`variance`: Donnelly, Lauritzen 2006), or of exponentials of them (`exponential`: Annen et al. 2008; `exponential-variance`:
 //! Lauritzen, McCool 2008), or by four moments (`four-moments`: Peters, Klein 2015).
 //!
@@ -11,8 +11,7 @@
 use super::debug_views::DebugViews;
 use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, StageInputs};
 use super::names::MapQuery;
-use super::settings::{MomentSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
-use crate::Result;
+use super::settings::{DiscFilter, MomentSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
 use crate::stages::PrimaryHits;
 use crate::stages::compared_depths::ComparedDepths;
@@ -21,12 +20,21 @@ use crate::stages::map_moments::{MapLevels, MapMoments, MomentMeasures};
 use crate::stages::moment_shadows::{MapWithMoments, MomentShadows, MomentShadowsOptions};
 use crate::stages::shadow_map::{ShadowMap, ShadowMapOptions};
 use crate::stages::smsr::{Smsr, SmsrOptions};
+use crate::tap_disc::{DiscWords, disc_words};
+use crate::{Error, Result};
 
 #[derive(Debug)]
 enum Ask {
-    Depths(ShadowMap),
+    Depths(Box<OfDepths>),
     Borders(Smsr),
     Moments(Box<OfMoments>),
+}
+
+#[derive(Debug)]
+struct OfDepths {
+    compare: ShadowMap,
+    taps: DiscWords,
+    disc: Buffer<[f32; 4]>,
 }
 
 #[derive(Debug)]
@@ -39,13 +47,21 @@ struct OfMoments {
 
 impl Ask {
     fn new(device: &wgpu::Device, settings: &Settings, query: MapQuery) -> Result<Self> {
-        let ShadowMapSettings { kernel, .. } = settings.shadow_map;
+        let ShadowMapSettings { kernel, disc, .. } = settings.shadow_map;
         let [constant, slope] = settings.shadow_map.bias();
-        let depths = |options| Self::Depths(ShadowMap::new(device, options));
-        Ok(match query {
-            MapQuery::Nearest => depths(ShadowMapOptions { kernel: 1, constant, slope, receiver_plane: false }),
-            MapQuery::Filtered => depths(ShadowMapOptions { kernel, constant, slope: 0.0, receiver_plane: true }),
-            MapQuery::Revectorized => {
+        let depths = |options, taps: DiscWords| {
+            let disc = Buffer::uniform(device, "shadow_map.disc", taps.len())?;
+            Ok::<_, Error>(Self::Depths(Box::new(OfDepths { compare: ShadowMap::new(device, options), taps, disc })))
+        };
+        let plain = ShadowMapOptions { kernel: 1, constant, slope, receiver_plane: false, taps: 0, turned: false };
+        let filter = ShadowMapOptions { kernel, slope: 0.0, receiver_plane: true, ..plain };
+        Ok(match (query, disc) {
+            (MapQuery::Nearest, _) => depths(plain, DiscWords::default())?,
+            (MapQuery::Filtered, None) => depths(filter, DiscWords::default())?,
+            (MapQuery::Filtered, Some(DiscFilter { taps, radius, turned })) => {
+                depths(ShadowMapOptions { taps, turned, ..filter }, disc_words(taps, radius))?
+            }
+            (MapQuery::Revectorized, _) => {
                 let SmsrSettings { shape, reach, slope } = settings.smsr;
                 let midpoints = shape == SmsrShape::Midpoints;
                 Self::Borders(Smsr::new(device, SmsrOptions { reach, midpoints, constant, slope }))
@@ -103,7 +119,10 @@ impl ShadowMapping {
         Ok(Self {
             reach: match query {
                 MapQuery::Nearest => 1.0,
-                MapQuery::Filtered => 0.5 * settings.shadow_map.kernel as f32 + 1.0,
+                MapQuery::Filtered => {
+                    let ShadowMapSettings { kernel, disc, .. } = settings.shadow_map;
+                    disc.map_or(0.5 * kernel as f32, |disc| disc.radius) + 1.0
+                }
                 _ => 2.0,
             },
             size: settings.map,
@@ -131,10 +150,14 @@ impl FixedMethod for ShadowMapping {
     }
 
     fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
-        if let Ask::Moments(of_moments) = &self.ask {
-            let FrameInputs { view, bounds, frame, .. } = of;
-            let far = MapLevels::farthest(view, frame.light[3] == 0.0, bounds);
-            uploads.write(&of_moments.levels, &[MapLevels::new(self.size, far)]);
+        match &self.ask {
+            Ask::Depths(ask) => uploads.write(&ask.disc, &ask.taps),
+            Ask::Borders(_) => {}
+            Ask::Moments(of_moments) => {
+                let FrameInputs { view, bounds, frame, .. } = of;
+                let far = MapLevels::farthest(view, frame.light[3] == 0.0, bounds);
+                uploads.write(&of_moments.levels, &[MapLevels::new(self.size, far)]);
+            }
         }
         Ok(())
     }
@@ -156,7 +179,10 @@ impl FixedMethod for ShadowMapping {
             points: &geometry.points,
         };
         match &self.ask {
-            Ask::Depths(ask) => ask.record(&mut rec.stage("shadow_map"), frame, seen, nearest_keys, visibility),
+            Ask::Depths(ask) => {
+                let stage = &mut rec.stage("shadow_map");
+                ask.compare.record(stage, frame, seen, (nearest_keys, &ask.disc), visibility);
+            }
             Ask::Borders(ask) => ask.record(&mut rec.stage("smsr"), frame, seen, nearest_keys, visibility),
             Ask::Moments(of_moments) => {
                 let OfMoments { reduce, levels, moments, filter } = &**of_moments;

@@ -2,6 +2,7 @@
 
 use crate::stages::compared_depths::DepthRule;
 use crate::stages::map_moments::MomentMeasures;
+use crate::tap_disc::MOST_TAPS;
 use crate::{Error, Result};
 
 /// Options of `reconstructable`.
@@ -73,6 +74,8 @@ fn check_lookups(lookups: u32) -> Result<()> {
 pub struct ShadowMapSettings {
     /// Texels a side of the filter of `pcf`: 2, 3, 5 or 7.
     pub kernel: u32,
+    /// In place of these texels a disc of taps around the sample (`pcf`).
+    pub disc: Option<DiscFilter>,
     /// The depth of a texel that is compared, which then takes the place of the bias; `None`: the nearest, with the bias. Of all that compare
     /// single depths, so of none that filters moments.
     pub compared: Option<DepthRule>,
@@ -82,9 +85,31 @@ pub struct ShadowMapSettings {
     pub slope: f32,
 }
 
+/// Taps in a disc, in no pattern: single texels at places around a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiscFilter {
+    /// How many: 1 to [`MOST_TAPS`].
+    pub taps: u32,
+    /// Radius of the disc, texels: 0 to [`DiscFilter::WIDEST`].
+    pub radius: f32,
+    /// Whether each pixel has the disc at an angle of its own, which makes noise of what would be bands.
+    pub turned: bool,
+}
+
+impl DiscFilter {
+    /// The greatest radius, texels.
+    pub const WIDEST: f32 = 16.0;
+}
+
+impl Default for DiscFilter {
+    fn default() -> Self {
+        Self { taps: 9, radius: 1.5, turned: false }
+    }
+}
+
 impl Default for ShadowMapSettings {
     fn default() -> Self {
-        Self { kernel: 3, compared: None, constant: 5e-5, slope: 1.05 }
+        Self { kernel: 3, disc: None, compared: None, constant: 5e-5, slope: 1.05 }
     }
 }
 
@@ -101,6 +126,14 @@ impl ShadowMapSettings {
     pub fn check(&self) -> Result<()> {
         if !matches!(self.kernel, 2 | 3 | 5 | 7) {
             return Err(Error::Config(format!("pcf: a kernel of {0} x {0}; 2, 3, 5 and 7 are possible", self.kernel)));
+        }
+        if let Some(DiscFilter { taps, radius, .. }) = self.disc {
+            let (most, widest) = (MOST_TAPS, DiscFilter::WIDEST);
+            if !(1..=most).contains(&taps) || !(0.0..=widest).contains(&radius) {
+                return Err(Error::Config(format!(
+                    "pcf: {taps} taps in a disc of {radius} texels; 1 to {most} in 0 to {widest} are possible"
+                )));
+            }
         }
         if let Some(DepthRule::Dual(farthest)) = self.compared
             && !(0.0..=1.0).contains(&farthest)

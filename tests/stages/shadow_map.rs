@@ -6,18 +6,29 @@ use crate::support::shadow::{
     World, above, add_triangle, camera, folding_gpu, looked_down_on as world, random_light, random_scene, samples,
     sheet,
 };
+use crate::support::spsm::{noise, receiver};
 use crate::support::{POISON, Random, gpu, sizes_around};
-use oracle::reference::shadow_map::DepthLookup;
+use oracle::reference::shadow_map::{DepthLookup, turn_of};
 use subpixel_shadows::glam::{DVec2, DVec3};
+use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::shadow_map::{ShadowMap, ShadowMapOptions};
+use subpixel_shadows::tap_disc::{disc_words, taps};
 use test_support::gpu_test;
 
-const PLAIN: ShadowMapOptions = ShadowMapOptions { kernel: 1, constant: 5e-5, slope: 1.05, receiver_plane: false };
+const PLAIN: ShadowMapOptions =
+    ShadowMapOptions { kernel: 1, constant: 5e-5, slope: 1.05, receiver_plane: false, taps: 0, turned: false };
 
 fn filtered(kernel: u32) -> ShadowMapOptions {
     ShadowMapOptions { kernel, slope: 0.0, receiver_plane: true, ..PLAIN }
 }
+
+fn disc(taps: u32, turned: bool) -> ShadowMapOptions {
+    ShadowMapOptions { slope: 0.0, receiver_plane: true, taps, turned, ..PLAIN }
+}
+
+/// Texels.
+const RADIUS: f32 = 2.5;
 
 struct Ran {
     options: ShadowMapOptions,
@@ -26,12 +37,19 @@ struct Ran {
 
 fn ask(world: &World, options: ShadowMapOptions) -> Ran {
     let stage = ShadowMap::new(&world.gpu.device, options);
-    let on = OnMap::of(world, |s, frame, seen, depths, visibility| stage.record(s, frame, seen, depths, visibility));
+    let disc = Buffer::<[f32; 4]>::uniform(&world.gpu.device, "test.disc", 32).expect("memory");
+    disc.write(&world.gpu.queue, &disc_words(options.taps, RADIUS));
+    let on = OnMap::of(world, |s, frame, seen, depths, visibility| {
+        stage.record(s, frame, seen, (depths, &disc), visibility);
+    });
     Ran { options, on }
 }
 
 /// Where the stage departs from its definition; how many pixels were compared and how many of them closely.
 fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
+    if ran.options.taps > 0 {
+        return disc_fault(world, ran);
+    }
     let lookup = |doubt: f64| DepthLookup {
         depths: &ran.on.depths,
         size: world.view.map.map_size,
@@ -39,6 +57,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
         constant: f64::from(ran.options.constant) + doubt,
         slope: f64::from(ran.options.slope),
         receiver_plane: ran.options.receiver_plane,
+        taps: &[],
     };
     ran.on.fault(world, |p, _, slope, place, doubt| {
         let (brighter, darker) = (lookup(doubt), lookup(-doubt));
@@ -51,11 +70,53 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
     })
 }
 
+/// The same with a disc, of which each tap may fall to one side or the other by itself.
+fn disc_fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
+    let [place, depth] = noise(world);
+    let around = [[0.0, 0.0], [place, place], [-place, place], [place, -place], [-place, -place]].map(DVec2::from);
+    let disc: Vec<DVec2> = taps(ran.options.taps).into_iter().map(|tap| tap * f64::from(RADIUS)).collect();
+    ran.on.fault_of_pixels(world, |pixel, t| {
+        let (places, slope, _) = receiver(world, pixel, t)?;
+        let doubt = depth + 2e-6 + (slope.x.abs() + slope.y.abs()) * place * 2.0;
+        let [width, first] = [world.frame.image_size[0], world.frame.first_row];
+        let turn = match ran.options.turned {
+            true => turn_of([pixel % width, first + pixel / width]),
+            false => DVec2::X,
+        };
+        let (mut share, mut seen) = ([0.0, 0.0], 0.0);
+        for (p, tap) in places.iter().flatten().flat_map(|p| disc.iter().map(move |tap| (p, turn.rotate(*tap)))) {
+            // The one is darker, the other brighter.
+            let told = [-doubt, doubt].map(|doubt| {
+                around.map(|by| {
+                    let lookup = DepthLookup {
+                        depths: &ran.on.depths,
+                        size: world.view.map.map_size,
+                        kernel: 1,
+                        constant: f64::from(ran.options.constant) + doubt,
+                        slope: 0.0,
+                        receiver_plane: true,
+                        taps: &[tap],
+                    };
+                    lookup.share(*p + by.extend(slope.dot(by)), slope)
+                })
+            });
+            share[0] += told[0].into_iter().fold(1.0, f64::min);
+            share[1] += told[1].into_iter().fold(0.0, f64::max);
+            seen += 1.0;
+        }
+        (seen > 0.0).then(|| [share[0] / seen - 1e-5, share[1] / seen + 1e-5])
+    })
+}
+
 #[track_caller]
 fn check(world: &World, options: ShadowMapOptions) -> Ran {
     let ran = ask(world, options);
     match fault(world, &ran) {
-        Ok([compared, close]) => assert!(close * 2 + 9 >= compared, "{close} of {compared} pixels compared closely"),
+        Ok([compared, close]) => {
+            // Of a disc every tap by itself may be in doubt.
+            let least = compared / if options.taps > 0 { 8 } else { 2 };
+            assert!(close + 5 >= least, "{close} of {compared} pixels compared closely");
+        }
         Err(text) => panic!("{options:?}, {:?}: {text}", world.light),
     }
     ran
@@ -82,6 +143,15 @@ fn one() {
         assert!(between > last, "kernel {kernel}: {between} pixels between, {last} with a smaller one");
         last = between;
     }
+    let mut last = 0;
+    for (taps, turned) in [(2, false), (16, false), (64, true)] {
+        let ran = check(&world, disc(taps, turned));
+        let mut shares: Vec<u32> = ran.on.visibility.iter().map(|v| v.to_bits()).collect();
+        shares.sort_unstable();
+        shares.dedup();
+        assert!(shares.len() > last, "{taps} taps: {} shares, {last} with fewer", shares.len());
+        last = shares.len();
+    }
 }
 
 #[gpu_test]
@@ -96,10 +166,12 @@ fn every_size_around_workgroup() {
 fn random_seeded() {
     let mut random = Random::new(43);
     for kind in 0..4 {
-        for (k, options) in [PLAIN, filtered(2), filtered(3), filtered(7)].into_iter().enumerate() {
+        let all = [PLAIN, filtered(2), filtered(3), filtered(7), disc(9, false), disc(25, true), disc(64, true)];
+        for (k, options) in all.into_iter().enumerate() {
             let mesh = random_scene(kind, &mut random);
             let light = random_light(k % 2 == 0, &mut random);
-            check(&world(gpu(), &mesh, light, [40, 30], [64, 150][k / 2], [1, 32, 8, 128][k]), options);
+            let samples = [1, 32, 8, 128, 32, 8, 1][k];
+            check(&world(gpu(), &mesh, light, [40, 30], [64, 150][k / 2 % 2], samples), options);
         }
     }
 }
@@ -115,7 +187,7 @@ fn degenerate() {
         let light = Light::Directional { direction: [0.0, 1.0, 0.0] };
         let world = World::new(gpu(), &mesh, camera, light, [60, 45], 128, samples(8));
         let dark = |options| ask(&world, options).on.visibility.iter().filter(|v| **v < 1.0).count();
-        for options in [PLAIN, filtered(2), filtered(3), filtered(5), filtered(7)] {
+        for options in [PLAIN, filtered(2), filtered(3), filtered(5), filtered(7), disc(9, false), disc(16, true)] {
             assert_eq!(dark(options), 0, "{options:?}, {degrees} degrees: pixels of acne");
         }
         unbiased += dark(ShadowMapOptions { constant: 0.0, slope: 0.0, ..PLAIN });
@@ -160,4 +232,14 @@ fn detects_corruption() {
     assert!(spoilt(&|r| r.on.visibility[dark] = 0.5));
     assert!(spoilt(&|r| r.on.depths.fill(None)));
     assert!(spoilt(&|r| r.options.kernel = 7));
+    let turned = |to: fn(&mut Ran)| {
+        let mut off = check(&world, disc(9, true));
+        to(&mut off);
+        fault(&world, &off).is_err()
+    };
+    assert!(turned(|r| r.options.turned = false) && turned(|r| r.options.taps = 4));
+    assert!(turned(|r| r.on.depths.fill(None)));
+    // The angle is that of the pixel.
+    let [one, other] = [disc(9, true), disc(9, false)].map(|options| ask(&world, options).on.visibility);
+    assert!(one != other, "no angle changes anything");
 }

@@ -113,7 +113,13 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         changed |= words(ui, half, "rays", &mut options.rays);
     }
     if takes("kernel") {
-        changed |= numbers(ui, half, "kernel", &mut options.kernel, &[2, 3, 5, 7]);
+        changed |= slider(ui, half, "taps", &mut options.taps, 0..=64);
+        if options.taps > 0 {
+            changed |= slider(ui, half, "radius", &mut options.radius, 0.0..=16.0);
+            changed |= words(ui, half, "turned", &mut options.turned);
+        } else {
+            changed |= numbers(ui, half, "kernel", &mut options.kernel, &[2, 3, 5, 7]);
+        }
     }
     let usual = ShadowMapSettings::default();
     if takes("compare") {

@@ -16,8 +16,8 @@ use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    HistorySettings, MethodName, MomentSettings, PageSettings, PolygonIdSettings, ProjectionVariant, RayTracedSettings,
-    ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    DiscFilter, HistorySettings, MethodName, MomentSettings, PageSettings, PolygonIdSettings, ProjectionVariant,
+    RayTracedSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::Samples;
@@ -82,6 +82,15 @@ pub struct RenderOptions {
     /// Texels a side of the filter of pcf: 2, 3, 5 or 7
     #[arg(long, default_value_t = 3, value_name = "N")]
     pub kernel: u32,
+    /// Taps of pcf in a disc around the sample in place of its square, 1 to 64, spread evenly and in no pattern; 0 for the square
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub taps: u32,
+    /// Radius of that disc, texels: 0 to 16
+    #[arg(long, default_value_t = 1.5, value_name = "TEXELS")]
+    pub radius: f32,
+    /// Turn that disc by an angle of each pixel's own
+    #[arg(long, value_enum, default_value_t = Switch::Off, value_name = "SWITCH")]
+    pub turned: Switch,
     /// The depth of a texel that samples are compared with by the methods of single depths: the nearest with a bias, or without one half way
     /// to the second, the second, or half way but not far beyond the nearest
     #[arg(long, value_enum, default_value_t, value_name = "DEPTH")]
@@ -301,6 +310,7 @@ impl RenderOptions {
             history: self.history(),
             shadow_map: ShadowMapSettings {
                 kernel: self.kernel,
+                disc: self.disc(),
                 compared: self.compare.into(),
                 constant: self.bias,
                 slope: self.slope_bias,
@@ -314,6 +324,12 @@ impl RenderOptions {
             return Err(Error::Config(text.to_owned()));
         }
         Ok(settings)
+    }
+
+    /// Taps in a disc.
+    fn disc(&self) -> Option<DiscFilter> {
+        let Self { taps, radius, turned, .. } = *self;
+        (taps > 0).then_some(DiscFilter { taps, radius, turned: turned == Switch::On })
     }
 
     /// Texels a side around a sample's that its method asks.

@@ -17,6 +17,21 @@ pub struct DepthLookup<'a> {
     pub slope: f64,
     /// Whether the receiver's depth is taken at each texel of the filter.
     pub receiver_plane: bool,
+    /// Taps around a place in place of the filter, texels; none for the filter.
+    pub taps: &'a [DVec2],
+}
+
+/// Cosine and sine of the angle at which a pixel has its taps.
+pub fn turn_of([x, y]: [u32; 2]) -> DVec2 {
+    let mut h = x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77);
+    h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
+    h = (h ^ (h >> 12)).wrapping_mul(0x297a_2d39);
+    h ^= h >> 15;
+    // Within an eighth of a turn by the tangent of half of it; three bits tell which of the eight.
+    let t = (2f64.sqrt() - 1.0) * f64::from(h >> 8) / f64::from(1 << 24);
+    let angle = 2.0 * t.atan();
+    let (sin, cos) = if h & 1 == 0 { angle.sin_cos() } else { (std::f64::consts::FRAC_PI_2 - angle).sin_cos() };
+    DVec2::new(if h & 2 == 0 { cos } else { -cos }, if h & 4 == 0 { sin } else { -sin })
 }
 
 impl DepthLookup<'_> {
@@ -30,6 +45,14 @@ impl DepthLookup<'_> {
     /// Lit share at a place (texel x, y, depth) of a receiver with this slope (depth per texel).
     pub fn share(&self, at: DVec3, slope: DVec2) -> f64 {
         let depth = at.z - self.constant - self.slope * slope.abs().max_element();
+        if !self.taps.is_empty() {
+            let lit = self.taps.iter().map(|tap| {
+                let texel = (at.truncate() + *tap).floor();
+                let away = texel + 0.5 - at.truncate();
+                self.lit([texel.x as i64, texel.y as i64], depth + slope.dot(away))
+            });
+            return lit.sum::<f64>() / self.taps.len() as f64;
+        }
         let first = at.truncate() - 0.5 * f64::from(self.kernel - 1);
         let low = first.floor();
         let last = i64::from(self.kernel) - 1;
@@ -51,5 +74,45 @@ impl DepthLookup<'_> {
             })
             .sum();
         sum / (last * last) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_turns_to_all_sides() {
+        let turns: Vec<DVec2> = (0..64).flat_map(|y| (0..64).map(move |x| turn_of([x, y]))).collect();
+        assert!(turns.iter().all(|turn| (turn.length() - 1.0).abs() < 1e-12));
+        let mean = turns.iter().sum::<DVec2>() / turns.len() as f64;
+        assert!(mean.length() < 0.03, "{mean}");
+        let mut eighths = [0; 8];
+        for turn in &turns {
+            eighths[((turn.to_angle() / std::f64::consts::FRAC_PI_4).floor() + 4.0) as usize % 8] += 1;
+        }
+        assert!(eighths.iter().all(|n| (430..600).contains(n)), "{eighths:?}");
+    }
+
+    /// A texel in two is dark: the taps that fall there are.
+    #[test]
+    fn a_disc_is_the_mean_of_its_taps() {
+        let depths: Vec<Option<f64>> = (0..64).map(|k| (k % 2 == 0).then_some(0.25)).collect();
+        let taps = [DVec2::ZERO, DVec2::new(1.0, 0.0), DVec2::new(0.0, 1.0), DVec2::new(-0.6, 0.1)];
+        let of = |taps| DepthLookup {
+            depths: &depths,
+            size: 8,
+            kernel: 1,
+            constant: 0.0,
+            slope: 0.0,
+            receiver_plane: true,
+            taps,
+        };
+        let at = DVec3::new(3.5, 3.5, 0.5);
+        assert_eq!(of(&taps[..]).share(at, DVec2::ZERO), 0.5);
+        assert_eq!(of(&taps[..1]).share(at, DVec2::ZERO), 1.0);
+        // A receiver that comes before the map towards the right.
+        assert_eq!(of(&taps[1..2]).share(at, DVec2::new(-0.3, 0.0)), 1.0);
+        assert_eq!(of(&taps[1..2]).share(at, DVec2::new(-0.2, 0.0)), 0.0);
     }
 }

@@ -5,7 +5,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
-    FacetMode, HistorySettings, MethodName, MomentSettings, PageSettings, PairVariant, PolygonIdSettings,
+    DiscFilter, FacetMode, HistorySettings, MethodName, MomentSettings, PageSettings, PairVariant, PolygonIdSettings,
     ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings,
     SmsrShape, SpsmEncoding, SpsmSettings,
 };
@@ -130,6 +130,13 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                 if kernel == 3 || more {
                     let shadow_map = ShadowMapSettings { kernel, ..settings.shadow_map };
                     add(&format!("kernel={kernel}"), Settings { shadow_map, ..settings.clone() });
+                }
+            }
+            for (taps, radius) in [(9, 1.5), (25, 2.5)] {
+                if more {
+                    let disc = Some(DiscFilter { taps, radius, turned: false });
+                    let shadow_map = ShadowMapSettings { disc, ..settings.shadow_map };
+                    add(&format!("taps={taps} radius={radius}"), Settings { shadow_map, ..settings.clone() });
                 }
             }
         }
