@@ -211,7 +211,8 @@ impl EarlyOut {
         let frame = &self.frame;
         let (sat, splits) = match &self.maps {
             Maps::Made(maps) => {
-                maps.1.record(rec, &maps.0, frame, inputs.casters, inputs.geometry, inputs.status, false)?;
+                let casters = (inputs.casters, inputs.geometry);
+                maps.1.record(rec, &maps.0, frame, casters, inputs.status, false)?;
                 (&maps.1.sat, &maps.1.layers.splits)
             }
             Maps::Unused { sat, splits } => (sat, splits),

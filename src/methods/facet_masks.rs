@@ -330,7 +330,7 @@ impl FacetMasks {
         geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Light)?;
         // Around a light they reach behind each of its views.
         let cut = self.capacities.views > 1;
-        m.maps.record(rec, &self.with.light_maps, frame, casters, geometry, &m.status, cut)
+        m.maps.record(rec, &self.with.light_maps, frame, (casters, geometry), &m.status, cut)
     }
 
     /// Records the part of one view of the light in the facets and their masks.

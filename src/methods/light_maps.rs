@@ -96,8 +96,7 @@ impl LightMaps {
         rec: &mut Recorder,
         with: &LightMapPipelines,
         frame: &Buffer<Frame>,
-        casters: &CasterBuffers,
-        geometry: &Geometry,
+        (casters, geometry): (&CasterBuffers, &Geometry),
         status: &Buffer<u32>,
         cut: bool,
     ) -> Result<()> {

@@ -9,7 +9,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 35] = [
+pub const METHOD_OPTIONS: [&str; 38] = [
     "facets",
     "validity",
     "masks",
