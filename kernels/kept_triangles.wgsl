@@ -6,7 +6,7 @@
 // the receiver's plane may run below. Writes `visibility`: the mean over the samples whose rays meet the
 // receiver.
 
-//@import frame dispatch facing receiver beside alpha
+//@import frame dispatch facing receiver beside alpha roles
 
 override LOOKUPS: u32 = 5u;
 override BIAS: f32 = 0.00001;
@@ -38,6 +38,7 @@ fn meets(c: Corners, given: vec4<u32>, point: vec3<f32>, depth: f32) -> bool {
     let at = point + shares.x * a + shares.y * b + shares.z * d;
     if !(depth_of(at) < depth - BIAS) { return false; }
     if ALPHA == 0u || !is_tested(given.w) { return true; }
+    if !casts(given.w) { return false; }
     return is_solid(given.w, points[given.x].xyz, points[given.y].xyz, points[given.z].xyz, point, way);
 }
 

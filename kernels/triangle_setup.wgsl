@@ -3,13 +3,14 @@
 // blocks those take (`camera_items`; 0 where the triangle has no work in that view). With FLAG_CLAMP the
 // pixels whose squares it may touch count, else those whose centres it may cover. Rectangles are
 // conservative; a triangle that crosses the camera's near plane is clipped for its rectangle. With
-// FLAG_BACKS_HIDDEN one of a closed body that surely faces away from the eye takes no pixels. `setup_light`
+// FLAG_BACKS_HIDDEN one of a closed body that surely faces away from the eye takes no pixels, nor does one
+// that its role leaves unseen. `setup_light`
 // reads `map_points` besides and writes `facing` (FRONT, BACK, UNSURE or DROPPED), `light_rects` and
 // `light_items` likewise, of texels: those that are `requested`, where that says so. A triangle that is not
 // surely in front of the light takes the whole map, one surely behind it nothing. One that goes on beyond
 // one of the ends of the map (FLAG_ENDS) takes the whole map, too.
 
-//@import frame dispatch rect facing view_sides map_ends requested_part
+//@import frame dispatch rect facing view_sides map_ends requested_part roles
 
 const WORKGROUP = 64u;
 
@@ -120,7 +121,7 @@ fn setup_camera(
     let b = corners.b;
     let c = corners.c;
     var rect = EMPTY_RECT;
-    if !corners.none { rect = camera_rect(a.xyz, b.xyz, c.xyz); }
+    if !corners.none && is_seen(i.w) { rect = camera_rect(a.xyz, b.xyz, c.xyz); }
     let eye = vec4(0.0, 0.0, 0.0, 1.0);
     let may_hide = (frame.flags & FLAG_BACKS_HIDDEN) != 0u && i.w == 1u;
     if may_hide && facing_of(a.xyz, b.xyz, c.xyz, eye) == BACK { rect = EMPTY_RECT; }

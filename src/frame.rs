@@ -106,6 +106,8 @@ shared_struct! {
 impl Frame {
     /// Triangles of closed bodies that face away from the light are no casters; with [`Frame::VALIDITY`] they may cut facets.
     pub const CULL_BACK: u32 = 1;
+    /// The bit from which on eight tell the layers that the light is not in.
+    pub const NO_LAYERS: u32 = 24;
     /// Keep the validity mask.
     pub const VALIDITY: u32 = 2;
     /// The light is at a point.

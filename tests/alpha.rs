@@ -14,7 +14,9 @@ use subpixel_shadows::pass::{CasterMesh, Casters, PassConfig};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Camera, Light, Mesh, TestedTriangle};
+use subpixel_shadows::scene::{
+    AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Camera, Light, Mesh, Roles, TestedTriangle,
+};
 use test_support::{gpu, gpu_test};
 
 const SIZE: [u32; 2] = [120, 90];
@@ -71,7 +73,12 @@ fn world(seed: u64) -> Scene {
         if k % 3 != 0 {
             let away = [[0.0, 0.0], [-7.0, 12.0]][k as usize % 2];
             let uv = [(); 3].map(|()| away.map(|c| c + n.between(-1.5, 1.5)));
-            alpha.triangles.push(TestedTriangle { triangle: mesh.triangles.len() as u32, map: k % 12, uv });
+            alpha.triangles.push(TestedTriangle {
+                triangle: mesh.triangles.len() as u32,
+                map: k % 12,
+                uv,
+                roles: Roles::ALL,
+            });
         }
         mesh.triangles.push([first, first + 1, first + 2]);
     }

@@ -5,7 +5,7 @@ use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::methods::{FacetMode, HistorySettings, MethodName, Prepared, Settings};
 use subpixel_shadows::pass::{
-    Casters, FrameStatus, GBuffer, Inputs, Moved, PassConfig, Target, TriangleTexture, Vertices,
+    Casters, FrameStatus, GBuffer, Inputs, LightTarget, Moved, PassConfig, Target, TriangleTexture, Vertices,
 };
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -117,7 +117,7 @@ fn a_history_is_that_of_one_light() {
     kept.forget_history();
     assert!(frame(&mut kept, &here).0 == first, "something is left of what is forgotten");
     let mut encoder = gpu().encoder();
-    let both = [(scene.light, Target::default()), (other, Target::default())];
+    let both = [scene.light, other].map(|light| LightTarget::new(light, Target::default()));
     let refused = kept.record_lights(&mut encoder, &here, &both);
     assert!(matches!(&refused, Err(Error::Config(text)) if text.contains("2 lights")), "{refused:?}");
     let area = AreaLight { light: scene.light, radius: 0.1, points: 3 };
@@ -296,7 +296,7 @@ fn every_method_takes_triangle_numbers_and_keeps_its_picture() {
         let mut several = self::pass(&config);
         let inputs = Inputs { gbuffer, ..Inputs::new(&plain.camera, &plain.light) };
         let mut encoder = gpu().encoder();
-        let lights = [(plain.light, Target::default()); 2];
+        let lights = [LightTarget::new(plain.light, Target::default()); 2];
         several.record_lights(&mut encoder, &inputs, &lights).expect("two frames");
         gpu().submit_and_wait(encoder).expect("they run");
         let dispatches = [status_of(&mut several).dispatches, status_of(&mut several).dispatches];

@@ -1,6 +1,6 @@
 // Classes of facets that their place in the light view tells (facet_classify).
 
-//@import frame rect facet facing front_split only_receiver summed_area facet_samples facet_extent
+//@import frame rect facet facing roles front_split only_receiver summed_area facet_samples facet_extent
 //@needs override RECEIVERS: u32;
 //@needs var<uniform> frame: Frame;
 //@needs var<storage, read> splits: array<f32>;
@@ -66,6 +66,7 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
 }
 
 fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<function, Found>) -> u32 {
+    if !receives_any(shape.given.w) { return STATE_LIT; }
     let away = turns.x * select(1.0, -1.0, is_reversed(shape.given.xyz, shape.i)) < 0.0;
     if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) { return STATE_DARK; }
     // Of what is no caster the splits know nothing.

@@ -1,7 +1,7 @@
 // Alpha-tested casters, which have holes. The fourth word of a triangle is 0, 1 for one of a closed body, or
 // one more than the place of an element behind the triangles where such a one is told of: texture coordinates
-// of its corners (x, y; x, y), then (x, y, place of its map). A map is its width, height, cutoff (of 255) and
-// how it is asked; then alpha, 16 texels an element.
+// of its corners (x, y; x, y), then (x, y, place of its map, its roles). A map is its width, height, cutoff
+// (of 255) and how it is asked; then alpha, 16 texels an element.
 
 //@needs var<storage, read> triangles: array<vec4<u32>>;
 

@@ -1,6 +1,6 @@
 // Samples that an alpha-tested caster shadows (visibility_masks).
 
-//@import frame vertex shadow_lines alpha
+//@import frame vertex shadow_lines alpha roles
 //@needs override WORDS: u32;
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples_given: array<vec4<f32>, 64>;
@@ -10,6 +10,7 @@
 // which it is solid.
 fn solid_samples(f: u32, g: Ground, caster: vec4<u32>, mask: vec4<u32>) -> vec4<u32> {
     if ALPHA == 0u || !is_tested(caster.w) { return mask; }
+    if !casts(caster.w) { return vec4(0u); }
     let a = point_of(caster.x);
     let b = point_of(caster.y);
     let c = point_of(caster.z);

@@ -18,7 +18,7 @@ use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
 use subpixel_shadows::pass::{CasterMesh, Casters, Inputs, PassConfig, Placed, Target, Transforms};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{AlphaMap, AlphaTested, PixelRays, TestedTriangle};
+use subpixel_shadows::scene::{AlphaMap, AlphaTested, PixelRays, Roles, TestedTriangle};
 use subpixel_shadows::wgpu::BufferUsages;
 use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
 use test_support::status_of;
@@ -106,7 +106,12 @@ fn tree(map: AlphaMap) -> (Mesh, AlphaTested) {
         for (corners, uv) in
             [([0, 1, 2], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), ([0, 2, 3], [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]])]
         {
-            alpha.triangles.push(TestedTriangle { triangle: mesh.triangles.len() as u32, map: 0, uv });
+            alpha.triangles.push(TestedTriangle {
+                triangle: mesh.triangles.len() as u32,
+                map: 0,
+                uv,
+                roles: Roles::ALL,
+            });
             mesh.triangles.push(corners.map(|k| first + k));
         }
     }

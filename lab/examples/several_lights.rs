@@ -10,7 +10,7 @@ use median::median;
 use std::time::Instant;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Settings};
-use subpixel_shadows::pass::{Casters, Inputs, PassConfig, Target};
+use subpixel_shadows::pass::{Casters, Inputs, LightTarget, PassConfig, Target};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::{Error, Result, ShadowPass};
@@ -61,7 +61,7 @@ fn frame(gpu: &Gpu, pass: &mut ShadowPass, scene: &Scene, lights: &[Light], toge
     let inputs = Inputs::new(&scene.camera, &scene.light);
     let mut encoder = gpu.encoder();
     if together {
-        let asked: Vec<(Light, Target)> = lights.iter().map(|light| (*light, Target::default())).collect();
+        let asked: Vec<LightTarget> = lights.iter().map(|light| LightTarget::new(*light, Target::default())).collect();
         pass.record_lights(&mut encoder, &inputs, &asked)?;
     } else {
         for light in lights {

@@ -250,7 +250,7 @@ pub mod facet_classify {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
         "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/front_split", "shared/facet/only_receiver",
-        "shared/raster/summed_area", "shared/frame/frame_copy", "facet_classify/facet_samples",
+        "shared/raster/summed_area", "shared/frame/frame_copy", "shared/roles", "facet_classify/facet_samples",
         "shared/raster/view_sides", "shared/facet/facet_box", "shared/facet/facet_extent",
         "facet_classify/facet_place", "facet_classify",
     }
@@ -261,8 +261,8 @@ pub mod facet_classify {
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
         FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
         STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
-        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
-        UNSURE_GROUPS = 64,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, ROLE_UNSEEN = 65536,
+        WORKGROUP = 64, UNSURE_GROUPS = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -449,14 +449,14 @@ pub mod history {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/facet/view_choice", "history",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/view_choice", "history",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
     }
     overrides! {
         reach: f32 = 1.0, "REACH",
@@ -509,15 +509,16 @@ pub mod kept_triangles {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/facet/beside", "shared/alpha", "kept_triangles",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/beside", "shared/alpha",
+        "kept_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, WORKGROUP = 64,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, ALPHA_BILINEAR = 1,
+        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -547,7 +548,7 @@ pub mod light_layers {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span", "shared/raster/block_bits",
-        "shared/frame/facing", "shared/alpha", "shared/raster/undivided", "shared/raster/hole",
+        "shared/frame/facing", "shared/alpha", "shared/raster/undivided", "shared/roles", "shared/raster/hole",
         "shared/raster/front_fan", "shared/raster/conservative", "shared/raster/cover_cells",
         "shared/frame/frame_copy", "light_layers",
     }
@@ -557,7 +558,7 @@ pub mod light_layers {
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
         STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, WORKGROUP = 64, NEAREST_TRIANGLE = 3,
+        ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64, NEAREST_TRIANGLE = 3,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -662,16 +663,17 @@ pub mod moment_shadows {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/raster/front_split", "shared/raster/moments",
-        "moment_shadows",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/front_split",
+        "shared/raster/moments", "moment_shadows",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, QUERY_DEPTHS = 0, QUERY_MEAN = 1, QUERY_BOTH = 2,
-        QUERY_FOUR = 3, QUERY_LAYERS = 4, QUERY_WAVES = 5, MOST_PROBES = 16, WORKGROUP = 64,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, QUERY_DEPTHS = 0,
+        QUERY_MEAN = 1, QUERY_BOTH = 2, QUERY_FOUR = 3, QUERY_LAYERS = 4, QUERY_WAVES = 5, MOST_PROBES = 16,
+        WORKGROUP = 64,
     }
     overrides! {
         layers: u32 = 0, "LAYERS",
@@ -707,7 +709,7 @@ pub mod page_casters {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span", "shared/raster/block_bits",
-        "shared/raster/undivided", "shared/frame/facing", "shared/alpha", "shared/raster/hole",
+        "shared/raster/undivided", "shared/frame/facing", "shared/alpha", "shared/roles", "shared/raster/hole",
         "shared/raster/front_fan", "shared/raster/page_tree", "shared/raster/summed_area",
         "shared/frame/frame_copy", "page_casters",
     }
@@ -717,7 +719,7 @@ pub mod page_casters {
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
         STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64,
+        ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -758,15 +760,15 @@ pub mod page_query {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/raster/page_tree", "page_query",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/page_tree", "page_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024,
-        WORKGROUP = 64, THIRDS = 3, TABLE_TAIL = 2,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5,
+        PAGE_TEXELS = 1024, WORKGROUP = 64, THIRDS = 3, TABLE_TAIL = 2,
     }
     overrides! {
         page_base: u32 = 3, "PAGE_BASE",
@@ -797,15 +799,16 @@ pub mod page_requests {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/raster/page_tree", "page_requests",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/page_tree",
+        "page_requests",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024,
-        WORKGROUP = 64, REQUEST_HEAD = 32, THIRDS = 3, TABLE_TAIL = 2,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5,
+        PAGE_TEXELS = 1024, WORKGROUP = 64, REQUEST_HEAD = 32, THIRDS = 3, TABLE_TAIL = 2,
     }
     overrides! {
         page_base: u32 = 3, "PAGE_BASE",
@@ -1185,15 +1188,15 @@ pub mod pixel_views {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/frame/facing",
-        "shared/math/divide", "shared/frame/pixel_ray", "shared/facet/receiver", "shared/facet/view_choice",
-        "pixel_views",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver",
+        "shared/facet/view_choice", "pixel_views",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
     }
     overrides! {
         reach: f32 = 1.0, "REACH",
@@ -1234,14 +1237,15 @@ pub mod polygon_ids {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/facet/beside", "polygon_ids",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/beside", "polygon_ids",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64, NAME = 2147483647,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        NAME = 2147483647,
     }
     overrides! {
         lookups: u32 = 1, "LOOKUPS",
@@ -1435,7 +1439,8 @@ pub mod sample_bins {
         "shared/raster/span", "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing",
         "shared/math/double_float", "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/map_ends",
         "shared/frame/frame_copy", "shared/lines/shadow_lines", "shared/lines/shadow_lines_46", "shared/alpha",
-        "shared/lines/shadow_ray", "sample_bins/mesh_caster", "sample_bins/bin_tests", "sample_bins",
+        "shared/roles", "shared/lines/shadow_ray", "sample_bins/mesh_caster", "sample_bins/bin_tests",
+        "sample_bins",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1445,8 +1450,8 @@ pub mod sample_bins {
         STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
         STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
         WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1,
-        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, CROWD = 2048, WORKGROUP = 64,
-        LANES = 8, MOST_SAMPLES = 2097152,
+        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, CROWD = 2048,
+        WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -1690,8 +1695,8 @@ pub mod seen_texels {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shared/spsm/seen_texels", "shared/math/cross_sign",
-        "shared/spsm/spsm_record", "shared/spsm/spsm_sheet", "shared/spsm/spsm_border",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/spsm/seen_texels",
+        "shared/math/cross_sign", "shared/spsm/spsm_record", "shared/spsm/spsm_sheet", "shared/spsm/spsm_border",
         "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle", "seen_texels",
     }
     constants! {
@@ -1699,10 +1704,10 @@ pub mod seen_texels {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2,
-        SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, EMPTY_WORD = 4294967295, BEHIND = 0,
-        BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3,
-        CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, SEEN_WON = 0,
+        SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
+        EMPTY_WORD = 4294967295, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2,
+        CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -1750,14 +1755,14 @@ pub mod shadow_map {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "shadow_map",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shadow_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
     }
     overrides! {
         kernel: u32 = 1, "KERNEL",
@@ -1791,8 +1796,8 @@ pub mod shadow_rays {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
         "shared/frame/facing_46", "shadow_rays/caster_tree", "shared/frame/frame_copy", "shared/lines/shadow_lines",
-        "shared/lines/shadow_lines_46", "shared/alpha", "shared/lines/shadow_ray", "shadow_rays/leaf_caster",
-        "shadow_rays/ray_doubts", "shadow_rays/facet_cut", "shadow_rays",
+        "shared/lines/shadow_lines_46", "shared/alpha", "shared/roles", "shared/lines/shadow_ray",
+        "shadow_rays/leaf_caster", "shadow_rays/ray_doubts", "shadow_rays/facet_cut", "shadow_rays",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1802,8 +1807,8 @@ pub mod shadow_rays {
         FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
         STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
         FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, STACK = 24, MOST_STEPS = 60000, INNER = 4278190080,
-        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, FREE = 0, BLOCKED = 1, DOUBTFUL = 2,
-        TESTED = 2147483648, WORK_HEAD = 4, WORKGROUP = 64,
+        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, FREE = 0, BLOCKED = 1,
+        DOUBTFUL = 2, TESTED = 2147483648, WORK_HEAD = 4, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -1880,14 +1885,14 @@ pub mod silhouette_map {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "silhouette_map",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "silhouette_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
     }
     overrides! {
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
@@ -1989,14 +1994,15 @@ pub mod smsr {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/receiver", "smsr/map_borders", "smsr",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "smsr/map_borders", "smsr",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64, DARK = 0, LIT = 1, SEVERAL = 2,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64, DARK = 0,
+        LIT = 1, SEVERAL = 2,
     }
     overrides! {
         bias_slope: f32 = 0.5, "BIAS_SLOPE",
@@ -2211,8 +2217,9 @@ pub mod spsm_query {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/cross_sign",
         "shared/spsm/spsm_record", "shared/spsm/seen_texels", "shared/math/divide", "shared/frame/pixel_ray",
-        "shared/facet/receiver", "shared/spsm/spsm_sheet", "shared/spsm/spsm_border", "spsm_query/spsm_search",
-        "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle", "spsm_query/spsm_recovery", "spsm_query",
+        "shared/roles", "shared/facet/receiver", "shared/spsm/spsm_sheet", "shared/spsm/spsm_border",
+        "spsm_query/spsm_search", "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle",
+        "spsm_query/spsm_recovery", "spsm_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2220,9 +2227,9 @@ pub mod spsm_query {
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
         DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
-        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, BEHIND = 0,
-        BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2, CLASS_SHADOWED = 3,
-        CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
+        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1,
+        SEEN_OPEN = 2, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2,
+        CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -2280,8 +2287,8 @@ pub mod spsm_query {
     group! { Texels {
         frame: Uniform<'a, crate::frame::Frame>,
         slopes: Uniform<'a, [f32; 4]>,
-        id_keys: Read<'a, u32>,
         triangles: Read<'a, [u32; 4]>,
+        id_keys: Read<'a, u32>,
         points: Read<'a, [f32; 4]>,
         samples: Uniform<'a, [f32; 4]>,
         seen: Write<'a, u32>,
@@ -2440,14 +2447,14 @@ pub mod triangle_setup {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/frame/facing", "shared/raster/view_sides", "shared/raster/map_ends", "shared/raster/requested_part",
-        "shared/frame/frame_copy", "triangle_setup",
+        "shared/roles", "shared/frame/frame_copy", "triangle_setup",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
         FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_WORDS = 64, WORKGROUP = 64,
+        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_WORDS = 64, ROLE_UNSEEN = 65536, WORKGROUP = 64,
     }
     entry_point! { "triangle_setup", "setup_camera", [64, 1, 1], SOURCE, () => SetupCamera, SetupCameraProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2601,7 +2608,7 @@ pub mod visibility_masks {
         "shared/frame/facing_46", "shared/raster/candidates", "shared/frame/frame_copy",
         "shared/lines/shadow_lines", "shared/lines/shadow_lines_46", "shared/frame/sample_copy",
         "visibility_masks/sample_masks", "visibility_masks/two_step", "visibility_masks/facet_masks",
-        "shared/alpha", "visibility_masks/solid_samples", "visibility_masks",
+        "shared/alpha", "shared/roles", "visibility_masks/solid_samples", "visibility_masks",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2612,7 +2619,7 @@ pub mod visibility_masks {
         STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
         FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1,
         TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, WORKGROUP = 64, CUT_GROUPS = 256,
+        ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64, CUT_GROUPS = 256,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",

@@ -324,7 +324,7 @@ impl FixedMemory {
         (camera, light): (&Camera, &Light),
         views: &[LightView],
         bounds: (DVec3, DVec3),
-        (stamp, origins): (u32, [[u32; 2]; 2]),
+        (stamp, flags, origins): (u32, u32, [[u32; 2]; 2]),
     ) -> Result<Vec<Uploads>> {
         camera.check()?;
         light.check()?;
@@ -341,6 +341,8 @@ impl FixedMemory {
             frame.facets_total = self.settings.pixels() as u32;
             frame.facet_count = frame.facets_total;
             frame.stamp = stamp;
+            // Of the flags of facets those that follow from the method are its own.
+            frame.flags |= flags >> Frame::NO_LAYERS << Frame::NO_LAYERS;
             if self.method.finds_surfaces() {
                 let c = self.method.capacities();
                 frame.flags |= Frame::CLAMP;

@@ -153,7 +153,7 @@ impl StripMethod {
                 Ok(vec![uploads])
             }
             #[cfg(feature = "baselines")]
-            Self::Fixed(method) => method.uploads(casters, (camera, light), views, bounds, (stamp, origins)),
+            Self::Fixed(method) => method.uploads(casters, (camera, light), views, bounds, (stamp, flags, origins)),
         }
     }
 

@@ -15,6 +15,12 @@ impl ShadowPass {
         inputs.light.check()?;
         target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
         target.check_counts(self.settings.pixels(), self.image.method.counts().is_some())?;
+        if inputs.layers == 0 {
+            return Err(Error::Config("the light is in no layer: it is in one of eight at the least".to_owned()));
+        }
+        if inputs.layers != u8::MAX && self.image.method.keeps_history() {
+            return Err(Error::Config("layers of a light: a history of frames is that of a light of all".to_owned()));
+        }
         self.check_gbuffer(inputs)?;
         self.bounds_of(inputs)
     }

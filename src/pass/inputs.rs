@@ -105,6 +105,8 @@ pub struct Inputs<'a> {
     pub camera: &'a Camera,
     /// The light, which may be another every frame: its views are then fitted anew, which takes no walk over all casters.
     pub light: &'a Light,
+    /// Layers that the light is in, a bit each, of those that triangles [cast and receive](crate::scene::Roles) in; all of them if nothing else is said.
+    pub layers: u8,
     /// Where moving casters are; `None` for others.
     pub moved: Option<Moved<'a>>,
     /// Where instances are; `None` for other casters.
@@ -119,7 +121,7 @@ pub struct Inputs<'a> {
 impl<'a> Inputs<'a> {
     /// A frame of static casters without a G-buffer.
     pub fn new(camera: &'a Camera, light: &'a Light) -> Self {
-        Self { camera, light, moved: None, placed: None, gbuffer: GBuffer::None, origin: None }
+        Self { camera, light, layers: u8::MAX, moved: None, placed: None, gbuffer: GBuffer::None, origin: None }
     }
 }
 
@@ -181,6 +183,24 @@ impl<'a> TargetTexture<'a> {
             return Err(Error::Config(format!("{what} texture: channel {channel}, the format has {channels} of use")));
         }
         check_sampled(what, texture, &formats, usage, ImagePart { size, origin: self.origin }, (level, 1))
+    }
+}
+
+/// One of several lights, and where its results go.
+#[derive(Clone, Copy, Debug)]
+pub struct LightTarget<'a> {
+    /// The light.
+    pub light: Light,
+    /// As [`Inputs::layers`].
+    pub layers: u8,
+    /// Where its results go.
+    pub target: Target<'a>,
+}
+
+impl<'a> LightTarget<'a> {
+    /// A light of all layers.
+    pub fn new(light: Light, target: Target<'a>) -> Self {
+        Self { light, layers: u8::MAX, target }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Several lights in one frame, and several points of one light.
 
-use super::{FramePart, Inputs, ShadowPass, Surfaces, Target};
+use super::{FramePart, Inputs, LightTarget, ShadowPass, Surfaces, Target};
 use crate::gpu::Buffer;
 use crate::methods::facet_masks::Extent;
 use crate::scene::{AreaLight, Light};
@@ -8,8 +8,8 @@ use crate::{Error, Result};
 
 impl ShadowPass {
     /// Appends a frame for each of several lights, each with a target and a status of its own, and returns their numbers. What the camera sees is found
-    /// once: lights after the first take their own maps and shadows, and the pictures are those of [`ShadowPass::record`] with each light, to the bit. The light
-    /// of `inputs` is not read.
+    /// once: lights after the first take their own maps and shadows, and the pictures are those of [`ShadowPass::record`] with each light, to the bit. Light
+    /// and layers of `inputs` are not read.
     ///
     /// In strips of rows, and with other methods than `facet-masks`, each light finds it anew. Maps of the light are not kept from frame to frame. Lists grow before
     /// the first of the lights only; it takes 24 bytes more a facet.
@@ -20,20 +20,20 @@ impl ShadowPass {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs,
-        lights: &[(Light, Target)],
+        lights: &[LightTarget],
     ) -> Result<Vec<u64>> {
         if self.last.is_some() && lights.len() > 1 {
             let count = lights.len();
             return Err(Error::Config(format!("{count} lights: a pass that keeps the last picture keeps that of one")));
         }
         self.check_history(lights.len(), "lights")?;
-        for (light, target) in lights {
-            self.check(&Inputs { light, ..*inputs }, target)?;
+        for LightTarget { light, layers, target } in lights {
+            self.check(&Inputs { light, layers: *layers, ..*inputs }, target)?;
         }
         let mut numbers = Vec::with_capacity(lights.len());
         let mut found = false;
-        for (light, target) in lights {
-            let inputs = Inputs { light, ..*inputs };
+        for LightTarget { light, layers, target } in lights {
+            let inputs = Inputs { light, layers: *layers, ..*inputs };
             let extent = self.extent(&inputs);
             let part = FramePart { extent, strip: None, surfaces: surfaces(lights.len(), found), point: None };
             numbers.push(self.record_part(encoder, &inputs, target, part)?);

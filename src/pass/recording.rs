@@ -132,6 +132,7 @@ impl ShadowPass {
             // A pixel without a facet counts as an empty one.
             Extent::Nothing => Frame::CLAMP,
         };
+        flags |= u32::from(!inputs.layers) << Frame::NO_LAYERS;
         let of = FrameOf {
             camera: inputs.camera,
             light: inputs.light,

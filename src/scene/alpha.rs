@@ -2,6 +2,8 @@
 
 use super::Mesh;
 use crate::{Error, Result};
+use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// How alpha between texel centres is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,6 +43,12 @@ pub struct AlphaMap {
 }
 
 impl AlphaMap {
+    /// A map without a hole.
+    pub fn whole() -> Self {
+        let (filter, wrap) = (AlphaFilter::Nearest, [AlphaWrap::Clamp; 2]);
+        Self { size: [1, 1], alpha: vec![u8::MAX], cutoff: 0.0, filter, wrap }
+    }
+
     /// Largest side, texels.
     pub const LARGEST: u32 = 8192;
 
@@ -105,7 +113,52 @@ impl AlphaMap {
     }
 }
 
-/// A triangle that a map of alpha has holes for.
+/// What a triangle does in which lights: lights and triangles are in up to eight layers, a bit each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Roles {
+    /// Layers of lights in which it shadows others.
+    pub casts: u8,
+    /// Layers of lights in which others shadow it; in other lights it is lit, whichever way it faces.
+    pub receives: u8,
+    /// Whether the camera sees it.
+    pub seen: bool,
+}
+
+impl Roles {
+    /// Everything in every light.
+    pub const ALL: Self = Self { casts: u8::MAX, receives: u8::MAX, seen: true };
+    /// It is seen and shadowed, and casts nothing.
+    pub const RECEIVE_ONLY: Self = Self { casts: 0, ..Self::ALL };
+    /// It is seen and casts, and nothing shadows it.
+    pub const CAST_ONLY: Self = Self { receives: 0, ..Self::ALL };
+    /// It is seen, casts nothing and is lit.
+    pub const NEITHER: Self = Self { casts: 0, ..Self::CAST_ONLY };
+    /// It casts, and the camera does not see it.
+    pub const UNSEEN: Self = Self { seen: false, ..Self::ALL };
+
+    /// Whether it shadows others in a light of these layers.
+    pub fn casts_in(&self, layers: u8) -> bool {
+        self.casts & layers != 0
+    }
+
+    /// Whether others shadow it in a light of these layers.
+    pub fn receives_in(&self, layers: u8) -> bool {
+        self.receives & layers != 0
+    }
+
+    /// The word that kernels read: bits of what it does not.
+    fn packed(self) -> u32 {
+        u32::from(!self.casts) | u32::from(!self.receives) << 8 | u32::from(!self.seen) << 16
+    }
+}
+
+impl Default for Roles {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+/// A triangle that a map of alpha has holes for, or that does not do everything in every light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TestedTriangle {
     /// Number of the triangle.
@@ -114,6 +167,8 @@ pub struct TestedTriangle {
     pub map: u32,
     /// Texture coordinates of its corners, in the order of its indices.
     pub uv: [[f32; 2]; 3],
+    /// What it does in which lights.
+    pub roles: Roles,
 }
 
 /// The alpha-tested triangles of a mesh, and their maps.
@@ -156,6 +211,32 @@ impl AlphaTested {
             }
         }
         Ok(())
+    }
+
+    /// Gives a range of triangles these roles: those that are tested already keep their holes, others are listed with a map that has none. Any
+    /// triangle with a role of its own costs what a tested one does: nothing is settled by it.
+    pub fn set_roles(&mut self, triangles: Range<u32>, roles: Roles) {
+        let mut left: BTreeSet<u32> = triangles.collect();
+        for of in &mut self.triangles {
+            if left.remove(&of.triangle) {
+                of.roles = roles;
+            }
+        }
+        if left.is_empty() {
+            return;
+        }
+        let whole = AlphaMap::whole();
+        let known = self.maps.iter().position(|map| *map == whole);
+        let map = known.unwrap_or(self.maps.len()) as u32;
+        if known.is_none() {
+            self.maps.push(whole);
+        }
+        self.triangles.extend(left.iter().map(|&triangle| TestedTriangle { triangle, map, uv: [[0.0; 2]; 3], roles }));
+    }
+
+    /// Whether some triangle does not do everything in every light.
+    pub fn has_roles(&self) -> bool {
+        self.triangles.iter().any(|of| of.roles != Roles::ALL)
     }
 
     /// Whether no triangle is tested.
@@ -223,9 +304,9 @@ impl AlphaTested {
             heads.push(next);
             next += 1 + map.alpha.len().div_ceil(16) as u32;
         }
-        for TestedTriangle { map, uv, .. } in &self.triangles {
+        for TestedTriangle { map, uv, roles, .. } in &self.triangles {
             let [a, b, c] = uv.map(|corner| corner.map(f32::to_bits));
-            packed.extend([[a[0], a[1], b[0], b[1]], [c[0], c[1], heads[*map as usize], 0]]);
+            packed.extend([[a[0], a[1], b[0], b[1]], [c[0], c[1], heads[*map as usize], roles.packed()]]);
         }
         for map in &self.maps {
             let how = |wrap| match wrap {
@@ -282,7 +363,7 @@ mod tests {
         let mesh = Mesh { positions: vec![[0.0; 3]; 3], triangles: vec![[0, 1, 2]; 2] };
         let good = AlphaTested {
             maps: vec![map(AlphaFilter::Nearest, AlphaWrap::Repeat)],
-            triangles: vec![TestedTriangle { triangle: 1, map: 0, uv: [[0.0; 2]; 3] }],
+            triangles: vec![TestedTriangle { triangle: 1, map: 0, uv: [[0.0; 2]; 3], roles: Roles::ALL }],
         };
         good.check(&mesh).unwrap();
         let spoilt = |spoil: fn(&mut AlphaTested)| {
@@ -312,7 +393,7 @@ mod tests {
         let uv = [[7.25, 0.0], [8.0, 0.5], [7.5, -0.25]];
         let tested = AlphaTested {
             maps: vec![map(AlphaFilter::Nearest, AlphaWrap::Repeat)],
-            triangles: vec![TestedTriangle { triangle: 0, map: 0, uv }],
+            triangles: vec![TestedTriangle { triangle: 0, map: 0, uv, roles: Roles::ALL }],
         };
         let (canonical, from) = mesh.canonical();
         let turned = tested.renumbered(&mesh, &canonical, &from);

@@ -12,7 +12,7 @@ pub mod projection;
 pub(crate) mod weld;
 
 pub use adjacency::{Adjacency, Edge, NO_TRIANGLE};
-pub use alpha::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, TestedTriangle};
+pub use alpha::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Roles, TestedTriangle};
 pub use area_light::AreaLight;
 pub use camera::{Camera, Lens, PixelRays};
 pub use light::Light;

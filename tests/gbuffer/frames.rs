@@ -6,7 +6,7 @@ use glam::Mat4;
 use glam::camera::{lh::proj::directx as lh, lh::view as left_view, rh::proj::directx as rh, rh::view as right_view};
 
 const TARGET: [u32; 2] = [140, 90];
-const ORIGIN: [u32; 2] = [29, 13];
+pub(crate) const ORIGIN: [u32; 2] = [29, 13];
 
 const SHADER: &str = "
 struct View { view: mat4x4<f32>, projection: mat4x4<f32> }
@@ -30,7 +30,7 @@ fn number(at: Corner) -> @location(0) u32 {
 
 /// Matrices of an application, and what its depth buffer is cleared to.
 #[derive(Clone, Copy)]
-struct Eye {
+pub(crate) struct Eye {
     name: &'static str,
     view: Mat4,
     projection: Mat4,
@@ -38,7 +38,7 @@ struct Eye {
 }
 
 impl Eye {
-    fn camera(&self) -> Camera {
+    pub(crate) fn camera(&self) -> Camera {
         Camera::of_matrices(&self.view.to_cols_array_2d(), &self.projection.to_cols_array_2d(), SIZE).expect(self.name)
     }
 
@@ -47,19 +47,19 @@ impl Eye {
     }
 
     /// The image moved by so many pixels.
-    fn jittered(self, [x, y]: [f32; 2]) -> Self {
+    pub(crate) fn jittered(self, [x, y]: [f32; 2]) -> Self {
         let by = Vec3::new(2.0 * x / SIZE[0] as f32, -2.0 * y / SIZE[1] as f32, 0.0);
         Self { name: "jittered", projection: Mat4::from_translation(by) * self.projection, ..self }
     }
 }
 
 /// Triangle numbers and depth, drawn into a viewport.
-struct Drawn {
-    ids: wgpu::Texture,
+pub(crate) struct Drawn {
+    pub(crate) ids: wgpu::Texture,
     depth: wgpu::Texture,
 }
 
-fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
+pub(crate) fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
     let device = &gpu().device;
     let buffer = |bytes: &[u8], usage| {
         let usage = usage | wgpu::BufferUsages::COPY_DST;
@@ -166,7 +166,7 @@ fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
 
 impl Drawn {
     /// The triangle of each pixel.
-    fn triangles(&self) -> Vec<Option<u32>> {
+    pub(crate) fn triangles(&self) -> Vec<Option<u32>> {
         let row = (4 * TARGET[0]).next_multiple_of(256);
         let words = Buffer::<u32>::storage(&gpu().device, "test.ids", (row / 4 * TARGET[1]) as usize).expect("memory");
         let mut encoder = gpu().encoder();
@@ -181,7 +181,7 @@ impl Drawn {
 }
 
 /// The application's cameras: a scene from its own camera's place, by every kind of projection.
-fn eyes(scene: &Scene) -> Vec<Eye> {
+pub(crate) fn eyes(scene: &Scene) -> Vec<Eye> {
     let (eye, target) = (Vec3::from(scene.camera.eye), Vec3::from(scene.camera.target));
     let up = Vec3::from(scene.camera.up);
     let (right, left) = (right_view::look_at_mat4(eye, target, up), left_view::look_at_mat4(eye, target, up));
@@ -215,7 +215,7 @@ fn eyes(scene: &Scene) -> Vec<Eye> {
 }
 
 /// Samples of a picture that are wrong, and those in the band, of what each pixel shows.
-fn wrong(got: &Picture, truth: &[(FacetInput, FacetResult)]) -> [u32; 2] {
+pub(crate) fn wrong(got: &Picture, truth: &[(FacetInput, FacetResult)]) -> [u32; 2] {
     let mut out = [0; 2];
     for (input, result) in truth {
         let off = (got.lit[input.pixel as usize] ^ !result.occluded[0]) & result.valid[0];
@@ -227,7 +227,7 @@ fn wrong(got: &Picture, truth: &[(FacetInput, FacetResult)]) -> [u32; 2] {
 
 /// Leaves out pixels whose centre lies within 1/256 pixel of an edge of the triangle that the rasterizer chose, which may be either of two; and
 /// samples whose point on the facet's plane is outside the box of the mesh: there the light's view holds no casters.
-fn where_truth_is_sure(truth: &mut Vec<(FacetInput, FacetResult)>, scene: &Scene, samples: &Samples) {
+pub(crate) fn where_truth_is_sure(truth: &mut Vec<(FacetInput, FacetResult)>, scene: &Scene, samples: &Samples) {
     let (low, high) = scene.mesh.bounds().expect("a mesh");
     let rays = scene.camera.rays(SIZE[0], SIZE[1]);
     let all = truth.len();

@@ -3,6 +3,7 @@
 
 mod frames;
 mod receivers;
+mod roles;
 mod samples;
 mod strips;
 

@@ -3,7 +3,7 @@
 use super::instances::{SAME, Transform, exact, expanded, uploaded};
 use super::*;
 use subpixel_shadows::pass::{CasterMesh, Placed, Transforms};
-use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, TestedTriangle};
+use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Roles, TestedTriangle};
 
 /// The renderer's picture of casters with holes.
 fn wanted(mesh: &Mesh, alpha: &AlphaTested, of: (&Camera, &Light), settings: &Settings) -> Output {
@@ -69,7 +69,7 @@ fn instances_have_holes() {
     let corner = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
     let of = |triangle: u32| {
         let corners = [[0, 1, 2], [0, 2, 3]][triangle as usize % 2];
-        TestedTriangle { triangle, map: triangle / 2, uv: corners.map(|k: usize| corner[k]) }
+        TestedTriangle { triangle, map: triangle / 2, uv: corners.map(|k: usize| corner[k]), roles: Roles::ALL }
     };
     let alpha = AlphaTested {
         maps: vec![map(AlphaFilter::Nearest), map(AlphaFilter::Bilinear)],

@@ -6,7 +6,8 @@ use super::*;
 fn complete_lights(pass: &mut ShadowPass, inputs: &Inputs, lights: &[Light]) -> Vec<(Picture, FrameStatus)> {
     for _ in 0..5 {
         let targets: Vec<Targets> = lights.iter().map(|_| Targets::new()).collect();
-        let asked: Vec<(Light, Target)> = lights.iter().copied().zip(targets.iter().map(Targets::target)).collect();
+        let asked = lights.iter().zip(&targets).map(|(light, to)| LightTarget::new(*light, to.target()));
+        let asked: Vec<LightTarget> = asked.collect();
         let mut encoder = gpu().encoder();
         let numbers = pass.record_lights(&mut encoder, inputs, &asked).expect("recorded");
         gpu().submit_and_wait(encoder).expect("the frames run");
@@ -143,10 +144,13 @@ fn bad_lights_are_refused() {
     let mut holding = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
     let mut pass = pass(settings(FacetMode::All), casters(&scene.mesh));
     let mut encoder = gpu().encoder();
-    let good = (scene.light, Target::default());
+    let good = LightTarget::new(scene.light, Target::default());
     for (what, result) in [
-        ("length 0", pass.record_lights(&mut encoder, &plain, &[good, (none, Target::default())])),
-        ("5x5", pass.record_lights(&mut encoder, &plain, &[good, (scene.light, Target::texture(&narrow))])),
+        ("length 0", pass.record_lights(&mut encoder, &plain, &[good, LightTarget { light: none, ..good }])),
+        (
+            "5x5",
+            pass.record_lights(&mut encoder, &plain, &[good, LightTarget { target: Target::texture(&narrow), ..good }]),
+        ),
         ("keeps the last picture", holding.record_lights(&mut encoder, &plain, &[good, good])),
     ] {
         assert!(result.as_ref().is_err_and(|e| e.to_string().contains(what)), "{what}: {result:?}");

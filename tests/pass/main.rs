@@ -22,7 +22,7 @@ use subpixel_shadows::light_view::MapTiles;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::{FacetMode, PairVariant, Prepared, Settings};
 use subpixel_shadows::pass::{
-    Casters, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, Target, TriangleTexture, Vertices,
+    Casters, Faults, FrameStatus, GBuffer, Inputs, LightTarget, Moved, PassConfig, Target, TriangleTexture, Vertices,
 };
 use subpixel_shadows::render::{Budget, Counts, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};

@@ -1,7 +1,7 @@
 // Receiver of a pixel, for methods of one receiver a pixel: the plane of the triangle at its centre, and its
 // place in the light view.
 
-//@import frame facing pixel_ray
+//@import frame facing pixel_ray roles
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples: array<vec4<f32>, 64>;
 //@needs var<storage, read> id_keys: array<u32>;
@@ -34,6 +34,7 @@ fn receiver_of(pixel: u32) -> Receiver {
     let t = ~id_keys[pixel];
     if t >= frame.triangle_count { return r; }
     let given = triangles[t].xyz;
+    if !receives_any(triangles[t].w) { return r; }
     var i = given;
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }

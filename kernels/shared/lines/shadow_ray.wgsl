@@ -1,7 +1,7 @@
 // The segment from a sample's point on a facet to the light against one triangle: Moeller and Trumbore (1997)
 // with a bound for what rounding may do, and with 46 bits where that leaves it open.
 
-//@import frame pixel_ray facing facing_46 shadow_lines shadow_lines_46 alpha
+//@import frame pixel_ray facing facing_46 shadow_lines shadow_lines_46 alpha roles
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples: array<vec4<f32>, 64>;
 //@needs fn caster_of(k: u32) -> Caster;
@@ -134,6 +134,7 @@ fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
 fn lets_through(r: Ray, k: u32) -> bool {
     if ALPHA == 0u { return false; }
     let c = caster_of(k);
+    if !casts(c.word) { return true; }
     return is_tested(c.word) && !is_solid(c.word, c.at, c.at + c.ab, c.at + c.ac, r.at, r.light);
 }
 

@@ -1,6 +1,6 @@
 // Holes of alpha-tested triangles at places of the light's map.
 
-//@import frame undivided facing alpha
+//@import frame undivided facing alpha roles
 //@needs var<uniform> frame: Frame;
 //@needs var<storage, read> map_points: array<vec4<f32>>;
 
@@ -11,9 +11,10 @@ fn from_place(p: vec4<f32>, at: vec2<f32>) -> vec3<f32> {
     return vec3(q.xy - at * q.w, q.w);
 }
 
-// Whether an alpha-tested triangle has a hole at a place of the map.
+// Whether an alpha-tested triangle has a hole at a place of the map, or casts nothing.
 fn is_hole(given: vec4<u32>, at: vec2<f32>) -> bool {
     if ALPHA == 0u || !is_tested(given.w) { return false; }
+    if !casts(given.w) { return true; }
     let a = from_place(map_points[given.x], at);
     let b = from_place(map_points[given.y], at);
     let c = from_place(map_points[given.z], at);

@@ -1,7 +1,7 @@
 //! Alpha-tested triangles of random worlds.
 
 use super::random::Random;
-use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Mesh, TestedTriangle};
+use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Mesh, Roles, TestedTriangle};
 
 /// Holes in some of a mesh's triangles: small maps of any filter, wrap and cutoff, at coordinates that may repeat them often, turn them over
 /// or lay a whole triangle on one point of them.
@@ -13,7 +13,7 @@ pub fn holes(r: &mut Random, mesh: &Mesh) -> AlphaTested {
     for triangle in 0..mesh.triangles.len() as u32 {
         if r.chance(share) {
             let map = r.whole(0, maps.len() as u32 - 1);
-            triangles.push(TestedTriangle { triangle, map, uv: coordinates(r, scale) });
+            triangles.push(TestedTriangle { triangle, map, uv: coordinates(r, scale), roles: Roles::ALL });
         }
     }
     AlphaTested { maps, triangles }

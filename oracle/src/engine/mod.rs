@@ -99,7 +99,7 @@ pub fn merged(stage: &str, ran: &[CpuTime]) -> Option<&'static str> {
 ///
 /// # Errors
 /// [`subpixel_shadows::Error::Config`] for impossible settings, [`subpixel_shadows::Error::Scene`] for an impossible camera or light,
-/// [`subpixel_shadows::Error::Mesh`] for a mesh that has not passed its check.
+/// [`subpixel_shadows::Error::Mesh`] for a mesh that has not passed its check, [`subpixel_shadows::Error::Config`] for triangles with roles of their own.
 pub fn render(
     prepared: &Prepared,
     settings: &Settings,
@@ -110,6 +110,10 @@ pub fn render(
     let start = Instant::now();
     settings.check()?;
     camera.check()?;
+    if prepared.alpha().has_roles() {
+        let text = "the CPU engine: triangles have roles; on a GPU it takes them".to_owned();
+        return Err(Error::Config(text));
+    }
     let mut clock = Clock::default();
     let mesh = prepared.mesh();
     let size = if request.unshadowed { 1 } else { settings.map };

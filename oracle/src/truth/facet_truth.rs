@@ -241,6 +241,9 @@ impl<'a> Judge<'a> {
         if self.plane.is_light_open(self.truth.local_light) {
             self.doubt_occluded |= self.met;
         }
+        if !self.truth.tracer.receives(self.own) {
+            return self.result(0);
+        }
         if self.met == 0 || eye * light <= 0.0 {
             return self.result(self.met);
         }

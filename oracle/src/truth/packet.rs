@@ -104,7 +104,7 @@ pub(super) fn see(tracer: &Tracer, rays: &PixelRays, corner: DVec2, offsets: &[D
             }
             let t = height / along;
             let nearer = t > near && (t, triangle) < (out.depth[k], out.triangle[k]);
-            if nearer && tracer.is_solid(triangle, corners, r * t) {
+            if nearer && tracer.is_seen(triangle, corners, r * t) {
                 out.depth[k] = t;
                 out.error[k] = 2.0 * (height_error + t * along_error) / along.abs();
                 out.triangle[k] = triangle;
@@ -141,6 +141,9 @@ impl Seen {
 
     /// The samples `mask` of one surface that are dark, and those of them that an edge within the error bound decides.
     fn shade(&self, tracer: &Tracer, rays: &PixelRays, light: DVec4, own: u32, mask: u128) -> (u128, u128) {
+        if !tracer.receives(own) {
+            return (0, 0);
+        }
         // Relative to the eye: differences of the f32 corners from the f32 eye are exact or nearly so.
         let l = light.truncate() - rays.eye * light.w;
         let local = l.extend(light.w);

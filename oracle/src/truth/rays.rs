@@ -12,7 +12,7 @@ use super::{DETERMINANT_ERROR, bits, light_side};
 use glam::{DVec3, DVec4, Vec3};
 use subpixel_shadows::Result;
 use subpixel_shadows::methods::Prepared;
-use subpixel_shadows::scene::{AlphaTested, Mesh};
+use subpixel_shadows::scene::{AlphaTested, Mesh, Roles};
 
 /// Where a ray meets a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +44,8 @@ pub struct Tracer {
     slots: Vec<u32>,
     /// Alpha-tested triangles, and the place among them of each triangle; none where all are whole.
     alpha: Option<(AlphaTested, Vec<u32>)>,
+    /// Layers that the light is in.
+    layers: u8,
 }
 
 impl Tracer {
@@ -70,7 +72,31 @@ impl Tracer {
             slots[t as usize] = slot as u32;
         }
         let alpha = (!alpha.is_empty()).then(|| (alpha.clone(), alpha.places(mesh.triangles.len())));
-        Ok(Self { tree, slots, alpha })
+        Ok(Self { tree, slots, alpha, layers: u8::MAX })
+    }
+
+    /// The same for a light that is in these layers alone: triangles have [`Roles`] in them.
+    #[must_use]
+    pub fn in_layers(self, layers: u8) -> Self {
+        Self { layers, ..self }
+    }
+
+    /// What a triangle does in which lights.
+    fn roles(&self, triangle: u32) -> Roles {
+        let of = |(alpha, places): &(AlphaTested, Vec<u32>)| {
+            alpha.triangles.get(places[triangle as usize] as usize).map(|of| of.roles)
+        };
+        self.alpha.as_ref().and_then(of).unwrap_or_default()
+    }
+
+    /// Whether others shadow a triangle in the light.
+    pub(crate) fn receives(&self, triangle: u32) -> bool {
+        self.roles(triangle).receives_in(self.layers)
+    }
+
+    /// As [`Tracer::is_solid`], of what the eye sees.
+    pub(crate) fn is_seen(&self, triangle: u32, corners: [DVec3; 3], point: DVec3) -> bool {
+        self.roles(triangle).seen && self.is_solid(triangle, corners, point)
     }
 
     /// The tracer of a prepared mesh.
@@ -120,6 +146,9 @@ impl Tracer {
         if !self.is_tested(triangle) {
             return true;
         }
+        if !self.roles(triangle).casts_in(self.layers) {
+            return false;
+        }
         let [a, b, c] = corners;
         let (normal, way) = ((b - a).cross(c - a), light.truncate() - point * light.w);
         let along = normal.dot(way);
@@ -146,7 +175,7 @@ impl Tracer {
             let corners = self.tree.corners[slot].map(|c| c.as_dvec3());
             if let Some(hit) = meet(corners, triangle, origin, direction)
                 && hit.t > t_min
-                && self.is_solid(triangle, corners, origin + direction * hit.t)
+                && self.is_seen(triangle, corners, origin + direction * hit.t)
                 && best.is_none_or(|b| (hit.t, hit.triangle) < (b.t, b.triangle))
             {
                 best = Some(hit);

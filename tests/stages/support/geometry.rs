@@ -19,7 +19,9 @@ use subpixel_shadows::methods::Prepared;
 use subpixel_shadows::methods::geometry::SetupOf;
 use subpixel_shadows::methods::prepared::{marked_triangles, padded};
 use subpixel_shadows::samples::Samples;
-use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Camera, Light, Mesh, TestedTriangle};
+use subpixel_shadows::scene::{
+    AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Camera, Light, Mesh, Roles, TestedTriangle,
+};
 use subpixel_shadows::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use subpixel_shadows::stages::front_layer::FrontLayer;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
@@ -63,8 +65,10 @@ pub fn holes(mesh: &Mesh) -> AlphaTested {
         filter: [AlphaFilter::Nearest, AlphaFilter::Bilinear][k],
         wrap: [AlphaWrap::Repeat, AlphaWrap::Mirror],
     };
-    let of =
-        |triangle: u32| TestedTriangle { triangle, map: triangle % 2, uv: [[0.0, 0.25], [1.5, -0.5], [0.75, 2.0]] };
+    let of = |triangle: u32| {
+        let uv = [[0.0, 0.25], [1.5, -0.5], [0.75, 2.0]];
+        TestedTriangle { triangle, map: triangle % 2, uv, roles: Roles::ALL }
+    };
     let triangles = (0..mesh.triangles.len() as u32).step_by(3).map(of).collect();
     AlphaTested { maps: vec![map(0), map(1)], triangles }
 }

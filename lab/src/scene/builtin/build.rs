@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::TAU;
-use subpixel_shadows::scene::{AlphaTested, Mesh, TestedTriangle};
+use subpixel_shadows::scene::{AlphaTested, Mesh, Roles, TestedTriangle};
 
 /// A mesh in the making.
 #[derive(Default)]
@@ -63,7 +63,7 @@ impl Build {
         self.polygon(&corners);
         let [u, v] = times;
         for (triangle, uv) in (first..).zip([[[0.0, 0.0], [u, 0.0], [u, v]], [[0.0, 0.0], [u, v], [0.0, v]]]) {
-            self.alpha.triangles.push(TestedTriangle { triangle, map, uv });
+            self.alpha.triangles.push(TestedTriangle { triangle, map, uv, roles: Roles::ALL });
         }
     }
 

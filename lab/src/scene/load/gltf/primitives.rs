@@ -4,7 +4,7 @@ use super::super::{Beside, Parsed, quoted, without_name};
 use super::accessor::Source;
 use super::alpha::{Materials, Tested};
 use super::json::{Attributes, Primitive};
-use subpixel_shadows::scene::{Mesh, TestedTriangle};
+use subpixel_shadows::scene::{Mesh, Roles, TestedTriangle};
 
 /// Limit of decoding in all, so that many primitives that name the same data cannot multiply it without end.
 pub(super) struct Budget {
@@ -105,6 +105,7 @@ impl Source<'_> {
                         triangle,
                         map: tested.map,
                         uv: corners.map(|v| tested.moved(uv[v as usize])),
+                        roles: Roles::ALL,
                     }));
                 }
             }
