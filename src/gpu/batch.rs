@@ -10,17 +10,24 @@ thread_local! {
 }
 
 /// Puts the list of before back, also when unwinding.
-struct Restore;
+struct Restore(Option<Vec<Compiled>>);
 
 impl Drop for Restore {
     fn drop(&mut self) {
-        WAITING.set(None);
+        WAITING.set(self.0.take());
     }
 }
 
 /// Leaves a program to be compiled to the batch that this thread is in, and says whether there is one.
 pub(super) fn defer(program: &Compiled) -> bool {
     WAITING.with_borrow_mut(|waiting| waiting.as_mut().map(|list| list.push(program.clone())).is_some())
+}
+
+/// Runs `work` and leaves the programs that it made uncompiled.
+pub(super) fn collected<T>(work: impl FnOnce() -> T) -> (T, Vec<Compiled>) {
+    let _restore = Restore(WAITING.replace(Some(Vec::new())));
+    let out = work();
+    (out, WAITING.take().unwrap_or_default())
 }
 
 /// Runs `work` and then compiles the programs that it made. `told` hears, from any thread, how many are compiled, and of how many. Within
@@ -31,7 +38,7 @@ pub(super) fn together<T>(told: Option<&(dyn Fn(usize, usize) + Send + Sync)>, w
         return work();
     }
     WAITING.set(Some(Vec::new()));
-    let restore = Restore;
+    let restore = Restore(None);
     let out = work();
     let programs = WAITING.take().unwrap_or_default();
     drop(restore);

@@ -60,6 +60,33 @@ impl Drop for Restore {
     }
 }
 
+/// Programs that are not compiled yet.
+#[derive(Debug)]
+pub(crate) struct Uncompiled(Vec<Compiled>);
+
+impl Uncompiled {
+    /// What `work` makes, and its programs, of which it compiles none.
+    pub fn of<T>(work: impl FnOnce() -> T) -> (T, Self) {
+        let (out, list) = batch::collected(work);
+        (out, Self(list))
+    }
+
+    /// Compiles up to so many, and says how many. What fails is left to whoever asks for its pipeline.
+    pub fn compile(&mut self, most: usize) -> usize {
+        let first = self.0.len().saturating_sub(most);
+        let some = self.0.drain(first..);
+        some.map(|program| program.try_compile()).count()
+    }
+
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
 impl KeptPrograms {
     /// An empty store whose programs are compiled with a pipeline cache ([`wgpu::Features::PIPELINE_CACHE`]) of the application's, on the
     /// device that it is of: filled from a file, it saves a later start the driver's part of compiling.
@@ -88,6 +115,17 @@ impl KeptPrograms {
         let store = Self::in_use();
         let told = store.told.clone();
         batch::together(told.as_deref(), || store.within(work))
+    }
+
+    /// The same store, which tells another besides.
+    pub(crate) fn also_telling(self, also: impl Fn(usize, usize) + Send + Sync + 'static) -> Self {
+        let first = self.told.clone();
+        self.telling(move |done, of| {
+            also(done, of);
+            if let Some(first) = &first {
+                first(done, of);
+            }
+        })
     }
 
     /// The same store, which tells nobody.

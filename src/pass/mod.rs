@@ -32,6 +32,7 @@
 //!   and leaves out what then changes nothing ([`PassConfig::prove`]).
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
+mod background;
 mod casters;
 mod checks;
 mod gbuffer;
@@ -50,6 +51,7 @@ mod views;
 
 pub use crate::stages::caster_positions::Vertices;
 pub use crate::stages::instance_positions::Transforms;
+pub use background::Compiling;
 pub use gbuffer::{DepthTerms, GBuffer, ImageTerms, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
 pub use inputs::{CasterMesh, Casters, Inputs, LightTarget, Moved, Placed, Target, TargetTexture};
 pub use lit_masks::lit_masks_wgsl;

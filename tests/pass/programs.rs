@@ -3,6 +3,7 @@
 use super::*;
 use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::gpu::{AdapterSummary, BufferMemory, KeptPrograms};
+use subpixel_shadows::pass::CasterMesh;
 
 pub fn picture(pass: &mut ShadowPass, gpu: &Gpu, scene: &Scene) -> Vec<u32> {
     for _ in 0..9 {
@@ -57,6 +58,58 @@ fn passes_share_their_programs() {
         let (more, before) = (programs.len(), made_here());
         make();
         assert!(more > all && programs.len() == more && made_here() == before, "programs of another method are kept");
+    }
+}
+
+/// Pipelines that were made beside the application, by a thread or in steps: a pass of the store compiles none, whatever its casters and size, and its
+/// picture is that of another. Without a store, and with settings that cannot be, there are none.
+#[gpu_test]
+fn pipelines_are_made_beside_the_application() {
+    let scene = scene("spheres");
+    let meshes = [CasterMesh::new(&scene.mesh.positions, &scene.mesh.triangles)];
+    let kinds = [casters(&scene.mesh), Casters::Instanced { meshes: &meshes, instances: &[0] }];
+    for (threaded, (keep_last, kind)) in [true, false].into_iter().zip([false, true].into_iter().zip(kinds)) {
+        let programs = KeptPrograms::default();
+        let config = PassConfig {
+            keep_last,
+            programs: Some(&programs),
+            ..PassConfig::new(Settings { map: 512, ..settings(FacetMode::All) }, kind)
+        };
+        let (device, queue) = (&gpu().device, &gpu().queue);
+        let begin = if threaded { ShadowPass::compile } else { ShadowPass::compile_in_steps };
+        let mut compiling = begin(device, queue, &config).expect("begun");
+        let mut last = 0;
+        while !compiling.advance(5).expect("compiled") {
+            let (done, of) = compiling.progress();
+            assert!(done >= last && done <= of, "{done} of {of} after {last}");
+            assert!(threaded || (done == last + 5 && of == programs.len()), "{done} of {of} after {last}");
+            last = done;
+            if threaded {
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+        }
+        let all = programs.len();
+        assert!(all > 20 && compiling.progress() == (all, all), "{all} {:?}", compiling.progress());
+        compiling.finish().expect("nothing is left");
+        let before = made_here();
+        let mut pass = ShadowPass::new(device, queue, &config).expect("a pass");
+        assert_eq!((made_here() - before, programs.len()), (0, all), "programs made for the pass");
+        pass.set_size([40, 30]).expect("another size");
+        assert_eq!((made_here() - before, programs.len()), (0, all), "programs made for another size");
+        // The check notices a store that was not filled.
+        let without = PassConfig { programs: Some(&KeptPrograms::default()), ..config.clone() };
+        drop(ShadowPass::new(device, queue, &without).expect("a pass"));
+        assert_eq!(made_here() - before, all as u64);
+        if threaded {
+            let mut own =
+                self::pass(Settings { size: [40, 30], map: 512, ..settings(FacetMode::All) }, casters(&scene.mesh));
+            assert!(picture(&mut pass, gpu(), &scene) == picture(&mut own, gpu(), &scene), "another picture");
+        }
+        let none = begin(device, queue, &PassConfig { programs: None, ..config.clone() });
+        assert!(none.is_err_and(|e| e.to_string().contains("`programs`")));
+        let size = [0, 0];
+        let nothing = PassConfig { settings: Settings { size, ..settings(FacetMode::All) }, ..config };
+        assert!(begin(device, queue, &nothing).is_err_and(|e| e.to_string().contains("0x0")));
     }
 }
 
