@@ -7,12 +7,17 @@ use super::{LightView, Window};
 use crate::Result;
 use crate::scene::mesh_tree::{Bounds, MeshTree, Which};
 use crate::scene::{Light, Mesh};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Half the width of a side's view at distance 1: a little more than the side, so that what lies on an edge of the cube lies well
-/// inside both views.
-const HALF: f64 = 1.0 + 1.0 / 64.0;
+/// Share of its width by which a view is wider than a side or a cone: what lies on an edge of the cube lies well inside both views.
+const WIDER: f64 = 1.0 + 1.0 / 64.0;
+
+/// Half the width of a side's view at distance 1.
+const HALF: f64 = WIDER;
+
+/// Cones wider than this, degrees, have no view of their own: its texels would be too coarse at its middle.
+const WIDEST_CONE: f32 = 150.0;
 
 /// Nearest distance along a view's axis that is tested by depth, as a share of the farthest. What reaches nearer is tested everywhere.
 const NEAREST: f64 = 1.0 / 1024.0;
@@ -33,13 +38,19 @@ impl LightView {
 
     /// Likewise of a mesh that was checked, and whose tree is known.
     pub(crate) fn cube_of(casters: MeshAndTree, light: &Light, map_size: u32) -> Result<Vec<Self>> {
+        Self::cube_within(casters, light, map_size, f64::INFINITY)
+    }
+
+    /// Likewise of what is no farther from the light than `range`.
+    pub(crate) fn cube_within(casters: MeshAndTree, light: &Light, map_size: u32, range: f64) -> Result<Vec<Self>> {
         check(light, map_size)?;
         let at = position(light)?;
-        let of_side = |&side: &DVec3| Reach::of_all(casters, at, side).map(|reach| reach.view(at, side, map_size));
+        let of_side =
+            |&side: &DVec3| Reach::of_all(casters, at, side, (HALF, range)).map(|reach| reach.view(at, side, map_size));
         let views: Vec<Self> = SIDES.par_iter().filter_map(of_side).collect();
         if views.is_empty() {
             // Nothing casts on anything: any view will do that is one.
-            return Ok(vec![Reach::whole(1.0, 1.0).view(at, SIDES[0], map_size)]);
+            return Ok(vec![Reach::whole(1.0, 1.0, HALF).view(at, SIDES[0], map_size)]);
         }
         Ok(views)
     }
@@ -53,8 +64,40 @@ impl LightView {
         check(light, map_size)?;
         let at = position(light)?;
         let far = (low - at).abs().max((high - at).abs()).max_element().max(f64::MIN_POSITIVE.sqrt());
-        Ok(SIDES.iter().map(|&side| Reach::whole(0.0, far).view(at, side, map_size)).collect())
+        Ok(SIDES.iter().map(|&side| Reach::whole(0.0, far, HALF).view(at, side, map_size)).collect())
     }
+
+    /// The view of a spot light's cone, as narrow as the casters in it allow that are no farther than `range`: outside the cone, and farther, it may miss
+    /// some. `None` for other lights, and cones of more than 150 degrees.
+    ///
+    /// # Errors
+    /// As [`LightView::cube`].
+    pub(crate) fn cone_of(casters: MeshAndTree, light: &Light, map_size: u32, range: f64) -> Result<Option<Self>> {
+        check(light, map_size)?;
+        let Some((at, axis, half)) = cone(light) else { return Ok(None) };
+        // Nothing casts: any view of the cone will do.
+        let reach = Reach::of_all(casters, at, axis, (half, range)).unwrap_or(Reach::whole(1.0, 1.0, half));
+        Ok(Some(reach.view(at, axis, map_size)))
+    }
+
+    /// The same of a box that holds all casters.
+    ///
+    /// # Errors
+    /// As [`LightView::cube`].
+    pub(crate) fn cone_around((low, high): (DVec3, DVec3), light: &Light, map_size: u32) -> Result<Option<Self>> {
+        check(light, map_size)?;
+        let Some((at, axis, half)) = cone(light) else { return Ok(None) };
+        let far = (axis * (low - at)).max(axis * (high - at)).element_sum().max(f64::MIN_POSITIVE.sqrt());
+        Ok(Some(Reach::whole(0.0, far, half).view(at, axis, map_size)))
+    }
+}
+
+/// Place and axis of a spot light, and half the width of its view at distance 1; `None` where it has none.
+fn cone(light: &Light) -> Option<(DVec3, DVec3, f64)> {
+    let Light::Spot { position, target, angle_degrees } = *light else { return None };
+    let [at, target] = [position, target].map(|p| Vec3::from(p).as_dvec3());
+    let half = (f64::from(angle_degrees).to_radians() / 2.0).tan() * WIDER;
+    (angle_degrees <= WIDEST_CONE).then(|| (at, (target - at).normalize(), half))
 }
 
 fn position(light: &Light) -> Result<DVec3> {
@@ -81,26 +124,28 @@ impl Reach {
         farthest: f64::NEG_INFINITY,
     };
 
-    /// All of the side, between two distances along its axis.
-    fn whole(nearest: f64, farthest: f64) -> Self {
-        Self { low: [-HALF; 2], high: [HALF; 2], nearest, farthest }
+    /// All of a view, between two distances along its axis.
+    fn whole(nearest: f64, farthest: f64, half: f64) -> Self {
+        Self { low: [-half; 2], high: [half; 2], nearest, farthest }
     }
 
-    /// Reach of all casters; `None` if none is in the pyramid of the side.
-    fn of_all(casters: MeshAndTree, light: DVec3, side: DVec3) -> Option<Self> {
+    /// Reach of all casters in a range; `None` if none is in the pyramid of the side, or the cone, of this half width.
+    fn of_all(casters: MeshAndTree, light: DVec3, side: DVec3, (half, range): (f64, f64)) -> Option<Self> {
         let (right, up) = axes(side);
         let out = |b: &Bounds, across: DVec3| {
-            let inward = side * HALF - across;
+            let inward = side * half - across;
             b.reach(inward) < inward.dot(light)
         };
+        // Along one axis alone, and that of the box: more may be in the range than is.
+        let farther = |b: &Bounds| range < f64::INFINITY && -b.reach(-side) - side.dot(light) > range;
         let greatest = |above: &dyn Fn(&Bounds) -> f64, value: &dyn Fn(Self) -> f64| {
             let above = |b: &Bounds| {
                 let beside = [right, -right, up, -up].into_iter().any(|across| out(b, across));
-                if beside { f64::NEG_INFINITY } else { above(b) }
+                if beside || farther(b) { f64::NEG_INFINITY } else { above(b) }
             };
             let value = |corners: [DVec3; 3]| {
-                let reach = Self::of(corners.map(|p| p - light), side);
-                if reach.low[0] <= reach.high[0] { value(reach) } else { f64::NEG_INFINITY }
+                let reach = Self::of(corners.map(|p| p - light), side, half);
+                if reach.nearest <= range && reach.low[0] <= reach.high[0] { value(reach) } else { f64::NEG_INFINITY }
             };
             casters.tree.greatest(casters.mesh, Which::All, above, value).map(|(reach, _)| reach)
         };
@@ -109,10 +154,10 @@ impl Reach {
             (|b: &Bounds| -b.reach(-side) - side.dot(light), |b: &Bounds| b.reach(side) - side.dot(light));
         let ratio = |b: &Bounds, across: DVec3| {
             if nearest(b) <= 0.0 {
-                return HALF;
+                return half;
             }
             let corners = b.corners().map(|p| (p - light).dot(across) / (p - light).dot(side));
-            (corners.into_iter().fold(f64::NEG_INFINITY, f64::max) + 1e-9).min(HALF)
+            (corners.into_iter().fold(f64::NEG_INFINITY, f64::max) + 1e-9).min(half)
         };
         Some(Self {
             low: [-greatest(&|b| ratio(b, -right), &|r| -r.low[0])?, -greatest(&|b| ratio(b, -up), &|r| -r.low[1])?],
@@ -123,20 +168,20 @@ impl Reach {
     }
 
     /// Reach of the part of a triangle, relative to the light, that lies in the pyramid of a side.
-    fn of(triangle: [DVec3; 3], side: DVec3) -> Self {
+    fn of(triangle: [DVec3; 3], side: DVec3, half: f64) -> Self {
         let (right, up) = axes(side);
         let mut part = triangle.to_vec();
         for across in [right, -right, up, -up] {
-            clip(&mut part, |p| HALF * p.dot(side) - p.dot(across));
+            clip(&mut part, |p| half * p.dot(side) - p.dot(across));
         }
         let of_point = |p: &DVec3| {
             let w = p.dot(side).max(0.0);
             // At the light itself it is everywhere.
             let [low, high] = if w > 0.0 {
-                let at = [p.dot(right) / w, p.dot(up) / w].map(|v| v.clamp(-HALF, HALF));
+                let at = [p.dot(right) / w, p.dot(up) / w].map(|v| v.clamp(-half, half));
                 [at, at]
             } else {
-                [[-HALF; 2], [HALF; 2]]
+                [[-half; 2], [half; 2]]
             };
             Self { low, high, nearest: w, farthest: w }
         };

@@ -256,7 +256,8 @@ impl Settings {
         (beyond, one): (bool, bool),
     ) -> Vec<LightView> {
         let (Some(plan), &[view]) = (&self.partition, &views[..]) else { return views };
-        if !view.complete {
+        // A cone is cut no further.
+        if !view.complete || view.one_of_several {
             return views;
         }
         let mut slices = view.slices(camera, self.size, bounds, plan, if one { LightView::OVERLAP } else { 0.0 });

@@ -15,6 +15,7 @@ impl ShadowPass {
         inputs.light.check()?;
         target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
         target.check_counts(self.settings.pixels(), self.image.method.counts().is_some())?;
+        inputs.reach.check()?;
         if inputs.layers == 0 {
             return Err(Error::Config("the light is in no layer: it is in one of eight at the least".to_owned()));
         }

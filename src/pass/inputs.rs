@@ -107,6 +107,8 @@ pub struct Inputs<'a> {
     pub light: &'a Light,
     /// Layers that the light is in, a bit each, of those that triangles [cast and receive](crate::scene::Roles) in; all of them if nothing else is said.
     pub layers: u8,
+    /// How far the light's shadows are asked; everywhere if nothing else is said.
+    pub reach: Reach,
     /// Where moving casters are; `None` for others.
     pub moved: Option<Moved<'a>>,
     /// Where instances are; `None` for other casters.
@@ -121,7 +123,16 @@ pub struct Inputs<'a> {
 impl<'a> Inputs<'a> {
     /// A frame of static casters without a G-buffer.
     pub fn new(camera: &'a Camera, light: &'a Light) -> Self {
-        Self { camera, light, layers: u8::MAX, moved: None, placed: None, gbuffer: GBuffer::None, origin: None }
+        Self {
+            camera,
+            light,
+            layers: u8::MAX,
+            reach: Reach::EVERYWHERE,
+            moved: None,
+            placed: None,
+            gbuffer: GBuffer::None,
+            origin: None,
+        }
     }
 }
 
@@ -186,6 +197,33 @@ impl<'a> TargetTexture<'a> {
     }
 }
 
+/// How far the shadows of a light at a point are asked. What lies farther has no defined visibility: shading leaves the light out there, and views of it
+/// may miss what casts there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Of a spot light, in its cone alone: it has one view, as wide as that (up to 150 degrees; wider ones are as without), wherever it stands.
+    pub cone: bool,
+    /// Distance from the light, world units. A light among casters that stand has views of those within it alone.
+    pub range: f32,
+}
+
+impl Reach {
+    /// In every direction, infinitely far.
+    pub const EVERYWHERE: Self = Self { cone: false, range: f32::INFINITY };
+
+    /// In the cone of a spot light, up to a distance.
+    pub fn cone(range: f32) -> Self {
+        Self { cone: true, range }
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        match self.range > 0.0 {
+            true => Ok(()),
+            false => Err(Error::Config(format!("a range of the light of {} is not more than 0", self.range))),
+        }
+    }
+}
+
 /// One of several lights, and where its results go.
 #[derive(Clone, Copy, Debug)]
 pub struct LightTarget<'a> {
@@ -193,14 +231,16 @@ pub struct LightTarget<'a> {
     pub light: Light,
     /// As [`Inputs::layers`].
     pub layers: u8,
+    /// As [`Inputs::reach`].
+    pub reach: Reach,
     /// Where its results go.
     pub target: Target<'a>,
 }
 
 impl<'a> LightTarget<'a> {
-    /// A light of all layers.
+    /// A light of all layers, everywhere.
     pub fn new(light: Light, target: Target<'a>) -> Self {
-        Self { light, layers: u8::MAX, target }
+        Self { light, layers: u8::MAX, reach: Reach::EVERYWHERE, target }
     }
 }
 

@@ -8,8 +8,8 @@ use crate::{Error, Result};
 
 impl ShadowPass {
     /// Appends a frame for each of several lights, each with a target and a status of its own, and returns their numbers. What the camera sees is found
-    /// once: lights after the first take their own maps and shadows, and the pictures are those of [`ShadowPass::record`] with each light, to the bit. Light
-    /// and layers of `inputs` are not read.
+    /// once: lights after the first take their own maps and shadows, and the pictures are those of [`ShadowPass::record`] with each light, to the bit. Light,
+    /// layers and reach of `inputs` are not read.
     ///
     /// In strips of rows, and with other methods than `facet-masks`, each light finds it anew. Maps of the light are not kept from frame to frame. Lists grow before
     /// the first of the lights only; it takes 24 bytes more a facet.
@@ -27,13 +27,13 @@ impl ShadowPass {
             return Err(Error::Config(format!("{count} lights: a pass that keeps the last picture keeps that of one")));
         }
         self.check_history(lights.len(), "lights")?;
-        for LightTarget { light, layers, target } in lights {
-            self.check(&Inputs { light, layers: *layers, ..*inputs }, target)?;
+        for LightTarget { light, layers, reach, target } in lights {
+            self.check(&Inputs { light, layers: *layers, reach: *reach, ..*inputs }, target)?;
         }
         let mut numbers = Vec::with_capacity(lights.len());
         let mut found = false;
-        for LightTarget { light, layers, target } in lights {
-            let inputs = Inputs { light, layers: *layers, ..*inputs };
+        for LightTarget { light, layers, reach, target } in lights {
+            let inputs = Inputs { light, layers: *layers, reach: *reach, ..*inputs };
             let extent = self.extent(&inputs);
             let part = FramePart { extent, strip: None, surfaces: surfaces(lights.len(), found), point: None };
             numbers.push(self.record_part(encoder, &inputs, target, part)?);

@@ -2,16 +2,18 @@
 
 use super::casters::CasterSet;
 use super::gbuffer::GBuffer;
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Reach};
 use crate::Result;
 use crate::light_view::{LightView, Receivers};
 use crate::methods::Settings;
 use crate::scene::Light;
 use glam::DVec3;
 
-/// The last views of casters that stand, and what they were fitted to: the light, and whether to all casters.
+/// The last views of casters that stand, and what they were fitted to: the light, how far it is asked, and whether to all casters.
 #[derive(Default)]
-pub struct Views(Option<(Light, bool, Vec<LightView>)>);
+pub struct Views(Option<(Fitted, Vec<LightView>)>);
+
+type Fitted = (Light, Reach, bool);
 
 impl Views {
     /// One view of the casters, which lie between `bounds`; a cube of them if the light stands among these.
@@ -23,27 +25,43 @@ impl Views {
         bounds: (DVec3, DVec3),
     ) -> Result<Vec<LightView>> {
         let (light, map, prepared) = (inputs.light, settings.map, &casters.prepared);
+        let Reach { cone, range } = inputs.reach;
+        let range = f64::from(range);
         if casters.moves.is_some() {
+            if cone && let Some(view) = LightView::cone_around(bounds, light, map)? {
+                return Ok(vec![view]);
+            }
             let view = LightView::around(bounds, light, map)?;
             return if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) };
         }
         // What shadows no caster may shadow what is none.
         let all = matches!(inputs.gbuffer, GBuffer::Surfaces(_));
-        if let Some((of, of_all, views)) = &self.0
-            && (of, *of_all) == (light, all)
+        let fitted = (*light, inputs.reach, all);
+        if let Some((of, views)) = &self.0
+            && *of == fitted
         {
             return Ok(views.clone());
         }
-        let views = if all {
-            let of = prepared.casters();
+        let of = prepared.casters();
+        let whole = |view: LightView| LightView { outside: prepared.backs_add_nothing(light), ..view };
+        let in_cone = if cone { LightView::cone_of(of, light, map, range)? } else { None };
+        let views = if let Some(view) = in_cone {
+            vec![whole(view)]
+        } else if all {
             let view = LightView::fit_casters(of, light, map, Receivers::Anything)?;
-            let views = if view.complete { vec![view] } else { LightView::cube_of(of, light, map)? };
-            let outside = prepared.backs_add_nothing(light);
-            views.into_iter().map(|view| LightView { outside, ..view }).collect()
+            let views = if view.complete { vec![view] } else { LightView::cube_within(of, light, map, range)? };
+            views.into_iter().map(whole).collect()
         } else {
-            settings.light_views(prepared, light)?
+            let view = settings.light_view(prepared, light)?;
+            match view.complete {
+                true => vec![view],
+                false => {
+                    let cube = LightView::cube_within(of, light, map, range)?;
+                    cube.into_iter().map(|side| LightView { outside: view.outside, ..side }).collect()
+                }
+            }
         };
-        self.0 = Some((*light, all, views.clone()));
+        self.0 = Some((fitted, views.clone()));
         Ok(views)
     }
 }

@@ -5,6 +5,7 @@ mod frames;
 mod receivers;
 mod roles;
 mod samples;
+mod spots;
 mod strips;
 
 use lab::scene::{Scene, builtin};

@@ -199,7 +199,10 @@ fn depth_maps_know_roles() {
         };
         let [got, whole] = [&tested, &AlphaTested::default()].map(picture);
         let ([with, without], own) = ([&got, &whole].map(|got| error(got, &none)), error(&got, &own));
-        assert!(own < 1.3 * without + 0.005 && with > 1.5 * own, "{method:?}: {own}, {without} without roles, {with} of that");
+        assert!(
+            own < 1.3 * without + 0.005 && with > 1.5 * own,
+            "{method:?}: {own}, {without} without roles, {with} of that"
+        );
     }
 }
 
