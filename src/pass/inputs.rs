@@ -108,7 +108,7 @@ pub struct Inputs<'a> {
     /// Layers that the light is in, a bit each, of those that triangles [cast and receive](crate::scene::Roles) in; all of them if nothing else is said.
     pub layers: u8,
     /// How far the light's shadows are asked; everywhere if nothing else is said.
-    pub reach: Reach,
+    pub reach: LightReach,
     /// Where moving casters are; `None` for others.
     pub moved: Option<Moved<'a>>,
     /// Where instances are; `None` for other casters.
@@ -127,7 +127,7 @@ impl<'a> Inputs<'a> {
             camera,
             light,
             layers: u8::MAX,
-            reach: Reach::EVERYWHERE,
+            reach: LightReach::EVERYWHERE,
             moved: None,
             placed: None,
             gbuffer: GBuffer::None,
@@ -200,14 +200,14 @@ impl<'a> TargetTexture<'a> {
 /// How far the shadows of a light at a point are asked. What lies farther has no defined visibility: shading leaves the light out there, and views of it
 /// may miss what casts there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
+pub struct LightReach {
     /// Of a spot light, in its cone alone: it has one view, as wide as that (up to 150 degrees; wider ones are as without), wherever it stands.
     pub cone: bool,
     /// Distance from the light, world units. A light among casters that stand has views of those within it alone.
     pub range: f32,
 }
 
-impl Reach {
+impl LightReach {
     /// In every direction, infinitely far.
     pub const EVERYWHERE: Self = Self { cone: false, range: f32::INFINITY };
 
@@ -232,7 +232,7 @@ pub struct LightTarget<'a> {
     /// As [`Inputs::layers`].
     pub layers: u8,
     /// As [`Inputs::reach`].
-    pub reach: Reach,
+    pub reach: LightReach,
     /// Where its results go.
     pub target: Target<'a>,
 }
@@ -240,7 +240,7 @@ pub struct LightTarget<'a> {
 impl<'a> LightTarget<'a> {
     /// A light of all layers, everywhere.
     pub fn new(light: Light, target: Target<'a>) -> Self {
-        Self { light, layers: u8::MAX, reach: Reach::EVERYWHERE, target }
+        Self { light, layers: u8::MAX, reach: LightReach::EVERYWHERE, target }
     }
 }
 

@@ -53,7 +53,7 @@ pub use crate::stages::caster_positions::Vertices;
 pub use crate::stages::instance_positions::Transforms;
 pub use background::Compiling;
 pub use gbuffer::{DepthTerms, GBuffer, ImageTerms, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
-pub use inputs::{CasterMesh, Casters, Inputs, LightTarget, Moved, Placed, Reach, Target, TargetTexture};
+pub use inputs::{CasterMesh, Casters, Inputs, LightReach, LightTarget, Moved, Placed, Target, TargetTexture};
 pub use lit_masks::lit_masks_wgsl;
 pub use status::{Faults, FrameStatus};
 

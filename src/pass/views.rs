@@ -2,7 +2,7 @@
 
 use super::casters::CasterSet;
 use super::gbuffer::GBuffer;
-use super::inputs::{Inputs, Reach};
+use super::inputs::{Inputs, LightReach};
 use crate::Result;
 use crate::light_view::{LightView, Receivers};
 use crate::methods::Settings;
@@ -13,7 +13,7 @@ use glam::DVec3;
 #[derive(Default)]
 pub struct Views(Option<(Fitted, Vec<LightView>)>);
 
-type Fitted = (Light, Reach, bool);
+type Fitted = (Light, LightReach, bool);
 
 impl Views {
     /// One view of the casters, which lie between `bounds`; a cube of them if the light stands among these.
@@ -25,7 +25,7 @@ impl Views {
         bounds: (DVec3, DVec3),
     ) -> Result<Vec<LightView>> {
         let (light, map, prepared) = (inputs.light, settings.map, &casters.prepared);
-        let Reach { cone, range } = inputs.reach;
+        let LightReach { cone, range } = inputs.reach;
         let range = f64::from(range);
         if casters.moves.is_some() {
             if cone && let Some(view) = LightView::cone_around(bounds, light, map)? {

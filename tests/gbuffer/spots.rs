@@ -2,7 +2,7 @@
 
 use super::*;
 use oracle::truth::{SceneTruth, TruthImage, join_mask};
-use subpixel_shadows::pass::{LightTarget, Reach, TargetTexture};
+use subpixel_shadows::pass::{LightReach, LightTarget, TargetTexture};
 
 fn truth(scene: &Scene, light: &Light, samples: &Samples) -> TruthImage {
     let tracer = Tracer::new(&scene.mesh).expect("a tracer");
@@ -28,7 +28,7 @@ fn points(scene: &Scene, samples: &Samples) -> Vec<Option<DVec3>> {
 }
 
 /// Whether a light's shadows are asked at a point.
-fn is_asked(light: &Light, reach: Reach, p: DVec3) -> bool {
+fn is_asked(light: &Light, reach: LightReach, p: DVec3) -> bool {
     let at = light.homogeneous().truncate();
     let inside = match *light {
         Light::Spot { target, angle_degrees, .. } if reach.cone => {
@@ -61,12 +61,12 @@ fn cones_and_ranges_limit_the_views() {
     let position = [0.8, 1.9, 0.9];
     let spot = |target, angle_degrees| Light::Spot { position, target, angle_degrees };
     let lights = [
-        (spot([0.7, 0.0, 1.75], 40.0), Reach::cone(f32::INFINITY), 1),
-        (spot([-1.6, 0.5, 1.1], 75.0), Reach::cone(4.0), 1),
-        (spot([0.9, 2.25, 0.35], 20.0), Reach::cone(f32::INFINITY), 1),
-        (Light::Point { position }, Reach { range: 1.1, ..Reach::EVERYWHERE }, 5),
-        (Light::Point { position }, Reach { range: 0.45, ..Reach::EVERYWHERE }, 4),
-        (Light::Point { position }, Reach::EVERYWHERE, 5),
+        (spot([0.7, 0.0, 1.75], 40.0), LightReach::cone(f32::INFINITY), 1),
+        (spot([-1.6, 0.5, 1.1], 75.0), LightReach::cone(4.0), 1),
+        (spot([0.9, 2.25, 0.35], 20.0), LightReach::cone(f32::INFINITY), 1),
+        (Light::Point { position }, LightReach { range: 1.1, ..LightReach::EVERYWHERE }, 5),
+        (Light::Point { position }, LightReach { range: 0.45, ..LightReach::EVERYWHERE }, 4),
+        (Light::Point { position }, LightReach::EVERYWHERE, 5),
     ];
     let mut all = 0;
     for (light, reach, most) in lights {
@@ -89,7 +89,8 @@ fn cones_and_ranges_limit_the_views() {
     }
     assert!(all > 20000, "{all} dark samples");
     let light = Light::Point { position };
-    let inputs = Inputs { reach: Reach { range: -1.0, ..Reach::EVERYWHERE }, ..Inputs::new(&scene.camera, &light) };
+    let inputs =
+        Inputs { reach: LightReach { range: -1.0, ..LightReach::EVERYWHERE }, ..Inputs::new(&scene.camera, &light) };
     let mut pass = pass(settings, &scene.mesh);
     refused("range", pass.record(&mut gpu().encoder(), &inputs, &Target::default()));
 }
@@ -127,7 +128,7 @@ fn sixteen_spots_share_a_frame() {
     let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     let descriptor = wgpu::BufferDescriptor { label: None, size: 4 * PIXELS as u64, usage, mapped_at_creation: false };
     let buffers = [(); 16].map(|()| gpu().device.create_buffer(&descriptor));
-    let reach = Reach::cone(6.0);
+    let reach = LightReach::cone(6.0);
     let asked: Vec<LightTarget> = (0..)
         .zip(&lights)
         .zip(&buffers)
