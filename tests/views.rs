@@ -14,8 +14,7 @@ use subpixel_shadows::methods::{MethodName, PageSettings, Prepared, RayTracedSet
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
-use test_support::gpu;
-use test_support::gpu_test;
+use test_support::{gpu, gpu_test};
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -311,8 +310,8 @@ fn other_methods_take_slices() {
     for (by, splits, warp) in [(Depth, 1, Box), (Depth, 2, Fitted), (Depth, 4, Trapezoid), (FrustumFaces, 1, Fitted)] {
         let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };
         let sliced = Settings { partition: Some(plan), ..settings.clone() };
-        let exact = visibility(&near, MethodName::Supersampled, &sliced).expect("a frame");
-        assert!(exact == want, "{by:?} {splits} {warp:?}: another picture");
+        let exact = visibility(&near, MethodName::Supersampled, &sliced);
+        assert!(exact.expect("a frame") == want, "{by:?} {splits} {warp:?}: another picture");
         for method in ask_one() {
             // The first misses triangles smaller than texels; what is wrong with the second is not of texels in finer maps.
             let maps = [(MethodName::Reconstructable, 768), (MethodName::PolygonIds, 32)];

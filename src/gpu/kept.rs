@@ -65,7 +65,7 @@ impl Drop for Restore {
 pub(crate) struct Uncompiled(Vec<Compiled>);
 
 impl Uncompiled {
-    /// What `work` makes, and its programs, of which it compiles none.
+    /// Result of `work`, and its programs, of which it compiles none.
     pub fn of<T>(work: impl FnOnce() -> T) -> (T, Self) {
         let (out, list) = batch::collected(work);
         (out, Self(list))

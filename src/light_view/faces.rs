@@ -1,4 +1,4 @@
-//! What a camera sees by the faces of its frustum (Kozlov 2004: Perspective Shadow Maps, Care and Feeding, in GPU Gems; Lloyd, Tuft, Yoon, Manocha
+//! Parts of a camera's view by the faces of its frustum (Kozlov 2004: Perspective Shadow Maps, Care and Feeding, in GPU Gems; Lloyd, Tuft, Yoon, Manocha
 //! 2006: Warping and Partitioning for Low Error Shadow Maps; Scherzer 2011, section 4.3.2).
 //!
 //! Every ray of light through the frustum passes one of its sides on the way in and one face on the way out. Those of one side lie between the

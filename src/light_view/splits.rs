@@ -47,7 +47,7 @@ pub enum PartBy {
 /// View that is cut, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SplitPlan {
-    /// What it is cut by.
+    /// Kind of the parts.
     pub by: PartBy,
     /// Slices of the view, 1 to [`SplitPlan::MOST`]; 1 of other parts than slices.
     pub splits: u32,
@@ -112,7 +112,7 @@ impl SplitPlan {
 /// The light's view of a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SplitView {
-    /// What is seen of it.
+    /// The part of the scene seen in it.
     seen: SeenBox,
 
     /// Takes texel `(x, y, 1)` of the whole view to `(x, y, 1) · w` of this one; `w` is 1 where it is least, and more elsewhere.
@@ -158,7 +158,7 @@ impl LightView {
                 Some(SplitView { range, end: f64::INFINITY, ..self.slice(&face, plan, range, 0.0) })
             };
             let mut views: Vec<SplitView> = seen.faces(self, overlap).into_iter().filter_map(of_face).collect();
-            // What several hold is asked of the one that spreads least.
+            // A place that several hold asks the one that spreads least.
             views.sort_by(|a, b| self.spread(a.warp).total_cmp(&self.spread(b.warp)));
             return views;
         }

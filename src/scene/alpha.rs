@@ -113,7 +113,7 @@ impl AlphaMap {
     }
 }
 
-/// What a triangle does in which lights: lights and triangles are in up to eight layers, a bit each.
+/// Roles of a triangle in lights: lights and triangles are in up to eight layers, a bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Roles {
     /// Layers of lights in which it shadows others.
@@ -167,7 +167,7 @@ pub struct TestedTriangle {
     pub map: u32,
     /// Texture coordinates of its corners, in the order of its indices.
     pub uv: [[f32; 2]; 3],
-    /// What it does in which lights.
+    /// Its roles in lights.
     pub roles: Roles,
 }
 

@@ -141,7 +141,7 @@ fn area_lights_take_every_input() {
     let (camera, whole) = (super::instances::camera(), casters(&leaves.mesh));
     let holes = Casters::AlphaTested { casters: &whole, tested: &leaves.alpha };
     let of_instances = Inputs { placed: Some(placed), ..Inputs::new(&camera, &cage.light) };
-    let inside = Camera { eye: [0.1, 0.9, 0.2], target: [1.0, 0.4, 1.2], ..cage.camera };
+    let inside = Camera { eye: [0.3, 1.6, 0.4], target: [-1.5, 0.0, -1.5], vertical_fov_degrees: 60.0, ..cage.camera };
     let one = self::settings(FacetMode::One);
     for (what, casters, inputs, area, settings) in [
         ("moving", moving, Inputs { moved: Some(moved), ..plain }, sun, &settings),

@@ -79,7 +79,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
             let [least, most] = lit.map(|lit| f64::from(u8::from(lit)));
             *of = [of[0] + least, of[1] + most, of[2] + 1.0];
         }
-        // What may meet it may be left out if it is lit, and for the most if it is dark.
+        // A triangle that may meet it may be left out if it is lit, and for the most if it is dark.
         let low = sure[0] / (sure[2] + maybe[2] - maybe[0]);
         let high = (sure[1] + maybe[1]) / (sure[2] + maybe[1]);
         (sure[2] > 0.0).then_some([low - 1e-5, high + 1e-5])

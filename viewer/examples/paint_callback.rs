@@ -59,7 +59,7 @@ fn shade(texel: Texel) -> @location(0) vec4<f32> {
 }
 ";
 
-/// What the callback draws with; egui keeps it.
+/// Pipelines that the callback draws with; egui keeps them.
 struct Shown {
     pass: ShadowPass,
     scene: Arc<Scene>,

@@ -98,7 +98,8 @@ fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     s.edges[0] = line_beside(turn * pq, 0.5 + margin, slack.x);
     s.edges[1] = line_beside(turn * qr, 0.5 + margin, slack.y);
     s.edges[2] = line_beside(turn * rp, 0.5 + margin, slack.z);
-    s.whole = 2.0 * vec3(s.edges[0].z - turn * pq.z, s.edges[1].z - turn * qr.z, s.edges[2].z - turn * rp.z);
+    let bare = turn * vec3(pq.z, qr.z, rp.z);
+    s.whole = 2.0 * (vec3(s.edges[0].z, s.edges[1].z, s.edges[2].z) - bare);
     s.low = vec2(-3.0e38);
     s.high = vec2(3.0e38);
     s.half_range = 3.0e38;
@@ -110,20 +111,21 @@ fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
         let z = vec3(undivided(a, near).z, undivided(b, near).z, undivided(c, near).z);
         let plane = (z.x * qr + z.y * rp + z.z * pq) / det;
         let spread = abs(plane.x) + abs(plane.y);
-        let error = (dot(abs(z), slack.yzx) + 2.0 * noise) / (abs(det) - noise) + 8.0 * frame.depth_margin
+        let sure = abs(det) - noise;
+        let error = (dot(abs(z), slack.yzx) + 2.0 * noise) / sure + 8.0 * frame.depth_margin
             + 1e-6 * (size * spread + abs(plane.z));
         s.depth = plane;
         s.half_range = s.reach * spread + error;
         let inverse = (near / det) * (pq + qr + rp);
         let more = s.reach * (abs(inverse.x) + abs(inverse.y))
-            + near * (slack.x + slack.y + slack.z) / (abs(det) - noise);
+            + near * (slack.x + slack.y + slack.z) / sure;
         s.front = inverse + vec3(0.0, 0.0, more);
     }
     return s;
 }
 
-// Whether a triangle that is cut surely covers all of a texel (`share` 1), or its centre (0.75), where that is
-// well beyond the light's nearest distance.
+// Whether a triangle that is cut surely covers all of a texel (`share` 1), or its centre (0.75), where that
+// is well beyond the light's nearest distance.
 fn holds(s: Cover, centre: vec2<f32>, share: f32) -> bool {
     let at = vec3(centre, 1.0);
     let e = vec3(dot(s.edges[0], at), dot(s.edges[1], at), dot(s.edges[2], at));

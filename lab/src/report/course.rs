@@ -31,7 +31,7 @@ pub fn beside(camera: &Camera, height: u32, k: u32) -> Camera {
     Camera { eye: (eye + step).as_vec3().into(), target: (target + step).as_vec3().into(), ..*camera }
 }
 
-/// What a method does over the frames of a movement.
+/// Errors and flicker of a method over the frames of a movement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Course {
     /// Mean squared error of each frame.

@@ -1,9 +1,8 @@
 //! Where the nearest layer may be no single sheet over the whole texel.
 
-use super::cut::Cut;
 use super::light_layers::{Layer, any_everywhere};
 use super::triangle_setup::Triangle;
-use super::view::{Flat, by_rows, centre, columns};
+use super::view::{Cut, Flat, by_rows, centre, columns};
 
 /// How far conservative tests reach out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

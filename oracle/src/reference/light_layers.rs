@@ -1,8 +1,7 @@
 //! The nearest and the second nearest caster at every texel centre.
 
-use super::cut::Cut;
 use super::triangle_setup::{Reach, Triangle};
-use super::view::{Flat, View, by_rows, centre, columns};
+use super::view::{Cut, Flat, View, by_rows, centre, columns};
 use glam::{DVec2, DVec3};
 
 /// Layers over a texel centre.

@@ -7,7 +7,6 @@ pub mod candidate_pairs;
 pub mod caster_positions;
 pub mod compact;
 pub mod compared_depths;
-pub mod cut;
 pub mod dispatch_args;
 pub mod facet_classify;
 pub mod front_layer;

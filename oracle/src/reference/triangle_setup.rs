@@ -1,8 +1,7 @@
 //! Side of the light of each triangle, and which pixels and texels it may touch.
 
-use super::cut::Cut;
 use super::vertex_project::Vertex;
-use super::view::{Flat, MapEnds, View, cells_touched, centres_within};
+use super::view::{Cut, Flat, MapEnds, View, cells_touched, centres_within};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use subpixel_shadows::scene::AlphaTested;

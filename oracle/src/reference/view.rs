@@ -1,5 +1,9 @@
 //! The frame in `f64`: camera and light view in the eye-relative, scaled space that all stages work in.
 
+mod cut;
+
+pub use cut::Cut;
+
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use subpixel_shadows::light_view::{LightView, unit_scale};
 use subpixel_shadows::scene::{Camera, Light, PixelRays};

@@ -81,7 +81,7 @@ impl Tracer {
         Self { layers, ..self }
     }
 
-    /// What a triangle does in which lights.
+    /// Roles of a triangle in lights.
     fn roles(&self, triangle: u32) -> Roles {
         let of = |(alpha, places): &(AlphaTested, Vec<u32>)| {
             alpha.triangles.get(places[triangle as usize] as usize).map(|of| of.roles)

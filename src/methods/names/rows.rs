@@ -127,7 +127,7 @@ pub const METHODS: [MethodRow; 22] = [
         parts: [VIEWS, "the triangle that is nearest at its centre", "compare the polygon of every sample"],
         query: TexelQuery::Polygons,
         partition: None,
-        options: &["lookups", "splits", "split-weight", "warp", "focus", "looks"],
+        options: &["lookups", "partition", "splits", "split-weight", "warp", "focus", "looks"],
     },
     MethodRow {
         method: MethodName::ShadowMap,

@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    /// What is saved of a scene names what it was made of, whether that was opened by itself or by another scene file.
+    /// A saved scene file names the mesh of the scene, whether that was opened by itself or by another scene file.
     #[test]
     fn scene_files_name_what_can_be_opened() {
         const MESH: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

@@ -1,7 +1,7 @@
 //! A triangle that reaches behind the light, in the light view.
 
-use super::front_layer::Margin;
-use super::view::View;
+use super::super::front_layer::Margin;
+use super::View;
 use glam::{DVec2, DVec3};
 
 /// A triangle that reaches behind the light, as the lines of its edges around what of it lies in front, and as its plane.
@@ -60,7 +60,7 @@ impl Cut {
         self.edges.iter().all(|e| beside(e) >= 0.0)
     }
 
-    /// How far `at` lies inside each edge, as [`Flat::inside`](super::view::Flat::inside).
+    /// How far `at` lies inside each edge, as [`Flat::inside`](super::Flat::inside).
     pub fn inside(&self, at: DVec2) -> [f64; 3] {
         self.edges.map(|e| e.dot(at.extend(1.0)) / (e.x.abs() + e.y.abs()).max(f64::MIN_POSITIVE))
     }
