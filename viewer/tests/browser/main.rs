@@ -446,7 +446,8 @@ fn the_first_picture_comes_soon() {
     page.drag("picture", [0.5, 0.5], [0.3, 0.5]);
     let turned = told(&mut page, "the camera is turned and the wipe is moved", "tasks");
     for scene in ["spheres", "windmill", "plant", "city"] {
-        page.0.value(&format!("tasks.length = 0; viewer.open('{scene} --samples 8 --map 256'); true"));
+        let line = format!("{scene} --samples 8 --map 256 --against \\'--method pcf --map 256\\'");
+        page.0.value(&format!("tasks.length = 0; viewer.open('{line}'); true"));
         page.settle();
         told(&mut page, &format!("{scene} is opened"), "tasks");
     }
