@@ -5,6 +5,7 @@
 use crate::support::geometry::{
     Case, MESHES, Place, Ran, Wanted, add, fan, light, mesh, run_all, with_what_turns_away, world,
 };
+use crate::support::shadow::vector;
 use crate::support::{Random, gpu, sizes_around, small_gpu};
 use oracle::reference::front_layer::{Margin, Split, marks, settle};
 use oracle::reference::triangle_setup::Triangle;
@@ -278,6 +279,28 @@ fn degenerate() {
         let ran = run_all(gpu(), &case);
         promise(&case, &ran, 12, &mut random).expect("the promise holds");
     }
+}
+
+/// Texels that a triangle covers which reaches behind the light are settled, and the promise holds there.
+#[gpu_test]
+fn what_reaches_behind_the_light_settles() {
+    let (mut random, mut place) = (Random::new(41), Place(Random::new(42)));
+    let [mut held, mut points] = [0; 2];
+    for _ in 0..12 {
+        let mut mesh = mesh("closed balls", 2);
+        let [a, b, c] = [vector(&mut random), vector(&mut random), vector(&mut random)];
+        let up = DVec3::new(0.0, 9.0, 0.0);
+        add(&mut mesh, &[a * 2.0 - up * 0.3, b * 2.0 + up, c * 6.0 - up * 0.1], &[[0, 1, 2]]);
+        let case = Case::new(&mesh, Light::Point { position: [0.3, 4.0, 0.2] }, [1, 1], 64);
+        // Lines near the light are known less well than the margin tells.
+        let (wanted, ran) = (case.wanted(), check(gpu(), &case, false));
+        promise(&case, &ran, 12, &mut place).expect("the promise holds");
+        points += rays(&case, &ran, 4000, &mut place).expect("the promise holds");
+        let layers = wanted.layers(0.0, 0.0);
+        let of_cut = |t: &usize| layers[*t].nearest.is_some_and(|(_, t)| wanted.triangles[t as usize].cut().is_some());
+        held += (0..layers.len()).filter(of_cut).filter(|&t| ran.splits[t] > 0.0).count();
+    }
+    assert!(held > 300 && points > 1000, "{held} texels are held by what reaches behind the light, {points} points");
 }
 
 /// The stage has no list; a large map is settled to its last texel.
