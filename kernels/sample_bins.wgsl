@@ -191,8 +191,7 @@ fn refine(
     let k = index % frame.sample_count;
     if is_set(f, 1u, k) { return; }
     let g = ground_of(f);
-    if blocks_46(g, offset_of(k), doubt.y) != BLOCKED { return; }
-    if !lets_through(ray_of_sample(g, k), doubt.y) { mark(f, 1u, k); }
+    if blocks_46(g, offset_of(k), doubt.y) == BLOCKED { mark(f, 1u, k); }
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -65,7 +65,6 @@ fn follow(g: Ground, r: Ray, sample: u32, exact: bool) -> u32 {
             let k = met.z + firstLeadingBit(kept);
             var what = blocks(g, r, k);
             if exact && what == DOUBTFUL { what = blocks_46(g, r.offset, k); }
-            if what == BLOCKED && lets_through(r, k) { what = FREE; }
             if what == BLOCKED { return BLOCKED; }
             if what == DOUBTFUL && !note(sample, k) { found = DOUBTFUL; }
             steps++;
@@ -131,8 +130,7 @@ fn refine(
     if (atomicLoad(&masks[at]) & bit) != 0u { return; }
     let g = ground_of(f);
     let k = atomicLoad(&work[room.x + 2u * n + 1u]);
-    if blocks_46(g, offset_of(sample & 127u), k) != BLOCKED { return; }
-    if !lets_through(ray_of_sample(g, sample & 127u), k) { atomicOr(&masks[at], bit); }
+    if blocks_46(g, offset_of(sample & 127u), k) == BLOCKED { atomicOr(&masks[at], bit); }
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -51,7 +51,8 @@ fn project(f: u32, t: u32) {
     h = select(h, vec3(0.0), owned_by(i, g.own));
     if all(h <= vec3(0.0)) { return; }
     let l = two_step_lines(g, a, b, c, h);
-    add(f, 1u, solid_samples(f, g, given, inside(l)));
+    let edges = EdgeLines(l.centre.xyz, l.right.xyz, l.down.xyz);
+    add(f, 1u, solid_samples(f, g, given, edges, inside(l)));
     cut(f, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }
 
@@ -91,10 +92,13 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
         l.down.w = turn * own.z;
         error.w = own.w;
     }
+    let edges = EdgeLines(l.centre.xyz, l.right.xyz, l.down.xyz);
     l.centre = centre_of(l, beside, owned);
     let slope = abs(l.right) + abs(l.down);
-    let doubtful = (error > LINE_TRUST * slope) & (abs(l.centre) <= 0.501 * slope + error);
-    if any(doubtful) { return false; }
+    let far = error > LINE_TRUST * slope;
+    // Where a hole is depends on lines that do not cross the pixel, too.
+    let asks = ALPHA != 0u && is_tested(given.w);
+    if any(far & ((abs(l.centre) <= 0.501 * slope + error) | vec4(vec3(asks), false))) { return false; }
     var m = vec4(0u);
     if ANGLES != 0u {
         // The table rounds lines farther than `error`.
@@ -104,7 +108,7 @@ fn settle(k: u32, f: u32, t: u32) -> bool {
         if t.open { return false; }
         m = t.mask;
     }
-    add(f, 1u, solid_samples(f, g, given, m));
+    add(f, 1u, solid_samples(f, g, given, edges, m));
     if may_cut(vec3(l.centre.w, l.right.w, l.down.w), h) {
         cuts[atomicAdd(&candidates.tally[TALLY_CUTS], 1u)] = k;
     }
@@ -201,7 +205,8 @@ fn refine(
     var l = Lines(
         turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y),
         turn * vec4(ab.z, bc.z, -ac.z, own.z));
+    let edges = EdgeLines(l.centre.xyz, l.right.xyz, l.down.xyz);
     l.centre = centre_of(l, beside, owned);
-    add(pair.x, 1u, solid_samples(pair.x, g, given, inside(l)));
+    add(pair.x, 1u, solid_samples(pair.x, g, given, edges, inside(l)));
     cut(pair.x, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }

@@ -42,7 +42,6 @@ fn test(index: u32, t: u32, exact: bool) {
     let r = ray_of_sample(g, k);
     var what = blocks(g, r, t);
     if exact && what == DOUBTFUL { what = blocks_46(g, offset_of(k), t); }
-    if what == BLOCKED && lets_through(r, t) { what = FREE; }
     if what == BLOCKED { mark(f, 1u, k); }
     if what != DOUBTFUL { return; }
     let room = doubts();

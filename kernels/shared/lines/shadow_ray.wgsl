@@ -91,7 +91,7 @@ fn misses(r: Ray, k: u32) -> bool {
     return passes(r, caster_of(k));
 }
 
-// State of a triangle on the ray.
+// State of a triangle on the ray, its holes taken in.
 fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
     let c = caster_of(k);
     let a = c.at - r.at;
@@ -124,22 +124,45 @@ fn blocks(g: Ground, r: Ray, k: u32) -> u32 {
         if turn * beyond < -over_doubt { return FREE; }
         if turn * beyond <= over_doubt { return DOUBTFUL; }
     }
-    // Wholly above the plane of the facet: between its point and the light.
-    if all(h > vec3(0.0)) { return BLOCKED; }
-    if turn * up < -up_doubt { return FREE; }
-    return select(DOUBTFUL, BLOCKED, turn * up > up_doubt);
+    // Else wholly above the plane of the facet: between its point and the light.
+    if !all(h > vec3(0.0)) {
+        if turn * up < -up_doubt { return FREE; }
+        if turn * up <= up_doubt { return DOUBTFUL; }
+    }
+    if ALPHA == 0u || c.word < 2u { return BLOCKED; }
+    if !casts(c.word) { return FREE; }
+    if is_tested(c.word) && is_place_open(g, r, c, doubt) { return DOUBTFUL; }
+    return hole_by(c.word, vec2(v.z, v.x) / over);
 }
 
-// Whether what blocks a ray has a hole there.
-fn lets_through(r: Ray, k: u32) -> bool {
-    if ALPHA == 0u { return false; }
-    let c = caster_of(k);
-    if !casts(c.word) { return true; }
-    return is_tested(c.word) && !is_solid(c.word, c.at, c.at + c.ab, c.at + c.ac, r.at, r.light);
+// Whether rounding may move the point at which a ray meets a triangle as far as the sample moves it by
+// LINE_TRUST pixels: `doubt` bounds the error of the volumes with ab, bc and ca.
+fn is_place_open(g: Ground, r: Ray, c: Caster, doubt: vec3<f32>) -> bool {
+    let away = r.offset - g.origin;
+    let over = g.over.x + away.x * g.over.y + away.y * g.over.z;
+    let a = c.at - r.at;
+    let normal = frame.light.w * cross(c.ab, c.ac);
+    var slope = vec3(0.0);
+    for (var k = 0u; k < 2u; k++) {
+        // What a pixel to the right, and one down, adds to the sample's point, and with it to the volumes.
+        let along = select(g.along_y, g.along_x, k == 0u);
+        let step = (along - (r.at - g.at) * select(g.over.z, g.over.y, k == 0u)) / over;
+        let m = cross(r.light, step) + frame.light.w * cross(step, a);
+        let ab = dot(c.ab, m);
+        let ca = dot(c.ac, m);
+        slope += abs(vec3(ab, dot(normal, step) - ab + ca, ca));
+    }
+    return any(doubt > LINE_TRUST * slope);
+}
+
+// FREE where a triangle has a hole, by the shares of its second and third corner.
+fn hole_by(word: u32, shares: vec2<f32>) -> u32 {
+    return select(FREE, BLOCKED, !is_tested(word) || is_solid_by(word, shares));
 }
 
 fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
-    let i = rising(caster_of(k).vertices);
+    let c = caster_of(k);
+    let i = rising(c.vertices);
     let n = full_normal(g.own);
     let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
     if all(h <= vec3(0.0)) { return FREE; }
@@ -148,13 +171,23 @@ fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
     let owned = owned_by(i, g.own);
     let beside = is_centre(offset) && is_beside(g, i, owned, turn);
     let at = vec3(1.0, offset);
-    let ab = dot(at, beyond_centre(turn * full_edge_line(g, n, i.xy), beside & !owned.z));
-    let bc = dot(at, beyond_centre(turn * full_edge_line(g, n, i.yz), beside & !owned.x));
-    let ca = dot(at, beyond_centre(-turn * full_edge_line(g, n, i.xz), beside & !owned.y));
+    let ab_line = turn * full_edge_line(g, n, i.xy);
+    let bc_line = turn * full_edge_line(g, n, i.yz);
+    let ca_line = -turn * full_edge_line(g, n, i.xz);
+    let ab = dot(at, beyond_centre(ab_line, beside & !owned.z));
+    let bc = dot(at, beyond_centre(bc_line, beside & !owned.x));
+    let ca = dot(at, beyond_centre(ca_line, beside & !owned.y));
     var least = min(ab, min(bc, ca));
     if !all(h > vec3(0.0)) {
         let own = turn * full_line(g, n, full_normal(i), i.x);
         least = min(least, dot(at, beyond_centre(own, beside)));
     }
-    return select(BLOCKED, FREE, (bitcast<u32>(least) >> 31u) == 1u);
+    if (bitcast<u32>(least) >> 31u) == 1u { return FREE; }
+    if ALPHA == 0u || c.word < 2u { return BLOCKED; }
+    if !casts(c.word) { return FREE; }
+    // Of a, b, c: each the part of the edge opposite.
+    let parts = max(vec3(dot(at, bc_line), dot(at, ca_line), dot(at, ab_line)), vec3(0.0));
+    let shares = parts / max(parts.x + parts.y + parts.z, 1e-37);
+    return hole_by(c.word, vec2(dot(shares, select(vec3(0.0), vec3(1.0), i == vec3(c.vertices.y))),
+        dot(shares, select(vec3(0.0), vec3(1.0), i == vec3(c.vertices.z)))));
 }
