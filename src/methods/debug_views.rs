@@ -64,6 +64,9 @@ pub struct DebugViews {
     pub classes: Vec<PixelClass>,
     /// The map, where one was made; none where there are several views.
     pub map: Option<DebugMap>,
+    /// The view of the light that each pixel asks, row by row from the top; empty where there is one, and where a pixel asks
+    /// all that hold it.
+    pub views: Vec<u32>,
 }
 
 impl DebugViews {
@@ -79,6 +82,7 @@ impl DebugViews {
                 *self = method.method().looks(gpu)?.unwrap_or_default();
                 // Several views have no one map.
                 self.map = self.map.take().filter(|_| method.views() == 1);
+                self.views = method.asked_views(gpu)?;
                 Ok(())
             }
         }
@@ -89,7 +93,7 @@ impl DebugViews {
             // Several views have no one map, and one of a single texel tells nothing.
             let one = method.capacities().views == 1 && method.layers().nearest_keys.len() > 1;
             let map = one.then(|| DebugMap::of_layers(gpu, method.layers())).transpose()?;
-            *self = Self { classes: Vec::new(), map };
+            *self = Self { map, ..Self::default() };
         }
         self.add_classes(gpu, method.facets(), method.visibility().len(), width, rows)
     }
@@ -112,18 +116,19 @@ impl DebugViews {
             marks: Vec::new(),
         };
         let classes = method.pixels().classes(gpu)?.into_iter().map(PixelClass::of_class).collect();
-        Ok(Self { classes, map: Some(map) })
+        Ok(Self { classes, map: Some(map), ..Self::default() })
     }
 
     /// Of a map whose second keys are complements of triangles.
     pub(super) fn of_triangles(gpu: &Gpu, map: &Layers) -> Result<Self> {
         // The complement of none is none.
         let triangles = map.second_keys.read(gpu)?.into_iter().map(|key| !key).collect();
-        Ok(Self { classes: Vec::new(), map: Some(DebugMap { triangles, ..DebugMap::nearest(gpu, map)? }) })
+        let map = DebugMap { triangles, ..DebugMap::nearest(gpu, map)? };
+        Ok(Self { map: Some(map), ..Self::default() })
     }
 
     pub(super) fn of_depths(gpu: &Gpu, map: &Layers) -> Result<Self> {
-        Ok(Self { classes: Vec::new(), map: Some(DebugMap::nearest(gpu, map)?) })
+        Ok(Self { map: Some(DebugMap::nearest(gpu, map)?), ..Self::default() })
     }
 }
 

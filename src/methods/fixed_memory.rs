@@ -293,6 +293,16 @@ impl FixedMemory {
         self.views
     }
 
+    /// The view that each pixel asked in the last frame, row by row from the top; empty where there was one, and where a pixel
+    /// asks all that hold it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device fails.
+    pub fn asked_views(&self, gpu: &Gpu) -> Result<Vec<u32>> {
+        let by_views = self.by_views.as_ref().filter(|_| self.views > 1);
+        by_views.map_or(Ok(Vec::new()), |by| by.choice().view_of.read(gpu))
+    }
+
     /// The views of the next frame, whose texels lie otherwise than those of the last where frames before are kept.
     pub fn jittered(&self, views: Vec<LightView>) -> Vec<LightView> {
         self.history.as_ref().map_or(views.clone(), |history| history.jittered(&views))

@@ -101,7 +101,7 @@ impl Engine {
         let [classes, _] = options.method.keeps();
         match (plan.extent, self) {
             (Extent::Nothing, _) => {
-                let looks = DebugViews { classes: vec![PixelClass::Empty; settings.pixels()], map: None };
+                let looks = DebugViews { classes: vec![PixelClass::Empty; settings.pixels()], ..DebugViews::default() };
                 Ok(Rendered {
                     output: Output::nothing_seen(settings),
                     facets: Some(FacetSet { words, ..FacetSet::default() }),

@@ -8,7 +8,7 @@ use super::table::Report;
 use lab::report::comparison::figures::slug;
 use lab::report::comparison::pictures::PanelCut;
 use lab::report::comparison::{Machine, Measuring, Row};
-use lab::report::experiments::{Experiment, Place, experiments, markdown};
+use lab::report::experiments::{Experiment, Place, experiments, markdown, views_file};
 use lab::report::write_text;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -68,6 +68,7 @@ fn measure(options: &FigureOptions, experiment: &Experiment, gpu: &Gpu, console:
     if RowPart::lacks(options.rows.part) {
         return Ok(out);
     }
+    experiment.write_views(gpu, options.size, &out)?;
     let [w, h] = options.size;
     let command = format!(
         "cargo run --release -- report figure {} --size {w}x{h} --repeats {} --row-seconds {}",
@@ -122,7 +123,14 @@ pub fn write(experiment: &Experiment, command: &str, machine: &Machine, rows: &[
             (place.label, names.chain(["rays".to_owned()]).collect())
         })
         .collect();
+    let tinted: Vec<(String, String)> = experiment
+        .places
+        .iter()
+        .flat_map(|place| measured.iter().map(move |row| (place, row.series())))
+        .map(|(place, series)| (views_file(place, &series), format!("{series}, {}", place.label)))
+        .filter(|(file, _)| out.join(file).exists())
+        .collect();
     let page = out.join("page.md");
-    write_text(&page, &markdown(experiment, command, machine, &rows, &plots, &pictured))?;
+    write_text(&page, &markdown(experiment, command, machine, &rows, &plots, &pictured, &tinted))?;
     Ok(page)
 }

@@ -9,7 +9,7 @@ use super::table::{Report, grouped, percent};
 use super::{opened, planned};
 use lab::options::RenderOptions;
 use lab::report::frame_json::{AdapterReport, ErrorReport, Sources};
-use lab::report::looks::{CLASS_COLOURS, write_classes, write_map};
+use lab::report::looks::{CLASS_COLOURS, VIEW_COLOURS, write_classes, write_map, write_views};
 use lab::report::shaded::Shading;
 use lab::report::{
     ConvergedErrors, FacetErrors, FrameReport, SeenErrors, TracedScene, or_dash, percent_or_dash, shade,
@@ -148,7 +148,8 @@ fn write(
         visibility,
     };
     OutFolder::fill(&options.out, |out| {
-        write_png_rgb(&out.file("shaded.png"), w, h, &shade(&shading))?;
+        let shaded = shade(&shading);
+        write_png_rgb(&out.file("shaded.png"), w, h, &shaded)?;
         write_png_grey(&out.file("visibility.png"), w, h, visibility)?;
         write_exr(&out.file("visibility.exr"), w, h, visibility, &hits)?;
         if let Some(truth) = truth {
@@ -162,6 +163,9 @@ fn write(
             }
             if let Some(map) = &looks.map {
                 write_map(&out.file("light-view.png"), map)?;
+            }
+            if !looks.views.is_empty() {
+                write_views(&out.file("views.png"), options.size, &shaded, triangles, &looks.views)?;
             }
         }
         frame.write(&out.file("frame.json"))
@@ -279,6 +283,13 @@ fn looks(report: &mut Report, options: &RenderOptions, rendered: &Rendered) {
                 .to_owned()
         }
     });
+    if let Some(last) = looks.and_then(|l| l.views.iter().max()) {
+        let key = (0..=*last as usize).map(|k| format!("{} {}", VIEW_COLOURS[k % VIEW_COLOURS.len()].0, k + 1));
+        report.text(&format!(
+            "views.png: the view of the light that each pixel asks, {}",
+            key.collect::<Vec<_>>().join(", ")
+        ));
+    }
 }
 
 fn errors(report: &mut Report, error: &ErrorReport, samples: u32, width: u32) {

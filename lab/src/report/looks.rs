@@ -59,6 +59,32 @@ pub fn write_map(path: &Path, map: &DebugMap) -> Result<()> {
     )
 }
 
+/// Colours of the views of a light, in their order, each with its name.
+pub const VIEW_COLOURS: [(&str, [u8; 3]); 6] = [
+    ("red", [230, 60, 50]),
+    ("green", [60, 190, 70]),
+    ("blue", [70, 110, 240]),
+    ("yellow", [235, 205, 60]),
+    ("violet", [190, 80, 220]),
+    ("cyan", [70, 205, 215]),
+];
+
+/// Writes a picture tinted by the view of the light that each pixel asks ([`VIEW_COLOURS`]), row 0 at the top. `shaded`: the picture as it is,
+/// `triangles`: the triangle at each pixel centre, `u32::MAX` for none, where nothing is tinted.
+///
+/// # Errors
+/// As [`write_png_rgb`].
+pub fn write_views(path: &Path, size: [u32; 2], shaded: &[[u8; 3]], triangles: &[u32], views: &[u32]) -> Result<()> {
+    let tinted = |((pixel, &triangle), &view): ((&[u8; 3], &u32), &u32)| {
+        let (_, tint) = VIEW_COLOURS[view as usize % VIEW_COLOURS.len()];
+        if triangle == u32::MAX {
+            return *pixel;
+        }
+        [0, 1, 2].map(|k| ((u32::from(pixel[k]) + u32::from(tint[k])) / 2) as u8)
+    };
+    write_png_rgb(path, size[0], size[1], &shaded.iter().zip(triangles).zip(views).map(tinted).collect::<Vec<_>>())
+}
+
 /// A pale colour of its own for a number.
 fn hue(n: u32) -> [f32; 3] {
     let mixed = (n ^ n >> 15).wrapping_mul(0x9e37_79b1);
@@ -77,6 +103,17 @@ mod tests {
             assert_eq!((*class, *class as usize), (PixelClass::ALL[k], k));
         }
         assert_eq!(CLASS_COLOURS.iter().map(|c| c.2).collect::<HashSet<_>>().len(), 5);
+    }
+
+    #[test]
+    fn views_tint_what_is_seen() {
+        let path = std::env::temp_dir().join(format!("subpixel-shadows-views-{}.png", std::process::id()));
+        write_views(&path, [4, 1], &[[100; 3]; 4], &[0, 5, u32::MAX, 5], &[0, 1, 1, 7]).expect("written");
+        let read = image::open(&path).expect("read").into_rgb8().pixels().map(|p| p.0).collect::<Vec<_>>();
+        assert_eq!(read, [[165, 80, 75], [80, 145, 85], [100; 3], [80, 145, 85]]);
+        // One view too few for the pixels.
+        write_views(&path, [4, 1], &[[100; 3]; 4], &[0; 4], &[0; 3]).expect_err("a pixel has no view");
+        std::fs::remove_file(path).expect("removed");
     }
 
     #[test]

@@ -143,6 +143,7 @@ pub fn render(
         looks: request.looks.then(|| DebugViews {
             classes: vec![PixelClass::Empty; settings.pixels()],
             map: (!request.unshadowed && maps.len() == 1).then(|| first_side.known.look(size)),
+            ..DebugViews::default()
         }),
     };
     frame.output.counts = Counts::default();

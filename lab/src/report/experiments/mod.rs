@@ -10,8 +10,10 @@ mod oliveira;
 mod page;
 mod pan;
 mod scherzer;
+mod views;
 
 pub use page::{command_of, markdown};
+pub use views::views_file;
 
 use crate::options::FrameArguments;
 use crate::report::comparison::plots::Plot;
@@ -88,6 +90,8 @@ pub struct Experiment {
     pub moves: Option<(&'static str, u32)>,
     /// Pictures.
     pub sheet: Option<CloseUp>,
+    /// Whether pictures tell which view of the light each pixel asks.
+    pub views: bool,
     /// Its tables.
     pub tables: fn(&[&Row]) -> Vec<Table>,
     /// Its plots, each with the name of its file.
@@ -109,6 +113,7 @@ const PLAIN: Experiment = Experiment {
     converged: false,
     moves: None,
     sheet: None,
+    views: false,
     tables: |_| Vec::new(),
     plots: |_| Vec::new(),
 };

@@ -118,7 +118,7 @@ fn problems(rows: &[&Row]) -> Table {
     }
 }
 
-pub const ALL: [Experiment; 3] = [
+pub const ALL: [Experiment; 4] = [
     Experiment {
         name: "oliveira-1",
         source: "Oliveira 2009, table 1",
@@ -165,6 +165,25 @@ pub const ALL: [Experiment; 3] = [
         rows: &["variance", "variance grazing=5", "remix warp=trapezoid", "remix warp=trapezoid grazing=5", "remix"],
         sheet: Some(CloseUp { part: [0.0, 0.0, 0.55, 0.55], zoom: 2, gain: 1.0 }),
         tables: |rows| vec![table("", rows, &[SCENE, METHOD, RMSE, BAND, LEAKS, ACNE])],
+        ..BASE
+    },
+    Experiment {
+        name: "oliveira-52",
+        source: "Oliveira 2009, figures 52 to 54",
+        title: "Three slices, as seen from the camera",
+        shows: "Three slices one behind the other by the practical scheme, in red, green and blue; the nearest is a small part of the depth and the greater part of the image. \
+                Slices solve that texels are few, trapezoids within them that the near ones are.",
+        differs: "",
+        places: &SCENES,
+        rows: &[
+            "shadow-map",
+            "trapezoidal",
+            "parallel-split splits=3",
+            "trapezoidal splits=3",
+            "shadow-map partition=frustum-faces",
+        ],
+        views: true,
+        tables: |rows| vec![table("", rows, &[SCENE, METHOD, RMSE, BAND, LEAKS, TIME, TIMES])],
         ..BASE
     },
     Experiment {

@@ -21,7 +21,7 @@ pub fn command_of(place: &Place, row: &Row) -> String {
 }
 
 /// The page: what the paper shows, what was measured, why they differ, and the command of each row. `plots` are those that were written,
-/// `pictured` the scenes whose sheets were, with the rows on them.
+/// `pictured` the scenes whose sheets were, with the rows on them, `tinted` pictures of views, each file with its row.
 pub fn markdown(
     experiment: &Experiment,
     command: &str,
@@ -29,6 +29,7 @@ pub fn markdown(
     rows: &[Row],
     plots: &[&str],
     pictured: &[(&str, Vec<String>)],
+    tinted: &[(String, String)],
 ) -> String {
     let mut out = format!("# {}\n\n{}.\n\n`{command}`\n\n{}.", experiment.title, experiment.source, machine.line());
     if machine.software {
@@ -62,6 +63,12 @@ pub fn markdown(
             slug(scene),
             names.join("; "),
             if gain == 1.0 { String::new() } else { format!(", times {gain}") }
+        );
+    }
+    for (file, row) in tinted {
+        let _ = writeln!(
+            out,
+            "![{row}]({file})\n\n{row}: tinted by the view of the light that each pixel asks, red the first, green, blue.\n"
         );
     }
     let _ = writeln!(out, "## Why they differ\n\n{}\n", experiment.differs);
