@@ -5,7 +5,8 @@
 //! - **Writes** `edge_rects` and `edge_items` (texels an edge may touch and their 8 × 8 blocks; 0 for an edge that is no
 //!   silhouette), then marks in the layers' `mask`.
 //! - **Guarantee.** Conservative: no silhouette before a texel's split depth is left out. An edge with one triangle, with
-//!   more than two, with triangles wound against each other or edge-on to the light is a silhouette.
+//!   more than two, with triangles wound against each other or edge-on to the light is a silhouette. An element with one vertex
+//!   twice holds no edge.
 //! - **Cost.** One dispatch over edges, one indirect dispatch over blocks.
 
 use super::light_layers::Layers;

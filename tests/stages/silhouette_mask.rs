@@ -134,6 +134,14 @@ fn degenerate() {
     positions[11][2] = f32::NAN;
     case.positions = Some(positions);
     assert!(check(gpu(), &case, true).silhouettes > before);
+    // Elements that hold no edge count as none and mark nothing, wherever they lie.
+    let mut case = Case::new(&mesh("closed balls", 1), light(0), [1, 1], 64);
+    let whole = check(gpu(), &case, true);
+    let with_one: Vec<usize> = (0..whole.edge_items.len()).filter(|&k| whole.edge_items[k] != 0).step_by(3).collect();
+    with_one.iter().for_each(|&k| case.prepared.edges[k].v1 = case.prepared.edges[k].v0);
+    let ran = check(gpu(), &case, true);
+    assert!(with_one.len() > 5 && with_one.iter().all(|&k| ran.edge_items[k] == 0), "{}", with_one.len());
+    assert_eq!(ran.silhouettes as usize + with_one.len(), whole.silhouettes as usize);
     // Edges of length 0 in the light view, along the light.
     let mut mesh = Mesh::default();
     add(

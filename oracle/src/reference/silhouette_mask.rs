@@ -12,14 +12,17 @@ use glam::DVec2;
 pub type Sides = [u32; 4];
 
 /// Which edges are silhouettes: those of triangles that do not face the light alike. A triangle whose side is at most
-/// `doubt` times [`super::triangle_setup::side_doubt`] faces either way.
+/// `doubt` times [`super::triangle_setup::side_doubt`] faces either way. One vertex twice is no edge.
 pub fn silhouettes(view: &View, edges: &[Sides], triangles: &[Triangle], doubt: f64) -> Vec<bool> {
     let facing = |t: u32| {
         let triangle = triangles.get(t as usize)?;
         let bound = doubt * super::triangle_setup::side_doubt(view, triangle.corners?);
         Some((triangle.side > -bound, triangle.side < bound))
     };
-    let one = |&[_, _, first, second]: &Sides| {
+    let one = |&[v0, v1, first, second]: &Sides| {
+        if v0 == v1 {
+            return false;
+        }
         let (Some((front0, back0)), Some((front1, back1))) = (facing(first), facing(second)) else { return true };
         (front0 && back1) || (back0 && front1)
     };
