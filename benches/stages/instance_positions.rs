@@ -25,7 +25,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: size * 21,
         record: Box::new(move |s| {
             let given = (Transforms { buffer: transforms.raw(), offset: 0 }, instances);
-            stage.record(s, given, &sources, &vertices, [[-1.0; 3], [1.0; 3]], &positions, &faults)
+            stage.record(s, given, &sources, &vertices, [[-1.0; 3], [1.0; 3]], (&positions, 0), &faults)
         }),
     }])
 }

@@ -14,7 +14,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, OnceLock};
 
 /// A mesh in canonical order with its edges.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Prepared {
     pub(crate) mesh: Mesh,
     /// Triangle of the given mesh for each triangle here.
@@ -200,14 +200,14 @@ impl Prepared {
             edges: Buffer::from_slice(device, queue, "casters.edges", &self.edges)?,
             surfaces: self
                 .merges()
-                .then(|| Buffer::from_slice(device, queue, "casters.surfaces", &marked(&self.surfaces)))
+                .then(|| Buffer::from_slice(device, queue, "casters.surfaces", &marked_surfaces(&self.surfaces)))
                 .transpose()?,
         })
     }
 }
 
 /// Surfaces of triangles, those of more than one marked.
-fn marked(surfaces: &[u32]) -> Vec<u32> {
+pub fn marked_surfaces(surfaces: &[u32]) -> Vec<u32> {
     let mut marked = surfaces.to_vec();
     for (t, &surface) in surfaces.iter().enumerate().filter(|(t, s)| *t as u32 != **s) {
         marked[t] |= SEVERAL;

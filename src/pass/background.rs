@@ -1,6 +1,6 @@
 //! Pipelines that are made while the application goes on.
 
-use super::{CasterMesh, Casters, PassConfig, ShadowPass};
+use super::{CasterMesh, CasterPart, Casters, PassConfig, ShadowPass};
 use crate::gpu::kept::Uncompiled;
 use crate::methods::{MethodName, Settings};
 use crate::{Error, Result};
@@ -31,6 +31,7 @@ const TRIANGLES: [[u32; 3]; 1] = [[0, 1, 2]];
 fn with_stand_in<T>(config: &PassConfig, work: impl FnOnce(&PassConfig) -> T) -> T {
     let (positions, triangles): (&[_], &[_]) = (&POSITIONS, &TRIANGLES);
     let meshes = [CasterMesh::new(positions, triangles)];
+    let parts = [CasterPart::standing(meshes[0])];
     let kind = match &config.casters {
         Casters::AlphaTested { casters, .. } => casters,
         casters => casters,
@@ -38,6 +39,7 @@ fn with_stand_in<T>(config: &PassConfig, work: impl FnOnce(&PassConfig) -> T) ->
     let casters = match kind {
         Casters::Moving { .. } => Casters::Moving { rest: positions, triangles },
         Casters::Instanced { .. } => Casters::Instanced { meshes: &meshes, instances: &[0] },
+        Casters::Parts { .. } => Casters::Parts { parts: &parts, room: 0 },
         _ => Casters::Static { positions, triangles },
     };
     let of = &config.settings;
@@ -105,6 +107,7 @@ fn kind_of(casters: &Casters) -> Casters<'static> {
         Casters::AlphaTested { casters, .. } => kind_of(casters),
         Casters::Moving { .. } => Casters::Moving { rest: &[], triangles: &[] },
         Casters::Instanced { .. } => Casters::Instanced { meshes: &[], instances: &[] },
+        Casters::Parts { .. } => Casters::Parts { parts: &[], room: 0 },
         Casters::Static { .. } | Casters::Prepared(_) => Casters::Static { positions: &[], triangles: &[] },
     }
 }

@@ -2,11 +2,11 @@
 
 use super::Casters;
 use super::inputs::{CasterMesh, Inputs};
+use super::parts::PartSet;
 use crate::gpu::{Buffer, Recorder};
-use crate::methods::prepared::{CasterBuffers, MeshBuffers, Prepared, padded};
-use crate::scene::adjacency::{Edge, NO_TRIANGLE};
+use crate::methods::prepared::{CasterBuffers, MeshBuffers, Prepared, padded, surfaces};
 use crate::scene::weld::{UNUSED, weld};
-use crate::scene::{AlphaTested, Mesh, TestedTriangle};
+use crate::scene::{AlphaTested, Camera, Mesh, TestedTriangle};
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::instance_positions::InstancePositions;
 use crate::{Error, Result};
@@ -27,8 +27,10 @@ pub struct CasterSet {
     pub buffers: CasterBuffers,
     /// The number here of each triangle that was given.
     pub numbers: Buffer<u32>,
-    /// Source of their places; `None` of casters that stand.
+    /// Source of their places; `None` of casters that stand, and of those in parts.
     pub moves: Option<Moves>,
+    /// Those that are in parts: `prepared` is then empty.
+    pub parts: Option<PartSet>,
 }
 
 impl CasterSet {
@@ -37,6 +39,9 @@ impl CasterSet {
         let slice = |label: &str, data: &[[u32; 2]]| Buffer::from_slice(device, queue, label, data);
         let whole = AlphaTested::default();
         let (casters, tested) = match *casters {
+            Casters::Parts { parts, room } => {
+                return Self::of_parts(device, queue, PartSet::new(device, queue, parts, room)?);
+            }
             Casters::Prepared(prepared) => return Self::of_prepared(device, queue, prepared),
             Casters::AlphaTested { casters, tested } => (casters, tested),
             _ => (casters, &whole),
@@ -48,16 +53,21 @@ impl CasterSet {
             Casters::Prepared(_) => {
                 return Err(Error::Config("casters: prepared ones are alpha-tested as they were prepared".to_owned()));
             }
+            Casters::Parts { .. } => {
+                return Err(Error::Config(
+                    "parts: which triangles are alpha-tested is said by their meshes".to_owned(),
+                ));
+            }
             Casters::Instanced { .. } if !tested.is_empty() => {
                 return Err(Error::Config(
                     "instances: which triangles are alpha-tested is said by their meshes".to_owned(),
                 ));
             }
             Casters::Static { positions, triangles } => {
-                (Prepared::with_alpha(&checked(positions, triangles)?, tested)?, None)
+                (Prepared::with_alpha(&checked(positions, triangles, "casters")?, tested)?, None)
             }
             Casters::Moving { rest, triangles } => {
-                let given = checked(rest, triangles)?;
+                let given = checked(rest, triangles, "casters")?;
                 let moves = Moves::Vertices(slice("casters.places", &places(&given))?);
                 (Prepared::with_alpha(&given, tested)?, Some(moves))
             }
@@ -83,7 +93,7 @@ impl CasterSet {
         }
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
         (prepared.given, prepared.edges, prepared.surfaces) = Default::default();
-        Ok(Self { prepared, buffers, numbers, moves })
+        Ok(Self { prepared, buffers, numbers, moves, parts: None })
     }
 
     /// Uploads casters that stand and are prepared.
@@ -91,7 +101,51 @@ impl CasterSet {
         prepared.tree(); // of the original, so that all who use it have it
         let buffers = prepared.upload(device, queue)?;
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
-        Ok(Self { prepared: prepared.geometry(), buffers, numbers, moves: None })
+        Ok(Self { prepared: prepared.geometry(), buffers, numbers, moves: None, parts: None })
+    }
+
+    /// Uploads casters in parts.
+    pub fn of_parts(device: &wgpu::Device, queue: &wgpu::Queue, parts: PartSet) -> Result<Self> {
+        let (buffers, numbers) = parts.upload(device, queue)?;
+        Ok(Self { prepared: Prepared::default(), buffers, numbers, moves: None, parts: Some(parts) })
+    }
+
+    /// Whether all of them stand, so that what is made of them does.
+    pub fn stand(&self) -> bool {
+        self.moves.is_none() && self.parts.as_ref().is_none_or(PartSet::stand)
+    }
+
+    /// Whether their mesh is known as one that stands.
+    pub fn are_known(&self) -> bool {
+        self.moves.is_none() && self.parts.is_none()
+    }
+
+    /// Whether some triangles are alpha-tested.
+    pub fn are_tested(&self) -> bool {
+        self.parts.as_ref().map_or(!self.prepared.alpha().is_empty(), PartSet::are_tested)
+    }
+
+    /// Whether a camera sees no triangle that faces away from it of a closed body that stands, and there are any.
+    pub fn hides_backs(&self, camera: &Camera, size: [u32; 2]) -> bool {
+        match &self.parts {
+            Some(parts) => parts.hides_backs(camera, size),
+            None => self.moves.is_none() && self.prepared.hides_backs(camera, size),
+        }
+    }
+
+    /// Uploads positions and triangles, with room behind them for `room` triangles with vertices of their own.
+    pub fn surfaces(&self, device: &wgpu::Device, queue: &wgpu::Queue, room: usize) -> Result<MeshBuffers> {
+        match &self.parts {
+            Some(parts) => parts.surfaces(device, queue, room),
+            None => surfaces(device, queue, &self.prepared, room),
+        }
+    }
+
+    /// The element behind all triangles and the room from which on alpha-tested ones are told of.
+    pub fn first_element(&self) -> usize {
+        let CasterBuffers { positions, triangles, .. } = &self.buffers;
+        let room = positions.bytes() as usize / size_of::<[f32; 4]>() - positions.len();
+        triangles.len() + room / 3
     }
 
     /// Brings those that move to their places.
@@ -103,6 +157,9 @@ impl CasterSet {
         faults: &Buffer<u32>,
     ) -> Result<()> {
         let positions = &self.buffers.positions;
+        if let Some(parts) = &self.parts {
+            return parts.record_moves(rec, gather, inputs.parts, positions, faults);
+        }
         match (&self.moves, &inputs.moved, &inputs.placed) {
             (Some(Moves::Vertices(places)), Some(moved), _) => {
                 let stage = &mut rec.stage("caster_positions");
@@ -111,7 +168,7 @@ impl CasterSet {
             (Some(Moves::Transforms { instances, sources, vertices, stage: with }), _, Some(placed)) => {
                 let stage = &mut rec.stage("instance_positions");
                 let transforms = (placed.transforms, *instances);
-                with.record(stage, transforms, sources, vertices, placed.bounds, positions, faults)
+                with.record(stage, transforms, sources, vertices, placed.bounds, (positions, 0), faults)
             }
             _ => Ok(()),
         }
@@ -126,7 +183,7 @@ impl CasterSet {
 }
 
 /// The number in canonical order of each triangle, where `given` is the triangle of each number.
-fn numbers(given: &[u32]) -> Vec<u32> {
+pub fn numbers(given: &[u32]) -> Vec<u32> {
     let mut numbers = vec![0; given.len()];
     for (number, &triangle) in (0..).zip(given) {
         numbers[triangle as usize] = number;
@@ -135,7 +192,7 @@ fn numbers(given: &[u32]) -> Vec<u32> {
 }
 
 /// Place of each vertex in the canonical mesh, and the first vertex with that place.
-fn places(mesh: &Mesh) -> Vec<[u32; 2]> {
+pub fn places(mesh: &Mesh) -> Vec<[u32; 2]> {
     let welded = weld(&mesh.positions, &mesh.triangles);
     let mut first = vec![UNUSED; welded.positions.len()];
     for (v, &place) in (0..).zip(&welded.place) {
@@ -147,25 +204,25 @@ fn places(mesh: &Mesh) -> Vec<[u32; 2]> {
     welded.place.iter().map(of).collect()
 }
 
-fn checked(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Mesh> {
+/// A mesh that has passed [`Mesh::check`].
+pub fn checked(positions: &[[f32; 3]], triangles: &[[u32; 3]], name: &str) -> Result<Mesh> {
     let mesh = Mesh { positions: positions.to_vec(), triangles: triangles.to_vec() };
-    mesh.check("casters")?;
+    mesh.check(name)?;
     Ok(mesh)
 }
 
 /// Meshes that are prepared, one copy after the other.
-struct Instances {
-    prepared: Prepared,
+pub struct Instances {
+    pub prepared: Prepared,
     /// Vertex of the meshes and instance of each place.
-    sources: Vec<[u32; 2]>,
-    vertices: Vec<[f32; 3]>,
+    pub sources: Vec<[u32; 2]>,
+    pub vertices: Vec<[f32; 3]>,
 }
 
 impl Instances {
-    fn new(meshes: &[CasterMesh], instances: &[u32]) -> Result<Self> {
+    pub fn new(meshes: &[CasterMesh], instances: &[u32]) -> Result<Self> {
         let of_mesh = |(k, given): (usize, &CasterMesh)| {
-            let mesh = Mesh { positions: given.positions.to_vec(), triangles: given.triangles.to_vec() };
-            mesh.check(&format!("mesh {k} of the casters"))?;
+            let mesh = checked(given.positions, given.triangles, &format!("mesh {k} of the casters"))?;
             Prepared::with_alpha(&mesh, given.alpha.unwrap_or(&AlphaTested::default()))
         };
         let meshes = meshes.iter().enumerate().map(of_mesh).collect::<Result<Vec<_>>>()?;
@@ -205,12 +262,7 @@ impl Instances {
                 ..*of
             }));
             given.extend(mesh.given.iter().map(|t| t + triangle));
-            edges.extend(mesh.edges.iter().map(|e| Edge {
-                v0: e.v0 + vertex,
-                v1: e.v1 + vertex,
-                t0: e.t0 + triangle,
-                t1: if e.t1 == NO_TRIANGLE { NO_TRIANGLE } else { e.t1 + triangle },
-            }));
+            edges.extend(mesh.edges.iter().map(|e| e.moved(vertex, triangle)));
         }
         Ok(Self { prepared: Prepared::of_parts(all, given, edges, alpha), sources, vertices })
     }

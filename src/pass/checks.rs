@@ -53,6 +53,18 @@ impl ShadowPass {
     fn bounds_of(&self, inputs: &Inputs) -> Result<(DVec3, DVec3)> {
         let limits = self.maker.device.limits();
         let refuse = |text: &str| Err(Error::Config(text.to_owned()));
+        if let Some(parts) = &self.casters.parts {
+            if inputs.moved.is_some() || inputs.placed.is_some() {
+                return refuse("casters in parts: the frame says by part where they are");
+            }
+            return parts.check(inputs.parts, &limits);
+        }
+        if let [first, ..] = inputs.parts {
+            let (number, count) = (first.part, inputs.parts.len());
+            return Err(Error::Config(format!(
+                "casters that are not in parts: the frame says where {count} of them are, the first part {number}"
+            )));
+        }
         let [low, high] = match (&self.casters.moves, &inputs.moved, &inputs.placed) {
             (None, None, None) => {
                 return Ok(self.casters.prepared.tree().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE)));
@@ -97,6 +109,9 @@ pub fn check_moving(casters: &Casters, method: MethodName) -> Result<()> {
     let by_tree = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
     match casters {
         Casters::AlphaTested { casters, .. } => check_moving(casters, method),
+        Casters::Parts { .. } if by_tree => {
+            Err(Error::Config(format!("{}: its tree of casters is made once, they cannot be in parts", method.name())))
+        }
         Casters::Moving { .. } | Casters::Instanced { .. } if by_tree => {
             Err(Error::Config(format!("{}: its tree of casters is made once, they cannot move", method.name())))
         }

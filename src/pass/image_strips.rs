@@ -9,7 +9,7 @@ use crate::gpu::{Buffer, Profile, Recorder, TexelRows};
 use crate::light_view::MapTiles;
 use crate::methods::facet_masks::Capacities;
 use crate::methods::output::Budget;
-use crate::methods::prepared::{MeshBuffers, surfaces};
+use crate::methods::prepared::MeshBuffers;
 use crate::methods::strip_method::{MethodPipelines, StripMethod};
 use crate::methods::strips::{Rows, Strips};
 use crate::methods::{Settings, list_sizing};
@@ -125,7 +125,7 @@ impl StripMaker {
         let first = list_sizing::within(&device.limits(), &of_strip, self.budget, first);
         let mesh = (&casters.prepared, &casters.buffers);
         let method = StripMethod::new(device, queue, &self.pipelines, mesh, &of_strip, first)?;
-        let room = |_| surfaces(device, queue, &casters.prepared, pixels);
+        let room = |_| casters.surfaces(device, queue, pixels);
         Ok(NewStrips {
             image: ImageStrips { strips, method, whole: None, packed: None },
             surfaces: self.receivers.then_some(()).map(room).transpose()?,

@@ -39,6 +39,17 @@ pub enum Casters<'a> {
         /// The mesh of each instance.
         instances: &'a [u32],
     },
+    /// Any of these together: parts that stand, move, or are instances. Each frame says where those are that do not stand
+    /// ([`Inputs::parts`]), and any part is [added](crate::ShadowPass::add_part) and [removed](crate::ShadowPass::remove_part) by itself. What stands is
+    /// prepared and written once. The light's views hold the box of all parts. Triangles have the numbers that
+    /// [`part_triangles`](crate::ShadowPass::part_triangles) tells, those of the first parts one after the other.
+    Parts {
+        /// The first parts, whose numbers are 0, 1, ….
+        parts: &'a [CasterPart<'a>],
+        /// Triangles of parts to come that memory is made for at once: as many vertices and twice as many edges. Of more than there is room for, all memory is
+        /// made anew, for twice as many.
+        room: usize,
+    },
     /// Casters of one mesh, of which some triangles are alpha-tested.
     AlphaTested {
         /// The casters: those that stand or move by a vertex buffer. Of instances the [meshes](CasterMesh::alpha) say it.
@@ -54,7 +65,8 @@ impl Casters<'_> {
         match self {
             Casters::Static { .. } | Casters::Moving { .. } => false,
             Casters::Prepared(prepared) => !prepared.alpha().is_empty(),
-            Casters::Instanced { meshes, .. } => meshes.iter().any(|m| m.alpha.is_some_and(|alpha| !alpha.is_empty())),
+            Casters::Instanced { meshes, .. } => meshes.iter().any(CasterMesh::is_tested),
+            Casters::Parts { parts, .. } => parts.iter().any(|part| part.mesh.is_tested()),
             Casters::AlphaTested { tested, .. } => !tested.is_empty(),
         }
     }
@@ -76,6 +88,65 @@ impl<'a> CasterMesh<'a> {
     pub fn new(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
         Self { positions, triangles, alpha: None }
     }
+
+    fn is_tested(&self) -> bool {
+        self.alpha.is_some_and(|alpha| !alpha.is_empty())
+    }
+}
+
+/// A part of the casters.
+#[derive(Clone, Copy, Debug)]
+pub struct CasterPart<'a> {
+    /// Its mesh, of one that moves by a vertex buffer in some pose: see [`Casters::Moving`].
+    pub mesh: CasterMesh<'a>,
+    /// Whether it moves.
+    pub kind: PartKind,
+}
+
+/// Whether a part of the casters moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartKind {
+    /// It is where its mesh is.
+    Standing,
+    /// Each frame has its vertices in a buffer: [`PartAt::Moved`].
+    Moving,
+    /// So many instances of its mesh, numbered one after the other; each frame has their transforms: [`PartAt::Placed`].
+    Instances(u32),
+}
+
+impl<'a> CasterPart<'a> {
+    /// A mesh that stands.
+    pub fn standing(mesh: CasterMesh<'a>) -> Self {
+        Self { mesh, kind: PartKind::Standing }
+    }
+
+    /// A mesh whose vertices the application rewrites.
+    pub fn moving(rest: CasterMesh<'a>) -> Self {
+        Self { mesh: rest, kind: PartKind::Moving }
+    }
+
+    /// So many instances of a mesh.
+    pub fn instances(mesh: CasterMesh<'a>, count: u32) -> Self {
+        Self { mesh, kind: PartKind::Instances(count) }
+    }
+}
+
+/// Place of a part in a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct PartPlace<'a> {
+    /// Number of the part.
+    pub part: u32,
+    /// Where it is.
+    pub at: PartAt<'a>,
+}
+
+/// Source of a part's place, and the box that holds it.
+#[derive(Clone, Copy, Debug)]
+pub enum PartAt<'a> {
+    /// Of [`PartKind::Moving`].
+    Moved(Moved<'a>),
+    /// Of [`PartKind::Instances`].
+    Placed(Placed<'a>),
 }
 
 /// Places of instances in a frame.
@@ -113,6 +184,8 @@ pub struct Inputs<'a> {
     pub moved: Option<Moved<'a>>,
     /// Where instances are; `None` for other casters.
     pub placed: Option<Placed<'a>>,
+    /// Where each part is that does not stand, in any order; empty for casters that are not in [parts](Casters::Parts).
+    pub parts: &'a [PartPlace<'a>],
     /// State of the surfaces seen.
     pub gbuffer: GBuffer<'a>,
     /// Texel of the G-buffer's textures that the image's top left pixel is: the corner of a viewport. `None`: the image is all of them, to the
@@ -130,6 +203,7 @@ impl<'a> Inputs<'a> {
             reach: LightReach::EVERYWHERE,
             moved: None,
             placed: None,
+            parts: &[],
             gbuffer: GBuffer::None,
             origin: None,
         }

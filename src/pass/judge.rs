@@ -25,7 +25,8 @@ impl ShadowPass {
     }
 
     fn judge(&mut self, finished: Finished) -> FrameStatus {
-        let Finished { label: Label { frame, generation, capacities, strips, dispatches, maps }, read } = finished;
+        let Finished { label: Label { frame, generation, capacities, strips, dispatches, maps, edits }, read } =
+            finished;
         let mut status = FrameStatus {
             frame,
             complete: false,
@@ -54,6 +55,9 @@ impl ShadowPass {
             return FrameStatus { error: Some(text), faults: Faults::default(), stages: Vec::new(), ..status };
         }
         let same = generation == self.generation;
+        if let Some(parts) = &mut self.casters.parts {
+            parts.have_run(edits);
+        }
         if strips.iter().any(|strip| strip.head.maps != maps.number) {
             let text = format!(
                 "frame {frame} found the light maps of another: frames ran in another order than they were recorded in"

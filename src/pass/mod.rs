@@ -15,6 +15,7 @@
 //!   one with several it misses what none of them shows: `data/reports/gbuffer.md` has figures.
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
 //!   fitted to all casters, as each may shadow something.
+//! - **Parts.** Casters that stand, move and are instances may be one pass's ([`Casters::Parts`]), and come and go while it runs ([`ShadowPass::add_part`]).
 //! - **Lights.** A light among the casters has a cube of up to six views, which are recorded one after the other; of casters that
 //!   move it has six. All frames share the lists, whatever their number of views. A map whose texels are more than one
 //!   binding holds is cut into parts, which are views of their own.
@@ -44,6 +45,8 @@ mod judge;
 mod kept_maps;
 mod lights;
 mod lit_masks;
+mod part_changes;
+mod parts;
 mod recording;
 mod status;
 mod textures;
@@ -53,7 +56,10 @@ pub use crate::stages::caster_positions::Vertices;
 pub use crate::stages::instance_positions::Transforms;
 pub use background::Compiling;
 pub use gbuffer::{DepthTerms, GBuffer, ImageTerms, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
-pub use inputs::{CasterMesh, Casters, Inputs, LightReach, LightTarget, Moved, Placed, Target, TargetTexture};
+pub use inputs::{
+    CasterMesh, CasterPart, Casters, Inputs, LightReach, LightTarget, Moved, PartAt, PartKind, PartPlace, Placed,
+    Target, TargetTexture,
+};
 pub use lit_masks::lit_masks_wgsl;
 pub use status::{Faults, FrameStatus};
 
@@ -260,7 +266,7 @@ impl ShadowPass {
         mut casters: CasterSet,
         config: &PassConfig,
     ) -> Result<Self> {
-        check_tested(!casters.prepared.alpha().is_empty(), &settings, pipelines.method())?;
+        check_tested(casters.are_tested(), &settings, pipelines.method())?;
         let limits = device.limits();
         let parts = match pipelines.is_fixed() {
             true => MapTiles::new(settings.map, NonZeroU32::MIN),
@@ -315,7 +321,7 @@ impl ShadowPass {
     pub fn set_casters(&mut self, casters: &Casters) -> Result<()> {
         self.ledger.clone().within(|| {
             let set = self.caster_set(casters)?;
-            self.rebuild(self.settings.clone(), Some(set))
+            self.rebuild(self.settings.clone(), Some(set), None)
         })
     }
 
@@ -326,7 +332,7 @@ impl ShadowPass {
     pub fn set_size(&mut self, size: [u32; 2]) -> Result<()> {
         let settings = Settings { size, ..self.settings.clone() };
         settings.check()?;
-        self.ledger.clone().within(|| self.rebuild(settings, None))
+        self.ledger.clone().within(|| self.rebuild(settings, None, None))
     }
 
     fn caster_set(&self, casters: &Casters) -> Result<CasterSet> {
@@ -336,9 +342,11 @@ impl ShadowPass {
         CasterSet::new(&self.maker.device, &self.maker.queue, casters)
     }
 
-    fn rebuild(&mut self, settings: Settings, casters: Option<CasterSet>) -> Result<()> {
-        let strips = self.maker.first_strips(&settings);
-        let made = self.maker.make(&settings, casters.as_ref().unwrap_or(&self.casters), strips, None)?;
+    /// Makes memory anew; with `before`, lists as long, and as many strips.
+    fn rebuild(&mut self, settings: Settings, casters: Option<CasterSet>, before: Option<Capacities>) -> Result<()> {
+        let strips = before.map_or_else(|| self.maker.first_strips(&settings), |_| self.image.strips);
+        let before = before.map(|capacities| (&self.image, capacities));
+        let made = self.maker.make(&settings, casters.as_ref().unwrap_or(&self.casters), strips, before)?;
         if let Some((_, held)) = &mut self.last
             && settings.size != self.settings.size
         {

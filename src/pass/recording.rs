@@ -3,6 +3,7 @@
 use super::gbuffer_stage::With;
 use super::judge::stamp_of;
 use super::kept_maps::FrameMaps;
+use super::parts::PartSet;
 use super::status::{Label, Staging};
 use super::{GBuffer, Inputs, ShadowPass, Target};
 use crate::Result;
@@ -42,7 +43,7 @@ impl ShadowPass {
     /// How much of a frame has to run, as far as that is proved: of casters that stand.
     pub(super) fn extent(&self, inputs: &Inputs) -> Extent {
         let known = matches!(inputs.gbuffer, GBuffer::None | GBuffer::TriangleIds(_) | GBuffer::SampleIds(_));
-        if !self.proves || !known || self.casters.moves.is_some() || self.image.method.is_fixed() {
+        if !self.proves || !known || !self.casters.are_known() || self.image.method.is_fixed() {
             return Extent::Everything;
         }
         match extent_of(&self.casters.prepared, inputs.camera, inputs.light, &self.settings).0 {
@@ -95,7 +96,7 @@ impl ShadowPass {
             self.make_sums()?;
         }
         let part = self.image.strips.part(strip);
-        let stands = self.casters.moves.is_none();
+        let stands = self.casters.stand();
         // Of several lights each would find the maps of the one before.
         let keeps_maps = self.keeps_maps && stands && surfaces == Surfaces::Own;
         let mut maps = match (views.as_slice(), extent) {
@@ -123,7 +124,7 @@ impl ShadowPass {
         if matches!(inputs.gbuffer, GBuffer::SampleIds(_)) {
             flags |= Frame::BEYOND;
         }
-        if self.settings.hide_backs && stands && self.casters.prepared.hides_backs(inputs.camera, self.settings.size) {
+        if self.settings.hide_backs && self.casters.hides_backs(inputs.camera, self.settings.size) {
             flags |= Frame::BACKS_HIDDEN;
         }
         flags |= match extent {
@@ -156,7 +157,8 @@ impl ShadowPass {
         let dispatches = recorded?;
         self.frame += 1;
         let (generation, capacities) = (self.generation, self.image.method.capacities());
-        let label = Label { frame: self.frame, generation, capacities, strips, dispatches, maps };
+        let edits = self.casters.parts.as_ref().map_or(0, PartSet::edits);
+        let label = Label { frame: self.frame, generation, capacities, strips, dispatches, maps, edits };
         self.in_flight.push(encoder, label, staging, &self.faults, self.timer.as_ref());
         Ok(self.frame)
     }
@@ -184,6 +186,9 @@ impl ShadowPass {
         let kept = surfaces == Surfaces::Kept;
         if !kept {
             rec.clear(faults.raw());
+            if let Some(parts) = &casters.parts {
+                parts.record_edits(rec);
+            }
         }
         if let Some((_, held)) = &self.last {
             held.record_begin(rec);

@@ -122,6 +122,8 @@ pub(super) struct Label {
     pub(super) strips: u32,
     pub(super) dispatches: u32,
     pub(super) maps: FrameMaps,
+    /// Edits of the casters that it has written.
+    pub(super) edits: u64,
 }
 
 /// A buffer that the counters of a frame are copied to.

@@ -27,12 +27,10 @@ impl Views {
         let (light, map, prepared) = (inputs.light, settings.map, &casters.prepared);
         let LightReach { cone, range } = inputs.reach;
         let range = f64::from(range);
-        if casters.moves.is_some() {
-            if cone && let Some(view) = LightView::cone_around(bounds, light, map)? {
-                return Ok(vec![view]);
-            }
-            let view = LightView::around(bounds, light, map)?;
-            return if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) };
+        if !casters.are_known() {
+            let outside = casters.parts.as_ref().is_some_and(|parts| parts.backs_add_nothing(light));
+            let around = Self::around(bounds, light, map, cone)?;
+            return Ok(around.into_iter().map(|view| LightView { outside, ..view }).collect());
         }
         // What shadows no caster may shadow what is none.
         let all = matches!(inputs.gbuffer, GBuffer::Surfaces(_));
@@ -63,5 +61,14 @@ impl Views {
         };
         self.0 = Some((fitted, views.clone()));
         Ok(views)
+    }
+
+    /// The views of a box.
+    fn around(bounds: (DVec3, DVec3), light: &Light, map: u32, cone: bool) -> Result<Vec<LightView>> {
+        if cone && let Some(view) = LightView::cone_around(bounds, light, map)? {
+            return Ok(vec![view]);
+        }
+        let view = LightView::around(bounds, light, map)?;
+        if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) }
     }
 }

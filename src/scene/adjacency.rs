@@ -23,6 +23,14 @@ pub struct Edge {
     pub t1: u32,
 }
 
+impl Edge {
+    /// The same edge of a mesh that begins at these vertices and triangles of others.
+    pub(crate) fn moved(self, vertex: u32, triangle: u32) -> Self {
+        let t1 = if self.t1 == NO_TRIANGLE { NO_TRIANGLE } else { self.t1 + triangle };
+        Self { v0: self.v0 + vertex, v1: self.v1 + vertex, t0: self.t0 + triangle, t1 }
+    }
+}
+
 /// The edges of a mesh.
 ///
 /// Vertices are welded by position (−0 equals +0), so a seam of doubled vertices is no boundary. A triangle that uses

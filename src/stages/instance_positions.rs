@@ -71,8 +71,8 @@ impl InstancePositions {
         Self { transform: kernel::TransformProgram::new(device, ()), uniforms: Uniforms::default() }
     }
 
-    /// Records the places of all vertices of `instances` instances. `sources` has the vertex and the instance of each place; `bounds` are the
-    /// lowest and the highest corner of a box that holds them.
+    /// Records the places of all vertices of `instances` instances, the first as element `first` of `positions`, which a binding can begin at.
+    /// `sources` has the vertex and the instance of each place; `bounds` are the lowest and the highest corner of a box that holds them.
     ///
     /// # Errors
     /// As [`Transforms::check`]; [`crate::Error::Config`] if `faults` or `positions` is too short.
@@ -84,30 +84,30 @@ impl InstancePositions {
         sources: &Buffer<[u32; 2]>,
         vertices: &Buffer<[f32; 4]>,
         bounds: [[f32; 3]; 2],
-        positions: &Buffer<[f32; 4]>,
+        (positions, first): (&Buffer<[f32; 4]>, usize),
         faults: &Buffer<u32>,
     ) -> Result<()> {
         super::holds("instance_positions", "faults", faults.len(), 1)?;
-        super::holds("instance_positions", "positions", positions.len(), sources.len())?;
+        super::holds("instance_positions", "positions", positions.len(), first + sources.len())?;
         let limits = stage.device.limits();
         transforms.check(instances, &limits)?;
         if sources.is_empty() {
             return Ok(());
         }
-        let first = transforms.elements().first_bound(&limits);
+        let bound = transforms.elements().first_bound(&limits);
         let params = InstancePositionsParams {
             box_low: bounds[0],
             count: sources.len() as u32,
             box_high: bounds[1],
-            offset: ((transforms.offset - first) / 4) as u32,
+            offset: ((transforms.offset - bound) / 4) as u32,
         };
         let params = self.uniforms.get(stage.device, &params)?;
         let bindings = kernel::Transform {
             params: params.as_uniform(),
             sources: sources.as_read(),
             vertices: vertices.as_read(),
-            transforms: Read::from(transforms.buffer, first),
-            positions: positions.as_write(),
+            transforms: Read::from(transforms.buffer, bound),
+            positions: positions.write_range(first, sources.len()),
             faults: faults.as_write(),
         };
         stage.run(&self.transform, bindings, Groups::Items(sources.len() as u64));

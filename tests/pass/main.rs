@@ -9,6 +9,7 @@ mod kept_maps;
 mod lights;
 mod lists;
 mod lit_masks;
+mod parts;
 mod programs;
 mod refusals;
 mod strips;

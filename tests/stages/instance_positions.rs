@@ -52,7 +52,7 @@ impl Case {
         faults.write(&gpu.queue, &[0]);
         let given = (Transforms { buffer: transforms.raw(), offset: 4 * self.before as u64 }, self.transforms.len());
         let stage = InstancePositions::new(&gpu.device);
-        run(gpu, |s| stage.record(s, given, &sources, &vertices, BOX, &positions, &faults));
+        run(gpu, |s| stage.record(s, given, &sources, &vertices, BOX, (&positions, 0), &faults));
         let mut got = positions.read(gpu).expect("readback");
         let faults = faults.read(gpu).expect("readback");
         let beyond = got.pop().expect("one more").map(f32::to_bits);
