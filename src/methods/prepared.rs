@@ -253,8 +253,8 @@ pub fn surfaces(device: &wgpu::Device, queue: &wgpu::Queue, prepared: &Prepared,
     Ok((positions, triangles))
 }
 
-/// A mesh on the GPU.
-#[derive(Debug)]
+/// A mesh on the GPU. A clone is the same memory.
+#[derive(Clone, Debug)]
 pub struct CasterBuffers {
     /// Positions, world units, and 0.
     pub positions: Buffer<[f32; 4]>,

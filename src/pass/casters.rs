@@ -10,20 +10,27 @@ use crate::scene::{AlphaTested, Camera, Mesh, TestedTriangle};
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::instance_positions::InstancePositions;
 use crate::{Error, Result};
+use std::sync::Arc;
 
-/// Source of the places of casters in a frame.
+/// Source of the places of casters in a frame. A clone is the same memory.
+#[derive(Clone)]
 pub enum Moves {
     /// Vertices of the application: place and source of each.
     Vertices(Buffer<[u32; 2]>),
     /// Transforms of so many instances: vertex and instance of each place, the vertices of the meshes, and the stage.
-    Transforms { instances: usize, sources: Buffer<[u32; 2]>, vertices: Buffer<[f32; 4]>, stage: InstancePositions },
+    Transforms {
+        instances: usize,
+        sources: Buffer<[u32; 2]>,
+        vertices: Buffer<[f32; 4]>,
+        stage: Arc<InstancePositions>,
+    },
 }
 
 /// The casters on the GPU.
 pub struct CasterSet {
     /// The mesh in canonical order, of moving casters the pose at rest, of instances untransformed; and which triangles are of closed bodies:
     /// of casters that move none, for which way they will be turned is not known. The lists that are on the GPU are empty here.
-    pub prepared: Prepared,
+    pub prepared: Arc<Prepared>,
     pub buffers: CasterBuffers,
     /// The number here of each triangle that was given.
     pub numbers: Buffer<u32>,
@@ -77,7 +84,7 @@ impl CasterSet {
                     instances: instances.len(),
                     sources: slice("casters.sources", &sources)?,
                     vertices: Buffer::from_slice(device, queue, "casters.vertices", &padded(&vertices))?,
-                    stage: InstancePositions::new(device),
+                    stage: Arc::new(InstancePositions::new(device)),
                 };
                 (prepared, Some(moves))
             }
@@ -93,7 +100,7 @@ impl CasterSet {
         }
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
         (prepared.given, prepared.edges, prepared.surfaces) = Default::default();
-        Ok(Self { prepared, buffers, numbers, moves, parts: None })
+        Ok(Self { prepared: Arc::new(prepared), buffers, numbers, moves, parts: None })
     }
 
     /// Uploads casters that stand and are prepared.
@@ -101,13 +108,27 @@ impl CasterSet {
         prepared.tree(); // of the original, so that all who use it have it
         let buffers = prepared.upload(device, queue)?;
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
-        Ok(Self { prepared: prepared.geometry(), buffers, numbers, moves: None, parts: None })
+        let prepared = Arc::new(prepared.geometry());
+        Ok(Self { prepared, buffers, numbers, moves: None, parts: None })
     }
 
     /// Uploads casters in parts.
     pub fn of_parts(device: &wgpu::Device, queue: &wgpu::Queue, parts: PartSet) -> Result<Self> {
         let (buffers, numbers) = parts.upload(device, queue)?;
-        Ok(Self { prepared: Prepared::default(), buffers, numbers, moves: None, parts: Some(parts) })
+        Ok(Self { prepared: Arc::default(), buffers, numbers, moves: None, parts: Some(parts) })
+    }
+
+    /// The same casters in the same memory.
+    ///
+    /// # Errors
+    /// [`Error::Config`] for casters in parts, which come and go.
+    pub fn share(&self) -> Result<Self> {
+        if self.parts.is_some() {
+            return Err(Error::Config("casters in parts are those of one pass: another is given its own".to_owned()));
+        }
+        let Self { prepared, buffers, numbers, moves, .. } = self;
+        let (prepared, buffers, numbers) = (prepared.clone(), buffers.clone(), numbers.clone());
+        Ok(Self { prepared, buffers, numbers, moves: moves.clone(), parts: None })
     }
 
     /// Whether all of them stand, so that what is made of them does.

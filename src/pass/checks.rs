@@ -1,6 +1,6 @@
 //! Checks of settings, device and a frame's inputs.
 
-use super::casters::Moves;
+use super::casters::{CasterSet, Moves};
 use super::textures::ImagePart;
 use super::{Casters, GBuffer, Inputs, ShadowPass, Target};
 use crate::methods::names::TexelQuery;
@@ -104,9 +104,22 @@ pub fn settled(wanted: &Settings, method: MethodName) -> Settings {
     Settings { cull_back: true, settle: wanted.settle && proved, ..wanted.clone() }
 }
 
+/// Whether the method's tree of the casters is made once.
+fn is_by_tree(method: MethodName) -> bool {
+    matches!(method, MethodName::RayTraced | MethodName::Supersampled)
+}
+
+/// Refuses casters of another pass that move for such a method.
+pub fn check_shared(casters: &CasterSet, method: MethodName) -> Result<()> {
+    if casters.are_known() || !is_by_tree(method) {
+        return Ok(());
+    }
+    Err(Error::Config(format!("{}: its tree of casters is made once, those of the other pass move", method.name())))
+}
+
 /// Refuses casters that move for a method whose tree of them is made once.
 pub fn check_moving(casters: &Casters, method: MethodName) -> Result<()> {
-    let by_tree = matches!(method, MethodName::RayTraced | MethodName::Supersampled);
+    let by_tree = is_by_tree(method);
     match casters {
         Casters::AlphaTested { casters, .. } => check_moving(casters, method),
         Casters::Parts { .. } if by_tree => {

@@ -123,7 +123,7 @@ impl StripMaker {
         let first = first.in_turns(Profile::of(device));
         let first = start.map_or(first, |start| list_sizing::larger(first, start));
         let first = list_sizing::within(&device.limits(), &of_strip, self.budget, first);
-        let mesh = (&casters.prepared, &casters.buffers);
+        let mesh = (&*casters.prepared, &casters.buffers);
         let method = StripMethod::new(device, queue, &self.pipelines, mesh, &of_strip, first)?;
         let room = |_| casters.surfaces(device, queue, pixels);
         Ok(NewStrips {

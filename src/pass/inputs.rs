@@ -154,7 +154,7 @@ pub enum PartAt<'a> {
 pub struct Placed<'a> {
     /// The transform of each instance.
     pub transforms: Transforms<'a>,
-    /// Lowest and highest corner of a box that holds all of them, world units; as [`Moved::bounds`].
+    /// Lowest and highest corner of a box that holds all of them, world units; as [`Moved::bounds`]. [`Transforms::bounds`] finds it.
     pub bounds: [[f32; 3]; 2],
 }
 
@@ -165,6 +165,10 @@ pub struct Moved<'a> {
     pub vertices: Vertices<'a>,
     /// Lowest and highest corner of a box that holds all vertices, world units. The light view is fitted to it: a box that is
     /// too wide (up to some 10^6 times) costs time and changes nothing, one that is too tight makes the frame incomplete, and its status says so.
+    ///
+    /// It is asked of the application, as how many views the light has, and where they look, is decided when a frame is recorded, and where vertices are
+    /// the GPU finds when it runs; the box of a frame before would not surely hold them. An animation's box, or that of its bones grown by what is
+    /// skinned to them, will do.
     pub bounds: [[f32; 3]; 2],
 }
 

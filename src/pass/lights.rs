@@ -22,11 +22,7 @@ impl ShadowPass {
         inputs: &Inputs,
         lights: &[LightTarget],
     ) -> Result<Vec<u64>> {
-        if self.last.is_some() && lights.len() > 1 {
-            let count = lights.len();
-            return Err(Error::Config(format!("{count} lights: a pass that keeps the last picture keeps that of one")));
-        }
-        self.check_history(lights.len(), "lights")?;
+        self.check_several(lights.len(), "lights")?;
         for LightTarget { light, layers, reach, target } in lights {
             self.check(&Inputs { light, layers: *layers, reach: *reach, ..*inputs }, target)?;
         }
@@ -58,16 +54,20 @@ impl ShadowPass {
         target: &Target,
     ) -> Result<Vec<u64>> {
         light.check()?;
-        if self.last.is_some() && light.points > 1 {
-            let text =
-                format!("{} points of a light: a pass that keeps the last picture keeps that of one", light.points);
-            return Err(Error::Config(text));
-        }
+        self.check_several(light.points as usize, "points of a light")?;
         if target.lit.is_some() {
             return Err(Error::Config("lit masks: a light of some extent has none, its points have".to_owned()));
         }
         let (low, high) = self.check(&Inputs { light: &light.light, ..*inputs }, target)?;
         self.record_points(encoder, inputs, &light.points(0.5 * (low + high)), target, (None, None))
+    }
+
+    /// Refuses several lights where one picture, or frames before, are kept.
+    pub(super) fn check_several(&self, count: usize, of: &str) -> Result<()> {
+        if self.last.is_some() && count > 1 {
+            return Err(Error::Config(format!("{count} {of}: a pass that keeps the last picture keeps that of one")));
+        }
+        self.check_history(count, of)
     }
 
     /// Refuses several lights where frames before are kept.

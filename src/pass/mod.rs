@@ -34,6 +34,7 @@
 //! - **Determinism.** Same inputs, same bits, in every frame that is complete, whatever the lengths of the lists.
 
 mod background;
+mod beside;
 mod casters;
 mod checks;
 mod gbuffer;
@@ -64,7 +65,6 @@ pub use lit_masks::lit_masks_wgsl;
 pub use status::{Faults, FrameStatus};
 
 pub use crate::gpu::BufferMemory;
-use crate::gpu::scope::caught;
 use crate::gpu::{BindGroups, Buffer, Gpu, KeptPrograms, Ledger, Timer};
 use crate::light_view::MapTiles;
 use crate::methods::facet_masks::Capacities;
@@ -77,7 +77,7 @@ use crate::stages::caster_positions::CasterPositions;
 use crate::stages::visibility_texture::LastPicture;
 use crate::{Error, Result};
 use casters::CasterSet;
-use checks::{check_limits, check_moving, check_tested, settled};
+use checks::{check_moving, check_tested};
 use gbuffer_stage::GbufferStage;
 use held::HeldPicture;
 use image_strips::{ImageStrips, NewStrips, Stores, StripMaker};
@@ -206,25 +206,9 @@ impl ShadowPass {
     /// [`Error::Config`] for impossible settings or a device below [`ShadowPass::required_limits`] in what the pass uses; [`Error::Mesh`] for
     /// casters that are no geometry; [`Error::Memory`] and [`Error::Gpu`] if memory does not suffice or the device refuses.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, config: &PassConfig) -> Result<Self> {
-        check_limits(&device.limits())?;
-        let mut settings = settled(&config.settings, config.method);
-        settings.check()?;
-        // Whether a texel was missed is not known before the frame is shown.
-        settings.spsm.seen_only &= !config.keep_last;
         check_moving(&config.casters, config.method)?;
-        settings.alpha_tested |= config.casters.are_tested();
-        let programs = config.programs.cloned().unwrap_or_else(KeptPrograms::in_use);
-        let make = || {
-            let pipelines = MethodPipelines::new(device, config.method, &settings, config.receivers)?;
-            let casters = CasterSet::new(device, queue, &config.casters)?;
-            Self::made(device, queue, settings, pipelines, casters, config)
-        };
-        let ledger = Ledger::default();
-        let within = || ledger.within(|| programs.within(|| KeptPrograms::once(make)));
-        match caught(device, wgpu::ErrorFilter::Validation, within) {
-            (_, Some(error)) => Err(Error::Gpu(error.to_string().replace('\n', " "))),
-            (made, None) => made.map(|pass| Self { ledger, ..pass }),
-        }
+        let casters = || CasterSet::new(device, queue, &config.casters);
+        Self::with(device, queue, config, config.casters.are_tested(), casters)
     }
 
     /// A pass of casters that stand, with pipelines that exist already, the settings as they are and no proofs of its own: for frames that

@@ -52,6 +52,30 @@ impl<'a> Transforms<'a> {
         self.elements().check(count, limits)
     }
 
+    /// A box that holds instances of what lies between two corners, by transforms of rows as those of the buffer: for what
+    /// [`Placed::bounds`](crate::pass::Placed::bounds) asks, from as many numbers as there are instances and none a vertex. It is wider than they are by
+    /// what rounding on a device may add. A point at the origin without transforms.
+    pub fn bounds([low, high]: [[f32; 3]; 2], transforms: &[[[f32; 4]; 3]]) -> [[f32; 3]; 2] {
+        let at = |k: usize| [low[k], high[k]].map(f64::from);
+        let of_row = |row: &[f32; 4]| {
+            let row = row.map(f64::from);
+            let (mut ends, mut size) = ([row[3]; 2], row[3].abs());
+            for (k, by) in row[..3].iter().enumerate() {
+                let products = at(k).map(|p| by * p);
+                ends = [ends[0] + products[0].min(products[1]), ends[1] + products[0].max(products[1])];
+                size += products[0].abs().max(products[1].abs());
+            }
+            // Four products and three sums in any order, and the corners' own rounding.
+            let slack = size * f64::from(f32::EPSILON) * 8.0;
+            [(ends[0] - slack) as f32, (ends[1] + slack) as f32]
+        };
+        let boxes = transforms.iter().map(|rows| rows.each_ref().map(of_row));
+        let join =
+            |a: [[f32; 2]; 3], b: [[f32; 2]; 3]| std::array::from_fn(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])]);
+        let all = boxes.reduce(join).unwrap_or([[0.0; 2]; 3]);
+        [all.map(|ends| ends[0]), all.map(|ends| ends[1])]
+    }
+
     fn elements(&self) -> GivenElements<'a> {
         let (buffer, offset, bytes) = (self.buffer, self.offset, Self::BYTES);
         GivenElements { what: ["transform buffer", "transforms"], buffer, offset, stride: bytes, each: bytes }

@@ -2,6 +2,7 @@
 
 mod alpha;
 mod area_lights;
+mod by_method;
 mod counts;
 mod filters;
 mod instances;
