@@ -67,6 +67,9 @@ const FILTER: &str = "pixel_filter";
 /// The stage that finds which part of the light's view the camera asks for.
 const REQUESTS: &str = "requested_blocks";
 
+/// The stage that tells between which depths pixels see casters.
+const DEPTHS: (&str, &str) = ("seen_depths", "between which depths pixels see casters, for the slices");
+
 /// Parts of stages that a setting or the scene may make needless.
 const VALIDITY: (&str, &str) = ("visibility_masks.validity", "drops samples that see another surface than the centre");
 const MERGE: (&str, &str) = ("sample_surfaces.merge", "takes neighbouring triangles of one plane as one surface");
@@ -147,6 +150,12 @@ impl Plan {
         }
         let affine = light.is_directional() && wanted.partition.is_none_or(|plan| plan.warp == Warp::Whole);
         part(PERSPECTIVE, affine.then(|| "directional light: its view is affine".to_owned()));
+        if wanted.tells_depths() {
+            let (name, purpose) = DEPTHS;
+            let left_out = (!needs(Extent::Everything)).then(|| reason.clone());
+            let last = steps.iter().position(|s| s.name == "resolve").unwrap_or(steps.len());
+            steps.insert(last, PlanStep { name, purpose, left_out });
+        }
         Ok(Self { extent, steps, settings })
     }
 

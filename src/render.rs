@@ -9,6 +9,7 @@ pub use crate::methods::output::{Budget, Counts, ListUse, Output};
 use crate::methods::strip_method::{MethodPipelines, StripMethod};
 pub use crate::methods::strips::{Rows, Strips};
 use crate::methods::{HistorySettings, MethodName, Prepared, Settings};
+use crate::pass::judge::depths_of_both;
 use crate::pass::{FrameStatus, Inputs, ShadowPass, Target};
 use crate::plan::Plan;
 use crate::scene::{Camera, Light};
@@ -26,6 +27,8 @@ pub struct Renderer<'a> {
     extent: Extent,
     /// `None` where nothing is to be computed.
     pass: Option<ShadowPass>,
+    /// The last camera, and between which depths it sees casters, where slices are cut there.
+    depths: Option<(Camera, Option<[f32; 2]>)>,
 }
 
 /// Looks at the method after each strip.
@@ -74,7 +77,7 @@ impl<'a> Renderer<'a> {
     pub fn of_plan(gpu: &'a Gpu, prepared: &Prepared, method: MethodName, plan: &Plan, budget: Budget) -> Result<Self> {
         let Plan { extent, ref settings, .. } = *plan;
         match extent {
-            Extent::Nothing => Ok(Self { gpu, settings: settings.clone(), extent, pass: None }),
+            Extent::Nothing => Ok(Self { gpu, settings: settings.clone(), extent, pass: None, depths: None }),
             Extent::Facing => Self::facing(gpu, prepared, settings),
             Extent::Everything => Self::of_method(gpu, prepared, method, settings, budget),
         }
@@ -133,7 +136,7 @@ impl<'a> Renderer<'a> {
         strips: u32,
     ) -> Result<Self> {
         let pass = ShadowPass::of_prepared(gpu, prepared, settings, pipelines, budget, strips)?;
-        Ok(Self { gpu, settings: settings.clone(), extent: Extent::Everything, pass: Some(pass) })
+        Ok(Self { gpu, settings: settings.clone(), extent: Extent::Everything, pass: Some(pass), depths: None })
     }
 
     /// Renders one frame.
@@ -166,7 +169,14 @@ impl<'a> Renderer<'a> {
         let (gpu, settings, extent) = (self.gpu, &self.settings, self.extent);
         let Some(pass) = &mut self.pass else { return Ok(Output::nothing_seen(settings)) };
         let first = points.first().ok_or_else(|| Error::Config("a light without points".to_owned()))?;
-        let inputs = Inputs::new(camera, first);
+        let mut inputs = Inputs::new(camera, first);
+        if settings.tells_depths() && extent == Extent::Everything {
+            if self.depths.is_none_or(|(of, _)| of != *camera) {
+                // What a frame finds is what it is cut by when it runs again.
+                self.depths = Some((*camera, seen_depths(gpu, pass, &inputs, points)?));
+            }
+            inputs.depths = self.depths.and_then(|(_, depths)| depths);
+        }
         let history = settings.history.filter(|history| history.frames > 0 && pass.method().keeps_history());
         if let Some(HistorySettings { frames, .. }) = history {
             pass.forget_history();
@@ -236,6 +246,19 @@ impl<'a> Renderer<'a> {
     /// Strips of rows in which the image is rendered.
     pub fn strips(&self) -> u32 {
         self.pass.as_ref().map_or(1, ShadowPass::strips)
+    }
+}
+
+/// Between which depths a camera sees casters, of a frame that is not looked at otherwise.
+fn seen_depths(gpu: &Gpu, pass: &mut ShadowPass, inputs: &Inputs, points: &[Light]) -> Result<Option<[f32; 2]>> {
+    'image: loop {
+        let mut all = None;
+        for (k, _) in (0..).zip(pass.image_strips().rows()) {
+            let strip = render_strip(gpu, pass, inputs, &points[..1], (Extent::Everything, k))?;
+            let Some(Strip { status, .. }) = strip else { continue 'image };
+            all = depths_of_both(all, status.depths);
+        }
+        return Ok(all);
     }
 }
 

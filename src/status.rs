@@ -61,6 +61,10 @@ shared_struct! {
         pub complex_pixels: Need,
         /// Facets.
         pub facets_needed: Need,
+        /// Complement of the bits of the least view depth that pixels see, world units; 0 where none was found.
+        pub nearest_key: u32,
+        /// Bits of the greatest; 0 where none was found.
+        pub farthest_depth: u32,
     }
 }
 
@@ -112,6 +116,13 @@ impl Status {
             head: bytemuck::cast(first),
             bands: bands.chunks_exact(Self::band(1) - Self::band(0)).map(band).collect(),
         }
+    }
+
+    /// The least and the greatest view depth that pixel centres see, world units, where stage
+    /// [`seen_depths`](crate::stages::seen_depths) ran and found any.
+    pub fn depths(&self) -> Option<[f32; 2]> {
+        let StatusHead { nearest_key, farthest_depth, .. } = self.head;
+        (nearest_key != 0).then(|| [!nearest_key, farthest_depth].map(f32::from_bits))
     }
 
     /// Its words.

@@ -298,7 +298,7 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 19] = [
+const WITHOUT_A_LIST: [&str; 20] = [
     "compared_depths",
     "front_layer",
     "history",
@@ -311,6 +311,7 @@ const WITHOUT_A_LIST: [&str; 19] = [
     "page_requests",
     "pixel_views",
     "polygon_ids",
+    "seen_depths",
     "seen_texels",
     "shadow_map",
     "silhouette_map",

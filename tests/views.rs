@@ -305,9 +305,9 @@ fn other_methods_take_slices() {
     let pages = PageSettings { pages: Some(16384), finer: 3 };
     let settings = Settings { map: 96, pages, ..settings(FacetMode::One, 8) };
     let want = visibility(&near, MethodName::FacetMasks, &settings).expect("a frame");
-    use PartBy::{Depth, FrustumFaces};
+    use PartBy::{Depth, FrustumFaces as Faces, SeenDepth as Seen};
     use Warp::{Box, Fitted, Trapezoid};
-    for (by, splits, warp) in [(Depth, 1, Box), (Depth, 2, Fitted), (Depth, 4, Trapezoid), (FrustumFaces, 1, Fitted)] {
+    for (by, splits, warp) in [(Depth, 1, Box), (Seen, 2, Fitted), (Depth, 4, Trapezoid), (Faces, 1, Fitted)] {
         let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };
         let sliced = Settings { partition: Some(plan), ..settings.clone() };
         let exact = visibility(&near, MethodName::Supersampled, &sliced);
@@ -352,7 +352,7 @@ fn slices_tell_what_the_whole_view_does() {
             let whole = seen(picture(&output));
             use Warp::{Box, Fitted, Perspective, Stable, Trapezoid};
             let slices = [(1, Box), (1, Fitted), (2, Trapezoid), (3, Perspective), (4, Fitted), (2, Stable)]
-                .map(|(splits, warp)| (PartBy::Depth, splits, warp));
+                .map(|(splits, warp)| (if splits == 3 { PartBy::SeenDepth } else { PartBy::Depth }, splits, warp));
             let faces = [Box, Trapezoid, Fitted].map(|warp| (PartBy::FrustumFaces, 1, warp));
             for (by, splits, warp) in slices.into_iter().chain(faces) {
                 let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };
@@ -360,7 +360,7 @@ fn slices_tell_what_the_whole_view_does() {
                 assert!(seen(picture(&sliced)) == whole, "{name} {facets:?}: {plan:?}");
                 denser += usize::from(sliced.counts.candidate_tests < output.counts.candidate_tests);
                 let views = wanted.light_views(&prepared, &scene.light).expect("views");
-                let slices = views[0].slices(&scene.camera, SIZE, bounds, &plan, 0.0);
+                let slices = views[0].slices(&scene.camera, SIZE, bounds, &plan, 0.0, None);
                 assert!(slices.len() == splits as usize || by == PartBy::FrustumFaces);
                 if facets == FacetMode::All && slices.len() > 1 && warp != Stable {
                     assert!(seen(through(&scene, &wanted, &slices)) == whole, "{name}: {plan:?} by themselves");

@@ -44,6 +44,7 @@ mod requested_blocks;
 mod resolve;
 mod sample_bins;
 mod sample_surfaces;
+mod seen_depths;
 mod seen_texels;
 mod shadow_map;
 mod shadow_rays;
@@ -84,7 +85,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 47] = [
+    let without_textures: [Maker; 48] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -113,6 +114,7 @@ fn run(options: &Options) -> Result<()> {
         silhouette_mask::cases,
         silhouette_points::cases,
         silhouette_map::cases,
+        seen_depths::cases,
         seen_texels::cases,
         spsm_map::cases,
         spsm_query::cases,

@@ -1688,6 +1688,34 @@ pub mod sample_surfaces {
     }
 }
 
+/// `kernels/seen_depths.wgsl`.
+pub mod seen_depths {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/facet/eye_edges", "shared/frame/status", "seen_depths",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, WORKGROUP = 64,
+    }
+    entry_point! { "seen_depths", "gather", [64, 1, 1], SOURCE, () => Gather, GatherProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 id_keys: Read<'a, u32>,
+        2 triangles: Read<'a, [u32; 4]>,
+        3 points: Read<'a, [f32; 4]>,
+        4 status: Write<'a, u32>,
+    } }
+    entries! {
+        Gather,
+    }
+}
+
 /// `kernels/seen_texels.wgsl`.
 pub mod seen_texels {
     use crate::entry_point;
@@ -2785,6 +2813,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("resolve", resolve::SOURCE, resolve::ENTRIES),
     ("sample_bins", sample_bins::SOURCE, sample_bins::ENTRIES),
     ("sample_surfaces", sample_surfaces::SOURCE, sample_surfaces::ENTRIES),
+    ("seen_depths", seen_depths::SOURCE, seen_depths::ENTRIES),
     ("seen_texels", seen_texels::SOURCE, seen_texels::ENTRIES),
     ("shadow_map", shadow_map::SOURCE, shadow_map::ENTRIES),
     ("shadow_rays", shadow_rays::SOURCE, shadow_rays::ENTRIES),

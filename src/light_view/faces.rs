@@ -172,7 +172,7 @@ mod tests {
                 for (warp, overlap) in
                     [(Warp::Box, 0.0), (Warp::LightSpace, 0.0), (Warp::Trapezoid, 0.1), (Warp::Fitted, 0.0)]
                 {
-                    let views = whole.slices(&camera, SIZE, bounds, &SplitPlan { warp, ..FACES }, overlap);
+                    let views = whole.slices(&camera, SIZE, bounds, &SplitPlan { warp, ..FACES }, overlap, None);
                     assert!((1..=4).contains(&views.len()) && views.iter().all(|v| v.one_of_several));
                     for &p in &seen {
                         assert!(views.iter().any(|v| holds(v, p)), "{p} is on no map: {light:?} {camera:?} {warp:?}");
@@ -194,7 +194,7 @@ mod tests {
         let (mesh, camera) = over_ground();
         let count = |light: Light, camera: &Camera| {
             let whole = LightView::fit(&mesh, &light, 64).unwrap();
-            whole.slices(camera, SIZE, mesh.bounds().unwrap(), &FACES, 0.0).len()
+            whole.slices(camera, SIZE, mesh.bounds().unwrap(), &FACES, 0.0, None).len()
         };
         let level = Camera { target: [0.0, 2.0, -20.0], ..camera };
         // From above by the upper side alone; from behind by all, as it leaves by all from ahead; from above and aside by two.
@@ -222,7 +222,7 @@ mod tests {
             .collect();
         let coarse = |light: &Light, plan: &SplitPlan| {
             let whole = LightView::fit(&mesh, light, 512).unwrap();
-            let views = whole.slices(&camera, SIZE, bounds, plan, 0.0);
+            let views = whole.slices(&camera, SIZE, bounds, plan, 0.0, None);
             let held: Vec<DVec3> = ground.iter().copied().filter(|&p| holds(&whole, p)).collect();
             assert!(held.len() > 200, "{}", held.len());
             let of = |&p: &DVec3| {

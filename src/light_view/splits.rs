@@ -39,6 +39,9 @@ pub enum PartBy {
     /// Slices by depth.
     #[default]
     Depth,
+    /// Slices of the depths that pixels see (Lauritzen, Salvi, Lefohn 2010: Sample Distribution Shadow Maps), told by the frame before
+    /// ([`Inputs::depths`](crate::pass::Inputs::depths)); [`PartBy::Depth`] where nothing told them.
+    SeenDepth,
     /// The faces of the view frustum that the light enters by, or leaves by where it stands in front of the camera: up to four, each with the part
     /// of the view whose light passes it (Kozlov 2004; Lloyd et al. 2006). One part where the light is in the frustum.
     FrustumFaces,
@@ -105,7 +108,7 @@ impl SplitPlan {
 
     /// Whether there may be several views.
     pub fn is_several(&self) -> bool {
-        self.splits > 1 || self.by != PartBy::Depth
+        self.splits > 1 || self.by == PartBy::FrustumFaces
     }
 }
 
@@ -141,8 +144,8 @@ impl LightView {
 
     /// The views of all slices of what is seen, near to far, whose rows take points of the space of this view's, the space of `seen`.
     /// The last has no end. One slice at the least, [`SplitPlan::MOST`] at most. Each begins before the end of the one in front of it by a
-    /// share `overlap` of its depth.
-    fn split(&self, seen: &SeenBox, plan: &SplitPlan, overlap: f64) -> Vec<SplitView> {
+    /// share `overlap` of its depth. `told`: depths that pixels see; with an overlap slices hold these alone.
+    fn split(&self, seen: &SeenBox, plan: &SplitPlan, overlap: f64, told: Option<[f64; 2]>) -> Vec<SplitView> {
         let splits = plan.splits.clamp(1, SplitPlan::MOST);
         let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max) * (1.0 + 1e-9);
         let all = seen.part(self, seen.near, farthest.max(seen.near));
@@ -162,13 +165,25 @@ impl LightView {
             views.sort_by(|a, b| self.spread(a.warp).total_cmp(&self.spread(b.warp)));
             return views;
         }
-        let mut from = near;
+        let far = far.max(near);
+        // Pixel centres told them: samples see somewhat more.
+        let around = |[first, last]: [f64; 2]| {
+            [first * (1.0 - LightView::OVERLAP), last * (1.0 + LightView::OVERLAP)].map(|d| d.clamp(near, far))
+        };
+        let told = told.filter(|_| plan.by == PartBy::SeenDepth).map(around);
+        let cut = told.unwrap_or([near, far]);
+        let held = if overlap > 0.0 { cut } else { [near, far] };
+        let mut from = held[0];
+        let mut slices = ends(cut[0], cut[1], splits, plan.weight);
+        if let Some(last) = slices.last_mut() {
+            *last = held[1];
+        }
         let slice = |end: f64| {
-            let range = [(from * (1.0 - overlap)).max(near), end];
+            let range = [(from * (1.0 - overlap)).max(held[0]), end];
             from = end;
             SplitView { range, ..self.slice(seen, plan, range, 0.0) }
         };
-        let mut views: Vec<SplitView> = ends(near, far.max(near), splits, plan.weight).into_iter().map(slice).collect();
+        let mut views: Vec<SplitView> = slices.into_iter().map(slice).collect();
         if let Some(last) = views.last_mut() {
             last.end = f64::INFINITY;
         }
@@ -179,7 +194,9 @@ impl LightView {
     /// rows are: together they hold every point there that this view holds. Depth along a ray of light still grows, as the divisor of a
     /// warp is the same all along it. Of a light at a point texels lie evenly. Texels are no smaller than single precision tells points apart:
     /// warps are as much weaker as that takes.
-    /// Each slice begins before the end of the one in front of it by a share `overlap` of its depth.
+    /// Each slice begins before the end of the one in front of it by a share `overlap` of its depth. `depths`: view depths between which pixels
+    /// see anything, in world units, for [`PartBy::SeenDepth`]: slices are cut between them. With an overlap, where a pixel asks one view, slices
+    /// hold nothing else; without, the first and the last hold all that is nearer and farther, too.
     pub fn slices(
         &self,
         camera: &Camera,
@@ -187,6 +204,7 @@ impl LightView {
         bounds: (DVec3, DVec3),
         plan: &SplitPlan,
         overlap: f64,
+        depths: Option<[f32; 2]>,
     ) -> Vec<LightView> {
         let rays = camera.rays(size[0], size[1]);
         let scale = unit_scale(rays.eye, bounds);
@@ -241,7 +259,8 @@ impl LightView {
                 Self { u: about_middle(slice.u), v: about_middle(slice.v), ..slice }
             }
         };
-        whole.split(&seen, &plan, overlap).into_iter().map(coarse_enough).collect()
+        let depths = depths.map(|depths| depths.map(|depth| f64::from(depth) * scale));
+        whole.split(&seen, &plan, overlap, depths).into_iter().map(coarse_enough).collect()
     }
 
     /// The view of what is seen between two view depths, whose warp is that of the plan and, by a power of 2, `weaker`.

@@ -287,6 +287,9 @@ impl FacetMasks {
             }
             self.record_view(rec, casters, view, extent)?;
         }
+        if extent == Extent::Everything && !is_kept {
+            geometry.record_depths(rec, &self.with.geometry, (frame, &m.samples), casters, &m.status);
+        }
         self.record_resolve(rec);
         self.record_filter(rec);
         if let (Some(counted), Some(counts)) = (&self.with.counted, &m.counts) {

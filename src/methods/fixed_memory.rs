@@ -253,7 +253,7 @@ impl FixedMemory {
         };
         Ok(Self {
             counted: counts.then(counted).transpose()?,
-            with: GeometryPipelines::new(device, settings.alpha_tested),
+            with: GeometryPipelines::new(device, settings.alpha_tested, settings.tells_depths()),
             geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.map as usize)?,
             settings,
             frame: Buffer::uniform(device, "frame", 1)?,
@@ -428,9 +428,8 @@ impl FixedMemory {
                 by.record_take(rec, view, frame, self.left())?;
             }
         }
-        if let Some(by) = by_views {
-            by.record_put(rec, self.left());
-        }
+        by_views.iter().for_each(|by| by.record_put(rec, self.left()));
+        geometry.record_depths(rec, with, (frame, samples), casters, status);
         if let Some(history) = &self.history {
             let Geometry { id_keys, points, .. } = geometry;
             let seen = PrimaryHits { samples, id_keys, triangles: &casters.triangles, points };

@@ -9,10 +9,11 @@ use crate::gpu::{Buffer, Recorder, Stage};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
 use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::stages::requested_blocks::RequestedBlocks;
+use crate::stages::seen_depths::SeenDepths;
 use crate::stages::triangle_setup::{TriangleFacts, TriangleSetup};
 use crate::stages::vertex_project::VertexProject;
 use crate::stages::work_owners::{ListWork, WorkOwners};
-use crate::stages::{PrefixScan, prefix_scan};
+use crate::stages::{PrefixScan, PrimaryHits, prefix_scan};
 
 /// The pipelines.
 #[derive(Debug)]
@@ -21,17 +22,24 @@ pub struct GeometryPipelines {
     setup: TriangleSetup,
     visibility: CameraVisibility,
     work: ListWork,
+    depths: Option<SeenDepths>,
 }
 
 impl GeometryPipelines {
-    /// Builds the pipelines; `alpha`: triangles may be alpha-tested.
-    pub fn new(device: &wgpu::Device, alpha: bool) -> Self {
+    /// Builds the pipelines; `alpha`: triangles may be alpha-tested, `depths`: frames tell between which depths pixels see triangles.
+    pub fn new(device: &wgpu::Device, alpha: bool, depths: bool) -> Self {
         Self {
+            depths: depths.then(|| SeenDepths::new(device)),
             project: VertexProject::new(device),
             setup: TriangleSetup::new(device),
             visibility: CameraVisibility::specialised(device, alpha),
             work: ListWork::new(device, &PrefixScan::new(device)),
         }
+    }
+
+    /// Whether frames tell between which depths pixels see triangles.
+    pub fn tells_depths(&self) -> bool {
+        self.depths.is_some()
     }
 }
 
@@ -158,6 +166,22 @@ impl Geometry {
         let stage = &mut rec.stage("camera_visibility");
         let positions = &casters.positions;
         with.visibility.record(stage, frame, self.in_camera(casters), positions, &self.centres, &self.id_keys)
+    }
+
+    /// Records that the counters tell so, where it is wanted, after the triangles at pixel centres were found.
+    pub fn record_depths(
+        &self,
+        rec: &mut Recorder,
+        with: &GeometryPipelines,
+        (frame, samples): (&Buffer<Frame>, &Buffer<[f32; 4]>),
+        casters: &CasterBuffers,
+        status: &Buffer<u32>,
+    ) {
+        if let Some(depths) = &with.depths {
+            let Self { id_keys, points, .. } = self;
+            let seen = PrimaryHits { samples, id_keys, triangles: &casters.triangles, points };
+            depths.record(&mut rec.stage("seen_depths"), frame, seen, status, id_keys.len() as u64);
+        }
     }
 
     /// The triangles' blocks of pixels.

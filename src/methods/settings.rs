@@ -6,7 +6,7 @@ use super::prepared::Prepared;
 pub use super::texel_settings::{
     DiscFilter, MomentSettings, PolygonIdSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
 };
-use crate::light_view::{LightView, MapTiles, Receivers, SplitPlan};
+use crate::light_view::{LightView, MapTiles, PartBy, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;
 use crate::pixel_filter::PixelFilter;
 use crate::samples::Samples;
@@ -247,20 +247,23 @@ impl Settings {
     }
 
     /// These views of the light, or those of the [slices](Settings::partition) of what a camera sees between two corners of a box. `beyond`:
-    /// receivers may lie outside that box. `one`: a pixel asks one view, so slices overlap.
+    /// receivers may lie outside that box. `one`: a pixel asks one view, so slices overlap. `depths`: view depths between which pixels see anything,
+    /// where that is known.
     pub fn in_slices(
         &self,
         views: Vec<LightView>,
         camera: &Camera,
         bounds: (DVec3, DVec3),
         (beyond, one): (bool, bool),
+        depths: Option<[f32; 2]>,
     ) -> Vec<LightView> {
         let (Some(plan), &[view]) = (&self.partition, &views[..]) else { return views };
         // A cone is cut no further.
         if !view.complete || view.one_of_several {
             return views;
         }
-        let mut slices = view.slices(camera, self.size, bounds, plan, if one { LightView::OVERLAP } else { 0.0 });
+        let mut slices =
+            view.slices(camera, self.size, bounds, plan, if one { LightView::OVERLAP } else { 0.0 }, depths);
         // The whole view holds what no slice does: one facet a pixel goes on beyond what is seen, and of facets what comes nearer to a light
         // at a point than its view tells apart is on no map.
         if beyond || (view.perspective && !one) || (self.facets == FacetMode::One && self.samples.count() > 1) {
@@ -272,6 +275,11 @@ impl Settings {
     /// The settings of each of the views that a map is cut into.
     pub(crate) fn of_part(&self, parts: MapTiles) -> Self {
         Self { map: parts.texels(), ..self.clone() }
+    }
+
+    /// Whether frames tell between which depths pixels see triangles.
+    pub(crate) fn tells_depths(&self) -> bool {
+        self.partition.is_some_and(|plan| plan.by == PartBy::SeenDepth)
     }
 
     /// Whether validity masks are kept: of several samples in one facet.

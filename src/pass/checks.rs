@@ -16,6 +16,11 @@ impl ShadowPass {
         target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
         target.check_counts(self.settings.pixels(), self.image.method.counts().is_some())?;
         inputs.reach.check()?;
+        if let Some([near, far]) = inputs.depths
+            && !(near > 0.0 && near <= far && far.is_finite())
+        {
+            return Err(Error::Config(format!("depths {near} to {far} of what is seen; they are above 0 and rise")));
+        }
         if inputs.layers == 0 {
             return Err(Error::Config("the light is in no layer: it is in one of eight at the least".to_owned()));
         }

@@ -184,6 +184,10 @@ pub struct Inputs<'a> {
     pub layers: u8,
     /// How far the light's shadows are asked; everywhere if nothing else is said.
     pub reach: LightReach,
+    /// View depths, in world units, between which slices of [`PartBy::SeenDepth`](crate::light_view::PartBy::SeenDepth) are cut, above 0 and rising:
+    /// those that an earlier frame told ([`FrameStatus::depths`](super::FrameStatus::depths)). `None`: those of the casters' box. `facet-masks` and
+    /// `supersampled` answer the same by any; of methods whose pixels ask one view, what is nearer or farther may be without shadow.
+    pub depths: Option<[f32; 2]>,
     /// Where moving casters are; `None` for others.
     pub moved: Option<Moved<'a>>,
     /// Where instances are; `None` for other casters.
@@ -205,6 +209,7 @@ impl<'a> Inputs<'a> {
             light,
             layers: u8::MAX,
             reach: LightReach::EVERYWHERE,
+            depths: None,
             moved: None,
             placed: None,
             parts: &[],

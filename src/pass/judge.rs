@@ -12,6 +12,14 @@ pub fn stamp_of(frame: u64) -> u32 {
     (frame % u64::from(u32::MAX)) as u32 + 1
 }
 
+/// The range of depths that holds both.
+pub(crate) fn depths_of_both(one: Option<[f32; 2]>, other: Option<[f32; 2]>) -> Option<[f32; 2]> {
+    match (one, other) {
+        (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+        (one, other) => one.or(other),
+    }
+}
+
 impl ShadowPass {
     /// Takes in what is known by now.
     pub(super) fn collect(&mut self) {
@@ -35,6 +43,7 @@ impl ShadowPass {
             error: None,
             dispatches,
             maps_kept: maps.source == MapSource::Kept,
+            depths: None,
             counts: Counts::default(),
             lists: Vec::new(),
             stages: Vec::new(),
@@ -71,6 +80,7 @@ impl ShadowPass {
         // What the lists must hold is what the largest strip needs of each.
         let mut needs = Needs::default();
         for strip in &strips {
+            status.depths = depths_of_both(status.depths, strip.depths());
             status.counts = status.counts.with_rows(list_sizing::counts(strip));
             needs = needs.or(Needs::of(strip));
         }

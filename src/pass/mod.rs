@@ -42,7 +42,7 @@ mod gbuffer_stage;
 mod held;
 mod image_strips;
 mod inputs;
-mod judge;
+pub(crate) mod judge;
 mod kept_maps;
 mod lights;
 mod lit_masks;

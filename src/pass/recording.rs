@@ -76,7 +76,8 @@ impl ShadowPass {
         let views = self.views.of(inputs, &self.casters, &settings, bounds)?;
         // These may show what lies beside the casters.
         let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_) | GBuffer::SampleIds(_));
-        let views = settings.in_slices(views, inputs.camera, bounds, (beyond, self.image.method.asks_one()));
+        let views =
+            settings.in_slices(views, inputs.camera, bounds, (beyond, self.image.method.asks_one()), inputs.depths);
         let mut views = self.maker.parts.of(self.image.method.jittered(views));
         if extent != Extent::Everything {
             views.truncate(1);

@@ -59,6 +59,10 @@ pub struct FrameStatus {
     pub dispatches: u32,
     /// Whether it used the light maps of an earlier frame ([`PassConfig::keep_maps`](super::PassConfig::keep_maps)).
     pub maps_kept: bool,
+    /// The least and the greatest view depth that pixel centres see, in world units, for the slices of the next frame
+    /// ([`Inputs::depths`](super::Inputs::depths)): with slices by [seen depths](crate::light_view::PartBy::SeenDepth), of frames that found what
+    /// pixels show themselves; `None` where no caster is seen.
+    pub depths: Option<[f32; 2]>,
     /// Counts of the frame. Rows that strips share count in each strip.
     pub counts: Counts,
     /// Need of each list, in the strip that needed most, and its capacity. Where one list was too short, later ones may have needed more

@@ -141,7 +141,8 @@ impl Plan {
         };
         let own = own.iter().map(|&(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });
         let kept = |s: &PlanStep| match s.name {
-            "triangle_setup" | "camera_visibility" | "pixel_triangles" | "pixel_coverage" | "sample_surfaces" => true,
+            "triangle_setup" | "camera_visibility" | "pixel_triangles" | "pixel_coverage" | "sample_surfaces"
+            | "seen_depths" => true,
             "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
             name => {
                 query == TexelQuery::Rays && settings.ray_traced.silhouettes && settings.settle && PROOF.contains(&name)

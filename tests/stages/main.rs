@@ -34,6 +34,7 @@ mod requested_blocks;
 mod resolve;
 mod sample_bins;
 mod sample_surfaces;
+mod seen_depths;
 mod seen_texels;
 mod shadow_map;
 mod shadow_rays;

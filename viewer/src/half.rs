@@ -2,6 +2,7 @@
 
 use crate::job::Job;
 use crate::picture::{Shown, counts, extent, visibility};
+use lab::options::PartitionBy;
 use lab::options::RenderOptions;
 use lab::scene::{Camera, Light};
 use std::sync::Arc;
@@ -80,6 +81,9 @@ impl Half {
         let area = (options.light_radius, options.light_points);
         let keeps = options.method.takes("history");
         let frames = options.settings().ok().and_then(|s| s.history).filter(|_| keeps).map_or(1, |h| h.frames.max(1));
+        // The first tells the depths by which the next is cut.
+        let sees = options.method.takes("partition") && options.partition == PartitionBy::SeenDepths;
+        let frames = if sees { frames.max(2) } else { frames };
         let compiled = Arc::new(Compiled::default());
         let (of_gpu, prepared, told) = (gpu.clone(), prepared.clone(), compiled.clone());
         let made = Job::new(context, move || {
@@ -154,7 +158,9 @@ impl Half {
         let Pass::Made(pass) = &mut self.pass else { return };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let counts = self.counts.as_ref().map(|[work, _]| work);
-        let (inputs, target) = (Inputs::new(camera, light), Target { counts, ..Target::texture(&self.work) });
+        let depths = self.status.as_ref().and_then(|status| status.depths);
+        let inputs = Inputs { depths, ..Inputs::new(camera, light) };
+        let target = Target { counts, ..Target::texture(&self.work) };
         let recorded = match self.area {
             (0.0, _) => pass.record(&mut encoder, &inputs, &target).map(|frame| [frame; 2]),
             (radius, points) => {

@@ -16,6 +16,8 @@ struct StatusHead {
     pixel_triangles: Need,
     complex_pixels: Need,
     facets_needed: Need,
+    nearest_key: atomic<u32>,     // complement of the bits of the least view depth that pixels see
+    farthest_depth: atomic<u32>,  // bits of the greatest
 }
 
 // Needs of one band of facets in one view of the light.

@@ -88,9 +88,11 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
             Warp::Perspective => "perspective",
             Warp::Fitted => "fitted",
         };
-        if by == PartBy::FrustumFaces {
-            line += " --partition frustum-faces";
-        }
+        line += match by {
+            PartBy::Depth => "",
+            PartBy::SeenDepth => " --partition seen-depths",
+            PartBy::FrustumFaces => " --partition frustum-faces",
+        };
         let _ = write!(line, " --splits {splits} --warp {warp} --focus {focus} --split-weight {weight}");
     }
     if how.method == MethodName::RayTraced {

@@ -96,7 +96,12 @@ impl How {
         let warp = if Random::of(seed ^ 0x57ab_1e00, number).chance(0.15) { Warp::Stable } else { warp };
         let weight = slices.pick([SplitPlan::WEIGHT, 0.0, 1.0]);
         let faces = warp != Warp::Stable && Random::of(seed ^ 0xface_5000, number).chance(0.2);
-        let (by, splits) = if faces { (PartBy::FrustumFaces, 1) } else { (PartBy::Depth, splits) };
+        let seen = Random::of(seed ^ 0x5ee_de97, number).chance(0.25);
+        let (by, splits) = match (faces, seen) {
+            (true, _) => (PartBy::FrustumFaces, 1),
+            (false, true) => (PartBy::SeenDepth, splits),
+            (false, false) => (PartBy::Depth, splits),
+        };
         let plan = SplitPlan { by, splits, warp, focus, weight };
         let row = if method == MethodName::FacetMasks && slices.chance(0.12) { Some(texels(slices)?) } else { None };
         let method = row.as_ref().map_or(method, |row| row.0);

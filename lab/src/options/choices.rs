@@ -80,6 +80,8 @@ pub enum PartitionBy {
     /// Slices by depth
     #[default]
     Slices,
+    /// Slices of the depths that pixels see
+    SeenDepths,
     /// The faces of the view frustum that light passes
     FrustumFaces,
 }
@@ -88,6 +90,7 @@ impl From<PartitionBy> for PartBy {
     fn from(by: PartitionBy) -> Self {
         match by {
             PartitionBy::Slices => Self::Depth,
+            PartitionBy::SeenDepths => Self::SeenDepth,
             PartitionBy::FrustumFaces => Self::FrustumFaces,
         }
     }

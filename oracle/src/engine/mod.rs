@@ -122,7 +122,7 @@ pub fn render(
         true => vec![of_light.light_view(prepared, light)?],
         false => {
             let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-            of_light.in_slices(of_light.light_views(prepared, light)?, camera, bounds, (false, false))
+            of_light.in_slices(of_light.light_views(prepared, light)?, camera, bounds, (false, false), None)
         }
     };
     let side = |clock: &mut Clock, map| LightSide::new(clock, prepared, settings, camera, light, map, &request);

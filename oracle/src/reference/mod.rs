@@ -34,6 +34,7 @@ pub mod requested_blocks;
 pub mod resolve;
 pub mod sample_bins;
 pub mod sample_surfaces;
+pub mod seen_depths;
 pub mod seen_texels;
 pub mod shadow_map;
 pub mod shadow_rays;

@@ -69,7 +69,8 @@ fn all_that_is_seen_lies_in_the_map_of_its_slice() {
             let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
             let points = seen_points(&view, &seen);
             for (warp, splits) in WARPS.into_iter().flat_map(|w| [(w, 1), (w, 3), (w, 4)]) {
-                let views = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() }, 0.0);
+                let views =
+                    view.split(&seen, &SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() }, 0.0, None);
                 assert_eq!(views.len(), splits as usize);
                 for &p in &points {
                     let depth = p.dot(seen.forward);
@@ -157,9 +158,12 @@ fn camera_and_light_along_one_line_fall_back_to_a_box() {
     let [light, ..] = lights();
     for (camera, warps) in [(along, false), (beside, false), (scene.camera, true)] {
         let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
-        for split in
-            view.split(&seen, &SplitPlan { splits: 2, warp: Warp::Trapezoid, focus: 0.3, ..SplitPlan::default() }, 0.0)
-        {
+        for split in view.split(
+            &seen,
+            &SplitPlan { splits: 2, warp: Warp::Trapezoid, focus: 0.3, ..SplitPlan::default() },
+            0.0,
+            None,
+        ) {
             assert_eq!(split.warp.row(2) != DVec3::Z, warps, "{:?}", split.warp);
         }
     }
@@ -180,7 +184,7 @@ fn slices_hold_what_is_seen() {
             let scale = unit_scale(rays.eye, bounds);
             for (warp, splits) in WARPS.into_iter().flat_map(|warp| [(warp, 1), (warp, 3)]) {
                 let plan = SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() };
-                let slices = view.slices(&camera, [64, 48], bounds, &plan, 0.0);
+                let slices = view.slices(&camera, [64, 48], bounds, &plan, 0.0, None);
                 assert_eq!(slices.len(), splits as usize);
                 assert!(slices.iter().all(|slice| slice.one_of_several && slice.perspective));
                 for p in seen_points(&moved, &seen) {
@@ -202,6 +206,48 @@ fn slices_hold_what_is_seen() {
     assert!(points > 10_000, "{points}");
 }
 
+/// Slices of seen depths are cut between these: with an overlap they hold what lies there on smaller maps than slices of the whole box do,
+/// without one all that is seen.
+#[test]
+fn seen_depths_cut_slices() {
+    let scene = builtin("windmill");
+    let (bounds, [_, light, ..]) = (scene.mesh.bounds().unwrap(), lights());
+    let (moved, seen) = setup(&light, &scene.camera, &scene.mesh, 64);
+    let view = LightView::fit(&scene.mesh, &light, 64).unwrap();
+    let (rays, forward) = (scene.camera.rays(64, 48), seen.forward);
+    let scale = unit_scale(rays.eye, bounds);
+    let points = seen_points(&moved, &seen);
+    let depth_of = |p: &DVec3| p.dot(forward) / scale;
+    let (near, far) = points.iter().map(depth_of).fold((f64::MAX, 0.0f64), |(n, f), d| (n.min(d), f.max(d)));
+    let told = [near + 0.4 * (far - near), near + 0.6 * (far - near)];
+    let held = |slices: &[LightView], p: DVec3| {
+        let on = |t: DVec3| t.truncate().min_element() > -1e-6 && t.truncate().max_element() < 64.0 + 1e-6;
+        slices.iter().any(|slice| slice.project(rays.eye + p / scale).is_some_and(on))
+    };
+    let [mut inside, mut outside, mut left] = [0; 3];
+    for (warp, splits) in
+        [Warp::Box, Warp::Fitted, Warp::LightSpace].into_iter().flat_map(|warp| [(warp, 1), (warp, 3)])
+    {
+        let plan = SplitPlan { by: PartBy::SeenDepth, splits, warp, ..SplitPlan::default() };
+        let depths = Some(told.map(|d| d as f32));
+        let of = |overlap, depths| view.slices(&scene.camera, [64, 48], bounds, &plan, overlap, depths);
+        let [all, only] = [0.0, LightView::OVERLAP].map(|overlap| of(overlap, depths));
+        assert!(all.len() == splits as usize && only.len() == splits as usize);
+        for p in &points {
+            let within = (told[0]..=told[1]).contains(&depth_of(p));
+            assert!(held(&all, *p) && (!within || held(&only, *p)), "{p} is on no map of {plan:?}");
+            inside += usize::from(within);
+            outside += usize::from(!within);
+            left += usize::from(!within && !held(&only, *p));
+        }
+        // Without depths, and with all there are, they are slices of the box.
+        let plain = SplitPlan { by: PartBy::Depth, ..plan };
+        assert_eq!(of(0.0, None), view.slices(&scene.camera, [64, 48], bounds, &plain, 0.0, depths));
+        assert_eq!(of(0.0, Some([1e-6, 1e6])), of(0.0, None));
+    }
+    assert!(inside > 100 && 8 * left > outside, "{inside} within the depths, {left} of {outside} others on no map");
+}
+
 /// Near the eye a warped map has more texels than an even one.
 #[test]
 fn what_is_near_gets_more_texels() {
@@ -209,7 +255,7 @@ fn what_is_near_gets_more_texels() {
     let [_, inside, ..] = cameras(&scene);
     let (view, seen) = setup(&lights()[1], &inside, &scene.mesh, 64);
     let across = |warp, splits| {
-        let split = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() }, 0.0)[0];
+        let split = view.split(&seen, &SplitPlan { splits, warp, focus: 0.3, ..SplitPlan::default() }, 0.0, None)[0];
         let at = seen.forward * seen.near.max(0.05);
         let step = |d: DVec3| (place(&split, at + d.normalize() * 1e-3) - place(&split, at)).truncate();
         let up = seen.corners[0] - seen.corners[3];
@@ -230,7 +276,7 @@ fn perspective_bends_more_than_light_space() {
     let camera = Camera { eye: [0.0, 4.0, 30.0], target: [0.0, 4.0, 0.0], ..scene.camera };
     let (view, seen) = setup(&lights()[0], &camera, &scene.mesh, 64);
     let farthest = |warp| {
-        let split = view.split(&seen, &SplitPlan { warp, ..SplitPlan::default() }, 0.0)[0];
+        let split = view.split(&seen, &SplitPlan { warp, ..SplitPlan::default() }, 0.0, None)[0];
         seen_points(&view, &seen).iter().map(|&p| place(&split, p).z).fold(1.0, f64::max)
     };
     let [even, light_space, perspective] = [Warp::Box, Warp::LightSpace, Warp::Perspective].map(farthest);
@@ -246,9 +292,12 @@ fn the_fitted_warp_is_the_best_of_all() {
     for light in lights() {
         for camera in cameras(&scene) {
             let (view, seen) = setup(&light, &camera, &scene.mesh, 64);
-            let whole =
-                view.split(&seen, &SplitPlan { splits: 1, warp: Warp::Box, focus: 0.6, ..SplitPlan::default() }, 0.0)
-                    [0];
+            let whole = view.split(
+                &seen,
+                &SplitPlan { splits: 1, warp: Warp::Box, focus: 0.6, ..SplitPlan::default() },
+                0.0,
+                None,
+            )[0];
             let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max);
             let part = seen.part(&view, seen.near, farthest.max(seen.near));
             let depths = || part.iter().map(|p| p.dot(seen.forward));
@@ -259,7 +308,7 @@ fn the_fitted_warp_is_the_best_of_all() {
             }
             let width = |warp| {
                 let split =
-                    view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6, ..SplitPlan::default() }, 0.0)[0];
+                    view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6, ..SplitPlan::default() }, 0.0, None)[0];
                 coarseness(split.warp, &probes)
             };
             let [fitted, even] = [width(Warp::Fitted), coarseness(whole.warp, &probes)];
@@ -307,7 +356,8 @@ fn a_ground_alone_is_fitted() {
         let probes = seen.probes(&view, seen.near, farthest);
         assert!(probes.len() > 50, "{} probes", probes.len());
         let width = |warp| {
-            let split = view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6, ..SplitPlan::default() }, 0.0)[0];
+            let split =
+                view.split(&seen, &SplitPlan { splits: 1, warp, focus: 0.6, ..SplitPlan::default() }, 0.0, None)[0];
             coarseness(split.warp, &probes)
         };
         let (fitted, even) = (width(Warp::Fitted), width(Warp::Box));
@@ -331,7 +381,7 @@ fn the_fitted_warp_follows_the_camera() {
         let scale = unit_scale(rays.eye, bounds);
         let seen = SeenBox::new(&rays, [64, 48], f64::from(camera.near), bounds, scale);
         let plan = SplitPlan { splits: 1, warp: Warp::Fitted, focus: 0.3, ..SplitPlan::default() };
-        let view = fit.relative_to(rays.eye, scale).split(&seen, &plan, 0.0)[0];
+        let view = fit.relative_to(rays.eye, scale).split(&seen, &plan, 0.0, None)[0];
         [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| {
             let p = middle + DVec3::new(0.03 * k, 0.0, 0.045 * (k + 1.0)) * long;
             place(&view, (p - rays.eye) * scale).truncate()
@@ -360,7 +410,7 @@ fn a_warp_is_weaker_where_texels_would_be_too_small() {
     let texels = |map: u32, warp: Warp| {
         let view = LightView::fit(&mesh, &light, map).unwrap();
         let plan = SplitPlan { splits: 1, warp, ..SplitPlan::default() };
-        let slice = view.slices(&camera, [400, 300], bounds, &plan, 0.0)[0];
+        let slice = view.slices(&camera, [400, 300], bounds, &plan, 0.0, None)[0];
         let at = |x: f64, z: f64| slice.project(DVec3::new(x, 0.0, z)).unwrap().truncate();
         let step = |d: DVec2| (at(18.0 + d.x, 133.0 + d.y) - at(18.0, 133.0)).length();
         step(DVec2::X).min(step(DVec2::Y))
@@ -398,7 +448,7 @@ fn stable_slices_move_by_whole_texels() {
             let eye = [(3.0 * t.cos()) as f32, 1.5, (3.0 * t.sin()) as f32];
             let camera = Camera { eye, target: [0.1 * (2.0 * t).sin() as f32, 0.4, 0.0], ..scene.camera };
             let plan = SplitPlan { splits: 3, warp, ..SplitPlan::default() };
-            let slices = view.slices(&camera, [64, 48], bounds, &plan, 0.0);
+            let slices = view.slices(&camera, [64, 48], bounds, &plan, 0.0, None);
             let now: Vec<_> =
                 slices.iter().map(|s| points.map(|p| s.project(p).map_or(DVec2::ZERO, DVec3::truncate))).collect();
             for (old, new) in before.iter().flatten().zip(&now) {

@@ -91,7 +91,7 @@ impl Pipelines {
             filter_by: settings.filter,
             alpha,
             surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count(), alpha)),
-            geometry: GeometryPipelines::new(device, alpha),
+            geometry: GeometryPipelines::new(device, alpha, settings.tells_depths()),
             light_maps: LightMapPipelines::new(device, &scan),
             requests: RequestedBlocks::specialised(device, clamp, receivers),
             classify: FacetClassify::specialised(device, words, clamp, receivers),
@@ -123,5 +123,6 @@ impl Pipelines {
         ours == (settings.samples.count(), settings.facets, settings.masks, settings.pairs, settings.projection)
             && (self.filter_by, self.alpha) == (settings.filter, settings.alpha_tested)
             && self.counted.is_some() == settings.count_pixels
+            && self.geometry.tells_depths() == settings.tells_depths()
     }
 }

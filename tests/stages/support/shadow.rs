@@ -113,7 +113,7 @@ impl World {
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
         let fitted = LightView::fit(prepared.mesh(), &light, map).expect("a light view");
         let bounds = prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let fitted = slice.map_or(fitted, |(plan, k)| fitted.slices(&camera, size, bounds, &plan, 0.0)[k]);
+        let fitted = slice.map_or(fitted, |(plan, k)| fitted.slices(&camera, size, bounds, &plan, 0.0, None)[k]);
         let mut frame = Frame::new(&camera, &light, &fitted, bounds, size, &samples);
         let (vertices, triangles) = (prepared.mesh().positions.len(), prepared.mesh().triangles.len());
         (frame.vertex_count, frame.triangle_count) = (vertices as u32, triangles as u32);
