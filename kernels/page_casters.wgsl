@@ -6,7 +6,7 @@
 // (complement of the bits of the depth) of the texels whose centres the triangle covers. The sample rule
 // is that of light_layers, the texels those of a map of as many texels as the level has.
 
-//@import frame dispatch rect work_items front_split span block_bits hole front_fan page_tree summed_area
+//@import frame dispatch rect work_items flat_caster span block_bits hole front_fan page_tree summed_area
 
 const WORKGROUP = 64u;
 const CUT_GUARD = 0.001953125;  // texels
@@ -134,38 +134,21 @@ fn nth_page(level: u32, low: vec2<u32>, high: vec2<u32>, index: u32) -> vec2<u32
 // Puts the depths of a triangle into the texels of a block of a level, whose page begins at word `first`.
 fn cover(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, block: Rect, guarded: f32, given: vec4<u32>,
          to_map: f32, first: u32) {
-    let ab = b.xy - a.xy;
-    let bc = c.xy - b.xy;
-    let ac = c.xy - a.xy;
-    let area = ab.x * ac.y - ab.y * ac.x;
-    let nearest = min(a.z, min(b.z, c.z));
-    let farthest = max(a.z, max(b.z, c.z));
-    let guard = guarded * vec3(abs(ab.x) + abs(ab.y), abs(bc.x) + abs(bc.y), abs(ac.x) + abs(ac.y));
-    let turn = select(-1.0, 1.0, area > 0.0);
-    let cut_ab = vec3(turn * vec2(-ab.y, ab.x), turn * (ab.y * a.x - ab.x * a.y) + guard.x);
-    let cut_bc = vec3(turn * vec2(-bc.y, bc.x), turn * (bc.y * b.x - bc.x * b.y) + guard.y);
-    let cut_ca = vec3(turn * vec2(ac.y, -ac.x), turn * (ac.x * a.y - ac.y * a.x) + guard.z);
+    let f = flat_caster(a, b, c, guarded);
     let corner = block.low & vec2(~7u);
     var left = vec2(0u);
     for (var y = block.low.y; y <= block.high.y; y++) {
         let row = f32(y) + 0.5;
-        let cut = cut_span(cut_span(cut_span(span_of(block.low.x, block.high.x), cut_ab, row), cut_bc, row),
-            cut_ca, row);
+        let cut = cut_span(cut_span(cut_span(span_of(block.low.x, block.high.x), f.cut_ab, row), f.cut_bc,
+            row), f.cut_ca, row);
         add_cells(&left, y, cells_of(cut, block.low.x, block.high.x));
     }
     while any(left != vec2(0u)) {
         let cell = corner + take_texel(&left);
         let at = vec2<f32>(cell) + 0.5;
-        let pa = at - a.xy;
-        let pb = at - b.xy;
-        let v = turn * vec3(ab.x * pa.y - ab.y * pa.x, bc.x * pb.y - bc.y * pb.x, ac.y * pa.x - ac.x * pa.y);
-        if any(v < vec3(0.0)) || is_hole(given, at * to_map) { continue; }
-        var depth = a.z;
-        if area != 0.0 {
-            depth = clamp(a.z + ((b.z - a.z) * v.z + (c.z - a.z) * v.x) / abs(area), nearest, farthest);
-        }
+        let key = key_at(f, at);
+        if key == 0u || is_hole(given, at * to_map) { continue; }
         let texel = first + (cell.y % PAGE) * PAGE + cell.x % PAGE;
-        let key = key_of_depth(depth);
         if atomicLoad(&pages[texel]) < key { atomicMax(&pages[texel], key); }
     }
 }

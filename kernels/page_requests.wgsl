@@ -9,14 +9,13 @@
 // is made, `masks`, the levels of which a page is made that holds a node or lies in it, and behind the
 // offsets in `table` that s and the pages of s = 0.
 
-//@import frame dispatch receiver page_tree divide
+//@import frame dispatch receiver map_footprint page_tree divide
 
 const WORKGROUP = 64u;
 const REQUEST_HEAD = 32u;
 const THIRDS = 3u;            // of a level: steps by which all are made coarser
 const TABLE_TAIL = 2u;         // words of `table` behind the nodes before those that `choose` writes
 const SLACK = 0.5;             // texels: whoever reads places samples anew and may round otherwise
-const NOISE = 0.00000095367;   // of a product of a row of the light's view and a point
 
 override FINER: u32 = 0u;
 override BUDGET: u32 = 64u;
@@ -53,16 +52,12 @@ fn ask(level: u32, page: vec2<u32>, more: u32) {
     }
 }
 
-fn sum_of(v: vec4<f32>) -> f32 { return dot(abs(v), vec4(1.0)); }
-
 // The level that a pixel asks for whose step is the root of `square` texels of level PAGE_BASE, and its box
 // `extent` of them long, of a divisor `w`; in thirds.
 fn level_for(square: f32, extent: f32, w: f32) -> i32 {
     let matched = i32(THIRDS * (PAGE_BASE + FINER)) + i32(ceil(clamp(-1.5 * log2(square), -99.0, 99.0)));
     // Half a texel of it is above the rounding of a place.
-    let noise = NOISE * (max(sum_of(frame.map_u), sum_of(frame.map_v))
-        + sum_of(frame.map_w) * f32(frame.map_size));
-    let told = min(exponent_of(0.5 * w / noise), i32(PAGE_SHIFT) - 1 - exponent_of(extent));
+    let told = min(exponent_of(0.5 * w / place_noise()), i32(PAGE_SHIFT) - 1 - exponent_of(extent));
     return clamp(min(matched, i32(THIRDS) * (i32(PAGE_BASE) + told)), 0, i32(THIRDS * PAGE_LAST));
 }
 
@@ -75,41 +70,13 @@ fn request(
     let pixel = flat_invocation(group, groups, WORKGROUP, local);
     if pixel >= frame.image_size.x * frame.image_size.y { return; }
     levels[pixel] = 0u;
-    let r = receiver_of(pixel);
-    if r.seen != SEEN_OPEN { return; }
-    let ray = ray_at(pixel, vec2(0.0));
-    let point = plane_point(r, ray);
-    let at = place_at(point);
-    if at.w == 0.0 { return; }
-    // How the place moves from pixel to pixel.
-    let over = dot(r.normal, ray);
-    let right = (r.height / over) * (frame.ray_x.xyz - ray * (dot(r.normal, frame.ray_x.xyz) / over));
-    let down = (r.height / over) * (frame.ray_y.xyz - ray * (dot(r.normal, frame.ray_y.xyz) / over));
-    let w = dot(frame.map_w, vec4(point.xyz, 1.0));
-    let u = frame.map_u.xyz - at.x * frame.map_w.xyz;
-    let v = frame.map_v.xyz - at.y * frame.map_w.xyz;
-    let to_right = vec2(dot(u, right), dot(v, right)) / w;
-    let to_down = vec2(dot(u, down), dot(v, down)) / w;
-    let square = max(dot(to_right, to_right), dot(to_down, to_down));
-    var low = at.xy;
-    var high = at.xy;
-    var box_low = at.xy;
-    var box_high = at.xy;
-    var whole = true;
-    for (var k = 0u; k < 4u; k++) {
-        let corner = place_of(r, ray_at(pixel, vec2(
-            select(frame.sample_low.x, frame.sample_high.x, (k & 1u) == 1u),
-            select(frame.sample_low.y, frame.sample_high.y, k >= 2u))));
-        whole = whole && corner.w != 0.0;
-        box_low = min(box_low, corner.xy);
-        box_high = max(box_high, corner.xy);
-    }
-    if whole {
-        low = box_low;
-        high = box_high;
-    }
+    let f = map_footprint(pixel);
+    if !f.some { return; }
+    let square = max(dot(f.right, f.right), dot(f.down, f.down));
+    let low = f.low;
+    let high = f.high;
     let extent = max(high.x - low.x, high.y - low.y);
-    let thirds = u32(level_for(square, extent, w));
+    let thirds = u32(level_for(square, extent, f.w));
     levels[pixel] = thirds;
     let level = (thirds + THIRDS - 1u) / THIRDS;
     let side = f32(frame.map_size);

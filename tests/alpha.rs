@@ -270,7 +270,11 @@ fn depth_maps_have_holes() {
     let maps = |m: &MethodName| {
         matches!(
             m.row().query,
-            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Polygons | TexelQuery::Silhouettes
+            TexelQuery::Map(_)
+                | TexelQuery::Centres
+                | TexelQuery::Polygons
+                | TexelQuery::Silhouettes
+                | TexelQuery::Axes
         ) && m.row().partition.is_none()
     };
     for method in MethodName::ALL.into_iter().filter(maps) {

@@ -55,6 +55,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
         (MethodName::ParallelSplit, 32),
         (MethodName::Remix, 1),
         (MethodName::ResolutionMatched, 8),
+        (MethodName::Rectilinear, 8),
     ]
     .map(|(method, samples)| (method.name().to_owned(), method, settings([72, 54], samples)));
     let smsr = SmsrSettings { shape: SmsrShape::Corners, reach: 5, slope: 0.1 };

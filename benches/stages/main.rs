@@ -11,6 +11,7 @@
 //! Stages that take textures come after all others: once a texture was cleared, llvmpipe (Mesa 22.3.6) takes the first time
 //! stamp of a pass only when something waits for it, so that passes of direct dispatches seem to take no time.
 
+mod axis_density;
 mod camera_visibility;
 mod candidate_pairs;
 mod caster_positions;
@@ -63,6 +64,8 @@ mod triangle_texel_pairs;
 mod vertex_project;
 mod visibility_masks;
 mod visibility_texture;
+mod warped_casters;
+mod warped_query;
 mod work_owners;
 
 use harness::{Ceilings, Options, Row};
@@ -85,7 +88,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 48] = [
+    let without_textures: [Maker; 51] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -106,6 +109,9 @@ fn run(options: &Options) -> Result<()> {
         page_requests::cases,
         page_casters::cases,
         page_query::cases,
+        axis_density::cases,
+        warped_casters::cases,
+        warped_query::cases,
         smsr::cases,
         map_moments::cases,
         moment_shadows::cases,

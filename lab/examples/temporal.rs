@@ -23,7 +23,7 @@ use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::{Error, Result};
 
 /// Every method, and how texels lie that stand or do not, as `render` takes them.
-const VARIANTS: [&str; 24] = [
+const VARIANTS: [&str; 26] = [
     "shadow-map",
     "spsm",
     "shadow-map --splits 3 --warp even",
@@ -44,6 +44,8 @@ const VARIANTS: [&str; 24] = [
     "remix",
     "remix --warp stable",
     "resolution-matched",
+    "rectilinear",
+    "rectilinear --density logarithmic",
     "ray-traced",
     "supersampled",
     "facet-masks --facets one",

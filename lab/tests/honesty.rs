@@ -48,12 +48,12 @@ fn other_value(option: &str) -> &'static str {
         "pairs" => "sorted",
         "projection" => "two-step",
         "memory-limit" | "taps" => "16",
-        "list-start" => "1",
         "encoding" => "paper",
+        "density" => "logarithmic",
         "search" => "near",
         "recovery" => "off",
-        "slope-power" | "reach" => "1",
-        "lookups" | "kernel" => "7",
+        "list-start" | "slope-power" | "reach" | "splits" => "1",
+        "lookups" | "kernel" | "history" => "7",
         "rays" => "silhouettes",
         "radius" => "3",
         "turned" => "on",
@@ -63,7 +63,6 @@ fn other_value(option: &str) -> &'static str {
         "slope-bias" => "1.05",
         "shape" => "corners",
         "partition" => "frustum-faces",
-        "splits" => "1",
         "split-weight" => "0",
         "warp" => "even",
         "focus" => "0.2",
@@ -71,12 +70,10 @@ fn other_value(option: &str) -> &'static str {
         "grazing" => "20",
         "exponent" => "8",
         "filter" => "tent",
-        "layers" => "2",
         "terms" => "3",
-        "history" => "5",
         "confidence-power" => "2",
         "pages" => "9",
-        "finer" => "2",
+        "layers" | "finer" | "stretch" => "2",
         _ => panic!("--{option} is new: give it a value here"),
     }
 }
@@ -389,7 +386,8 @@ mod gpu {
         use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
         use subpixel_shadows::methods::{
-            DiscFilter, HistorySettings, PairVariant, PixelFilter, ProjectionVariant, SmsrShape, SpsmEncoding,
+            DensityRule, DiscFilter, HistorySettings, PairVariant, PixelFilter, ProjectionVariant, SmsrShape,
+            SpsmEncoding,
         };
         use subpixel_shadows::stages::compared_depths::DepthRule;
         let mut s = s.clone();
@@ -431,6 +429,8 @@ mod gpu {
             "confidence-power" => s.history = s.history.map(|history| HistorySettings { power: 1, ..history }),
             "pages" => s.pages.pages = Some(1),
             "finer" => s.pages.finer = 2,
+            "density" => s.axes.density = DensityRule::Logarithmic,
+            "stretch" => s.axes.stretch = 2,
             // Of the renderer's memory and of what is written.
             "memory-limit" | "list-start" | "looks" => return None,
             _ => panic!("--{option} is new: set it here"),

@@ -1,5 +1,50 @@
 //! Bindings, constants and texts of the kernels. Written by `cargo run -p subpixel-shadows-bindings`: change `kernels/` and run it again.
 
+/// `kernels/axis_density.wgsl`.
+pub mod axis_density {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/map_footprint",
+        "shared/raster/axis_table", "axis_density",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, AXIS_CELLS = 1024,
+        WORKGROUP = 64, SHAPE_WORKGROUP = 256, EACH = 4, LEVELS = 11, NEAREST_WORD = 22528, REQUEST_WORDS = 22529,
+        ONE = 128, MOST = 131072, SPREAD = 4, REQUESTED = 0, LOGARITHMIC = 1,
+    }
+    overrides! {
+        density: u32 = 0, "DENSITY",
+        stretch: u32 = 64, "STRETCH",
+    }
+    entry_point! { "axis_density", "request", [64, 1, 1], SOURCE, Constants => Request, RequestProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 requests: Write<'a, u32>,
+    } }
+    entry_point! { "axis_density", "shape", [256, 1, 1], SOURCE, Constants => Shape, ShapeProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        5 requests: Write<'a, u32>,
+        6 densities: Write<'a, u32>,
+    } }
+    entry_point! { "axis_density", "divide", [64, 1, 1], SOURCE, Constants => Divide, DivideProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        7 axes: Read<'a, u32>,
+        8 borders: Write<'a, f32>,
+    } }
+    entries! {
+        Request, Shape, Divide,
+    }
+}
+
 /// `kernels/camera_visibility.wgsl`.
 pub mod camera_visibility {
     use crate::entry_point;
@@ -708,10 +753,10 @@ pub mod page_casters {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
-        "shared/raster/work_items", "shared/raster/front_split", "shared/raster/span", "shared/raster/block_bits",
-        "shared/raster/undivided", "shared/frame/facing", "shared/alpha", "shared/roles", "shared/raster/hole",
-        "shared/raster/front_fan", "shared/raster/page_tree", "shared/raster/summed_area",
-        "shared/frame/frame_copy", "page_casters",
+        "shared/raster/work_items", "shared/raster/front_split", "shared/raster/flat_caster", "shared/raster/span",
+        "shared/raster/block_bits", "shared/raster/undivided", "shared/frame/facing", "shared/alpha",
+        "shared/roles", "shared/raster/hole", "shared/raster/front_fan", "shared/raster/page_tree",
+        "shared/raster/summed_area", "shared/frame/frame_copy", "page_casters",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -799,8 +844,8 @@ pub mod page_requests {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/page_tree",
-        "page_requests",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/map_footprint",
+        "shared/raster/page_tree", "page_requests",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2759,6 +2804,91 @@ pub mod visibility_texture {
     }
 }
 
+/// `kernels/warped_casters.wgsl`.
+pub mod warped_casters {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
+        "shared/raster/work_items", "shared/raster/front_split", "shared/raster/flat_caster",
+        "shared/raster/block_bits", "shared/raster/undivided", "shared/frame/facing", "shared/alpha",
+        "shared/roles", "shared/raster/hole", "shared/raster/front_fan", "shared/raster/axis_table",
+        "shared/frame/frame_copy", "warped_casters",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
+        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
+        ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, AXIS_CELLS = 1024, WORKGROUP = 64,
+    }
+    overrides! {
+        alpha: u32 = 0, "ALPHA",
+    }
+    entry_point! { "warped_casters", "count", [64, 1, 1], SOURCE, Constants => Count, CountProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 map_points: Read<'a, [f32; 4]>,
+        3 light_rects: Read<'a, [u32; 2]>,
+        4 axes: Read<'a, u32>,
+        5 borders: Read<'a, f32>,
+        6 warped_rects: Write<'a, [u32; 2]>,
+        7 warped_items: Write<'a, u32>,
+    } }
+    entry_point! { "warped_casters", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 map_points: Read<'a, [f32; 4]>,
+        5 borders: Read<'a, f32>,
+        8 boxes: Read<'a, [u32; 2]>,
+        9 work_offsets: Read<'a, u32>,
+        10 keys: Write<'a, u32>,
+    } }
+    entries! {
+        Count, Raster,
+    }
+}
+
+/// `kernels/warped_query.wgsl`.
+pub mod warped_query {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/axis_table",
+        "warped_query",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, AXIS_CELLS = 1024,
+        WORKGROUP = 64,
+    }
+    overrides! {
+        bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
+        bias_slope: f32 = 1.0, "BIAS_SLOPE",
+    }
+    entry_point! { "warped_query", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 axes: Read<'a, u32>,
+        6 borders: Read<'a, f32>,
+        7 keys: Read<'a, u32>,
+        8 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        Compare,
+    }
+}
+
 /// `kernels/work_owners.wgsl`.
 pub mod work_owners {
     use crate::entry_point;
@@ -2781,6 +2911,7 @@ pub mod work_owners {
 
 /// Stem, text and entry points of every kernel.
 pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
+    ("axis_density", axis_density::SOURCE, axis_density::ENTRIES),
     ("camera_visibility", camera_visibility::SOURCE, camera_visibility::ENTRIES),
     ("candidate_pairs", candidate_pairs::SOURCE, candidate_pairs::ENTRIES),
     ("caster_positions", caster_positions::SOURCE, caster_positions::ENTRIES),
@@ -2833,5 +2964,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("vertex_project", vertex_project::SOURCE, vertex_project::ENTRIES),
     ("visibility_masks", visibility_masks::SOURCE, visibility_masks::ENTRIES),
     ("visibility_texture", visibility_texture::SOURCE, visibility_texture::ENTRIES),
+    ("warped_casters", warped_casters::SOURCE, warped_casters::ENTRIES),
+    ("warped_query", warped_query::SOURCE, warped_query::ENTRIES),
     ("work_owners", work_owners::SOURCE, work_owners::ENTRIES),
 ];

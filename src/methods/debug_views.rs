@@ -128,7 +128,12 @@ impl DebugViews {
     }
 
     pub(super) fn of_depths(gpu: &Gpu, map: &Layers) -> Result<Self> {
-        Ok(Self { map: Some(DebugMap::nearest(gpu, map)?), ..Self::default() })
+        Self::of_keys(gpu, &map.nearest_keys)
+    }
+
+    /// Of complements of the bits of depths.
+    pub(super) fn of_keys(gpu: &Gpu, keys: &Buffer<u32>) -> Result<Self> {
+        Ok(Self { map: Some(DebugMap::of_keys(gpu, keys)?), ..Self::default() })
     }
 }
 

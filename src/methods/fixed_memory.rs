@@ -12,6 +12,7 @@ use super::polygon_mapping::PolygonMapping;
 use super::prepared::{CasterBuffers, Prepared};
 use super::ray_traced::RayTraced;
 use super::reconstructable::Reconstructable;
+use super::rectilinear::Rectilinear;
 use super::resolution_matched::ResolutionMatched;
 use super::settings::Settings;
 use super::shadow_map::ShadowMapping;
@@ -237,6 +238,7 @@ impl FixedMemory {
             TexelQuery::Silhouettes => Box::new(SilhouetteMapping::new(parts)?),
             TexelQuery::Map(query) => Box::new(ShadowMapping::new(parts, query)?),
             TexelQuery::Pages => Box::new(ResolutionMatched::new(parts)?),
+            TexelQuery::Axes => Box::new(Rectilinear::new(parts)?),
             TexelQuery::Rays => Box::new(RayTraced::new(parts)?),
             TexelQuery::Samples => Box::new(Supersampled::new(parts)?),
         };

@@ -1,5 +1,6 @@
 //! The methods: each a page of calls to stages, in order.
 
+mod axis_settings;
 #[cfg(feature = "baselines")]
 pub mod by_views;
 #[cfg(feature = "baselines")]
@@ -25,6 +26,8 @@ pub mod ray_traced;
 #[cfg(feature = "baselines")]
 pub mod reconstructable;
 #[cfg(feature = "baselines")]
+pub mod rectilinear;
+#[cfg(feature = "baselines")]
 pub mod resolution_matched;
 pub mod settings;
 #[cfg(feature = "baselines")]
@@ -48,7 +51,7 @@ pub use history::HistorySettings;
 pub use names::{METHOD_OPTIONS, METHODS, MapQuery, MethodName, MethodRow, TexelQuery};
 pub use prepared::Prepared;
 pub use settings::{
-    DiscFilter, FacetMode, MomentSettings, PageSettings, PairVariant, PolygonIdSettings, ProjectionVariant,
-    RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding,
-    SpsmSettings,
+    AxisSettings, DensityRule, DiscFilter, FacetMode, MomentSettings, PageSettings, PairVariant, PolygonIdSettings,
+    ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings,
+    SmsrShape, SpsmEncoding, SpsmSettings,
 };

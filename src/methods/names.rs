@@ -52,6 +52,8 @@ pub enum MethodName {
     Remix,
     /// `resolution-matched`: Lefohn, Sengupta, Owens 2007.
     ResolutionMatched,
+    /// `rectilinear`: Rosen 2012; Lloyd et al. 2008.
+    Rectilinear,
     /// `ray-traced`: Whitted 1980, through the tree of Ylitie, Karras, Laine 2017.
     RayTraced,
     /// `supersampled`: Aila and Laine 2004; Johnson et al. 2005; Sintorn et al. 2008.
@@ -127,7 +129,11 @@ impl MethodName {
     pub fn keeps(self) -> [bool; 2] {
         match self.row().query {
             TexelQuery::Facets | TexelQuery::Triangles => [true, true],
-            TexelQuery::Map(_) | TexelQuery::Centres | TexelQuery::Polygons | TexelQuery::Silhouettes => [false, true],
+            TexelQuery::Map(_)
+            | TexelQuery::Centres
+            | TexelQuery::Polygons
+            | TexelQuery::Silhouettes
+            | TexelQuery::Axes => [false, true],
             TexelQuery::Pages | TexelQuery::Rays | TexelQuery::Samples => [false, false],
         }
     }

@@ -1,5 +1,6 @@
 //! Uniform of a frame.
 
+pub use super::axis_settings::{AxisSettings, DensityRule};
 use super::history::HistorySettings;
 pub use super::page_settings::PageSettings;
 use super::prepared::Prepared;
@@ -200,6 +201,8 @@ pub struct Settings {
     pub moments: MomentSettings,
     /// Options of `resolution-matched`.
     pub pages: PageSettings,
+    /// Options of `rectilinear`.
+    pub axes: AxisSettings,
     /// Options of `ray-traced`.
     pub ray_traced: RayTracedSettings,
     /// Temporal reprojection, of the methods of maps of depths; `None`: each frame by itself.
@@ -330,6 +333,7 @@ impl Settings {
             shadow_map: ShadowMapSettings::default(),
             moments: MomentSettings::default(),
             pages: PageSettings::default(),
+            axes: AxisSettings::default(),
             ray_traced: RayTracedSettings::default(),
             history: None,
         }
@@ -365,6 +369,7 @@ impl Settings {
         self.moments.check()?;
         self.history.map_or(Ok(()), |history| history.check())?;
         self.pages.check()?;
+        self.axes.check()?;
         self.shadow_map.check()
     }
 }

@@ -17,6 +17,8 @@ pub enum TexelQuery {
     Map(MapQuery),
     /// Nearest depths, of a level of its own.
     Pages,
+    /// Nearest depths, of texels as wide as a function of either axis makes them.
+    Axes,
     /// No texels: rays.
     Rays,
     /// Every sample, kept by its texel, against every caster there.

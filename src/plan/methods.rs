@@ -65,6 +65,13 @@ const PAGE_STAGES: [(&str, &str); 3] = [
     ("page_query", "depth of every sample against the page of its level"),
 ];
 
+/// Stages of `rectilinear` after what the camera sees.
+const AXIS_STAGES: [(&str, &str); 3] = [
+    ("axis_density", "how wide the texels of either axis of the map are, by what pixels ask"),
+    ("warped_casters", "nearest depth at every texel centre of it"),
+    ("warped_query", "depth of every sample against its texel"),
+];
+
 /// Stages of `ray-traced` between facets and picture.
 const RAY_STAGES: [(&str, &str); 3] = [
     ("shadow_rays", "a ray from every sample to the light"),
@@ -114,6 +121,7 @@ impl Plan {
             TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,
             TexelQuery::Map(_) => &MOMENT_STAGES,
             TexelQuery::Pages => &PAGE_STAGES,
+            TexelQuery::Axes => &AXIS_STAGES,
             TexelQuery::Rays => &RAY_STAGES,
             TexelQuery::Samples => &BIN_STAGES,
         };

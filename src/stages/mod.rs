@@ -3,6 +3,7 @@
 //! A stage is made once per device (`new` compiles its pipelines), is given scratch memory made once per capacity, and
 //! then only records dispatches: it never allocates list memory, submits, waits or reads back.
 
+pub mod axis_density;
 pub mod camera_visibility;
 pub mod candidate_pairs;
 pub mod caster_positions;
@@ -54,6 +55,8 @@ pub mod triangle_texel_pairs;
 pub mod vertex_project;
 pub mod visibility_masks;
 pub mod visibility_texture;
+pub mod warped_casters;
+pub mod warped_query;
 pub mod work_owners;
 
 pub use compact::Compact;

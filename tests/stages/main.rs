@@ -2,6 +2,7 @@
 
 mod support;
 
+mod axis_density;
 mod camera_visibility;
 mod candidate_pairs;
 mod caster_positions;
@@ -53,4 +54,6 @@ mod triangle_texel_pairs;
 mod vertex_project;
 mod visibility_masks;
 mod visibility_texture;
+mod warped_casters;
+mod warped_query;
 mod work_owners;

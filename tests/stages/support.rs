@@ -1,5 +1,6 @@
 //! What the stage tests share: the device, seeded values, poison, and comparison.
 
+pub mod axes;
 pub mod depth_map;
 pub mod geometry;
 pub mod masks;

@@ -96,7 +96,8 @@ impl Overlay {
             | TexelQuery::Centres
             | TexelQuery::Polygons
             | TexelQuery::Silhouettes
-            | TexelQuery::Pages => {
+            | TexelQuery::Pages
+            | TexelQuery::Axes => {
                 return self.counted().is_none();
             }
         };

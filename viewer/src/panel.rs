@@ -186,6 +186,10 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         options.pages = Some(pages).filter(|pages| *pages > 0);
         changed |= slider(ui, half, "finer", &mut options.finer, 0..=4);
     }
+    if takes("density") {
+        changed |= words(ui, half, "density", &mut options.density);
+        changed |= slider(ui, half, "stretch", &mut options.stretch, 2..=256);
+    }
     if takes("exponent") {
         changed |= slider(ui, half, "exponent", &mut options.exponent, 1.0..=42.0);
     }

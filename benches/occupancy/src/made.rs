@@ -10,8 +10,8 @@ use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::names::TexelQuery;
 use subpixel_shadows::methods::{
-    DiscFilter, FacetMode, MethodName, MomentSettings, PairVariant, PixelFilter, ProjectionVariant, Settings,
-    SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    DensityRule, DiscFilter, FacetMode, MethodName, MomentSettings, PairVariant, PixelFilter, ProjectionVariant,
+    Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::pass::{Casters, PassConfig, ShadowPass};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -77,6 +77,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("layers", &[&|s| s.moments.layers = 7]);
     vary("terms", &[&|s| s.moments.terms = 5]);
     vary("finer", &[&|s| s.pages.finer = 2]);
+    vary("density", &[&|s| s.axes.density = DensityRule::Logarithmic]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
     all.push(Settings { count_pixels: true, ..plain.clone() });
     // Holes add the same code whatever the number of samples.

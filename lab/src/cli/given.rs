@@ -251,6 +251,10 @@ mod tests {
         assert_eq!(refusal("map", MethodName::Spsm), None);
         let text = refusal("kernel", MethodName::Spsm).unwrap();
         assert_eq!(text, "the method spsm does not take '--kernel'; pcf does");
-        assert!(refusal("splits", MethodName::Lispsm).unwrap().ends_with("resolution-matched, supersampled do"));
+        assert!(
+            refusal("splits", MethodName::Lispsm)
+                .unwrap()
+                .ends_with("resolution-matched, rectilinear, supersampled do")
+        );
     }
 }

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use subpixel_shadows::light_view::PartBy;
-use subpixel_shadows::methods::FacetMode;
+use subpixel_shadows::methods::{DensityRule, FacetMode};
 use subpixel_shadows::pixel_filter::PixelFilter;
 use subpixel_shadows::samples::Pattern;
 use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -60,6 +60,25 @@ impl From<Compare> for Option<DepthRule> {
             Compare::Midpoint => Some(DepthRule::Midpoint),
             Compare::Second => Some(DepthRule::Second),
             Compare::Dual => Some(DepthRule::DUAL),
+        }
+    }
+}
+
+/// What decides how wide the texels of an axis of `rectilinear` are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum DensityBy {
+    /// The pixels: where one wants the most
+    #[default]
+    Requested,
+    /// The distance from the eye, where any pixel wants texels
+    Logarithmic,
+}
+
+impl From<DensityBy> for DensityRule {
+    fn from(name: DensityBy) -> Self {
+        match name {
+            DensityBy::Requested => Self::Requested,
+            DensityBy::Logarithmic => Self::Logarithmic,
         }
     }
 }

@@ -4,8 +4,8 @@ mod choices;
 mod recorded;
 
 pub use choices::{
-    Compare, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, PairsBy, PartitionBy, PatternName, Projection,
-    RayChoice, Search, Shape, Switch, WarpBy,
+    Compare, DensityBy, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, PairsBy, PartitionBy, PatternName,
+    Projection, RayChoice, Search, Shape, Switch, WarpBy,
 };
 pub use recorded::{camera_text, light_text, reason};
 
@@ -16,8 +16,9 @@ use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    DiscFilter, HistorySettings, MethodName, MomentSettings, PageSettings, PolygonIdSettings, ProjectionVariant,
-    RayTracedSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    AxisSettings, DiscFilter, HistorySettings, MethodName, MomentSettings, PageSettings, PolygonIdSettings,
+    ProjectionVariant, RayTracedSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
+    SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::Samples;
@@ -155,6 +156,12 @@ pub struct RenderOptions {
     /// Levels of pages beyond that whose texels are no longer than a pixel on its receiver (resolution-matched): 0 to 4
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub finer: u32,
+    /// What decides how wide the texels of either axis of rectilinear are: the pixels that want the most of an axis, or its distance from the eye
+    #[arg(long, value_enum, default_value_t, value_name = "BY")]
+    pub density: DensityBy,
+    /// How many times narrower than those of an even map texels of rectilinear may be: 2 to 256
+    #[arg(long, default_value_t = AxisSettings::STRETCH, value_name = "N")]
+    pub stretch: u32,
     /// How half-planes become masks: every sample tested, or looked up in a table of 256 directions and distances
     #[arg(long, value_enum, default_value_t, value_name = "VARIANT")]
     pub masks: MaskChoice,
@@ -306,6 +313,7 @@ impl RenderOptions {
                 terms: self.terms,
             },
             pages: PageSettings { pages: self.pages, finer: self.finer },
+            axes: AxisSettings { density: self.density.into(), stretch: self.stretch },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             history: self.history(),
             shadow_map: ShadowMapSettings {

@@ -75,6 +75,8 @@ impl RenderOptions {
             ("confidence-power", json!(o.confidence_power)),
             ("pages", json!(o.pages)),
             ("finer", json!(o.finer)),
+            ("density", word(o.density)),
+            ("stretch", json!(o.stretch)),
         ];
         all.into_iter().filter(|(name, _)| o.method.takes(name)).map(|(name, value)| (name.to_owned(), value)).collect()
     }

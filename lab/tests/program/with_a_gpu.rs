@@ -55,6 +55,7 @@ fn every_method_keeps_the_contract() {
         ("parallel-split", "pixel_views"),
         ("remix", "moment_shadows"),
         ("resolution-matched", "page_casters"),
+        ("rectilinear", "warped_casters"),
         ("ray-traced", "shadow_rays"),
         ("supersampled", "sample_tests"),
     ];

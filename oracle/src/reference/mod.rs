@@ -2,6 +2,7 @@
 //! Nothing here knows of GPUs, kernels or how a stage splits its work; a test that compares with these compares with
 //! the definition.
 
+pub mod axis_density;
 pub mod camera_visibility;
 pub mod candidate_pairs;
 pub mod caster_positions;
@@ -54,4 +55,6 @@ pub mod vertex_project;
 pub mod view;
 pub mod visibility_masks;
 pub mod visibility_texture;
+pub mod warped_casters;
+pub mod warped_query;
 pub mod work_owners;

@@ -22,36 +22,51 @@ pub struct PageTexel {
 /// The texels of a page, row by row, on a level that has `scale` texels for one of the map. An edge within `guard` texels of the map leaves
 /// a texel open.
 pub fn texels(view: &View, triangles: &[Triangle], scale: f64, page: [u32; 2], guard: f64) -> Vec<PageTexel> {
-    let figures: Vec<(Option<Flat>, &Triangle)> =
-        triangles.iter().filter(|t| t.map != Reach::Nowhere).map(|t| (t.flat(), t)).collect();
+    let casters = Casters::new(view, triangles, guard);
     let corner = page.map(|at| f64::from(at * PAGE));
     let place = |k: u32| DVec2::new(corner[0] + f64::from(k % PAGE) + 0.5, corner[1] + f64::from(k / PAGE) + 0.5);
-    (0..PAGE * PAGE)
-        .map(|k| {
-            let at = place(k) / scale;
-            let mut texel = PageTexel::default();
-            for (flat, triangle) in &figures {
-                let found = match (flat, triangle.corners) {
-                    (Some(flat), _) => {
-                        let inside = flat.inside(at).into_iter().fold(f64::INFINITY, f64::min);
-                        texel.open |= flat.is_thin() && inside > -64.0 * guard;
-                        Some((flat.depth(at), inside, flat.slope.map_or(0.0, |s| s.abs().element_sum())))
-                    }
-                    (None, Some(corners)) => {
-                        depth_in_front(view, corners, at).map(|(depth, inside)| (depth, inside, 0.0))
-                    }
-                    _ => None,
-                };
-                let Some((depth, inside, slope)) = found else { continue };
-                texel.open |= inside.abs() <= guard;
-                if inside >= 0.0 && texel.nearest.is_none_or(|nearest| depth < nearest) {
-                    texel.nearest = Some(depth);
-                    texel.slope = slope;
+    (0..PAGE * PAGE).map(|k| casters.at(place(k) / scale)).collect()
+}
+
+/// Casters that are asked for the nearest at places of the map.
+#[derive(Debug)]
+pub(super) struct Casters<'a> {
+    view: &'a View,
+    figures: Vec<(Option<Flat>, &'a Triangle)>,
+    guard: f64,
+}
+
+impl<'a> Casters<'a> {
+    /// An edge within `guard` texels of the map leaves a texel open.
+    pub(super) fn new(view: &'a View, triangles: &'a [Triangle], guard: f64) -> Self {
+        let figures = triangles.iter().filter(|t| t.map != Reach::Nowhere).map(|t| (t.flat(), t)).collect();
+        Self { view, figures, guard }
+    }
+
+    /// The texel whose centre lies there.
+    pub(super) fn at(&self, at: DVec2) -> PageTexel {
+        let mut texel = PageTexel::default();
+        for (flat, triangle) in &self.figures {
+            let found = match (flat, triangle.corners) {
+                (Some(flat), _) => {
+                    let inside = flat.inside(at).into_iter().fold(f64::INFINITY, f64::min);
+                    texel.open |= flat.is_thin() && inside > -64.0 * self.guard;
+                    Some((flat.depth(at), inside, flat.slope.map_or(0.0, |s| s.abs().element_sum())))
                 }
+                (None, Some(corners)) => {
+                    depth_in_front(self.view, corners, at).map(|(depth, inside)| (depth, inside, 0.0))
+                }
+                _ => None,
+            };
+            let Some((depth, inside, slope)) = found else { continue };
+            texel.open |= inside.abs() <= self.guard;
+            if inside >= 0.0 && texel.nearest.is_none_or(|nearest| depth < nearest) {
+                texel.nearest = Some(depth);
+                texel.slope = slope;
             }
-            texel
-        })
-        .collect()
+        }
+        texel
+    }
 }
 
 #[cfg(test)]

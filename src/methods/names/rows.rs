@@ -9,7 +9,7 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
 }
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 38] = [
+pub const METHOD_OPTIONS: [&str; 40] = [
     "facets",
     "validity",
     "masks",
@@ -47,6 +47,8 @@ pub const METHOD_OPTIONS: [&str; 38] = [
     "confidence-power",
     "pages",
     "finer",
+    "density",
+    "stretch",
     "looks",
 ];
 
@@ -54,7 +56,7 @@ pub const METHOD_OPTIONS: [&str; 38] = [
 const VIEWS: &str = "over casters and receivers; slices, warps; a cube";
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 22] = [
+pub const METHODS: [MethodRow; 23] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -439,6 +441,31 @@ pub const METHODS: [MethodRow; 22] = [
         query: TexelQuery::Pages,
         partition: None,
         options: &["bias", "slope-bias", "partition", "splits", "split-weight", "warp", "focus", "pages", "finer"],
+    },
+    MethodRow {
+        method: MethodName::Rectilinear,
+        name: "rectilinear",
+        paper: "Rosen 2012: Rectilinear Texture Warping for Fast Adaptive Shadow Mapping",
+        section: "with --density logarithmic Scherzer 2011: 4.2.1",
+        parts: [
+            "as wide along either axis as pixels ask, or as the eye is far; slices, warps; a cube",
+            "nearest depth",
+            "compare every sample",
+        ],
+        query: TexelQuery::Axes,
+        partition: None,
+        options: &[
+            "bias",
+            "slope-bias",
+            "partition",
+            "splits",
+            "split-weight",
+            "warp",
+            "focus",
+            "density",
+            "stretch",
+            "looks",
+        ],
     },
     MethodRow {
         method: MethodName::RayTraced,

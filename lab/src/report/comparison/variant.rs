@@ -5,9 +5,9 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
-    DiscFilter, FacetMode, HistorySettings, MethodName, MomentSettings, PageSettings, PairVariant, PolygonIdSettings,
-    ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings,
-    SmsrShape, SpsmEncoding, SpsmSettings,
+    AxisSettings, DensityRule, DiscFilter, FacetMode, HistorySettings, MethodName, MomentSettings, PageSettings,
+    PairVariant, PolygonIdSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings,
+    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -200,6 +200,20 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                     let pages = PageSettings { finer, ..settings.pages };
                     add(&format!("finer={finer}"), Settings { pages, ..settings.clone() });
                 }
+            }
+        }
+        MethodName::Rectilinear => {
+            for (name, density) in [("requested", DensityRule::Requested), ("logarithmic", DensityRule::Logarithmic)] {
+                let axes = AxisSettings { density, ..settings.axes };
+                add(&format!("density={name}"), Settings { axes, ..settings.clone() });
+            }
+            if more {
+                let axes = AxisSettings { stretch: 8, ..settings.axes };
+                add("density=requested stretch=8", Settings { axes, ..settings.clone() });
+                let axes = AxisSettings { density: DensityRule::Logarithmic, ..settings.axes };
+                let plan = SplitPlan { splits: 1, warp: Warp::Fitted, focus: SplitPlan::FOCUS, ..SplitPlan::default() };
+                let partition = Some(plan);
+                add("density=logarithmic warp=fitted", Settings { axes, partition, ..settings.clone() });
             }
         }
         MethodName::RayTraced => {
