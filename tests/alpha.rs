@@ -274,6 +274,7 @@ fn depth_maps_have_holes() {
                 | TexelQuery::Centres
                 | TexelQuery::Polygons
                 | TexelQuery::Silhouettes
+                | TexelQuery::Deep
                 | TexelQuery::Axes
         ) && m.row().partition.is_none()
     };

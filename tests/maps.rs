@@ -49,6 +49,7 @@ fn variants() -> Vec<(String, MethodName, Settings)> {
         (MethodName::Exponential, 1),
         (MethodName::ExponentialVariance, 8),
         (MethodName::FourMoments, 1),
+        (MethodName::Deep, 8),
         (MethodName::Trapezoidal, 8),
         (MethodName::Lispsm, 1),
         (MethodName::Perspective, 8),

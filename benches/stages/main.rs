@@ -17,6 +17,8 @@ mod candidate_pairs;
 mod caster_positions;
 mod compact;
 mod compared_depths;
+mod deep_map;
+mod deep_shadows;
 mod dispatch_args;
 mod facet_classify;
 mod front_layer;
@@ -88,7 +90,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 51] = [
+    let without_textures: [Maker; 53] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -115,6 +117,8 @@ fn run(options: &Options) -> Result<()> {
         smsr::cases,
         map_moments::cases,
         moment_shadows::cases,
+        deep_map::cases,
+        deep_shadows::cases,
         shadow_rays::cases,
         sample_bins::cases,
         silhouette_mask::cases,

@@ -262,6 +262,76 @@ pub mod compared_depths {
     }
 }
 
+/// `kernels/deep_map.wgsl`.
+pub mod deep_map {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/raster/front_split", "shared/raster/deep_nodes",
+        "deep_map",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, NO_PLACE = 16777215, WHOLE = 128,
+        WORKGROUP = 64, MOST_NODES = 15, ERROR_UNIT = 32768, TRIES = 8,
+    }
+    overrides! {
+        sub: u32 = 4, "SUB",
+        nodes: u32 = 7, "NODES",
+        error: f32 = 8.0, "ERROR",
+    }
+    entry_point! { "deep_map", "compress", [64, 1, 1], SOURCE, Constants => Compress, CompressProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 nearest_keys: Read<'a, u32>,
+        2 deep: Write<'a, u32>,
+        3 worst: Write<'a, u32>,
+    } }
+    entries! {
+        Compress,
+    }
+}
+
+/// `kernels/deep_shadows.wgsl`.
+pub mod deep_shadows {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/deep_nodes",
+        "deep_shadows",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
+        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, NO_PLACE = 16777215,
+        WHOLE = 128, WORKGROUP = 64,
+    }
+    overrides! {
+        sub: u32 = 4, "SUB",
+        nodes: u32 = 7, "NODES",
+        bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
+        bias_slope: f32 = 1.05, "BIAS_SLOPE",
+    }
+    entry_point! { "deep_shadows", "ask", [64, 1, 1], SOURCE, Constants => Ask, AskProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 deep: Read<'a, u32>,
+        6 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        Ask,
+    }
+}
+
 /// `kernels/dispatch_args.wgsl`.
 pub mod dispatch_args {
     use crate::entry_point;
@@ -2917,6 +2987,8 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("caster_positions", caster_positions::SOURCE, caster_positions::ENTRIES),
     ("compact", compact::SOURCE, compact::ENTRIES),
     ("compared_depths", compared_depths::SOURCE, compared_depths::ENTRIES),
+    ("deep_map", deep_map::SOURCE, deep_map::ENTRIES),
+    ("deep_shadows", deep_shadows::SOURCE, deep_shadows::ENTRIES),
     ("dispatch_args", dispatch_args::SOURCE, dispatch_args::ENTRIES),
     ("facet_classify", facet_classify::SOURCE, facet_classify::ENTRIES),
     ("front_layer", front_layer::SOURCE, front_layer::ENTRIES),

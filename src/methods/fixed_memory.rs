@@ -3,6 +3,7 @@
 
 use super::by_views::{ByViews, Left};
 use super::debug_views::DebugViews;
+use super::deep_mapping::DeepMapping;
 use super::facet_masks::{Capacities, FacetSource};
 use super::geometry::{Geometry, GeometryPipelines, SetupOf};
 use super::history::MethodHistory;
@@ -235,6 +236,7 @@ impl FixedMemory {
             TexelQuery::Triangles => Box::new(Spsm::new(parts)?),
             TexelQuery::Centres => Box::new(Reconstructable::new(parts)?),
             TexelQuery::Polygons => Box::new(PolygonMapping::new(parts)?),
+            TexelQuery::Deep => Box::new(DeepMapping::new(parts)?),
             TexelQuery::Silhouettes => Box::new(SilhouetteMapping::new(parts)?),
             TexelQuery::Map(query) => Box::new(ShadowMapping::new(parts, query)?),
             TexelQuery::Pages => Box::new(ResolutionMatched::new(parts)?),
@@ -250,8 +252,8 @@ impl FixedMemory {
         };
         let counts = settings.count_pixels && (method.facets().is_some() || method.classes().is_some());
         let counted = || {
-            let counts = Buffer::storage(device, "pixel_counts.counts", settings.pixels())?;
-            Ok::<_, Error>((CountedPixels::new(device), counts))
+            let counts = Buffer::storage(device, "pixel_counts.counts", settings.pixels());
+            counts.map(|counts| (CountedPixels::new(device), counts))
         };
         Ok(Self {
             counted: counts.then(counted).transpose()?,
@@ -295,8 +297,7 @@ impl FixedMemory {
         self.views
     }
 
-    /// The view that each pixel asked in the last frame, row by row from the top; empty where there was one, and where a pixel
-    /// asks all that hold it.
+    /// The view that each pixel asked in the last frame, row by row; empty where there was one, or pixels ask all that hold them.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
@@ -433,9 +434,8 @@ impl FixedMemory {
         by_views.iter().for_each(|by| by.record_put(rec, self.left()));
         geometry.record_depths(rec, with, (frame, samples), casters, status);
         if let Some(history) = &self.history {
-            let Geometry { id_keys, points, .. } = geometry;
-            let seen = PrimaryHits { samples, id_keys, triangles: &casters.triangles, points };
-            history.record(rec, frame, seen, method.visibility());
+            let (id_keys, triangles, points) = (&geometry.id_keys, &casters.triangles, &geometry.points);
+            history.record(rec, frame, PrimaryHits { samples, id_keys, triangles, points }, method.visibility());
         }
         if let Some((counted, counts)) = &self.counted {
             rec.clear(counts.raw());

@@ -6,6 +6,8 @@ pub mod by_views;
 #[cfg(feature = "baselines")]
 pub mod debug_views;
 #[cfg(feature = "baselines")]
+pub mod deep_mapping;
+#[cfg(feature = "baselines")]
 pub mod early_out;
 pub mod every_surface;
 pub mod facet_masks;
@@ -51,7 +53,7 @@ pub use history::HistorySettings;
 pub use names::{METHOD_OPTIONS, METHODS, MapQuery, MethodName, MethodRow, TexelQuery};
 pub use prepared::Prepared;
 pub use settings::{
-    AxisSettings, DensityRule, DiscFilter, FacetMode, MomentSettings, PageSettings, PairVariant, PolygonIdSettings,
-    ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings,
-    SmsrShape, SpsmEncoding, SpsmSettings,
+    AxisSettings, DeepSettings, DensityRule, DiscFilter, FacetMode, MomentSettings, PageSettings, PairVariant,
+    PolygonIdSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings, ShadowMapSettings,
+    SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };

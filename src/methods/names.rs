@@ -1,12 +1,15 @@
 //! The methods by name: one row each.
 
+mod options;
 mod rows;
 
-pub use rows::{METHOD_OPTIONS, METHODS};
+pub use options::METHOD_OPTIONS;
+pub use rows::METHODS;
 
 use super::settings::Settings;
 pub use super::texel_query::{MapQuery, TexelQuery};
-use crate::light_view::SplitPlan;
+use crate::light_view::{LightView, SplitPlan};
+use crate::{Error, Result};
 
 /// The methods by their names, the same in API, program, reports and files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -40,6 +43,8 @@ pub enum MethodName {
     ExponentialVariance,
     /// `four-moments`: Peters and Klein 2015.
     FourMoments,
+    /// `deep`: Lokovic, Veach 2000.
+    Deep,
     /// `trapezoidal`: Martin and Tan 2004.
     Trapezoidal,
     /// `lispsm`: Wimmer, Scherzer, Purgathofer 2004.
@@ -125,6 +130,24 @@ impl MethodName {
         }
     }
 
+    /// The settings with the map as it is made for the method: of `deep` with every sub-texel.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers, for a map that is larger than any can be.
+    pub(crate) fn with_whole_map(self, settings: Settings) -> Result<Settings> {
+        if self.row().query != TexelQuery::Deep {
+            return Ok(settings);
+        }
+        let (map, sub, most) = (settings.map, settings.deep.sub_texels, LightView::LARGEST_MAP);
+        match map.checked_mul(sub).filter(|side| *side <= most) {
+            Some(side) => Ok(Settings { map: side, ..settings }),
+            None => Err(Error::Config(format!(
+                "{}: a map of {map} texels a side, {sub} x {sub} sub-texels each; {most} sub-texels a side are possible",
+                self.name()
+            ))),
+        }
+    }
+
     /// Whether its frames keep classes of pixels, and whether they keep a light-view map ([`DebugViews`](super::DebugViews)).
     pub fn keeps(self) -> [bool; 2] {
         match self.row().query {
@@ -133,6 +156,7 @@ impl MethodName {
             | TexelQuery::Centres
             | TexelQuery::Polygons
             | TexelQuery::Silhouettes
+            | TexelQuery::Deep
             | TexelQuery::Axes => [false, true],
             TexelQuery::Pages | TexelQuery::Rays | TexelQuery::Samples => [false, false],
         }

@@ -42,6 +42,10 @@ pub struct Counts {
     pub pages_asked: u64,
     /// Thirds of a level by which all had to be coarser than asked for there.
     pub thirds_coarser: u64,
+    /// Greatest difference of a texel's nodes from the steps of its sub-texels: parts of 32768 of the light (`deep`).
+    pub deep_error: u64,
+    /// Texels whose nodes did not suffice for the error asked for (`deep`), of all views of the light.
+    pub deep_raised: u64,
 }
 
 /// How one list fared.
@@ -170,6 +174,8 @@ impl Counts {
             pages: self.pages + o.pages,
             pages_asked: self.pages_asked + o.pages_asked,
             thirds_coarser: self.thirds_coarser.max(o.thirds_coarser),
+            deep_error: self.deep_error.max(o.deep_error),
+            deep_raised: self.deep_raised + o.deep_raised,
         }
     }
 }

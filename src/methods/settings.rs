@@ -5,7 +5,8 @@ use super::history::HistorySettings;
 pub use super::page_settings::PageSettings;
 use super::prepared::Prepared;
 pub use super::texel_settings::{
-    DiscFilter, MomentSettings, PolygonIdSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
+    DeepSettings, DiscFilter, MomentSettings, PolygonIdSettings, ReconstructableSettings, ShadowMapSettings,
+    SmsrSettings, SmsrShape,
 };
 use crate::light_view::{LightView, MapTiles, PartBy, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;
@@ -193,6 +194,8 @@ pub struct Settings {
     pub reconstructable: ReconstructableSettings,
     /// Options of `polygon-ids`.
     pub polygon_ids: PolygonIdSettings,
+    /// Options of `deep`.
+    pub deep: DeepSettings,
     /// Options of `smsr`.
     pub smsr: SmsrSettings,
     /// Options of the methods that compare depths.
@@ -329,6 +332,7 @@ impl Settings {
             spsm: SpsmSettings::default(),
             reconstructable: ReconstructableSettings::default(),
             polygon_ids: PolygonIdSettings::default(),
+            deep: DeepSettings::default(),
             smsr: SmsrSettings::default(),
             shadow_map: ShadowMapSettings::default(),
             moments: MomentSettings::default(),
@@ -365,6 +369,7 @@ impl Settings {
         self.spsm.check()?;
         self.reconstructable.check()?;
         self.polygon_ids.check()?;
+        self.deep.check()?;
         self.smsr.check()?;
         self.moments.check()?;
         self.history.map_or(Ok(()), |history| history.check())?;

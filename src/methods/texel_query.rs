@@ -11,6 +11,8 @@ pub enum TexelQuery {
     Centres,
     /// Whose polygon is nearest at the centres of texels.
     Polygons,
+    /// The light that the texels around let pass to each depth.
+    Deep,
     /// Nearest depths, and between them points of the silhouette.
     Silhouettes,
     /// Nearest depths.

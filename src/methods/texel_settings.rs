@@ -1,6 +1,7 @@
 //! Options of the methods whose texels keep depths, or what is made of them, or triangles.
 
 use crate::stages::compared_depths::DepthRule;
+use crate::stages::deep_map::{DeepMapOptions, MOST_NODES};
 use crate::stages::map_moments::MomentMeasures;
 use crate::tap_disc::MOST_TAPS;
 use crate::{Error, Result};
@@ -59,6 +60,54 @@ impl PolygonIdSettings {
     }
 }
 
+/// Options of `deep`, whose bias is [`ShadowMapSettings::constant`], and [`ShadowMapSettings::slope`] times what the receiver's plane rises from a
+/// texel's middle to its corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeepSettings {
+    /// Sub-texels a side of a texel, whose nearest depths make its steps: 2, 4 or 8. The map has so many times as many a side, up to
+    /// [`LARGEST_MAP`](crate::light_view::LightView::LARGEST_MAP).
+    pub sub_texels: u32,
+    /// Nodes of a texel at most: 3 to [`MOST_NODES`].
+    pub nodes: u32,
+    /// Share of light by which the nodes' lines may be off the steps, 0 to 0.5; it is more in texels whose nodes do not suffice.
+    pub error: f32,
+}
+
+impl Default for DeepSettings {
+    fn default() -> Self {
+        Self { sub_texels: 4, nodes: 7, error: 1.0 / 8.0 }
+    }
+}
+
+impl DeepSettings {
+    /// Checks the values against what is possible.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the numbers.
+    pub fn check(&self) -> Result<()> {
+        let Self { sub_texels, nodes, error } = *self;
+        if !matches!(sub_texels, 2 | 4 | 8) {
+            return Err(Error::Config(format!(
+                "deep: {sub_texels} x {sub_texels} sub-texels; 2, 4 and 8 a side are possible"
+            )));
+        }
+        if !(3..=MOST_NODES).contains(&nodes) {
+            return Err(Error::Config(format!("deep: {nodes} nodes a texel; 3 to {MOST_NODES} are possible")));
+        }
+        if !(0.0..=0.5).contains(&error) {
+            return Err(Error::Config(format!("deep: an error of {error} of the light; 0 to 0.5 are possible")));
+        }
+        Ok(())
+    }
+}
+
+impl From<DeepSettings> for DeepMapOptions {
+    fn from(settings: DeepSettings) -> Self {
+        let DeepSettings { sub_texels, nodes, error } = settings;
+        Self { sub_texels, nodes, error }
+    }
+}
+
 /// Checks how many texels a side are asked around a sample's.
 fn check_lookups(lookups: u32) -> Result<()> {
     if !matches!(lookups, 1 | 3 | 5 | 7) {
@@ -68,7 +117,7 @@ fn check_lookups(lookups: u32) -> Result<()> {
 }
 
 /// Options of the methods that compare depths: which depth of a texel they compare, and the bias, without which a surface shadows itself
-/// where that is the nearest. `shadow-map`, `silhouette-map`, `trapezoidal`, `lispsm`, `perspective` and `parallel-split` take both parts of the bias, `pcf`, `smsr`, `variance`
+/// where that is the nearest. `shadow-map`, `silhouette-map`, `deep`, `trapezoidal`, `lispsm`, `perspective` and `parallel-split` take both parts of the bias, `pcf`, `smsr`, `variance`
 /// and `remix` the constant alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowMapSettings {

@@ -251,6 +251,7 @@ impl ShadowPass {
         config: &PassConfig,
     ) -> Result<Self> {
         check_tested(casters.are_tested(), &settings, pipelines.method())?;
+        let settings = pipelines.method().with_whole_map(settings)?;
         let limits = device.limits();
         let parts = match pipelines.is_fixed() {
             true => MapTiles::new(settings.map, NonZeroU32::MIN),
@@ -457,7 +458,7 @@ impl ShadowPass {
         self.failure.take()
     }
 
-    /// Settings of the pass.
+    /// Settings of the pass; the map of `deep` is that of its sub-texels.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -51,6 +51,13 @@ const SILHOUETTE_STAGES: [(&str, &str); 4] = [
     ("silhouette_map", "every sample against the depth on its side of them"),
 ];
 
+/// Stages of `deep` after what the camera sees.
+const DEEP_STAGES: [(&str, &str); 3] = [
+    ("light_layers", "nearest depth at every sub-texel centre"),
+    ("deep_map", "light of every texel to each depth, in a few nodes"),
+    ("deep_shadows", "every sample in the four texels around it"),
+];
+
 /// Stages of the methods that filter moments after what the camera sees.
 const MOMENT_STAGES: [(&str, &str); 3] = [
     NEAREST,
@@ -116,6 +123,7 @@ impl Plan {
             TexelQuery::Triangles => &SPSM_STAGES,
             TexelQuery::Centres => &CENTRE_STAGES,
             TexelQuery::Polygons => &POLYGON_STAGES,
+            TexelQuery::Deep => &DEEP_STAGES,
             TexelQuery::Silhouettes => &SILHOUETTE_STAGES,
             TexelQuery::Map(MapQuery::Nearest | MapQuery::Filtered) => &SHADOW_MAP_STAGES,
             TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,

@@ -9,6 +9,8 @@ pub mod candidate_pairs;
 pub mod caster_positions;
 pub mod compact;
 pub mod compared_depths;
+pub mod deep_map;
+pub mod deep_shadows;
 pub mod dispatch_args;
 pub mod facet_classify;
 pub mod front_layer;

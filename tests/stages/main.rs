@@ -8,6 +8,8 @@ mod candidate_pairs;
 mod caster_positions;
 mod compact;
 mod compared_depths;
+mod deep_map;
+mod deep_shadows;
 mod dispatch_args;
 mod facet_classify;
 mod front_layer;

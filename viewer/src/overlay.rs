@@ -96,6 +96,7 @@ impl Overlay {
             | TexelQuery::Centres
             | TexelQuery::Polygons
             | TexelQuery::Silhouettes
+            | TexelQuery::Deep
             | TexelQuery::Pages
             | TexelQuery::Axes => {
                 return self.counted().is_none();

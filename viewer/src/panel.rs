@@ -135,6 +135,11 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     if takes("slope-bias") && biased {
         changed |= slider(ui, half, "slope-bias", &mut options.slope_bias, 0.0..=8.0);
     }
+    if takes("sub-texels") {
+        changed |= numbers(ui, half, "sub-texels", &mut options.sub_texels, &[2, 4, 8]);
+        changed |= slider(ui, half, "nodes", &mut options.nodes, 3..=15);
+        changed |= slider(ui, half, "error", &mut options.error, 0.0..=0.5);
+    }
     if takes("shape") {
         changed |= words(ui, half, "shape", &mut options.shape);
         changed |= slider(ui, half, "reach", &mut options.reach, 1..=64);

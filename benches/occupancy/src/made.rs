@@ -10,8 +10,8 @@ use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::names::TexelQuery;
 use subpixel_shadows::methods::{
-    DensityRule, DiscFilter, FacetMode, MethodName, MomentSettings, PairVariant, PixelFilter, ProjectionVariant,
-    Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    DeepSettings, DensityRule, DiscFilter, FacetMode, MethodName, MomentSettings, PairVariant, PixelFilter,
+    ProjectionVariant, Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::pass::{Casters, PassConfig, ShadowPass};
 use subpixel_shadows::samples::{Pattern, Samples};
@@ -71,6 +71,8 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("rays", &[&|s| s.ray_traced.silhouettes = !s.ray_traced.silhouettes]);
     vary("kernel", &[&|s| s.shadow_map.kernel = 7]);
     vary("taps", &[&|s| s.shadow_map.disc = Some(DiscFilter { turned: true, ..DiscFilter::default() })]);
+    let deep = |sub_texels, nodes| move |s: &mut Settings| s.deep = DeepSettings { sub_texels, nodes, ..s.deep };
+    vary("sub-texels", &[&deep(2, 3), &deep(8, 15)]);
     vary("shape", &[&|s| s.smsr.shape = SmsrShape::Corners]);
     vary("reach", &[&|s| s.smsr.reach = SmsrSettings::LONGEST]);
     vary("exponent", &[&|s| s.moments.exponent = 8.0]);

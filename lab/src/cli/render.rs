@@ -23,6 +23,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::methods::{MethodName, Prepared};
 use subpixel_shadows::plan::Plan;
 use subpixel_shadows::scene::Light;
+use subpixel_shadows::stages::deep_map::ERROR_UNIT;
 
 /// Renders, writes the files, prints the table.
 pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
@@ -248,6 +249,10 @@ fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
     if c.pages > 0 {
         let coarser = c.thirds_coarser as f64 / 3.0;
         rows.push(row("pages", c.pages, format!("{} asked for, {coarser:.2} levels coarser", grouped(c.pages_asked))));
+    }
+    if c.deep_error > 0 {
+        let share = c.deep_error as f64 / f64::from(ERROR_UNIT);
+        rows.push(row("texels beyond the error asked for", c.deep_raised, format!("{share:.4} of the light at most")));
     }
     report.table(&rows, &[1]);
     let lists = &rendered.output.lists;

@@ -16,9 +16,9 @@ use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::{PairVariant, Settings};
 use subpixel_shadows::methods::{
-    AxisSettings, DiscFilter, HistorySettings, MethodName, MomentSettings, PageSettings, PolygonIdSettings,
-    ProjectionVariant, RayTracedSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings, SmsrShape,
-    SpsmEncoding, SpsmSettings,
+    AxisSettings, DeepSettings, DiscFilter, HistorySettings, MethodName, MomentSettings, PageSettings,
+    PolygonIdSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings, ShadowMapSettings, SmsrSettings,
+    SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::render::Budget;
 use subpixel_shadows::samples::Samples;
@@ -102,6 +102,15 @@ pub struct RenderOptions {
     /// Times its steeper slope per texel by which a receiver is moved besides
     #[arg(long, default_value_t = 1.05, value_name = "TIMES")]
     pub slope_bias: f32,
+    /// Sub-texels a side of a texel of deep, each with a depth of its own: 2, 4 or 8
+    #[arg(long, default_value_t = 4, value_name = "N")]
+    pub sub_texels: u32,
+    /// Nodes at most of the light of a texel over depth (deep): 3 to 15
+    #[arg(long, default_value_t = 7, value_name = "N")]
+    pub nodes: u32,
+    /// Share of light by which the lines between those nodes may be off the sub-texels: 0 to 0.5; more where they do not suffice
+    #[arg(long, default_value_t = 0.125, value_name = "SHARE")]
+    pub error: f32,
     /// How smsr draws the steps of a map anew: from corners, as in the paper, or through the middles of the steps
     #[arg(long, value_enum, default_value_t, value_name = "WHERE")]
     pub shape: Shape,
@@ -296,6 +305,7 @@ impl RenderOptions {
                 None => ReconstructableSettings::default(),
             },
             polygon_ids: self.lookups.map_or_else(PolygonIdSettings::default, |lookups| PolygonIdSettings { lookups }),
+            deep: DeepSettings { sub_texels: self.sub_texels, nodes: self.nodes, error: self.error },
             smsr: SmsrSettings {
                 shape: match self.shape {
                     Shape::Corners => SmsrShape::Corners,

@@ -59,6 +59,9 @@ impl RenderOptions {
             ("compare", word(o.compare)),
             ("bias", number(o.bias)),
             ("slope-bias", number(o.slope_bias)),
+            ("sub-texels", json!(o.sub_texels)),
+            ("nodes", json!(o.nodes)),
+            ("error", number(o.error)),
             ("shape", word(o.shape)),
             ("reach", json!(o.reach)),
             ("partition", word(o.partition)),
@@ -186,6 +189,7 @@ mod tests {
             "cargo run --release -- render plane --method pcf --kernel 5 --light 'point=1,7.25,0.1' --size 64x48",
             "windmill --facets one --samples 8 --map 256 --pattern grid --ground --camera 'eye=9,9,9.1;target=0,0,0;fov=31'",
             "spheres --method shadow-map --bias 0.001 --slope-bias 2.5",
+            "leaves --method deep --sub-texels 8 --nodes 15 --error 0.02",
             "spheres --method remix --splits 2 --warp even --bleeding 0.25 --grazing 5",
         ] {
             let own = FrameArguments::of_line(line).unwrap();

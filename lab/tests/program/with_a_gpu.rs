@@ -49,6 +49,7 @@ fn every_method_keeps_the_contract() {
         ("exponential", "map_moments"),
         ("exponential-variance", "moment_shadows"),
         ("four-moments", "moment_shadows"),
+        ("deep", "deep_map"),
         ("trapezoidal", "shadow_map"),
         ("lispsm", "shadow_map"),
         ("perspective", "shadow_map"),

@@ -1,4 +1,4 @@
-//! The rows, and the options that they name.
+//! The rows.
 
 use super::{MapQuery, MethodName, MethodRow, TexelQuery};
 use crate::light_view::{PartBy, SplitPlan, Warp};
@@ -8,55 +8,11 @@ const fn own(splits: u32, warp: Warp) -> Option<SplitPlan> {
     Some(SplitPlan { by: PartBy::Depth, splits, warp, focus: SplitPlan::FOCUS, weight: SplitPlan::WEIGHT })
 }
 
-/// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 40] = [
-    "facets",
-    "validity",
-    "masks",
-    "pairs",
-    "projection",
-    "filter",
-    "memory-limit",
-    "list-start",
-    "encoding",
-    "search",
-    "recovery",
-    "slope-power",
-    "lookups",
-    "rays",
-    "kernel",
-    "taps",
-    "radius",
-    "turned",
-    "compare",
-    "bias",
-    "slope-bias",
-    "shape",
-    "reach",
-    "partition",
-    "splits",
-    "split-weight",
-    "warp",
-    "focus",
-    "bleeding",
-    "grazing",
-    "exponent",
-    "layers",
-    "terms",
-    "history",
-    "confidence-power",
-    "pages",
-    "finer",
-    "density",
-    "stretch",
-    "looks",
-];
-
 /// Where texels lie of most methods.
 const VIEWS: &str = "over casters and receivers; slices, warps; a cube";
 
 /// All methods, in the order of [`MethodName::ALL`].
-pub const METHODS: [MethodRow; 23] = [
+pub const METHODS: [MethodRow; 24] = [
     MethodRow {
         method: MethodName::FacetMasks,
         name: "facet-masks",
@@ -360,6 +316,32 @@ pub const METHODS: [MethodRow; 23] = [
             "grazing",
             "history",
             "confidence-power",
+            "looks",
+        ],
+    },
+    MethodRow {
+        method: MethodName::Deep,
+        name: "deep",
+        paper: "Lokovic, Veach 2000: Deep Shadow Maps",
+        section: "3; Scherzer 2011: 6",
+        parts: [
+            VIEWS,
+            "share of light to each depth, of its sub-texels, in a few nodes",
+            "every sample in the four texels around it, on the receiver's plane",
+        ],
+        query: TexelQuery::Deep,
+        partition: None,
+        options: &[
+            "bias",
+            "slope-bias",
+            "sub-texels",
+            "nodes",
+            "error",
+            "partition",
+            "splits",
+            "split-weight",
+            "warp",
+            "focus",
             "looks",
         ],
     },

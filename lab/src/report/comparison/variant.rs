@@ -5,9 +5,9 @@ use subpixel_shadows::Result;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
-    AxisSettings, DensityRule, DiscFilter, FacetMode, HistorySettings, MethodName, MomentSettings, PageSettings,
-    PairVariant, PolygonIdSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings, Settings,
-    ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    AxisSettings, DeepSettings, DensityRule, DiscFilter, FacetMode, HistorySettings, MethodName, MomentSettings,
+    PageSettings, PairVariant, PolygonIdSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings,
+    Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -154,6 +154,14 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
         | MethodName::Lispsm
         | MethodName::Perspective => {
             add("", settings.clone());
+        }
+        MethodName::Deep => {
+            for (sub_texels, nodes) in [(4, 7), (2, 7), (4, 3), (8, 7), (8, 15)] {
+                if (sub_texels, nodes) == (4, 7) || more {
+                    let deep = DeepSettings { sub_texels, nodes, ..settings.deep };
+                    add(&format!("sub-texels={sub_texels} nodes={nodes}"), Settings { deep, ..settings.clone() });
+                }
+            }
         }
         MethodName::LayeredVariance => {
             for layers in [4, 2, 8] {
