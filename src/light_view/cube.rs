@@ -67,6 +67,34 @@ impl LightView {
         Ok(SIDES.iter().map(|&side| Reach::whole(0.0, far, HALF).view(at, side, map_size)).collect())
     }
 
+    /// The same of several boxes that together hold all casters: of a light outside all of them, those sides in which one is, as narrow as they allow.
+    ///
+    /// # Errors
+    /// As [`LightView::cube`].
+    pub fn cube_around_boxes(boxes: &[(DVec3, DVec3)], light: &Light, map_size: u32) -> Result<Vec<Self>> {
+        check(light, map_size)?;
+        let at = position(light)?;
+        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        let all = boxes.iter().copied().reduce(join).unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let slack = 1e-3 * (all.1 - all.0).max_element();
+        let holds = |(low, high): &(DVec3, DVec3)| at.cmpge(*low - slack).all() && at.cmple(*high + slack).all();
+        if boxes.iter().any(holds) {
+            // What is in the box with it may be anywhere.
+            return Self::cube_around(all, light, map_size);
+        }
+        // Each ray that meets a caster meets a side of its box before it, and one behind it.
+        let mut mesh = Mesh::default();
+        for &(low, high) in boxes {
+            let first = mesh.positions.len() as u32;
+            let pick = |k: u32, axis: usize| (if k >> axis & 1 == 0 { low[axis] } else { high[axis] }) as f32;
+            mesh.positions.extend((0..8).map(|k| [pick(k, 0), pick(k, 1), pick(k, 2)]));
+            let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+            let halves = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+            mesh.triangles.extend(halves.map(|t| t.map(|v| v + first)));
+        }
+        Self::cube_of(MeshAndTree { mesh: &mesh, tree: &MeshTree::new(&mesh) }, light, map_size)
+    }
+
     /// The view of a spot light's cone, as narrow as the casters in it allow that are no farther than `range`: outside the cone, and farther, it may miss
     /// some. `None` for other lights, and cones of more than 150 degrees.
     ///
@@ -250,6 +278,37 @@ mod tests {
             }
         }
         assert!(twice > 0, "no point at an edge of the cube");
+    }
+
+    /// Points of boxes, and those of their inside, lie in views in front of and within their depths; a light that stands in one has all six sides.
+    #[test]
+    fn every_point_of_every_box_lies_in_a_view() {
+        let boxes = [
+            (DVec3::new(1.0, -0.5, -0.5), DVec3::new(3.0, 0.5, 0.75)),
+            (DVec3::new(-4.0, -1.0, 2.0), DVec3::new(-0.25, 3.0, 2.0)),
+            (DVec3::new(-1.0, -6.0, -1.0), DVec3::new(0.5, -3.0, 1.0)),
+        ];
+        let views = LightView::cube_around_boxes(&boxes, &Light::Point { position: [0.0; 3] }, 64).unwrap();
+        assert_eq!(views.len(), 5, "in one side there is none");
+        let mut missed = 0;
+        for (low, high) in boxes {
+            for k in 0..729u32 {
+                let share = DVec3::new(f64::from(k % 9), f64::from(k / 9 % 9), f64::from(k / 81)) / 8.0;
+                let p = low + (high - low) * share;
+                let inside = |view: &&LightView| {
+                    let q = p.extend(1.0);
+                    let [u, v, z, w] = [view.u, view.v, view.z, view.w].map(|row| row.dot(q));
+                    let across = w > 0.0 && u >= 0.0 && v >= 0.0 && u <= 64.0 * w && v <= 64.0 * w;
+                    across && w >= view.clear - 1e-9 && z <= (1.0 + 1e-9) * w
+                };
+                assert!(views.iter().any(|view| inside(&view)), "{p} lies in no view");
+                // A view fewer is told.
+                missed += u32::from(!views[1..].iter().any(|view| inside(&view)));
+            }
+        }
+        assert!(missed > 20, "{missed}");
+        let within = Light::Point { position: [2.0, -0.25, 0.0] };
+        assert_eq!(LightView::cube_around_boxes(&boxes, &within, 64).unwrap().len(), 6);
     }
 
     #[test]

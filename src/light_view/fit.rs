@@ -122,11 +122,25 @@ impl LightView {
     ///
     /// # Errors
     /// As [`LightView::fit`].
-    pub fn around((lowest, highest): (DVec3, DVec3), light: &Light, map_size: u32) -> Result<Self> {
+    pub fn around(bounds: (DVec3, DVec3), light: &Light, map_size: u32) -> Result<Self> {
+        Self::around_boxes(&[bounds], light, map_size)
+    }
+
+    /// Likewise to several boxes that together hold all casters.
+    ///
+    /// # Errors
+    /// As [`LightView::fit`].
+    pub fn around_boxes(boxes: &[(DVec3, DVec3)], light: &Light, map_size: u32) -> Result<Self> {
         check(light, map_size)?;
-        let pick = |k: usize, axis: usize| if k >> axis & 1 == 0 { lowest[axis] } else { highest[axis] };
-        let corners: [DVec3; 8] = std::array::from_fn(|k| DVec3::new(pick(k, 0), pick(k, 1), pick(k, 2)));
-        Ok(Self::holding(Points::of(&corners), (lowest + highest) * 0.5, light, map_size))
+        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        let all = boxes.iter().copied().reduce(join).unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let boxes = if boxes.is_empty() { &[all] } else { boxes };
+        let of_box = |&(lowest, highest): &(DVec3, DVec3)| -> [DVec3; 8] {
+            let pick = |k: usize, axis: usize| if k >> axis & 1 == 0 { lowest[axis] } else { highest[axis] };
+            std::array::from_fn(|k| DVec3::new(pick(k, 0), pick(k, 1), pick(k, 2)))
+        };
+        let corners: Vec<DVec3> = boxes.iter().flat_map(of_box).collect();
+        Ok(Self::holding(Points::of(&corners), (all.0 + all.1) * 0.5, light, map_size))
     }
 
     fn directional(points: Points, towards: DVec3, map_size: u32) -> Self {

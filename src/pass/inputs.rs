@@ -41,7 +41,7 @@ pub enum Casters<'a> {
     },
     /// Any of these together: parts that stand, move, or are instances. Each frame says where those are that do not stand
     /// ([`Inputs::parts`]), and any part is [added](crate::ShadowPass::add_part) and [removed](crate::ShadowPass::remove_part) by itself. What stands is
-    /// prepared and written once. The light's views hold the box of all parts. Triangles have the numbers that
+    /// prepared and written once. The light's views hold the box of each part. Triangles have the numbers that
     /// [`part_triangles`](crate::ShadowPass::part_triangles) tells, those of the first parts one after the other.
     Parts {
         /// The first parts, whose numbers are 0, 1, ….
@@ -147,6 +147,16 @@ pub enum PartAt<'a> {
     Moved(Moved<'a>),
     /// Of [`PartKind::Instances`].
     Placed(Placed<'a>),
+}
+
+impl PartAt<'_> {
+    /// The box that holds the part.
+    pub fn bounds(&self) -> [[f32; 3]; 2] {
+        match self {
+            Self::Moved(moved) => moved.bounds,
+            Self::Placed(placed) => placed.bounds,
+        }
+    }
 }
 
 /// Places of instances in a frame.

@@ -21,7 +21,7 @@ pub use part::NewPart;
 use part::{Contents, EDGES, KINDS, NewMoves, Part, Source, TRIANGLES, VERTICES};
 use ranges::Ranges;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -262,12 +262,12 @@ impl PartSet {
         with_bodies.peek().is_some() && with_bodies.all(|part| holds(&part.prepared))
     }
 
-    /// Checks where a frame says that parts are; the box of all.
+    /// Checks where a frame says that parts are.
     ///
     /// # Errors
     /// [`Error::Config`], with the number of the part.
-    pub fn check(&self, places: &[PartPlace], limits: &wgpu::Limits) -> Result<(DVec3, DVec3)> {
-        let mut told = BTreeMap::new();
+    pub fn check(&self, places: &[PartPlace], limits: &wgpu::Limits) -> Result<()> {
+        let mut told = BTreeSet::new();
         for place in places {
             let number = place.part;
             let refuse = |text: &str| Err(Error::Config(format!("part {number}: {text}")));
@@ -292,20 +292,29 @@ impl PartSet {
             if !(0..3).all(|k| low[k].is_finite() && high[k].is_finite() && low[k] <= high[k]) {
                 return refuse(&format!("no box from {low:?} to {high:?}"));
             }
-            if told.insert(number, [low, high].map(|p| Vec3::from(p).as_dvec3())).is_some() {
+            if !told.insert(number) {
                 return refuse("the frame says twice where it is");
             }
         }
-        let mut all: Option<(DVec3, DVec3)> = None;
-        for (number, part) in &self.parts {
-            let bounds = match (&part.source, told.get(number)) {
-                (Source::Standing, _) => part.prepared.tree().bounds(),
-                (_, Some([low, high])) => (!part.at[TRIANGLES].is_empty()).then_some((*low, *high)),
-                _ => return Err(Error::Config(format!("part {number} moves, and the frame does not say where it is"))),
-            };
-            all = all.into_iter().chain(bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let untold =
+            |(number, part): &(&u32, &Arc<Part>)| !matches!(part.source, Source::Standing) && !told.contains(*number);
+        match self.parts.iter().find(untold) {
+            Some((number, _)) => {
+                Err(Error::Config(format!("part {number} moves, and the frame does not say where it is")))
+            }
+            None => Ok(()),
         }
-        Ok(all.unwrap_or((DVec3::ZERO, DVec3::ONE)))
+    }
+
+    /// The boxes of parts that have triangles, of which those that move are where a frame says, which has been checked.
+    pub fn boxes(&self, places: &[PartPlace]) -> Vec<(DVec3, DVec3)> {
+        let told: BTreeMap<u32, [[f32; 3]; 2]> = places.iter().map(|place| (place.part, place.at.bounds())).collect();
+        let of_part = |(number, part): (&u32, &Arc<Part>)| match (&part.source, told.get(number)) {
+            (Source::Standing, _) => part.prepared.tree().bounds(),
+            _ if part.at[TRIANGLES].is_empty() => None,
+            (_, told) => told.map(|ends| ends.map(|p| Vec3::from(p).as_dvec3())).map(|[low, high]| (low, high)),
+        };
+        self.parts.iter().filter_map(of_part).collect()
     }
 
     /// Brings what moves to its places, which have been checked.

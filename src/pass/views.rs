@@ -29,7 +29,8 @@ impl Views {
         let range = f64::from(range);
         if !casters.are_known() {
             let outside = casters.parts.as_ref().is_some_and(|parts| parts.backs_add_nothing(light));
-            let around = Self::around(bounds, light, map, cone)?;
+            let boxes = casters.parts.as_ref().map_or_else(|| vec![bounds], |parts| parts.boxes(inputs.parts));
+            let around = Self::around(bounds, &boxes, light, map, cone)?;
             return Ok(around.into_iter().map(|view| LightView { outside, ..view }).collect());
         }
         // What shadows no caster may shadow what is none.
@@ -63,12 +64,18 @@ impl Views {
         Ok(views)
     }
 
-    /// The views of a box.
-    fn around(bounds: (DVec3, DVec3), light: &Light, map: u32, cone: bool) -> Result<Vec<LightView>> {
+    /// The views of boxes, which lie between `bounds`.
+    fn around(
+        bounds: (DVec3, DVec3),
+        boxes: &[(DVec3, DVec3)],
+        light: &Light,
+        map: u32,
+        cone: bool,
+    ) -> Result<Vec<LightView>> {
         if cone && let Some(view) = LightView::cone_around(bounds, light, map)? {
             return Ok(vec![view]);
         }
-        let view = LightView::around(bounds, light, map)?;
-        if view.complete { Ok(vec![view]) } else { LightView::cube_around(bounds, light, map) }
+        let view = LightView::around_boxes(boxes, light, map)?;
+        if view.complete { Ok(vec![view]) } else { LightView::cube_around_boxes(boxes, light, map) }
     }
 }

@@ -138,6 +138,31 @@ fn parts_are_the_mesh_of_all_of_them() {
     }
 }
 
+/// A lamp between parts has views of the sides in which there are some, in one with a part all six; a floor under it has a part of its own.
+#[gpu_test]
+fn lamps_among_parts_have_views_of_parts() {
+    let (camera, settings) = (camera(), settings(FacetMode::All));
+    let [body, floor] = meshes();
+    let boxes = [0, 3, 6, 13].map(|k| at(&body, &[exact(k)]));
+    let mut all = joined(&boxes.each_ref());
+    let parts: Vec<CasterPart> = boxes.iter().chain([&floor]).map(|mesh| CasterPart::standing(of(mesh))).collect();
+    let mut pass = made(&settings, &parts, 0);
+    all = joined(&[&all, &floor]);
+    let mut seen = Vec::new();
+    // Over the floor between the boxes, in one of them, and over all of them.
+    for (position, views) in [([-1.5, 1.0, -2.75], 3..6), ([1.0, 0.5, -1.5], 6..7), ([0.5, 9.0, 0.0], 1..2)] {
+        let light = Light::Point { position };
+        let (want, _) = rendered(&all, &camera, &light, &settings);
+        let (got, _) = complete_within(6, &mut pass, &Inputs::new(&camera, &light));
+        assert_eq!(apart(&got, &want), 0, "{position:?}");
+        let (pixels, made) = (want.visibility.len(), pass.capacities().views);
+        assert_eq!(wrong(&got.0[pixels..], &all, &camera, &light, &settings.samples), 0, "{position:?}");
+        assert!(views.contains(&made), "{position:?}: {made} views");
+        seen.push(got);
+    }
+    assert!(seen[0] != seen[1] && seen[1] != seen[2]);
+}
+
 /// A method of depth maps takes them as it takes casters that all move.
 #[gpu_test]
 fn depth_maps_take_parts() {
@@ -150,14 +175,21 @@ fn depth_maps_take_parts() {
         let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
         pass.record_and_read(inputs)
     };
-    let (all, buffers) = (world.all(), world.buffers());
+    let buffers = world.buffers();
     let inputs = Inputs { parts: &world.places(&buffers), ..Inputs::new(&camera, &light) };
     let got = picture(Casters::Parts { parts: &world.parts(), room: 77 }, &inputs);
-    let vertices = vertex_buffer(&all.positions);
-    let vertices = Vertices { buffer: &vertices, offset: 16, stride: 32 };
-    let moved = Some(Moved { vertices, bounds: bounds(&all) });
-    let moving = Casters::Moving { rest: &all.positions, triangles: &all.triangles };
-    let want = picture(moving, &Inputs { moved, ..Inputs::new(&camera, &light) });
+    // The views are those of the same boxes.
+    let boxes = world.boxes();
+    let meshes = [&world.floor, &boxes, &world.towers, &world.bent];
+    let buffers = meshes.map(|mesh| vertex_buffer(&mesh.positions));
+    let parts = meshes.map(|mesh| CasterPart::moving(of(mesh)));
+    let place = |k: usize| {
+        let vertices = Vertices { buffer: &buffers[k], offset: 16, stride: 32 };
+        PartPlace { part: k as u32, at: PartAt::Moved(Moved { vertices, bounds: bounds(meshes[k]) }) }
+    };
+    let places: Vec<PartPlace> = (0..4).map(place).collect();
+    let moving = Casters::Parts { parts: &parts, room: 0 };
+    let want = picture(moving, &Inputs { parts: &places, ..Inputs::new(&camera, &light) });
     assert!(got == want && got.iter().filter(|v| **v == 0).count() > 50);
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::gpu::{AdapterSummary, BufferMemory, KeptPrograms};
-use subpixel_shadows::pass::CasterMesh;
+use subpixel_shadows::pass::{CasterMesh, CasterPart};
 
 pub fn picture(pass: &mut ShadowPass, gpu: &Gpu, scene: &Scene) -> Vec<u32> {
     for _ in 0..9 {
@@ -67,8 +67,13 @@ fn passes_share_their_programs() {
 fn pipelines_are_made_beside_the_application() {
     let scene = scene("spheres");
     let meshes = [CasterMesh::new(&scene.mesh.positions, &scene.mesh.triangles)];
-    let kinds = [casters(&scene.mesh), Casters::Instanced { meshes: &meshes, instances: &[0] }];
-    for (threaded, (keep_last, kind)) in [true, false].into_iter().zip([false, true].into_iter().zip(kinds)) {
+    let parts = [CasterPart::standing(meshes[0]), CasterPart::instances(meshes[0], 2)];
+    let kinds = [
+        (true, false, casters(&scene.mesh)),
+        (false, true, Casters::Instanced { meshes: &meshes, instances: &[0] }),
+        (false, false, Casters::Parts { parts: &parts, room: 9 }),
+    ];
+    for (threaded, keep_last, kind) in kinds {
         let programs = KeptPrograms::default();
         let config = PassConfig {
             keep_last,
