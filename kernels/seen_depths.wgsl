@@ -43,5 +43,6 @@ fn gather(
     let farthest = atomicLoad(&wg_farthest);
     // Most groups have nothing to add.
     if nearest > atomicLoad(&status.head.nearest_key) { atomicMax(&status.head.nearest_key, nearest); }
-    if farthest > atomicLoad(&status.head.farthest_depth) { atomicMax(&status.head.farthest_depth, farthest); }
+    let known = atomicLoad(&status.head.farthest_depth);
+    if farthest > known { atomicMax(&status.head.farthest_depth, farthest); }
 }

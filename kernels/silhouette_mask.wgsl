@@ -1,10 +1,10 @@
 // silhouette_mask: finds the silhouette edges and marks the texels they touch (Pan 2009, section 3.2).
 // `classify` decides for every edge whether it is a silhouette: its two triangles do not face the light
-// alike, or one of them is missing, unsure, or not known to be its only neighbour; an element with one vertex
-// twice holds no edge. Writes `edge_rects`, `edge_items` (8 x 8 blocks to mark, of those that are `requested`;
-// 0 where the edge is none). `raster` marks in `mask` every texel an edge touches (conservatively), unless the
-// edge lies there behind the texel's split depth: then it is hidden by what is in front, or front_layer marks
-// the texel anyway.
+// alike, or one of them is missing, unsure, or not known to be its only neighbour; an element with one
+// vertex twice holds no edge. Writes `edge_rects`, `edge_items` (8 x 8 blocks to mark, of those that are
+// `requested`; 0 where the edge is none). `raster` marks in `mask` every texel an edge touches
+// (conservatively), unless the edge lies there behind the texel's split depth: then it is hidden by what is
+// in front, or front_layer marks the texel anyway.
 
 //@import frame dispatch status edge rect work_items front_split facing span mask_rows requested_part
 

@@ -67,10 +67,9 @@ fn other_value(option: &str) -> &'static str {
         "warp" => "even",
         "focus" => "0.2",
         "bleeding" | "error" => "0.4",
-        "grazing" => "20",
+        "grazing" | "pages" => "20",
         "exponent" | "sub-texels" => "8",
         "filter" => "tent",
-        "pages" => "9",
         "layers" | "finer" | "stretch" | "confidence-power" => "2",
         _ => panic!("--{option} is new: give it a value here"),
     }

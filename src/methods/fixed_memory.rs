@@ -251,10 +251,8 @@ impl FixedMemory {
             _ => None,
         };
         let counts = settings.count_pixels && (method.facets().is_some() || method.classes().is_some());
-        let counted = || {
-            let counts = Buffer::storage(device, "pixel_counts.counts", settings.pixels());
-            counts.map(|counts| (CountedPixels::new(device), counts))
-        };
+        let of_pixels = || Buffer::storage(device, "pixel_counts.counts", settings.pixels());
+        let counted = || of_pixels().map(|counts| (CountedPixels::new(device), counts));
         Ok(Self {
             counted: counts.then(counted).transpose()?,
             with: GeometryPipelines::new(device, settings.alpha_tested, settings.tells_depths()),
@@ -302,8 +300,8 @@ impl FixedMemory {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
     pub fn asked_views(&self, gpu: &Gpu) -> Result<Vec<u32>> {
-        let by_views = self.by_views.as_ref().filter(|_| self.views > 1);
-        by_views.map_or(Ok(Vec::new()), |by| by.choice().view_of.read(gpu))
+        let by = self.by_views.as_ref().filter(|_| self.views > 1);
+        by.map_or(Ok(Vec::new()), |by| by.choice().view_of.read(gpu))
     }
 
     /// The views of the next frame, whose texels lie otherwise than those of the last where frames before are kept.

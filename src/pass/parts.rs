@@ -18,7 +18,7 @@ use crate::stages::instance_positions::InstancePositions;
 use crate::{Error, Result};
 use glam::{DVec3, Vec3};
 pub use part::NewPart;
-use part::{Contents, EDGES, KINDS, NewMoves, Part, Source, TRIANGLES, VERTICES};
+use part::{Contents, EDGES, HeldPart, KINDS, NewMoves, PlaceSource, TRIANGLES, VERTICES};
 use ranges::Ranges;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// The parts. A clone has the same ones and no edits that are still to be written.
 pub struct PartSet {
-    parts: BTreeMap<u32, Arc<Part>>,
+    parts: BTreeMap<u32, Arc<HeldPart>>,
     next: u32,
     room: [Ranges; KINDS],
     /// Vertices that a part's first is a multiple of.
@@ -123,13 +123,13 @@ impl PartSet {
         let at: [Range<usize>; KINDS] = std::array::from_fn(|kind| room[kind].take(needs[kind]));
         let slice = |label: &str, data: &[[u32; 2]]| Buffer::from_slice(device, queue, label, data);
         let source = match new.moves {
-            NewMoves::Not => Source::Standing,
+            NewMoves::Not => PlaceSource::Standing,
             NewMoves::Vertices(mut places) => {
                 let first = at[VERTICES].start as u32;
                 places.iter_mut().filter(|[place, _]| *place != u32::MAX).for_each(|[place, _]| *place += first);
-                Source::Vertices(slice("casters.places", &places)?)
+                PlaceSource::Vertices(slice("casters.places", &places)?)
             }
-            NewMoves::Transforms { instances, sources, vertices } => Source::Transforms {
+            NewMoves::Transforms { instances, sources, vertices } => PlaceSource::Transforms {
                 instances,
                 sources: slice("casters.sources", &sources)?,
                 vertices: Buffer::from_slice(device, queue, "casters.vertices", &padded(&vertices))?,
@@ -137,7 +137,7 @@ impl PartSet {
         };
         let has_bodies = new.prepared.bodies.contains(&true);
         let number = self.next;
-        self.parts.insert(number, Arc::new(Part { prepared: new.prepared, source, at, has_bodies }));
+        self.parts.insert(number, Arc::new(HeldPart { prepared: new.prepared, source, at, has_bodies }));
         (self.room, self.next) = (room, number + 1);
         Ok(number)
     }
@@ -238,7 +238,7 @@ impl PartSet {
 
     /// Whether all parts stand.
     pub fn stand(&self) -> bool {
-        self.parts.values().all(|part| matches!(part.source, Source::Standing))
+        self.parts.values().all(|part| matches!(part.source, PlaceSource::Standing))
     }
 
     /// Whether some triangles are alpha-tested.
@@ -277,17 +277,17 @@ impl PartSet {
             };
             let Some(part) = self.parts.get(&number) else { return Err(no_part(number)) };
             let [low, high] = match (&part.source, &place.at) {
-                (Source::Vertices(places), PartAt::Moved(moved)) => {
+                (PlaceSource::Vertices(places), PartAt::Moved(moved)) => {
                     moved.vertices.check(places.len(), limits).map_err(of_part)?;
                     moved.bounds
                 }
-                (Source::Transforms { instances, .. }, PartAt::Placed(placed)) => {
+                (PlaceSource::Transforms { instances, .. }, PartAt::Placed(placed)) => {
                     placed.transforms.check(*instances, limits).map_err(of_part)?;
                     placed.bounds
                 }
-                (Source::Standing, _) => return refuse("it stands, and the frame says where it is"),
-                (Source::Vertices(_), _) => return refuse("a vertex buffer moves it, and not transforms"),
-                (Source::Transforms { .. }, _) => return refuse("transforms place it, and not a vertex buffer"),
+                (PlaceSource::Standing, _) => return refuse("it stands, and the frame says where it is"),
+                (PlaceSource::Vertices(_), _) => return refuse("a vertex buffer moves it, and not transforms"),
+                (PlaceSource::Transforms { .. }, _) => return refuse("transforms place it, and not a vertex buffer"),
             };
             if !(0..3).all(|k| low[k].is_finite() && high[k].is_finite() && low[k] <= high[k]) {
                 return refuse(&format!("no box from {low:?} to {high:?}"));
@@ -296,8 +296,9 @@ impl PartSet {
                 return refuse("the frame says twice where it is");
             }
         }
-        let untold =
-            |(number, part): &(&u32, &Arc<Part>)| !matches!(part.source, Source::Standing) && !told.contains(*number);
+        let untold = |(number, part): &(&u32, &Arc<HeldPart>)| {
+            !matches!(part.source, PlaceSource::Standing) && !told.contains(*number)
+        };
         match self.parts.iter().find(untold) {
             Some((number, _)) => {
                 Err(Error::Config(format!("part {number} moves, and the frame does not say where it is")))
@@ -309,8 +310,8 @@ impl PartSet {
     /// The boxes of parts that have triangles, of which those that move are where a frame says, which has been checked.
     pub fn boxes(&self, places: &[PartPlace]) -> Vec<(DVec3, DVec3)> {
         let told: BTreeMap<u32, [[f32; 3]; 2]> = places.iter().map(|place| (place.part, place.at.bounds())).collect();
-        let of_part = |(number, part): (&u32, &Arc<Part>)| match (&part.source, told.get(number)) {
-            (Source::Standing, _) => part.prepared.tree().bounds(),
+        let of_part = |(number, part): (&u32, &Arc<HeldPart>)| match (&part.source, told.get(number)) {
+            (PlaceSource::Standing, _) => part.prepared.tree().bounds(),
             _ if part.at[TRIANGLES].is_empty() => None,
             (_, told) => told.map(|ends| ends.map(|p| Vec3::from(p).as_dvec3())).map(|[low, high]| (low, high)),
         };
@@ -335,7 +336,7 @@ impl PartSet {
         if any(|at| matches!(at, PartAt::Moved(_))) {
             let stage = &mut rec.stage("caster_positions");
             for place in places {
-                if let (Some((Source::Vertices(of), _)), PartAt::Moved(moved)) = (sources(place), &place.at) {
+                if let (Some((PlaceSource::Vertices(of), _)), PartAt::Moved(moved)) = (sources(place), &place.at) {
                     gather.record(stage, moved.vertices, of, moved.bounds, positions, faults)?;
                 }
             }
@@ -343,8 +344,10 @@ impl PartSet {
         if any(|at| matches!(at, PartAt::Placed(_))) {
             let stage = &mut rec.stage("instance_positions");
             for place in places {
-                if let (Some((Source::Transforms { instances, sources, vertices }, first)), PartAt::Placed(placed)) =
-                    (sources(place), &place.at)
+                if let (
+                    Some((PlaceSource::Transforms { instances, sources, vertices }, first)),
+                    PartAt::Placed(placed),
+                ) = (sources(place), &place.at)
                 {
                     let transforms = (placed.transforms, *instances);
                     let to = (positions, first);

@@ -19,15 +19,15 @@ pub const EDGES: usize = 2;
 pub const ELEMENTS: usize = 3;
 
 /// A part.
-pub struct Part {
+pub struct HeldPart {
     pub prepared: Prepared,
-    pub source: Source,
+    pub source: PlaceSource,
     pub at: [Range<usize>; KINDS],
     pub has_bodies: bool,
 }
 
 /// Source of its places in a frame.
-pub enum Source {
+pub enum PlaceSource {
     Standing,
     Vertices(Buffer<[u32; 2]>),
     Transforms { instances: usize, sources: Buffer<[u32; 2]>, vertices: Buffer<[f32; 4]> },
@@ -105,7 +105,7 @@ impl NewPart {
     }
 }
 
-impl Part {
+impl HeldPart {
     pub fn contents(&self, first: usize) -> Contents {
         Contents {
             positions: self.positions(),
