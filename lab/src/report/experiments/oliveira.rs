@@ -179,7 +179,7 @@ pub const ALL: [Experiment; 4] = [
             "shadow-map",
             "trapezoidal",
             "parallel-split splits=3",
-            "trapezoidal splits=3",
+            "shadow-map splits=3 warp=trapezoid",
             "shadow-map partition=frustum-faces",
         ],
         views: true,
