@@ -171,11 +171,15 @@ fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
     let owned = owned_by(i, g.own);
     let beside = is_centre(offset) && is_beside(g, i, owned, turn);
     let at = vec3(1.0, offset);
+    // Of c, a, b: each the part of the edge opposite.
     let ab_line = turn * full_edge_line(g, n, i.xy);
-    let bc_line = turn * full_edge_line(g, n, i.yz);
-    let ca_line = -turn * full_edge_line(g, n, i.xz);
+    var parts = vec3(0.0, 0.0, dot(at, ab_line));
     let ab = dot(at, beyond_centre(ab_line, beside & !owned.z));
+    let bc_line = turn * full_edge_line(g, n, i.yz);
+    parts.x = dot(at, bc_line);
     let bc = dot(at, beyond_centre(bc_line, beside & !owned.x));
+    let ca_line = -turn * full_edge_line(g, n, i.xz);
+    parts.y = dot(at, ca_line);
     let ca = dot(at, beyond_centre(ca_line, beside & !owned.y));
     var least = min(ab, min(bc, ca));
     if !all(h > vec3(0.0)) {
@@ -185,8 +189,7 @@ fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
     if (bitcast<u32>(least) >> 31u) == 1u { return FREE; }
     if ALPHA == 0u || c.word < 2u { return BLOCKED; }
     if !casts(c.word) { return FREE; }
-    // Of a, b, c: each the part of the edge opposite.
-    let parts = max(vec3(dot(at, bc_line), dot(at, ca_line), dot(at, ab_line)), vec3(0.0));
+    parts = max(parts, vec3(0.0));
     let shares = parts / max(parts.x + parts.y + parts.z, 1e-37);
     return hole_by(c.word, vec2(dot(shares, select(vec3(0.0), vec3(1.0), i == vec3(c.vertices.y))),
         dot(shares, select(vec3(0.0), vec3(1.0), i == vec3(c.vertices.z)))));
