@@ -26,7 +26,7 @@ pub fn density(texels: f64) -> u32 {
     (texels * ONE).clamp(1.0, MOST).ceil() as u32
 }
 
-/// Of each cell the greatest density within [`SPREAD`] cells.
+/// Of each cell the greatest density within `SPREAD` cells.
 fn spread(asked: &[u32]) -> Vec<u32> {
     let around = |cell: usize| &asked[cell.saturating_sub(SPREAD)..(cell + SPREAD + 1).min(asked.len())];
     (0..asked.len()).map(|cell| around(cell).iter().copied().max().unwrap_or(0)).collect()
@@ -42,7 +42,7 @@ pub fn requested(asked: &[u32], stretch: u32) -> Vec<u32> {
     limited(&(0..asked.len()).map(mean).collect::<Vec<_>>(), stretch)
 }
 
-/// Densities by the distance of each cell's strip from the eye, where pixels ask for any within [`SPREAD`] cells, no receiver nearer than `near`.
+/// Densities by the distance of each cell's strip from the eye, where pixels ask for any within `SPREAD` cells, no receiver nearer than `near`.
 pub fn logarithmic(view: &View, axis: usize, near: f64, asked: &[u32], stretch: u32) -> Vec<u32> {
     let of = |(cell, asked): (usize, u32)| if asked == 0 { 0.0 } else { strip(view, axis, cell, near) };
     let strips: Vec<f64> = spread(asked).into_iter().enumerate().map(of).collect();
