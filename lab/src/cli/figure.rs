@@ -126,7 +126,7 @@ pub fn write(experiment: &Experiment, command: &str, machine: &Machine, rows: &[
     let tinted: Vec<(String, String)> = experiment
         .places
         .iter()
-        .flat_map(|place| measured.iter().map(move |row| (place, row.series())))
+        .flat_map(|place| measured.iter().filter(|row| row.scene == place.label).map(move |row| (place, row.series())))
         .map(|(place, series)| (views_file(place, &series), format!("{series}, {}", place.label)))
         .filter(|(file, _)| out.join(file).exists())
         .collect();
