@@ -172,7 +172,7 @@ impl<'a> Renderer<'a> {
         let mut inputs = Inputs::new(camera, first);
         if settings.tells_depths() && extent == Extent::Everything {
             if self.depths.is_none_or(|(of, _)| of != *camera) {
-                // What a frame finds is what it is cut by when it runs again.
+                // A frame runs again, cut by the depths that it found.
                 self.depths = Some((*camera, seen_depths(gpu, pass, &inputs, points)?));
             }
             inputs.depths = self.depths.and_then(|(_, depths)| depths);

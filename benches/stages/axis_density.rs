@@ -1,4 +1,4 @@
-//! What the pixels of a ball ask of the axes of a map of 512 × 512, and the densities and borders that follow.
+//! Pixels of a ball asking for the axes of a map of 512 × 512, and the densities and borders that follow.
 
 use crate::harness::Case;
 use crate::harness::geometry::{MAP, Setup, samples};

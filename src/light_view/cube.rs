@@ -79,7 +79,7 @@ impl LightView {
         let slack = 1e-3 * (all.1 - all.0).max_element();
         let holds = |(low, high): &(DVec3, DVec3)| at.cmpge(*low - slack).all() && at.cmple(*high + slack).all();
         if boxes.iter().any(holds) {
-            // What is in the box with it may be anywhere.
+            // Others in the box with it may be anywhere.
             return Self::cube_around(all, light, map_size);
         }
         // Each ray that meets a caster meets a side of its box before it, and one behind it.

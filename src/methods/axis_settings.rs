@@ -8,7 +8,7 @@ use crate::{Error, Result};
 /// Options of `rectilinear`, whose bias is that of [`ShadowMapSettings`](super::ShadowMapSettings).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisSettings {
-    /// What decides how many texels a part of an axis of the light's view takes.
+    /// Rule for the texels that a part of an axis of the light's view takes.
     pub density: DensityRule,
     /// How many times narrower than texels of an even map those of an axis may be: 2 to 256.
     pub stretch: u32,

@@ -65,7 +65,7 @@ impl ShadowPass {
         self.casters.parts.as_ref()?.triangles(part)
     }
 
-    /// What was made of casters that stood is of others now.
+    /// Maps of casters that stood are of others now.
     fn have_changed(&mut self) {
         self.views = Views::default();
         self.kept_maps.forget();

@@ -19,7 +19,7 @@ use crate::stages::Count;
 use crate::stages::prefix_scan::PrefixScanScratch;
 use crate::{Error, Result};
 
-/// What decides how many texels a part of an axis takes.
+/// Rule for the texels that a part of an axis takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DensityRule {
     /// The pixels: where one wants the most (Rosen 2012).

@@ -9,7 +9,7 @@ fn made(config: &PassConfig) -> ShadowPass {
     ShadowPass::new(&gpu().device, &gpu().queue, config).expect("a pass")
 }
 
-/// What a light gets: visibility, read from its texture.
+/// A light's visibility, read from its texture.
 fn target() -> wgpu::Texture {
     texture(SIZE, TextureFormat::R32Float, TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC)
 }
@@ -106,7 +106,7 @@ fn lights_have_methods_of_their_own() {
     }
 }
 
-/// What a method or the passes cannot is told before anything is recorded.
+/// Methods and passes tell what they cannot before anything is recorded.
 #[gpu_test]
 fn methods_that_cannot_are_told() {
     let scene = scene("spheres");

@@ -1,4 +1,4 @@
-//! What pixels ask of the axes against their footprints in `f64`; densities and borders exactly, or as rounding lets them, from what was asked.
+//! Requests of pixels to the axes against their footprints in `f64`; densities and borders exactly, or as rounding lets them, from what was asked.
 
 use crate::support::axes::Warped;
 use crate::support::pages::ten_a_row;
@@ -18,7 +18,7 @@ use test_support::gpu_test;
 /// Spans of 2^k cells, k from 0 on.
 const LEVELS: usize = 11;
 
-/// What a pixel wants of either axis, the box of its samples, its distance from the eye; `None` where a corner of its box is not seen.
+/// Request of a pixel to either axis, the box of its samples, its distance from the eye; `None` where a corner of its box is not seen.
 fn footprint(world: &World, pixel: u32, t: u32) -> Option<(DVec2, [DVec2; 2], f64)> {
     let at = |x: f64, y: f64| on_plane(world, pixel, t, DVec2::new(x, y)).map(|p| p.truncate());
     let h = 1.0 / 4096.0;
@@ -40,7 +40,7 @@ fn footprint(world: &World, pixel: u32, t: u32) -> Option<(DVec2, [DVec2; 2], f6
     Some((wanted(right, down).min(DVec2::splat(told)), reached, point.length()))
 }
 
-/// What was asked of each cell of an axis: of each the greatest of the spans that hold it.
+/// Requests to each cell of an axis: of each the greatest of the spans that hold it.
 fn asked(ran: &Warped, axis: usize) -> Vec<u32> {
     let mut asked = vec![0; CELLS];
     for level in 0..LEVELS {

@@ -144,7 +144,7 @@ fn is_place_open(g: Ground, r: Ray, c: Caster, doubt: vec3<f32>) -> bool {
     let normal = frame.light.w * cross(c.ab, c.ac);
     var slope = vec3(0.0);
     for (var k = 0u; k < 2u; k++) {
-        // What a pixel to the right, and one down, adds to the sample's point, and with it to the volumes.
+        // Change of the sample's point for a pixel to the right, and one down, and of the volumes.
         let along = select(g.along_y, g.along_x, k == 0u);
         let step = (along - (r.at - g.at) * select(g.over.z, g.over.y, k == 0u)) / over;
         let m = cross(r.light, step) + frame.light.w * cross(step, a);

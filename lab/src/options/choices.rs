@@ -64,7 +64,7 @@ impl From<Compare> for Option<DepthRule> {
     }
 }
 
-/// What decides how wide the texels of an axis of `rectilinear` are.
+/// Rule for the width of texels along an axis of `rectilinear`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum DensityBy {
     /// The pixels: where one wants the most

@@ -165,7 +165,7 @@ pub struct RenderOptions {
     /// Levels of pages beyond that whose texels are no longer than a pixel on its receiver (resolution-matched): 0 to 4
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub finer: u32,
-    /// What decides how wide the texels of either axis of rectilinear are: the pixels that want the most of an axis, or its distance from the eye
+    /// Rule for the width of texels along either axis of rectilinear: the pixels that want the most of an axis, or its distance from the eye
     #[arg(long, value_enum, default_value_t, value_name = "BY")]
     pub density: DensityBy,
     /// How many times narrower than those of an even map texels of rectilinear may be: 2 to 256

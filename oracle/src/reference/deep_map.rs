@@ -57,7 +57,7 @@ impl Steps {
             if place == origin.0 {
                 continue;
             }
-            // What is left behind the last is exact.
+            // Light left behind the last is exact.
             let within = if place == last + 1 { 0.0 } else { error };
             let light = self.light(place);
             let slopes = |(from, lit): (u32, f64)| {

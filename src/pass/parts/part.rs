@@ -11,7 +11,7 @@ use crate::stages::sample_surfaces::SEVERAL;
 use crate::{Error, Result};
 use std::ops::Range;
 
-/// What parts have ranges of: vertices, triangles, edges, and elements that tell of alpha-tested triangles.
+/// Kinds of ranges of parts: vertices, triangles, edges, and elements that tell of alpha-tested triangles.
 pub const KINDS: usize = 4;
 pub const VERTICES: usize = 0;
 pub const TRIANGLES: usize = 1;
@@ -86,7 +86,7 @@ impl NewPart {
                 Self { prepared, moves: NewMoves::Transforms { instances, sources, vertices } }
             }
         };
-        // What is turned outward, or in one plane, at rest may not be in motion.
+        // Triangles turned outward, or in one plane, at rest may not be so in motion.
         new.prepared.bodies.fill(false);
         new.prepared.surfaces = (0..new.prepared.mesh().triangles.len() as u32).collect();
         Ok(new)
