@@ -5,7 +5,7 @@
 //! only; lists that turn out empty in the frame cost an empty dispatch and are reported after it.
 
 mod methods;
-mod proofs;
+pub(crate) mod proofs;
 
 use crate::Result;
 use crate::light_view::Warp;

@@ -23,6 +23,7 @@ mod page_settings;
 #[cfg(feature = "baselines")]
 pub mod polygon_mapping;
 pub mod prepared;
+mod prepared_bytes;
 #[cfg(feature = "baselines")]
 pub mod ray_traced;
 #[cfg(feature = "baselines")]

@@ -29,7 +29,7 @@ pub struct Prepared {
     pub surfaces: Vec<u32>,
     /// Its triangles that are alpha-tested.
     pub(crate) alpha: Arc<AlphaTested>,
-    tree: OnceLock<MeshTree>,
+    pub(super) tree: OnceLock<MeshTree>,
     pub(crate) known: KnownFacts,
 }
 
@@ -143,6 +143,11 @@ impl Prepared {
     /// [`Mesh::check`].
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    /// Lowest and highest corner of its triangles, world units; none without triangles.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.tree().bounds().map(|(low, high)| [low, high])
     }
 
     /// The tree of the mesh, made when it is first asked for: with it the light's views take no walk over all triangles.

@@ -98,7 +98,8 @@ fn found_in_one_plane(prepared: &Prepared) -> bool {
         let [a, b, c] = mesh.corners(t);
         (b - a).cross(c - a).length_squared()
     };
-    let Some(largest) = (0..mesh.triangles.len()).max_by(|&s, &t| area(s).total_cmp(&area(t))) else { return true };
+    let areas = (0..mesh.triangles.len()).into_par_iter().map(|t| (area(t), t));
+    let Some((_, largest)) = areas.max_by(|s, t| s.0.total_cmp(&t.0).then(s.1.cmp(&t.1))) else { return true };
     let [a, b, c] = mesh.corners(largest);
     let normal = (b - a).cross(c - a);
     // Differences of f32 and their products round in f64 at 2^-53 each: what is off the plane by more is seen.

@@ -5,6 +5,8 @@
 //! Groups are runs of a Morton order (Lauterbach et al. 2009): no tree is deeper than the logarithm of the count, however the
 //! triangles lie. Built from the same mesh it is the same.
 
+mod bytes;
+
 use super::Mesh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
